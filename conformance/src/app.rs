@@ -2,14 +2,15 @@
 //!
 //! | Exit status | Meaning |
 //! |---:|---|
-//! | 0 | conforms |
+//! | 0 | conforms, or no violations found with partial coverage |
 //! | 1 | does not conform |
 //! | 2 | invalid usage, unreadable definitions, or unreadable lists |
-//! | 3 | an input can't be read completely, a report can't be written, or a testee or server failed |
+//! | 3 | an input can't be opened, a report can't be written, or a testee or server failed |
 //! | 4 | an entry in a list of known failures no longer applies |
 //! | 5 | nothing was checked |
+//! | 6 | incomplete: some data can't be read, or too little was checked |
 //!
-//! If several statuses apply, the exit status is the first that applies in the order 2, 3, 1, 4, 5.
+//! If several statuses apply, the exit status is the first that applies in the order 2, 3, 1, 6, 4, 5.
 //!
 //! ```no_run
 //! let status: std::process::ExitCode = uavspec_conformance::app::main();
@@ -17,6 +18,7 @@
 
 mod check;
 mod known;
+mod outcome;
 mod probe;
 mod progress;
 mod report;
@@ -36,7 +38,7 @@ use clap::{Parser, Subcommand, ValueEnum};
 use self::report::ReportArgs;
 use crate::definitions::Definitions;
 use crate::flockwave::body_schema::Schemas;
-use crate::report::{OutcomeKind, Report};
+use crate::report::{Outcome, OutcomeKind, Report};
 use crate::text::command_line;
 
 const EXAMPLES: &str = "Examples:
@@ -46,25 +48,29 @@ const EXAMPLES: &str = "Examples:
   uavspec rules PX-RANGE-01";
 
 const STATUS: &str = "Exit status:
-  0  conforms, or success
+  0  conforms, no violations found with partial coverage, or success
   1  does not conform
   2  invalid usage, unreadable definitions, or unreadable lists
-  3  an input, report, testee or server failed
+  3  an input can't be opened, or a report, testee or server failed
   4  an entry in a list of known failures no longer applies
   5  nothing was checked
+  6  incomplete: some data can't be read, or too little was checked
 
-If several statuses apply, the exit status is the first of 2, 3, 1, 4 and 5 that applies.";
+If several statuses apply, the exit status is the first of 2, 3, 1, 6, 4 and 5
+that applies.";
 
-/// The exit statuses of a command that reports an outcome. `failure` is the meaning of status 3.
-fn outcome_statuses(failure: &str) -> String {
+/// The exit statuses of a command that reports an outcome. `failure` is the meaning of status 3, `incomplete` that of
+/// status 6, if the command uses it.
+fn outcome_statuses(failure: &str, incomplete: Option<&str>) -> String {
+    let incomplete = incomplete.map(|meaning| format!("\n  6  incomplete: {meaning}")).unwrap_or_default();
     format!(
         "Exit status:
-  0  conforms
+  0  conforms, or no violations found with partial coverage
   1  does not conform
   2  invalid usage, unreadable definitions, or unreadable lists
   3  {failure}
   4  an entry in a list of known failures no longer applies
-  5  nothing was checked"
+  5  nothing was checked{incomplete}"
     )
 }
 
@@ -145,6 +151,7 @@ enum Status {
     Conforms,
     Nothing,
     Stale,
+    Incomplete,
     DoesNotConform,
     Unreadable,
     Usage,
@@ -159,16 +166,19 @@ impl Status {
             Self::Unreadable => 3,
             Self::Stale => 4,
             Self::Nothing => 5,
+            Self::Incomplete => 6,
         }
     }
 }
 
-impl From<OutcomeKind> for Status {
-    fn from(outcome: OutcomeKind) -> Self {
-        match outcome {
-            OutcomeKind::Conforms => Self::Conforms,
+impl From<&Outcome> for Status {
+    fn from(outcome: &Outcome) -> Self {
+        match outcome.kind {
+            _ if outcome.is_success() => Self::Conforms,
+            OutcomeKind::Conforms | OutcomeKind::Partial => Self::Conforms,
             OutcomeKind::DoesNotConform => Self::DoesNotConform,
-            OutcomeKind::Incomplete => Self::Unreadable,
+            OutcomeKind::Incomplete => Self::Incomplete,
+            OutcomeKind::Failed => Self::Unreadable,
             OutcomeKind::Stale => Self::Stale,
             OutcomeKind::Nothing => Self::Nothing,
         }
@@ -190,13 +200,25 @@ pub fn main() -> ExitCode {
     ExitCode::from(status.code())
 }
 
+/// Runs `uavspec check` without printing. Returns the report and the exit status.
+#[cfg(test)]
+pub(crate) fn check_report(arguments: &[&str]) -> (Report, u8) {
+    let arguments = ["uavspec", "check", "--format=json"].iter().chain(arguments);
+    let Ok(Cli { command: Command::Check(args) }) = Cli::try_parse_from(arguments) else {
+        panic!("invalid arguments");
+    };
+    let (report, status) = check::run(&args).expect("a report");
+    let status = Status::from(&report.outcome).max(status).code();
+    (report, status)
+}
+
 /// Prints and writes a report, and returns the status of the run.
 fn deliver(args: &ReportArgs, report: &Report) -> Status {
     let failures = args.write(report);
     for failure in &failures {
         anstream::eprintln!("error: {failure}");
     }
-    if failures.is_empty() { report.outcome.kind.into() } else { Status::Unreadable }
+    if failures.is_empty() { (&report.outcome).into() } else { Status::Unreadable }
 }
 
 /// The command line of this run.

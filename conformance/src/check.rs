@@ -16,6 +16,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+mod coverage;
 mod flockwave;
 mod json;
 pub(crate) mod known;
@@ -36,6 +37,8 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
+use self::coverage::Parts;
+pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
 #[doc(hidden)]
 pub use self::flockwave::FlockwaveChecker;
 use self::flockwave::Listeners;
@@ -45,7 +48,7 @@ pub use self::json::JsonSummary;
 pub use self::json::check_json_thoroughly;
 pub use self::log::LogSummary;
 pub use self::mcap::{Basis, CheckStatus, McapChannel, McapSummary};
-pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals};
+pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog, mcap::check_mcap};
 use crate::capture::MCAP_MAGIC;
@@ -73,7 +76,7 @@ struct Kind {
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
     /// Checks the readable part of a capture of this kind.
-    check: fn(&mut dyn Read, Option<MessageId>, &Definitions) -> io::Result<CaptureResult>,
+    check: fn(&mut dyn Read, Option<MessageId>, &Definitions) -> CaptureResult,
 }
 
 /// All kinds of captures, in the order of detection.
@@ -93,6 +96,26 @@ pub enum Summary {
     Mcap(McapSummary),
     /// A recorded Flockwave session. Only messages from the server are counted.
     Flockwave(FlockwaveSummary),
+    /// A file that isn't a capture, or a capture that can't be read.
+    Unknown(UnknownSummary),
+}
+
+/// The summary of a file of which nothing can be read.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Unknown"))]
+pub struct UnknownSummary {
+    /// The reason.
+    pub reason: String,
+}
+
+impl Describe for UnknownSummary {
+    fn facts(&self, _: Totals) -> Vec<String> {
+        vec!["not a readable capture".to_owned()]
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        Vec::new()
+    }
 }
 
 impl Summary {
@@ -103,6 +126,7 @@ impl Summary {
             Self::Json(summary) => summary,
             Self::Mcap(summary) => summary,
             Self::Flockwave(summary) => summary,
+            Self::Unknown(summary) => summary,
         }
     }
 }
@@ -126,16 +150,36 @@ pub struct CaptureResult {
     pub more_corruption: u64,
     /// The extent to which the capture could be read.
     pub extent: Extent,
+    /// The topics or types, and the extent to which they were checked.
+    pub coverage: Coverage,
     /// All violations.
     pub findings: Findings,
+}
+
+impl CaptureResult {
+    /// The result for a file of which nothing can be read.
+    pub(crate) fn unknown(reason: impl Into<String>) -> Self {
+        Self {
+            summary: Summary::Unknown(UnknownSummary { reason: reason.into() }),
+            bytes: 0,
+            duration: 0,
+            records: 0,
+            checked: 0,
+            corruption: Vec::new(),
+            more_corruption: 0,
+            extent: Extent::Unreadable,
+            coverage: Parts::default().finish(Unit::default(), 0),
+            findings: Findings::default(),
+        }
+    }
 }
 
 /// Checks a capture of any kind. The kind is detected from the first bytes. If `message_id` is set, JSON input
 /// consists of bare messages of that type.
 ///
 /// # Errors
-/// Fails if the first bytes can't be read, or if the capture is encrypted or of an unknown kind. Later problems,
-/// including an early end, are part of the result.
+/// Fails if the first bytes can't be read. Later problems, including an early end and an unknown kind, are part of the
+/// result.
 pub fn check_capture(
     mut input: impl Read,
     message_id: Option<MessageId>,
@@ -143,19 +187,35 @@ pub fn check_capture(
 ) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
+    if start.is_empty() {
+        return Ok(CaptureResult::unknown("the file is empty"));
+    }
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
-        let bytes: Vec<String> = start.iter().map(|byte| format!("{byte:02x}")).collect();
-        let mut names: Vec<String> = KINDS.iter().map(|kind| kind.name.to_owned()).collect();
-        names.dedup();
-        let last = names.pop().unwrap_or_default();
-        let names = names.join(", ");
-        let text = format!(
-            "byte 0: unknown file type: expected {names} or {last}, found the bytes {}",
-            bytes.join(" ")
-        );
-        return Err(io::Error::new(io::ErrorKind::InvalidData, text));
+        return Ok(unknown_type(&start));
     };
-    (kind.check)(&mut io::Cursor::new(start).chain(input), message_id, definitions)
+    let result = (kind.check)(&mut io::Cursor::new(&start).chain(input), message_id, definitions);
+    // Other text looks like corrupt JSON until the end.
+    let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
+        && !json::starts_like_json(&start);
+    Ok(if is_text && message_id.is_none() { unknown_type(&start) } else { result })
+}
+
+/// The result for a file of an unknown type that starts with these bytes.
+fn unknown_type(start: &[u8]) -> CaptureResult {
+    let mut names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+    names.dedup();
+    let last = names.pop().unwrap_or_default();
+    let is_text = start.iter().all(|byte| matches!(byte, b' '..=b'~' | b'\t' | b'\r' | b'\n'));
+    let found = if is_text {
+        format!("`{}`", start.escape_ascii())
+    } else {
+        let bytes: Vec<String> = start.iter().map(|byte| format!("{byte:02x}")).collect();
+        format!("the bytes {}", bytes.join(" "))
+    };
+    CaptureResult::unknown(format!(
+        "unknown file type: expected {} or {last}, found {found}",
+        names.join(", ")
+    ))
 }
 
 /// True if a capture starts with the magic, or ends within the magic after at least [`MIN_MAGIC`] bytes.
@@ -402,7 +462,7 @@ impl<'d> CheckRun<'d> {
         self.corruption(location, format!("the rest is unreadable: {error}"), Extent::Unreadable);
     }
 
-    fn finish(mut self, bytes: u64, summary: Summary) -> CaptureResult {
+    fn finish(mut self, bytes: u64, summary: Summary, unit: Unit, parts: Parts) -> CaptureResult {
         for follower in &mut self.followers {
             follower.check(self.definitions, &mut self.findings, |checker, context| checker.end(context));
             self.findings.cover(follower.rule, follower.coverage);
@@ -423,6 +483,7 @@ impl<'d> CheckRun<'d> {
             corruption: corruption.into_iter().map(reported).collect(),
             more_corruption: self.more_corruption,
             extent: self.extent,
+            coverage: parts.finish(unit, self.records),
             findings: self.findings,
         }
     }

@@ -18,7 +18,7 @@
 //! let message_type = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 30, "valid_registrations_mask": 1}"#;
 //! let result = check_capture(record.as_bytes(), message_type, &definitions)?;
-//! let checked = CheckedCapture { path: "requests.jsonl".to_owned(), result, notes: Vec::new(), elapsed: 0 };
+//! let checked = CheckedCapture { path: "requests.jsonl".to_owned(), result, notes: Vec::new(), cut_short: Vec::new(), elapsed: 0 };
 //! let subject = Subject::from_capture(checked, &definitions, &Settings::default());
 //! let command = "uavspec check requests.jsonl".to_owned();
 //! let report = Report::new(Action::Check, command, &definitions, vec![subject], Vec::new(), Vec::new());
@@ -46,8 +46,8 @@ use serde::Serialize;
 pub use self::capture::{CheckedCapture, Settings};
 pub use self::kind::Kind;
 pub use self::outcome::{Outcome, OutcomeKind};
-pub(crate) use self::text::subject as subject_text;
-use crate::check::{Summary, Totals};
+pub(crate) use self::text::{end as end_text, subject as subject_text};
+use crate::check::{Coverage, Line, Summary, Totals};
 use crate::definitions::Definitions;
 use crate::model::{Excuse, Extent, Level, Location, Reason, Rule, Status};
 use crate::rules::RULES;
@@ -79,8 +79,10 @@ pub struct Report {
     pub rules: Vec<RuleReport>,
     /// The captures and testees that were checked.
     pub subjects: Vec<Subject>,
-    /// The files that couldn't be read.
+    /// The files that couldn't be opened, and a server that failed.
     pub unreadable: Vec<Unreadable>,
+    /// The files in folders that aren't captures by their names. They don't affect the outcome.
+    pub not_checked: Vec<Unreadable>,
 }
 
 /// A command that writes reports.
@@ -182,6 +184,13 @@ pub struct Subject {
     pub more_corruption: u64,
     /// The extent to which the input could be read.
     pub extent: Extent,
+    /// The topics or types, and the extent to which they were checked.
+    pub coverage: Coverage,
+    /// The reasons why the subject wasn't read or checked completely.
+    pub incomplete: Vec<String>,
+    /// The reasons that are known apart from the extent and the coverage. They are part of `incomplete`.
+    #[serde(skip)]
+    pub cut_short: Vec<String>,
     /// Notable events during a probe, in order. These notes are not findings.
     pub notes: Vec<String>,
     /// The duration of the check, in milliseconds. The JSON report omits the duration because it differs between runs.
@@ -251,6 +260,18 @@ pub struct Counts {
     pub unsupported: u64,
     /// Cases that were not run.
     pub not_run: u64,
+}
+
+impl Counts {
+    /// The number of cases with a result.
+    pub(crate) fn checked(self) -> u64 {
+        self.pass + self.fail + self.known
+    }
+
+    /// The number of all cases.
+    pub(crate) fn all(self) -> u64 {
+        self.checked() + self.unsupported + self.not_run
+    }
 }
 
 /// The counts for one operation and type.
@@ -440,7 +461,7 @@ pub struct Corruption {
     pub message: String,
 }
 
-/// A file that couldn't be read.
+/// A file that wasn't read.
 #[derive(Clone, Debug, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Unreadable {
@@ -472,7 +493,14 @@ impl Report {
             rules: rules(&subjects),
             subjects,
             unreadable,
+            not_checked: Vec::new(),
         }
+    }
+
+    /// Adds the files in folders that aren't captures by their names.
+    #[must_use]
+    pub(crate) fn with_not_checked(self, not_checked: Vec<Unreadable>) -> Self {
+        Self { not_checked, ..self }
     }
 
     /// Reports outdated entries in lists of known failures. An outdated entry doesn't override a more severe outcome.
@@ -484,7 +512,7 @@ impl Report {
         let mut remarks = vec![self.outcome.text.clone()];
         remarks.extend(entries.iter().map(Reason::to_string));
         self.reasons.extend(entries);
-        if self.outcome.kind < OutcomeKind::Stale {
+        if self.outcome.kind < OutcomeKind::Stale || self.outcome.is_success() {
             let text = "A list of known failures is out of date";
             self.outcome = Outcome { remarks, ..Outcome::new(OutcomeKind::Stale, text) };
         }
@@ -584,6 +612,11 @@ impl Subject {
     /// True if the subject is a testee.
     fn is_testee(&self) -> bool {
         matches!(self.about, About::Testee(_))
+    }
+
+    /// The coverage, as lines for people.
+    fn coverage_lines(&self) -> Vec<Line> {
+        self.coverage.lines(if self.is_testee() { "case" } else { "record" })
     }
 
     /// The number of rules with this verdict.

@@ -11,6 +11,7 @@ mod json;
 mod live_matrix;
 mod mcap;
 mod mutants;
+mod outcomes;
 mod report;
 mod reports;
 mod rule_list;

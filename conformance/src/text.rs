@@ -2,11 +2,13 @@
 
 mod shown;
 mod similar;
+mod wrap;
 
 use std::fmt;
 
 pub(crate) use self::shown::{command_line, shown};
 pub(crate) use self::similar::similar;
+pub(crate) use self::wrap::wrapped;
 
 /// A number with thousands separators: 1,234,567.
 pub(crate) struct Grouped(pub(crate) u64);

@@ -10,12 +10,13 @@ use clap::Args;
 use uavspec_codegen::schema::MessageId;
 
 use super::known::KnownArgs;
+use super::outcome::OutcomeArgs;
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
 use super::{Status, deliver, outcome_statuses};
-use crate::capture::input;
-use crate::check::{self, parallel};
+use crate::capture::input::{self, Files};
+use crate::check::{self, CaptureResult, parallel};
 use crate::definitions::Definitions;
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 
@@ -57,17 +58,20 @@ A list of known failures is a TOML file. Only rule and reason are required:
   expires = 2027-06-30";
 
 /// The meaning of exit status 3.
-const FAILURE: &str = "an input can't be read completely, or a report can't be written";
+const FAILURE: &str = "an input can't be opened, or a report can't be written";
+
+/// The meaning of exit status 6.
+const INCOMPLETE: &str = "some data can't be read, or too little was checked";
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}\n\n{}", outcome_statuses(FAILURE)))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}\n\n{}", outcome_statuses(FAILURE, Some(INCOMPLETE))))]
 pub(super) struct CheckArgs {
     /// Files, folders or glob patterns; `-` means standard input.
     ///
     /// Inputs are PX4 logs (.ulg), MCAP files, JSON messages and recorded Flockwave sessions, optionally compressed
-    /// with gzip or zstd. The file type is detected from the content. Folders are searched for .ulg, .mcap, .json,
-    /// .jsonl and .ndjson files.
+    /// with gzip or zstd. The file type is detected from the content. Folders are searched for .ulg, .ulge, .mcap,
+    /// .json, .jsonl and .ndjson files. Other files in folders are listed as not checked, unless they are hidden.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Definitions to check against (default: built-in).
@@ -91,6 +95,8 @@ pub(super) struct CheckArgs {
     strict_formats: bool,
     #[command(flatten)]
     require: RequireArgs,
+    #[command(flatten)]
+    outcome: OutcomeArgs,
     /// Number of parallel checks (default: one per CPU).
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
@@ -100,48 +106,38 @@ pub(super) struct CheckArgs {
     report: ReportArgs,
 }
 
+/// The reason why a file in a folder isn't checked.
+const NOT_A_CAPTURE: &str = "no capture by the file extension";
+
 pub(super) fn check(args: &CheckArgs) -> Status {
+    match run(args) {
+        Ok((report, status)) => deliver(&args.report, &report).max(status).max(args.known.init(&report)),
+        Err(status) => status,
+    }
+}
+
+/// Checks all files. Returns the report, and the status of the lists of known failures.
+pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
     if let Some(problem) = args.report.problem() {
         anstream::eprintln!("error: {problem}");
-        return Status::Usage;
+        return Err(Status::Usage);
     }
-    let definitions = match super::definitions_with(args.definitions.as_deref(), &args.schemas) {
-        Ok(definitions) => definitions,
-        Err(status) => return status,
-    };
-    let required = match args.require.rules() {
-        Ok(rules) => rules,
-        Err(status) => return status,
-    };
-    let message_id = args.message_type.as_deref().map(|name| (name, definitions.message_of_type(name)));
-    if let Some((name, None)) = message_id {
-        anstream::eprintln!("error: --type {name}: no such message in the definitions");
-        return Status::Usage;
-    }
-    let message_id = message_id.and_then(|(_, id)| id);
-    let files = match input::files(&args.files) {
-        Ok(files) => files,
-        Err((path, error)) => {
-            anstream::eprintln!("error: {}: {error}", path.display());
-            let is_mistake = error.kind() == io::ErrorKind::InvalidInput;
-            return if is_mistake { Status::Usage } else { Status::Unreadable };
-        }
-    };
-    let mut known = match args.known.read() {
-        Ok(known) => known,
-        Err(status) => return status,
-    };
+    let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
+    let required = args.require.rules()?;
+    let message_id = message_id(args, &definitions)?;
+    let files = find_files(&args.files)?;
+    let mut known = args.known.read()?;
     let settings = settings(args);
-    let (mut checked, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut checked, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), unfound(&files));
     let mut take = |found: CheckedCapture| {
         let subject = Subject::from_capture(found, &definitions, &settings);
         args.report.print_subject(&subject);
         subjects.push(subject);
     };
-    let sizes = files.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));
+    let sizes = files.captures.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));
     let progress = Progress::bytes(sizes.sum());
     parallel::each(
-        &files,
+        &files.captures,
         args.jobs,
         |path| check_file(path, message_id, &definitions, &progress),
         |path, result| match result {
@@ -159,9 +155,47 @@ pub(super) fn check(args: &CheckArgs) -> Status {
     let known_status = known.finish_captures(&mut checked, &unreadable);
     checked.into_iter().for_each(take);
     let reasons = uncovered(&required, &subjects);
-    let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons);
-    let report = report.with_stale(known.stale);
-    deliver(&args.report, &report).max(known_status).max(args.known.init(&report))
+    let not_checked =
+        |path: &PathBuf| Unreadable { path: path.display().to_string(), message: NOT_A_CAPTURE.to_owned() };
+    let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons)
+        .with_not_checked(files.others.iter().map(not_checked).collect())
+        .with_stale(known.stale);
+    Ok((report, known_status))
+}
+
+/// The type of all JSON messages, if it is given. Errors are printed.
+fn message_id(args: &CheckArgs, definitions: &Definitions) -> Result<Option<MessageId>, Status> {
+    let Some(name) = &args.message_type else { return Ok(None) };
+    definitions.message_of_type(name).map(Some).ok_or_else(|| {
+        anstream::eprintln!("error: --type {name}: no such message in the definitions");
+        Status::Usage
+    })
+}
+
+/// The files to check. Errors are printed.
+fn find_files(paths: &[PathBuf]) -> Result<Files, Status> {
+    let files = input::files(paths).map_err(|(path, error)| {
+        anstream::eprintln!("error: {}: {error}", path.display());
+        let is_mistake = error.kind() == io::ErrorKind::InvalidInput;
+        if is_mistake { Status::Usage } else { Status::Unreadable }
+    })?;
+    for (path, reason) in &files.empty {
+        anstream::eprintln!("error: {}: {reason}", path.display());
+    }
+    Ok(files)
+}
+
+/// The folders and patterns that yield no captures, if there are captures elsewhere. If there are no captures at all,
+/// the outcome is that nothing was checked.
+fn unfound(files: &Files) -> Vec<Unreadable> {
+    if files.captures.is_empty() {
+        return Vec::new();
+    }
+    let unreadable = |(path, reason): &(PathBuf, String)| Unreadable {
+        path: path.display().to_string(),
+        message: reason.clone(),
+    };
+    files.empty.iter().map(unreadable).collect()
 }
 
 /// The settings that affect reports.
@@ -179,7 +213,11 @@ fn settings(args: &CheckArgs) -> Settings {
     if args.strict_formats {
         arguments.push("--strict-formats".to_owned());
     }
-    Settings { are_formats_strict: args.strict_formats, arguments, command: None }
+    let settings = args.outcome.settings();
+    if settings.are_warnings_denied {
+        arguments.extend(["--deny".to_owned(), "warning".to_owned()]);
+    }
+    Settings { are_formats_strict: args.strict_formats, arguments, ..settings }
 }
 
 fn check_file(
@@ -189,12 +227,15 @@ fn check_file(
     progress: &Progress,
 ) -> io::Result<CheckedCapture> {
     let started = Instant::now();
-    let source = input::decompressed(progress.reading(input::open(path)?))?;
-    let result = check::check_capture(source, message_id, definitions)?;
+    let file = progress.reading(input::open(path)?);
+    let result = input::decompressed(file)
+        .and_then(|source| check::check_capture(source, message_id, definitions))
+        .unwrap_or_else(|error| CaptureResult::unknown(format!("the file can't be read: {error}")));
     Ok(CheckedCapture {
         path: path.display().to_string(),
         result,
         notes: Vec::new(),
+        cut_short: Vec::new(),
         elapsed: started.elapsed().as_millis(),
     })
 }

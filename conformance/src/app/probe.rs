@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 
 use super::known::KnownArgs;
+use super::outcome::OutcomeArgs;
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
@@ -30,9 +31,12 @@ const EXAMPLES: &str = "Examples:
 /// The meaning of exit status 3.
 const FAILURE: &str = "the server doesn't respond, or a file can't be written";
 
+/// The meaning of exit status 6.
+const INCOMPLETE: &str = "the probe was cut short, or too little was checked";
+
 /// Arguments of `probe`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", outcome_statuses(FAILURE)))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", outcome_statuses(FAILURE, Some(INCOMPLETE))))]
 pub(super) struct ProbeArgs {
     /// Server URL: tcp://, udp://, http:// or socketio://.
     ///
@@ -87,6 +91,8 @@ pub(super) struct ProbeArgs {
     #[command(flatten)]
     require: RequireArgs,
     #[command(flatten)]
+    outcome: OutcomeArgs,
+    #[command(flatten)]
     known: KnownArgs,
     #[command(flatten)]
     report: ReportArgs,
@@ -118,10 +124,11 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     for unreadable in &unreadable {
         anstream::eprintln!("error: {path}: {}", unreadable.message);
     }
+    let cut_short = probed.cut_short.into_iter().collect();
     let (result, elapsed) = (probed.result, started.elapsed().as_millis());
-    let mut checked = [CheckedCapture { path, result, notes: probed.notes, elapsed }];
+    let mut checked = [CheckedCapture { path, result, notes: probed.notes, cut_short, elapsed }];
     let known_status = known.finish_captures(&mut checked, &unreadable);
-    let settings = Settings { command: Some(super::command()), ..Settings::default() };
+    let settings = Settings { command: Some(super::command()), ..args.outcome.settings() };
     let subjects: Vec<Subject> =
         checked.into_iter().map(|checked| Subject::from_capture(checked, &definitions, &settings)).collect();
     for subject in &subjects {

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum as _};
 
-use crate::report::{Kind, Report, Subject, subject_text};
+use crate::report::{Kind, Report, Subject, end_text, subject_text};
 
 /// The path that means standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -98,9 +98,11 @@ impl ReportArgs {
 
     /// Prints or writes all reports, even if one fails. Returns the error messages.
     pub(super) fn write(&self, report: &Report) -> Vec<String> {
-        if self.printed() != Kind::Text {
-            self.keep_error(ignore_broken_pipe(&mut io::stdout(), &report.to_text(self.printed())));
-        }
+        self.keep_error(match self.printed() {
+            // The sections of the subjects are already printed.
+            Kind::Text => print(&end_text(report)),
+            kind => ignore_broken_pipe(&mut io::stdout(), &report.to_text(kind)),
+        });
         let files = self.report.iter().filter(|target| !target.is_printed());
         let write = |target: &Target| {
             let text = report.to_text(target.kind);

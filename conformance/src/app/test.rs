@@ -61,7 +61,7 @@ const FAILURE: &str = "the testee failed, or a report can't be written";
 
 /// Arguments of `test`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}\n\n{}", outcome_statuses(FAILURE)))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}\n\n{}", outcome_statuses(FAILURE, None)))]
 pub(super) struct TestArgs {
     /// Testee and its arguments.
     ///

@@ -22,7 +22,7 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 const START: usize = 4;
 
 /// The file extensions that identify captures in a folder. A compression extension may follow.
-const EXTENSIONS: [&str; 5] = ["ulg", "mcap", "json", "jsonl", "ndjson"];
+const EXTENSIONS: [&str; 6] = ["ulg", "ulge", "mcap", "json", "jsonl", "ndjson"];
 
 /// The extensions of compressed files. rosbag2 uses `zstd`.
 const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
@@ -30,56 +30,75 @@ const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
 /// The characters that make a path a pattern.
 const WILDCARDS: [char; 3] = ['*', '?', '['];
 
-/// The files that `paths` denote, in order. A folder denotes the captures in it and its subfolders. A pattern such as
+/// The files that paths denote.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(crate) struct Files {
+    /// The files to check, in order.
+    pub(crate) captures: Vec<PathBuf>,
+    /// The other files in the folders. Hidden files aren't listed.
+    pub(crate) others: Vec<PathBuf>,
+    /// The folders and patterns that yield no captures, with the reason.
+    pub(crate) empty: Vec<(PathBuf, String)>,
+}
+
+/// The files that `paths` denote. A folder denotes the captures in it and its subfolders. A pattern such as
 /// `logs/**/*.ulg` denotes the files that match it. The files of a folder or pattern are sorted.
 ///
-/// An unreadable folder is an error, and so is a folder or pattern that yields no files. The error names the folder or
-/// pattern. An invalid pattern is an [`InvalidInput`](io::ErrorKind::InvalidInput) error.
-pub(crate) fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, (PathBuf, io::Error)> {
-    let mut files = Vec::new();
+/// An unreadable folder is an error. An invalid pattern is an [`InvalidInput`](io::ErrorKind::InvalidInput) error.
+pub(crate) fn files(paths: &[PathBuf]) -> Result<Files, (PathBuf, io::Error)> {
+    let mut files = Files::default();
     for path in paths {
-        let found = if path.as_os_str() == STANDARD_INPUT {
-            vec![path.clone()]
+        let before = files.captures.len();
+        let nothing = if path.as_os_str() == STANDARD_INPUT {
+            files.captures.push(path.clone());
+            String::new()
         } else if path.is_dir() {
-            let nothing = || {
-                format!(
-                    "no captures in this folder: expected files with the extension .{}",
-                    EXTENSIONS.join(", .")
-                )
-            };
-            search(path, is_capture, nothing).map_err(|error| (path.clone(), error))?
+            for file in walk(path).map_err(|error| (path.clone(), error))? {
+                if is_capture(&file) {
+                    files.captures.push(file);
+                } else if !is_hidden(path, &file) {
+                    files.others.push(file);
+                }
+            }
+            let extensions = EXTENSIONS.join(", .");
+            format!("no captures in this folder: expected files with the extension .{extensions}")
         } else if let (false, Some(pattern)) = (path.exists(), pattern(path)) {
             let pattern = pattern
                 .map_err(|error| (path.clone(), io::Error::new(io::ErrorKind::InvalidInput, error)))?
                 .compile_matcher();
-            let nothing = || "no file matches this pattern".to_owned();
-            search(&folder_of(path), |file| pattern.is_match(file), nothing)
-                .map_err(|error| (path.clone(), error))?
+            let found = walk(&folder_of(path)).map_err(|error| (path.clone(), error))?;
+            files.captures.extend(found.into_iter().filter(|file| pattern.is_match(file)));
+            "no file matches this pattern".to_owned()
         } else {
             // A missing file is only reported when it is opened, so the other files are still checked.
-            vec![path.clone()]
+            files.captures.push(path.clone());
+            String::new()
         };
-        files.extend(found);
+        if files.captures.len() == before {
+            files.empty.push((path.clone(), nothing));
+        }
     }
     Ok(files)
 }
 
-/// The accepted files in a folder and its subfolders, sorted. Fails if there are none.
-fn search(
-    folder: &Path,
-    is_wanted: impl Fn(&Path) -> bool,
-    nothing: impl FnOnce() -> String,
-) -> io::Result<Vec<PathBuf>> {
+/// The files in a folder and its subfolders, sorted.
+fn walk(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in WalkDir::new(folder).sort_by_file_name() {
         let entry = entry?;
         // Paths found in `.` start with `./`, but users omit this prefix in patterns.
         let path = entry.path().strip_prefix(".").unwrap_or(entry.path());
-        if entry.file_type().is_file() && is_wanted(path) {
+        if entry.file_type().is_file() {
             files.push(path.to_owned());
         }
     }
-    if files.is_empty() { Err(io::Error::new(io::ErrorKind::NotFound, nothing())) } else { Ok(files) }
+    Ok(files)
+}
+
+/// True if the name of a file or of one of its parents below `folder` starts with a dot.
+fn is_hidden(folder: &Path, file: &Path) -> bool {
+    let below = file.strip_prefix(folder).unwrap_or(file);
+    below.components().any(|part| part.as_os_str().to_string_lossy().starts_with('.'))
 }
 
 /// Parses a path with wildcards as a pattern. Returns `None` for a path without wildcards.
@@ -180,21 +199,31 @@ mod tests {
         for name in ["b.ulg", "a.ULG.gz", "notes.txt", "c.jsonl.zst", "d.gz", "e.mcap", "f.mcap.zstd"] {
             fs::write(below.join(name), "").expect("a file");
         }
-        let names = |files: Vec<PathBuf>| -> Vec<String> {
+        fs::write(below.join(".hidden"), "").expect("a file");
+        let names = |files: &[PathBuf]| -> Vec<String> {
             let name = |file: &PathBuf| Some(file.file_name()?.to_string_lossy().into_owned());
             files.iter().filter_map(name).collect()
         };
         let found = files(&[folder.path().to_path_buf()]).expect("files");
-        assert_eq!(names(found), ["a.ULG.gz", "b.ulg", "c.jsonl.zst", "e.mcap", "f.mcap.zstd"]);
+        assert_eq!(names(&found.captures), ["a.ULG.gz", "b.ulg", "c.jsonl.zst", "e.mcap", "f.mcap.zstd"]);
+        assert_eq!(names(&found.others), ["d.gz", "notes.txt"], "hidden files are not listed");
+        assert!(found.empty.is_empty(), "{found:?}");
         let given = files(&[below.join("notes.txt"), PathBuf::from("-")]).expect("files");
-        assert_eq!(names(given), ["notes.txt", "-"], "explicit paths are accepted");
+        assert_eq!(names(&given.captures), ["notes.txt", "-"], "explicit paths are accepted");
+        assert!(given.others.is_empty(), "{given:?}");
         let matched = files(&[folder.path().join("**/*.ulg*"), below.join("[bc].*")]).expect("files");
-        assert_eq!(names(matched), ["b.ulg", "b.ulg", "c.jsonl.zst"]);
-        let (path, error) = files(&[below.join("*.bag")]).expect_err("nothing");
-        assert_eq!((path, error.kind()), (below.join("*.bag"), io::ErrorKind::NotFound));
-        assert!(files(&[below.join("[a.ulg")]).is_err(), "an unclosed class");
+        assert_eq!(names(&matched.captures), ["b.ulg", "b.ulg", "c.jsonl.zst"]);
+        assert!(matched.others.is_empty(), "a pattern names its files: {matched:?}");
+        let nothing = files(&[below.join("*.bag"), below.clone()]).expect("files");
+        assert_eq!(nothing.empty, [(below.join("*.bag"), "no file matches this pattern".to_owned())]);
+        assert_eq!(nothing.captures.len(), 5, "the other files are still found");
+        let (path, error) = files(&[below.join("[a.ulg")]).expect_err("an unclosed class");
+        assert_eq!((path, error.kind()), (below.join("[a.ulg"), io::ErrorKind::InvalidInput));
         let empty = tempfile::tempdir().expect("a folder");
-        let (path, error) = files(&[empty.path().to_path_buf()]).expect_err("nothing");
-        assert_eq!((path.as_path(), error.kind()), (empty.path(), io::ErrorKind::NotFound));
+        let found = files(&[empty.path().to_path_buf()]).expect("files");
+        assert_eq!(
+            (found.captures.len(), names(&[found.empty[0].0.clone()])),
+            (0, names(&[empty.path().into()]))
+        );
     }
 }

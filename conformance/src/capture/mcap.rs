@@ -93,6 +93,8 @@ pub(crate) enum Event<'r> {
     Message {
         /// The id of the channel.
         channel: u16,
+        /// The log time, in ns.
+        time: u64,
         /// The bytes.
         payload: &'r [u8],
     },

@@ -17,7 +17,8 @@ use std::collections::HashMap;
 pub(super) use self::listeners::Listeners;
 use self::reports::{Report, Reports};
 pub use self::summary::{FlockwaveSummary, TypeCount};
-use super::{CaptureResult, CheckRun, Summary};
+use super::coverage::{PartResult, Parts, Share, Tally, Unit};
+use super::{CaptureResult, CheckRun, Summary, microseconds};
 use uavspec_codegen::schema::json_type;
 
 use crate::definitions::Definitions;
@@ -67,6 +68,8 @@ pub struct FlockwaveChecker<'d> {
     reports: Reports<'d>,
     /// The connection numbers, by connection name.
     connections: HashMap<String, usize>,
+    /// The messages and values from the server, by type.
+    types: HashMap<String, (Tally, u64)>,
     /// The connection names, by number.
     names: Vec<String>,
     /// The number of the latest record's connection.
@@ -105,7 +108,8 @@ impl<'d> FlockwaveChecker<'d> {
 
     pub(super) fn with_run(run: CheckRun<'d>) -> Self {
         let (source, reports) = (FlockwaveSummary::default(), Reports::new(run.definitions));
-        Self { run, source, reports, connections: HashMap::new(), names: Vec::new(), latest: 0 }
+        let (connections, types) = (HashMap::new(), HashMap::new());
+        Self { run, source, reports, connections, types, names: Vec::new(), latest: 0 }
     }
 
     /// Disables the fast path for status reports. The result of a check stays the same, but the check takes several
@@ -319,6 +323,23 @@ impl<'d> FlockwaveChecker<'d> {
         }
         let Some(count) = types.get_mut(name) else { return };
         *(if is_from_server { &mut count.incoming } else { &mut count.out }) += 1;
+        if is_from_server {
+            self.cover(name, is_known, message, record.time);
+        }
+    }
+
+    /// Counts a message from the server, with its values.
+    fn cover(&mut self, name: &str, is_known: bool, message: &Tree<'_>, time: Option<f64>) {
+        if !self.types.contains_key(name) {
+            self.types.insert(name.to_owned(), <(Tally, u64)>::default());
+        }
+        let Some((tally, values)) = self.types.get_mut(name) else { return };
+        tally.records += 1;
+        tally.count(is_known, time.and_then(microseconds));
+        *values += match message.get("body") {
+            Some(Tree::Object(members)) => members.len() as u64,
+            _ => 0,
+        };
     }
 
     /// Returns the result. `bytes` is the number of bytes read.
@@ -328,7 +349,25 @@ impl<'d> FlockwaveChecker<'d> {
             self.run.disconnected(Connection { index, name, is_ordered }, None);
         }
         self.reports.report_counted(&mut self.run.findings);
-        self.run.finish(bytes, Summary::Flockwave(self.source))
+        let parts = self.parts();
+        let mut result = self.run.finish(bytes, Summary::Flockwave(self.source), Unit::Type, parts);
+        // Envelope rules also check messages without a type.
+        result.coverage.records.checked = result.checked;
+        result
+    }
+
+    fn parts(&self) -> Parts {
+        let mut parts = Parts::default();
+        for (name, (tally, values)) in &self.types {
+            let is_known = tally.checked > 0;
+            let result = if is_known { PartResult::Checked } else { PartResult::Undefined };
+            parts.add(name, result, *tally, Share::of(if is_known { *values } else { 0 }, *values));
+        }
+        if self.source.uncounted > 0 {
+            let tally = Tally::of(self.source.uncounted);
+            parts.add("types not listed by name", PartResult::Undefined, tally, Share::default());
+        }
+        parts
     }
 }
 

@@ -12,6 +12,7 @@ use uavspec_codegen::schema::MessageId;
 
 use self::envelope::{Channels, Fast, Form, NameKind, Open, form, read};
 use self::templates::Templates;
+use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::flockwave::{FlockwaveChecker, is_flockwave};
 use super::summary::names;
 use super::topic::{definition_of, topic_of};
@@ -36,20 +37,26 @@ const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(start),
-    check: |input, message_id, definitions| Ok(check_json(input, message_id, definitions)),
+    check: |input, message_id, definitions| check_json(input, message_id, definitions),
 };
 
 /// True if the start of a capture is neither JSON nor other text. One invalid character is accepted, since it may be
 /// the result of corruption.
 fn is_binary(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
-    if text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '[']) {
+    if starts_like_json(start) {
         return false;
     }
     let is_foreign = |character: &char| {
         *character == char::REPLACEMENT_CHARACTER || character.is_control() && !character.is_whitespace()
     };
     text.chars().filter(is_foreign).count() > 1
+}
+
+/// True if the first character is that of an object or an array.
+pub(super) fn starts_like_json(start: &[u8]) -> bool {
+    let text = String::from_utf8_lossy(start);
+    text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '['])
 }
 
 /// The summary of JSON messages.
@@ -67,6 +74,9 @@ pub struct JsonSummary {
     pub undefined: BTreeSet<String>,
     /// The accepted deviations from the published schemas.
     pub dialects: Dialects,
+    /// True if a value starts like a JSON object.
+    #[serde(skip)]
+    pub has_objects: bool,
 }
 
 impl Describe for JsonSummary {
@@ -195,6 +205,7 @@ struct JsonChecker<'d> {
     /// The topics with a stated type, each with the type's definition if it exists.
     advertised: HashMap<String, Option<MessageId>>,
     skipped: u64,
+    has_objects: bool,
     dialects: Dialects,
     /// The field values of the current message, in memory layout.
     values: Vec<u8>,
@@ -214,6 +225,7 @@ impl<'d> JsonChecker<'d> {
             templates: Templates::default(),
             advertised: HashMap::new(),
             skipped: 0,
+            has_objects: false,
             dialects: Dialects::default(),
             values: Vec::new(),
         };
@@ -227,6 +239,8 @@ impl<'d> JsonChecker<'d> {
     }
 
     fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
+        // The first byte may be corrupt.
+        self.has_objects |= bytes.iter().take(2).any(|byte| *byte == b'{');
         let location = Location::Line(line);
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text,
@@ -246,7 +260,7 @@ impl<'d> JsonChecker<'d> {
                 self.message(at, clean, location);
             }
             Fast::Skipped => self.skipped += 1,
-            Fast::Undefined => self.run.records += 1,
+            Fast::Undefined(at) => self.undefined(at),
             Fast::Unclear => self.explain(text, line, is_last),
         }
     }
@@ -312,7 +326,7 @@ impl<'d> JsonChecker<'d> {
     /// Checks a message of an open channel.
     fn check_message(&mut self, at: usize, tree: &Tree<'_>, location: Location, is_rosbridge: bool) {
         let open = &self.channels.open[at];
-        let Some((id, _)) = open.defined else { return self.run.records += 1 };
+        let Some((id, _)) = open.defined else { return self.undefined(at) };
         let origin = MessageOrigin { id, name: &open.name, location, key: open.key, is_rosbridge };
         let dialects = self.plans.explain(origin, tree, &mut self.run.findings);
         let timestamp = self.plans.timestamp(id, tree);
@@ -321,11 +335,18 @@ impl<'d> JsonChecker<'d> {
         self.message(at, Clean { timestamp, dialects }, location);
     }
 
+    /// Counts a message without a definition.
+    fn undefined(&mut self, at: usize) {
+        self.run.records += 1;
+        self.channels.open[at].tally.records += 1;
+    }
+
     fn message(&mut self, at: usize, clean: Clean, location: Location) {
         self.run.records += 1;
         self.dialects.absorb(clean.dialects);
         let open = &mut self.channels.open[at];
-        open.messages += 1;
+        open.tally.records += 1;
+        open.tally.count(open.defined.is_some(), clean.timestamp);
         if let Some(channel) = open.channel() {
             let definitions = self.run.definitions;
             let view = |id| definitions.types().get(id).view_uorb(&self.values).ok();
@@ -356,7 +377,7 @@ impl<'d> JsonChecker<'d> {
         };
         let shown_name = shown_name.escape_debug().to_string();
         let key = Some(which.key());
-        let mut open = Open { name: shown_name, defined, key, messages: 0, num_bytes: 0, line };
+        let mut open = Open { name: shown_name, defined, key, tally: Tally::default(), num_bytes: 0, line };
         if let Some(channel) = open.channel() {
             self.run.opened(&channel);
             if self.run.wants_values(channel.index) {
@@ -370,12 +391,21 @@ impl<'d> JsonChecker<'d> {
 
     fn finish(mut self, lines: u64, bytes: u64) -> CaptureResult {
         let mut types = BTreeSet::new();
-        let mut undefined = BTreeSet::new();
+        let (mut undefined, mut parts) = (BTreeSet::new(), Parts::default());
         for open in self.channels.open {
+            let (result, values) = match open.defined {
+                Some((id, _)) => {
+                    let fields = self.run.definitions.schema.message(id).fields.len() as u64;
+                    (PartResult::Checked, Share::of(fields, fields))
+                }
+                None => (PartResult::Undefined, Share::default()),
+            };
+            let tally = open.tally;
+            parts.add(&open.name, result, tally, values.times(tally.checked, tally.records));
             match open.defined {
                 Some((id, _)) => {
-                    self.plans.count(id, open.messages, &mut self.run.findings);
-                    if open.messages > 0 {
+                    self.plans.count(id, tally.records, &mut self.run.findings);
+                    if tally.records > 0 {
                         types.insert(id);
                     }
                 }
@@ -388,8 +418,9 @@ impl<'d> JsonChecker<'d> {
             skipped: self.skipped,
             undefined,
             dialects: self.dialects,
+            has_objects: self.has_objects,
         };
-        self.run.finish(bytes, Summary::Json(summary))
+        self.run.finish(bytes, Summary::Json(summary), Unit::Type, parts)
     }
 }
 

@@ -1,27 +1,28 @@
 //! Checks PX4 logs.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, Read};
+use std::io::Read;
 
 use serde::{Serialize, Serializer};
 use uavspec_codegen::dynamic::{FormatProblem, MessageType};
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
+use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, timestamp_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::Definitions;
 use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
 use crate::px4::comparison::{Comparison, compare};
-use crate::px4::memory::Plan;
+use crate::px4::memory::{Plan, shared_fields};
 use crate::rules::px4;
 use crate::text::shown;
 
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
     detect: |start| has_magic(start, &ULOG_MAGIC),
-    check: |input, _, definitions| Ok(check_ulog(input, definitions)),
+    check: |input, _, definitions| check_ulog(input, definitions),
 };
 
 /// The kind for encrypted logs, which are detected but can't be read.
@@ -31,7 +32,7 @@ pub(super) const ENCRYPTED: Kind = Kind {
     check: |_, _, _| {
         let text = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
                     https://docs.px4.io/main/en/dev_log/log_encryption";
-        Err(io::Error::new(io::ErrorKind::Unsupported, text))
+        CaptureResult::unknown(text)
     },
 };
 
@@ -173,7 +174,9 @@ struct Open {
     plan: Option<Plan>,
     /// The offset of `timestamp` in the payload.
     timestamp: Option<usize>,
-    messages: u64,
+    tally: Tally,
+    /// The fields that the format and the definition share, once the first message has arrived.
+    fields: Option<Share>,
 }
 
 struct LogChecker<'d> {
@@ -182,6 +185,8 @@ struct LogChecker<'d> {
     open: Vec<Option<Box<Open>>>,
     /// The topics whose format has already been checked for a `timestamp`. A log has one format for each topic.
     timed: BTreeSet<String>,
+    /// The topics whose subscription has ended.
+    parts: Parts,
     firmware: Option<String>,
     dropouts: u64,
 }
@@ -189,7 +194,8 @@ struct LogChecker<'d> {
 impl<'d> LogChecker<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let (open, timed) = (Vec::new(), BTreeSet::new());
-        Self { run: CheckRun::new(definitions), open, timed, firmware: None, dropouts: 0 }
+        let (run, parts) = (CheckRun::new(definitions), Parts::default());
+        Self { run, open, timed, parts, firmware: None, dropouts: 0 }
     }
 
     fn item(&mut self, item: &Item<'_>) {
@@ -208,7 +214,12 @@ impl<'d> LogChecker<'d> {
                 self.dropouts += 1;
                 self.run.dropout(*milliseconds, location);
             }
-            Event::Data { .. } => self.run.records += 1,
+            Event::Data { id, .. } => {
+                self.run.records += 1;
+                if let Some(Some(open)) = self.open.get_mut(usize::from(*id)) {
+                    open.tally.records += 1;
+                }
+            }
             // Version 0 of the log format has no flag bits.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
             Event::Problem(problem) => self.run.corruption(location, problem.to_string(), problem.extent()),
@@ -235,12 +246,13 @@ impl<'d> LogChecker<'d> {
             definition: self.run.definitions.message_of_topic(topic),
             plan: None,
             timestamp: None,
-            messages: 0,
+            tally: Tally::default(),
+            fields: None,
         };
         self.run.opened(&open.channel());
         self.open[slot] = Some(Box::new(open));
         if let Some(before) = before {
-            before.close(&mut self.run.findings);
+            before.close(&mut self.run.findings, &mut self.parts);
         }
     }
 
@@ -259,6 +271,8 @@ impl<'d> LogChecker<'d> {
             Some(plan) => plan,
             empty => {
                 open.timestamp = timestamp_offset(record.message_type);
+                let schema = &self.run.definitions.schema;
+                open.fields = Some(shared_fields(record.message_type, open.definition, schema).into());
                 if self.timed.insert(open.topic.clone()) {
                     check_timestamp(record.message_type, location, &mut self.run);
                 }
@@ -272,9 +286,9 @@ impl<'d> LogChecker<'d> {
             }
         };
         plan.check(record.payload, location, &mut self.run.findings);
-        open.messages += 1;
         let bytes = open.timestamp.and_then(|at| record.payload.get(at..at + 8));
         let timestamp = bytes.and_then(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
+        open.tally.count(open.definition.is_some(), timestamp);
         let values =
             self.run.wants_values(open.index).then(|| record.message_type.view_uorb(record.payload).ok());
         let message = Message { timestamp, values: values.flatten(), location };
@@ -327,14 +341,18 @@ impl<'d> LogChecker<'d> {
 
     fn finish(mut self, log: &Log, bytes: u64) -> CaptureResult {
         for open in std::mem::take(&mut self.open).into_iter().flatten() {
-            open.close(&mut self.run.findings);
+            open.close(&mut self.run.findings, &mut self.parts);
         }
         for rule in [&px4::DATA_01.rule, &px4::DATA_02.rule] {
             self.run.findings.cover(rule, self.run.records);
         }
         let formats = formats(log, &self.timed, &mut self.run);
+        let results: BTreeMap<&str, PartResult> =
+            formats.iter().map(|(topic, comparison)| (&**topic, comparison.into())).collect();
+        // A topic that has no format can't be decoded.
+        self.parts.set_results(|topic| results.get(topic).copied().unwrap_or(PartResult::Undecodable));
         let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, formats };
-        self.run.finish(bytes, Summary::Log(summary))
+        self.run.finish(bytes, Summary::Log(summary), Unit::Topic, self.parts)
     }
 
     fn information(&mut self, ty: &str, value: &[u8]) {
@@ -366,10 +384,13 @@ impl Open {
         }
     }
 
-    fn close(self, findings: &mut Findings) {
+    fn close(self, findings: &mut Findings, parts: &mut Parts) {
+        let Self { tally, fields, .. } = self;
         if let Some(plan) = self.plan {
-            plan.count(self.messages, findings);
+            plan.count(tally.decoded, findings);
         }
+        let values = fields.unwrap_or_default().times(tally.checked, tally.records);
+        parts.add(&self.topic, PartResult::Checked, tally, values);
     }
 }
 

@@ -23,6 +23,7 @@ use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
 use self::stated::Stated;
 pub use self::summary::McapSummary;
+use super::coverage::{Parts, Unit};
 use super::topic::{definition_of, is_same_type};
 use super::{CaptureResult, CheckRun, Kind, Summary, has_magic};
 use crate::capture::MCAP_MAGIC;
@@ -48,7 +49,7 @@ const HASH_VERSION: &str = "RIHS01_";
 pub(super) const KIND: Kind = Kind {
     name: "MCAP",
     detect: |start| has_magic(start, &MCAP_MAGIC),
-    check: |input, _, definitions| Ok(check_mcap(input, definitions)),
+    check: |input, _, definitions| check_mcap(input, definitions),
 };
 
 /// Checks the readable part of an MCAP file.
@@ -78,7 +79,7 @@ pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> Capture
             Event::Channel { id, schema, topic, encoding, metadata } => {
                 check.channel(id, &Declared { schema, topic, encoding, metadata }, location);
             }
-            Event::Message { channel, payload } => check.message(channel, payload, location),
+            Event::Message { channel, time, payload } => check.message(channel, time, payload, location),
             Event::Problem(problem) => check.run.corruption(location, problem.to_string(), problem.extent()),
         }
     }
@@ -168,6 +169,8 @@ impl<'d> McapChecker<'d> {
         if is_json {
             self.plans.get_or_insert_with(|| Plans::new(&definitions.schema, &px4::VALUES));
             open.reading = Reading::Json(message_id);
+            let num_fields = definitions.schema.message(message_id).fields.len() as u64;
+            open.fields = Some((num_fields, num_fields).into());
             return self.format(open);
         }
         if let (None, Some(defect)) = (&stated, definitions.types().get(message_id).defect()) {
@@ -181,6 +184,7 @@ impl<'d> McapChecker<'d> {
         }
         let check = CdrChecker::new(message_id, stated, definitions, &open.identity.name);
         self.steps += check.steps();
+        open.fields = Some(check.fields(definitions).into());
         if let Some(lacks) = check.lacks_timestamp(definitions) {
             let Identity { name, location, .. } = &open.identity;
             self.run.findings.cover(&px4::FMT_03.rule, 1);
@@ -245,7 +249,8 @@ impl<'d> McapChecker<'d> {
         }
     }
 
-    fn message(&mut self, id: u16, payload: &[u8], location: Location) {
+    /// Checks a message. `time` is the log time in ns.
+    fn message(&mut self, id: u16, time: u64, payload: &[u8], location: Location) {
         self.run.records += 1;
         let Some(open) = self.channels.get_mut(&id) else {
             if !self.undeclared.insert(id) {
@@ -255,7 +260,8 @@ impl<'d> McapChecker<'d> {
                 .run
                 .gap(location, format!("a message refers to channel {id}, which hasn't been declared yet"));
         };
-        open.messages += 1;
+        open.tally.records += 1;
+        open.tally.time(Some(time / 1_000));
         let channel = open.identity.channel();
         let definitions = self.run.definitions;
         match &mut open.reading {
@@ -269,6 +275,7 @@ impl<'d> McapChecker<'d> {
                 let findings = &mut self.run.findings;
                 let checked = check.check(payload, wants_values, &channel, location, definitions, findings);
                 let Some(seen) = checked else { return self.run.lost(channel.index, location) };
+                open.tally.count(true, None);
                 let values = check.view(&seen, definitions);
                 self.run.message(&channel, &Message { timestamp: seen.timestamp, values, location });
             }
@@ -292,7 +299,7 @@ impl<'d> McapChecker<'d> {
                     Err(problem) => self.run.gap(location, problem),
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
-                        open.checked += 1;
+                        open.tally.count(true, None);
                         let view =
                             |message_id| definitions.types().get(message_id).view_uorb(&self.values).ok();
                         let values = (!self.values.is_empty()).then(|| view(*message_id)).flatten();
@@ -304,14 +311,14 @@ impl<'d> McapChecker<'d> {
     }
 
     fn finish(mut self, bytes: u64) -> CaptureResult {
-        let mut channels = Vec::new();
+        let (mut channels, mut parts) = (Vec::new(), Parts::default());
         for (_, open) in std::mem::take(&mut self.channels) {
-            channels.push(open.close(self.plans.as_ref(), &mut self.run.findings));
+            channels.push(open.close(self.plans.as_ref(), &mut self.run.findings, &mut parts));
         }
         channels.sort_by(|left, right| left.topic.cmp(&right.topic));
         let summary =
             McapSummary { profile: self.profile, library: self.library, channels, dialects: self.dialects };
-        self.run.finish(bytes, Summary::Mcap(summary))
+        self.run.finish(bytes, Summary::Mcap(summary), Unit::Topic, parts)
     }
 }
 

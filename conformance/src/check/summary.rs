@@ -94,7 +94,7 @@ impl Line {
 }
 
 /// The names at the start of a list, and the number of remaining names.
-pub(super) fn names<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
+pub(crate) fn names<'n>(names: impl ExactSizeIterator<Item = &'n str>) -> String {
     let more = names.len().saturating_sub(MAX_LISTED);
     let first: Vec<String> = names.take(MAX_LISTED).map(shown).collect();
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };

@@ -39,7 +39,7 @@ pub enum Extent {
     /// All bytes were read, but the file is truncated within a record.
     #[serde(rename = "ends early")]
     EndsEarly,
-    /// Some corrupt parts were skipped.
+    /// Some parts are corrupt. They were skipped if they can't be read.
     #[serde(rename = "with gaps")]
     WithGaps,
     /// Reading or decompressing failed before the end.

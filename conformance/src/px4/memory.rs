@@ -143,6 +143,23 @@ impl Plan {
     }
 }
 
+/// The fields of a format that the definition has with the same type, and all fields. Without a definition, no fields
+/// are shared.
+pub(crate) fn shared_fields(
+    message_type: MessageType<'_>,
+    message: Option<MessageId>,
+    schema: &Schema,
+) -> (u64, u64) {
+    let plan = message.map(|id| MessagePlan::new(schema.message(id), schema));
+    let is_shared = |placed: &Placed<'_>| {
+        plan.as_ref().is_some_and(|plan| {
+            let field = plan.fields.iter().find(|field| field.name == placed.name);
+            field.is_some_and(|field| is_same(*placed, field, plan))
+        })
+    };
+    (message_type.layout().filter(is_shared).count() as u64, message_type.layout().len() as u64)
+}
+
 impl Compiler<'_> {
     fn add(
         &mut self,

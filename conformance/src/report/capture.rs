@@ -1,11 +1,11 @@
 //! The result of checking a capture, as a subject of a report.
 
-use crate::check::CaptureResult;
+use crate::check::{CaptureResult, Coverage, Describe, Summary};
 use crate::definitions::Definitions;
-use crate::model::{self, Findings, Group, Rule};
+use crate::model::{self, Extent, Findings, Group, Rule};
 use crate::rules::{RULES, px4};
 
-use super::outcome::CaptureCounts;
+use super::outcome::{NO_VIOLATIONS, capitalized, plural, violated};
 use super::{
     About, Corruption, Definition, Example, Finding, Known, Outcome, OutcomeKind, RuleVerdict, Subject,
     Verdict,
@@ -20,6 +20,8 @@ pub struct CheckedCapture {
     pub result: CaptureResult,
     /// Notable events during a probe, in order. They are not findings.
     pub notes: Vec<String>,
+    /// The reasons why the capture is incomplete although it can be read, such as a probe that was cut short.
+    pub cut_short: Vec<String>,
     /// The duration of the check, in milliseconds.
     pub elapsed: u128,
 }
@@ -29,6 +31,12 @@ pub struct CheckedCapture {
 pub struct Settings {
     /// True if formats that differ from the definitions count as violations.
     pub are_formats_strict: bool,
+    /// True if violations of rules of level SHOULD count as failures.
+    pub are_warnings_denied: bool,
+    /// The minimum percentage of topics or types that must be fully checked. Otherwise, partial coverage is incomplete.
+    pub min_coverage: Option<f64>,
+    /// True if the exit status of an incomplete outcome is 0.
+    pub allows_incomplete: bool,
     /// The arguments of `check` that reproduce the findings, without the files.
     pub arguments: Vec<String>,
     /// The command that reproduces the findings, if it isn't `check`.
@@ -54,6 +62,7 @@ impl Settings {
             model::Verdict::Shown if self.are_formats_strict && rule.id == px4::FMT_01.rule.id => {
                 Verdict::Fail
             }
+            model::Verdict::Warn if self.are_warnings_denied => Verdict::Fail,
             other => other.into(),
         }
     }
@@ -75,13 +84,14 @@ impl From<model::Verdict> for Verdict {
 impl Subject {
     /// Creates the subject of a capture.
     pub fn from_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
-        let CheckedCapture { path, result, notes, elapsed } = checked;
+        let CheckedCapture { path, result, notes, cut_short, elapsed } = checked;
         let findings = &result.findings;
         // Rules for other kinds of captures aren't listed.
         let is_session = result.summary.describe().is_session();
+        let is_known = !matches!(result.summary, Summary::Unknown(_));
         let rules: Vec<RuleVerdict> = RULES
             .iter()
-            .filter(|rule| rule.is_on_flockwave() == is_session)
+            .filter(|rule| is_known && rule.is_on_flockwave() == is_session)
             .map(|rule| rule_verdict(rule, findings, settings.verdict(findings, rule)))
             .collect();
         let command = settings.command(&path);
@@ -103,27 +113,129 @@ impl Subject {
                 .collect(),
             more_corruption: result.more_corruption,
             extent: result.extent,
+            coverage: result.coverage,
+            incomplete: Vec::new(),
+            cut_short,
             notes,
             elapsed,
         };
-        subject.set_outcome();
+        subject.set_outcome(settings);
         subject
     }
 
-    /// Sets the outcome of a capture from its verdicts.
-    pub(crate) fn set_outcome(&mut self) {
-        let counts = CaptureCounts {
-            checked: self.checked,
-            failed: self.count(Verdict::Fail),
-            warned: self.count(Verdict::Warn),
-            known: self.findings.iter().filter(|finding| finding.known.is_some()).count(),
-            corrupt: self.corrupt_count(),
+    /// Sets the outcome of a capture from its verdicts, its extent and its coverage.
+    pub(crate) fn set_outcome(&mut self, settings: &Settings) {
+        self.incomplete = self.reasons(settings);
+        let kind = if self.count(Verdict::Fail) > 0 {
+            OutcomeKind::DoesNotConform
+        } else if !self.incomplete.is_empty() {
+            OutcomeKind::Incomplete
+        } else if !self.coverage.is_full() {
+            OutcomeKind::Partial
+        } else {
+            OutcomeKind::Conforms
         };
-        let noun = match &self.about {
-            About::Capture(summary) => summary.describe().noun(),
-            About::Testee(_) => "file",
+        let outcome = Outcome::new(kind, capitalized(&self.outcome_text(kind)));
+        let is_allowed = kind == OutcomeKind::Incomplete && settings.allows_incomplete;
+        let status = if is_allowed { 0 } else { outcome.status };
+        self.outcome = Outcome { status, remarks: self.remarks(kind), ..outcome };
+    }
+
+    fn summary(&self) -> Option<&dyn Describe> {
+        match &self.about {
+            About::Capture(summary) => Some(summary.describe()),
+            About::Testee(_) => None,
+        }
+    }
+
+    /// The reasons why the capture wasn't read or checked completely.
+    fn reasons(&self, settings: &Settings) -> Vec<String> {
+        if let About::Capture(Summary::Unknown(summary)) = &self.about {
+            return vec![summary.reason.clone()];
+        }
+        let noun = self.summary().map_or("file", Describe::noun);
+        let is_session = self.summary().is_some_and(Describe::is_session);
+        let Coverage { unit, units, .. } = self.coverage;
+        let unit = unit.noun();
+        let mut reasons = self.cut_short.clone();
+        match self.extent {
+            Extent::Whole => {}
+            Extent::EndsEarly => reasons.push(format!("the {noun} is truncated")),
+            Extent::WithGaps => reasons.push(format!("parts of the {noun} are corrupt")),
+            Extent::Unreadable => reasons.push(format!("the {noun} can't be read completely")),
+        }
+        if self.coverage.undecodable() > 0 && self.extent == Extent::Whole {
+            let count = uavspec_codegen::emit::docs::markdown::plural(self.coverage.undecodable(), unit);
+            reasons.push(format!("{count} can't be decoded completely"));
+        }
+        let min = settings.min_coverage.unwrap_or_default();
+        if self.records == 0 && reasons.is_empty() {
+            let sender =
+                if is_session { "the server sent".to_owned() } else { format!("the {noun} contains") };
+            reasons.push(format!("{sender} no messages"));
+        } else if self.coverage.is_empty() && self.records > 0 {
+            let details = self.coverage.unchecked().map(|text| format!(": {text}")).unwrap_or_default();
+            reasons.push(format!("no {unit} was checked{details}"));
+        } else if !self.coverage.is_empty() && !units.reaches(min) {
+            let percent = units.percent();
+            reasons.push(format!("{} fully checked ({percent} %), less than {min} %", units.text(unit)));
+        }
+        reasons
+    }
+
+    /// The outcome as a predicate, such as `conforms, with 1 warning`.
+    fn outcome_text(&self, kind: OutcomeKind) -> String {
+        let units = || self.coverage.units.text(self.coverage.unit.noun());
+        let reason = self.incomplete.first().map(String::as_str).unwrap_or_default();
+        match (kind, self.warnings()) {
+            (OutcomeKind::DoesNotConform, _) => self.violations(),
+            (OutcomeKind::Incomplete, _) => format!("incomplete: {reason}"),
+            (OutcomeKind::Partial, warnings) => {
+                let found = warnings.as_deref().unwrap_or(NO_VIOLATIONS);
+                format!("{found}, partial coverage: {} fully checked", units())
+            }
+            (_, Some(warnings)) => format!("conforms, with {warnings}"),
+            (_, None) => "conforms".to_owned(),
+        }
+    }
+
+    fn remarks(&self, kind: OutcomeKind) -> Vec<String> {
+        let mut remarks = match kind {
+            OutcomeKind::DoesNotConform => self.incomplete.clone(),
+            _ => self.incomplete.iter().skip(1).cloned().collect(),
         };
-        self.outcome = Outcome::for_capture(counts, self.extent, noun);
+        if kind == OutcomeKind::Incomplete && !self.coverage.is_empty() {
+            let found = self.warnings().unwrap_or_else(|| NO_VIOLATIONS.to_owned());
+            remarks.push(format!("{found} in the part that was checked"));
+        }
+        // Otherwise, the reasons say that the capture is corrupt.
+        let has_errors = self.extent == Extent::Whole && self.corrupt_count() > 0;
+        if let Some(summary) = self.summary().filter(|_| has_errors) {
+            let parts = plural(usize::try_from(self.corrupt_count()).unwrap_or(usize::MAX), "problem");
+            remarks.push(format!("{parts} in the {}", summary.noun()));
+        }
+        remarks
+    }
+
+    fn known_count(&self) -> usize {
+        self.findings.iter().filter(|finding| finding.known.is_some()).count()
+    }
+
+    /// The numbers of warnings and known failures, such as `1 warning and 2 known failures`.
+    fn warnings(&self) -> Option<String> {
+        let numbers = [(self.count(Verdict::Warn), "warning"), (self.known_count(), "known failure")];
+        let listed = numbers.iter().filter(|(count, _)| *count > 0).map(|(count, noun)| plural(*count, noun));
+        let listed: Vec<String> = listed.collect();
+        (!listed.is_empty()).then(|| listed.join(" and "))
+    }
+
+    fn violations(&self) -> String {
+        let (must, should) = violated(std::slice::from_ref(self));
+        let known = match self.known_count() {
+            0 => String::new(),
+            known => format!(", {known} known"),
+        };
+        format!("does not conform: {must} MUST, {should} SHOULD{known}")
     }
 }
 

@@ -45,7 +45,7 @@ pub(super) fn write(report: &Report) -> String {
             body {
                 main {
                     (head(report))
-                    @if subjects.len() + report.unreadable.len() > 1 { (subject::list(report)) }
+                    @if subjects.len() + report.unreadable.len() + report.not_checked.len() > 1 { (subject::list(report)) }
                     @if !report.rules.is_empty() { (rules(&report.rules, shown_first)) }
                     @for (index, subject) in shown_first.iter().enumerate() { (subject::section(subject, index)) }
                     @let more = listed.len() - shown_first.len();
@@ -77,9 +77,13 @@ fn head(report: &Report) -> Markup {
             p.lede {
                 @match report.subjects.as_slice() {
                     [only] => code.path { (shown(&only.path)) },
+                    [] => "no files",
                     several => { (several.len()) " files" },
                 }
                 ", checked against " span.path { (shown(&report.definitions)) }
+            }
+            @if let [only] = report.subjects.as_slice() {
+                @for line in only.coverage_lines() { p.lede { (line.label) ": " (line.text) } }
             }
             @if !remarks.is_empty() {
                 ul.remarks { @for remark in remarks { li { (shown(remark)) } } }
@@ -111,7 +115,7 @@ fn figures(report: &Report) -> Markup {
     // Without a list of known failures, the figure for known failures is omitted.
     let parts: Vec<Part> =
         parts.into_iter().filter(|part| part.count > 0 || !part.label.starts_with("known")).collect();
-    let checked: u64 = report.subjects.iter().map(|subject| subject.checked).sum();
+    let checked: u64 = report.subjects.iter().map(|subject| subject.coverage.records.checked).sum();
     let records: u64 = report.subjects.iter().map(|subject| subject.records).sum();
     html! {
         div.bar aria-hidden="true" {
@@ -222,8 +226,9 @@ fn badge(verdict: Verdict) -> Markup {
 fn class(outcome: OutcomeKind) -> &'static str {
     match outcome {
         OutcomeKind::Conforms => "pass",
-        OutcomeKind::Nothing | OutcomeKind::Stale => "warn",
-        OutcomeKind::DoesNotConform | OutcomeKind::Incomplete => "fail",
+        OutcomeKind::Partial => "info",
+        OutcomeKind::Nothing | OutcomeKind::Stale | OutcomeKind::Incomplete => "warn",
+        OutcomeKind::DoesNotConform | OutcomeKind::Failed => "fail",
     }
 }
 

@@ -9,9 +9,9 @@ use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
 use uavspec_codegen::report::{Place, Region};
 
 use super::{
-    About, Action, Case, CaseVerdict, Finding, Report, RuleReport, RuleVerdict, Subject, Testee, Verdict,
+    About, Action, Case, CaseVerdict, Finding, Report, RuleReport, RuleVerdict, Subject, Testee, Unreadable,
+    Verdict,
 };
-use crate::model::Extent;
 use crate::text::shown;
 
 /// The maximum number of findings in the text of a case.
@@ -25,15 +25,21 @@ pub(super) fn write(report: &Report) -> String {
     };
     let mut suites: Vec<Suite> =
         report.subjects.iter().map(|subject| suite(subject, &report.rules)).collect();
-    suites.extend(report.unreadable.iter().map(|unreadable| {
-        let kind = "unreadable".to_owned();
-        let (name, message) = (shown(&unreadable.path), shown(&unreadable.message));
-        let outcome = Outcome::Error(Reason { kind, message: message.clone(), text: message });
-        let case = junit::Case { outcome, ..junit::Case::passed(&name, READABLE) };
-        Suite { name, cases: vec![case] }
+    suites.extend(report.unreadable.iter().map(|file| {
+        let (kind, message) = ("unreadable".to_owned(), shown(&file.message));
+        file_suite(file, Outcome::Error(Reason { kind, message: message.clone(), text: message }))
     }));
+    let skipped = report.not_checked.iter();
+    suites.extend(skipped.map(|file| file_suite(file, Outcome::Skipped(shown(&file.message)))));
     suites.extend(run_suite(name, &report.reasons));
     junit::write(name, &suites)
+}
+
+/// The suite for a file that wasn't read.
+fn file_suite(file: &Unreadable, outcome: Outcome) -> Suite {
+    let name = shown(&file.path);
+    let case = junit::Case { outcome, ..junit::Case::passed(&name, READABLE) };
+    Suite { name, cases: vec![case] }
 }
 
 /// The suite for failure reasons that belong to no subject.
@@ -62,10 +68,9 @@ fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
     Suite { name: shown(&subject.path), cases }
 }
 
-/// The case for corrupt and unreadable parts.
+/// The case for the completeness of a capture. Its output is the outcome, the coverage and the corrupt parts.
 ///
-/// Skipped parts, and an unreadable remainder of the input, are errors. Truncation is not an error, because a power
-/// failure truncates logs.
+/// An incomplete capture is an error, unless the user allows it.
 fn readable(subject: &Subject) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), READABLE);
     let mut corruption = String::new();
@@ -76,16 +81,19 @@ fn readable(subject: &Subject) -> junit::Case {
     if subject.more_corruption > 0 {
         let _ = writeln!(corruption, "… and {} more", subject.more_corruption);
     }
-    let (kind, message) = match subject.extent {
-        Extent::Whole | Extent::EndsEarly => ("", ""),
-        Extent::WithGaps => ("damaged", "unreadable parts were skipped"),
-        Extent::Unreadable => ("unreadable", "the file can't be read completely"),
-    };
-    if message.is_empty() {
-        case.output = corruption;
+    let _ = writeln!(case.output, "outcome: {}", shown(&subject.outcome.last_line()));
+    for line in subject.coverage_lines() {
+        let _ = writeln!(case.output, "{}: {}", line.label, shown(&line.text));
+    }
+    let reasons = shown(&subject.incomplete.join("; "));
+    if subject.incomplete.is_empty() {
+        case.output += &corruption;
+    } else if subject.outcome.is_success() {
+        case.output += &corruption;
+        case.outcome = Outcome::Skipped(reasons);
     } else {
-        let text = corruption.trim_end().to_owned();
-        case.outcome = Outcome::Error(Reason { kind: kind.to_owned(), message: message.to_owned(), text });
+        let (kind, text) = ("incomplete".to_owned(), corruption.trim_end().to_owned());
+        case.outcome = Outcome::Error(Reason { kind, message: reasons, text });
     }
     for note in &subject.notes {
         let _ = writeln!(case.output, "{}", shown(note));

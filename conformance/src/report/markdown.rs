@@ -4,7 +4,7 @@ use uavspec_codegen::emit::docs::markdown::{
     Page, Table, code, inline, link, number_column, plural, text_column, thousands, with_code,
 };
 
-use super::{About, Case, Finding, OutcomeKind, Report, RuleReport, Subject, Testee, Verdict};
+use super::{About, Case, Finding, OutcomeKind, Report, RuleReport, Subject, Testee, Unreadable, Verdict};
 use crate::text::shown;
 
 /// The maximum number of findings per subject. GitHub limits comments to 65,536 characters.
@@ -27,24 +27,35 @@ pub(super) fn write(report: &Report) -> String {
     if more > 0 {
         page.block(&format!("… and {}.", plural(more as u64, "other subject")));
     }
-    if !report.unreadable.is_empty() {
-        page.heading(2, "Unreadable");
-        page.gap();
-        for unreadable in report.unreadable.iter().take(MAX_FINDINGS) {
-            page.item(0, &format!("{}: {}", code(&shown(&unreadable.path)), text(&unreadable.message)));
-        }
-    }
+    files(&mut page, "Failed", &report.unreadable);
+    files(&mut page, "Not checked", &report.not_checked);
     page.block("To reproduce this report:");
     page.listing(&shown(command));
     page.finish().text
 }
 
+/// Lists files that weren't read.
+fn files(page: &mut Page, title: &str, files: &[Unreadable]) {
+    if files.is_empty() {
+        return;
+    }
+    page.heading(2, title);
+    page.gap();
+    for file in files.iter().take(MAX_FINDINGS) {
+        page.item(0, &format!("{}: {}", code(&shown(&file.path)), text(&file.message)));
+    }
+    let more = files.len().saturating_sub(MAX_FINDINGS);
+    if more > 0 {
+        page.item(0, &format!("… and {more} more"));
+    }
+}
+
 /// The symbol that precedes an outcome's text.
 fn mark(outcome: OutcomeKind) -> &'static str {
     match outcome {
-        OutcomeKind::Conforms => "✅",
-        OutcomeKind::Nothing | OutcomeKind::Stale => "⚠️",
-        OutcomeKind::DoesNotConform | OutcomeKind::Incomplete => "❌",
+        OutcomeKind::Conforms | OutcomeKind::Partial => "✅",
+        OutcomeKind::Nothing | OutcomeKind::Stale | OutcomeKind::Incomplete => "⚠️",
+        OutcomeKind::DoesNotConform | OutcomeKind::Failed => "❌",
     }
 }
 
@@ -101,9 +112,10 @@ fn rules(page: &mut Page, report: &Report) {
 
 fn write_subject(page: &mut Page, subject: &Subject) {
     page.heading(2, &code(&shown(&subject.path)));
-    let checked = plural(subject.checked, if subject.is_testee() { "case" } else { "message" });
-    page.block(&format!("{}. {checked} checked.", text(&subject.outcome.text)));
+    page.block(&format!("{}.", text(&subject.outcome.text)));
     list(page, &subject.outcome.remarks);
+    let lines = subject.coverage_lines();
+    list(page, &lines.iter().map(|line| format!("{}: {}", line.label, line.text)).collect::<Vec<_>>());
     if let About::Testee(testee) = &subject.about {
         write_testee(page, testee);
     }
@@ -173,13 +185,16 @@ fn write_testee(page: &mut Page, testee: &Testee) {
         number_column("Unsupported"),
         number_column("Not run"),
     ]);
-    for row in &testee.table {
+    for row in testee.supported() {
         let counts = row.counts;
         let numbers =
             [counts.pass, counts.fail, counts.known, counts.unsupported, counts.not_run].map(thousands);
         table.row([code(&row.op), code(&row.type_name)].into_iter().chain(numbers));
     }
     page.table(&table);
+    for line in testee.unsupported_lines() {
+        page.block(&format!("Unsupported: {}.", text(&line)));
+    }
     let remarks: Vec<String> = testee.protocol_remarks.iter().map(|remark| remark.message.clone()).collect();
     if !remarks.is_empty() {
         page.heading(3, "Protocol violations");

@@ -4,14 +4,20 @@ use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::report::{self as shared, Entry, Place, Region, RuleInfo};
 
 use super::{
-    About, Action, Case, CaseVerdict, Corruption, Definition, Finding, Report, RuleReport, Subject, Testee,
-    Verdict,
+    About, Action, Case, CaseVerdict, Corruption, Definition, Finding, Outcome, OutcomeKind, Report,
+    RuleReport, Subject, Testee, Verdict,
 };
 use crate::model::{self, Extent};
 use crate::text::shown;
 
 /// The id for corrupt and unreadable parts, and its description.
 const CORRUPTION: (&str, &str) = ("damage", "Files can be read completely.");
+
+/// The id for captures that weren't read or checked completely, and its description.
+const INCOMPLETE: (&str, &str) = ("incomplete", "Files are read and checked completely.");
+
+/// The id for topics, types and files that weren't checked, and its description.
+const COVERAGE: (&str, &str) = ("coverage", "All topics and types are fully checked.");
 
 /// The id for failures of the whole run, and its description.
 const RUN: (&str, &str) = ("run", "Required rules are covered, and lists of known failures are up to date.");
@@ -29,6 +35,7 @@ pub(super) fn write(report: &Report) -> String {
     for subject in &report.subjects {
         entries.extend(subject.findings.iter().filter_map(|finding| finding_entry(subject, finding)));
         entries.extend(subject.corruption.iter().map(|corruption| corruption_entry(subject, corruption)));
+        entries.extend(outcome_entries(subject));
         if let About::Testee(testee) = &subject.about {
             let failures = testee.cases.iter().filter(|case| case.verdict.is_failure());
             entries.extend(failures.map(|case| case_entry(subject, case)));
@@ -38,6 +45,10 @@ pub(super) fn write(report: &Report) -> String {
     entries.extend(report.unreadable.iter().map(|unreadable| Entry {
         level: Level::Error,
         ..entry(CORRUPTION.0, Level::Error, &unreadable.message, whole_file(&unreadable.path))
+    }));
+    entries.extend(report.not_checked.iter().map(|file| {
+        let message = format!("not checked: {}", file.message);
+        entry(COVERAGE.0, Level::Note, &message, whole_file(&file.path))
     }));
     entries.extend(report.reasons.iter().map(|reason| {
         // SARIF results require a file.
@@ -53,6 +64,8 @@ pub(super) fn write(report: &Report) -> String {
         }
     };
     other(CORRUPTION, Level::Note);
+    other(INCOMPLETE, Level::Error);
+    other(COVERAGE, Level::Note);
     other(RUN, Level::Error);
     other(PROTOCOL, Level::Error);
     for case in report.subjects.iter().flat_map(cases) {
@@ -115,11 +128,22 @@ fn finding_entry(subject: &Subject, finding: &Finding) -> Option<Entry> {
     })
 }
 
+/// The reasons why a capture is incomplete, or its partial coverage.
+fn outcome_entries(subject: &Subject) -> Vec<Entry> {
+    let Outcome { kind, text, .. } = &subject.outcome;
+    if *kind == OutcomeKind::Partial {
+        return vec![entry(COVERAGE.0, Level::Note, text, whole_file(&subject.path))];
+    }
+    let level = if subject.outcome.is_success() { Level::Note } else { Level::Error };
+    let reasons = subject.incomplete.iter();
+    reasons.map(|reason| entry(INCOMPLETE.0, level, reason, whole_file(&subject.path))).collect()
+}
+
 fn corruption_entry(subject: &Subject, corruption: &Corruption) -> Entry {
     let location = Place { path: subject.path.clone(), region: region(corruption.location) };
     let level = match subject.extent {
-        Extent::Whole | Extent::EndsEarly => Level::Note,
-        Extent::WithGaps => Level::Warning,
+        Extent::Whole => Level::Note,
+        Extent::EndsEarly | Extent::WithGaps => Level::Warning,
         Extent::Unreadable => Level::Error,
     };
     entry(CORRUPTION.0, level, &corruption.message, location)

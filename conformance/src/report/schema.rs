@@ -96,6 +96,7 @@ fn a_report_with_every_rule_violated_matches_the_schema() {
                 path: "a\nb".to_owned(),
                 result,
                 notes: vec!["the server closed the connection".to_owned()],
+                cut_short: Vec::new(),
                 elapsed: 7,
             },
             &definitions,

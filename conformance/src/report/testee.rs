@@ -1,13 +1,15 @@
 //! The result of testing a testee, as a subject of a report.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Serialize, Serializer};
+use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::{
     About, Case, CaseVerdict, Counts, Definition, Known, Outcome, Remark, Row, RuleVerdict, Subject, Testee,
     TesteeKind, Verdict,
 };
+use crate::check::{Coverage, Share, Unit, names};
 use crate::definitions::Definitions;
 use crate::model::Extent;
 use crate::rules::rule;
@@ -27,8 +29,7 @@ impl Subject {
         let protocol_remarks = &run.protocol_remarks;
         let violations = protocol_remarks.remarks.len() + protocol_remarks.more;
         let gave_up = run.gave_up.clone();
-        let outcome =
-            Outcome::for_testee(counts.pass + counts.known, counts.fail, violations, gave_up.as_deref());
+        let outcome = Outcome::for_testee(counts, violations, gave_up.as_deref());
         let (name, version) = match &run.hello {
             Some(hello) => (hello.name.clone(), hello.version.clone()),
             None => ("testee".to_owned(), String::new()),
@@ -41,11 +42,13 @@ impl Subject {
             type_name: type_name.to_owned(),
             counts: self::counts(found),
         };
+        let table: Vec<Row> = run.table().into_iter().map(row).collect();
+        let coverage = coverage(&table, counts);
         let testee = Testee {
             kind: TesteeKind::Testee,
             version,
             counts,
-            table: run.table().into_iter().map(row).collect(),
+            table,
             cases,
             protocol_remarks: protocol_remarks.remarks.iter().map(remark).collect(),
             more_protocol_remarks: protocol_remarks.more as u64,
@@ -65,9 +68,62 @@ impl Subject {
             corruption: Vec::new(),
             more_corruption: 0,
             extent: Extent::Whole,
+            coverage,
+            incomplete: Vec::new(),
+            cut_short: Vec::new(),
             notes: Vec::new(),
             elapsed: 0,
         }
+    }
+}
+
+impl Testee {
+    /// The rows with cases that the testee supports.
+    pub(super) fn supported(&self) -> impl Iterator<Item = &Row> {
+        self.table.iter().filter(|row| row.is_supported())
+    }
+
+    /// The types that the testee doesn't support, by operation. The first item contains the types without any supported
+    /// operation; its operation is empty. The other items don't repeat these types.
+    pub(super) fn unsupported(&self) -> Vec<(&str, Vec<&str>)> {
+        let supported: BTreeSet<&str> = self.supported().map(|row| &*row.type_name).collect();
+        let mut by_op: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+        for row in self.table.iter().filter(|row| !row.is_supported()) {
+            let op = if supported.contains(&*row.type_name) { &*row.op } else { "" };
+            by_op.entry(op).or_default().insert(&row.type_name);
+        }
+        by_op.into_iter().map(|(op, types)| (op, types.into_iter().collect())).collect()
+    }
+
+    /// Lines such as `140 types: px4/ActuatorTest, px4/Airspeed and 138 more`, one for each operation.
+    pub(super) fn unsupported_lines(&self) -> Vec<String> {
+        let line = |(op, types): (&str, Vec<&str>)| {
+            let number = plural(types.len() as u64, "type");
+            let of = if op.is_empty() { String::new() } else { format!("{op} of ") };
+            format!("{of}{number}: {}", names(types.into_iter()))
+        };
+        self.unsupported().into_iter().map(line).collect()
+    }
+}
+
+impl Row {
+    fn is_supported(&self) -> bool {
+        self.counts.checked() + self.counts.not_run > 0
+    }
+}
+
+/// The types with at least one checked case, and the checked cases.
+fn coverage(table: &[Row], counts: Counts) -> Coverage {
+    let mut types: BTreeMap<&str, bool> = BTreeMap::new();
+    for row in table {
+        *types.entry(&row.type_name).or_default() |= row.counts.checked() > 0;
+    }
+    let checked = types.values().filter(|is_checked| **is_checked).count();
+    Coverage {
+        unit: Unit::Type,
+        units: Share::of(checked as u64, types.len() as u64),
+        records: Share::of(counts.checked(), counts.all()),
+        ..Coverage::default()
     }
 }
 

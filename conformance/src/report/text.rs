@@ -6,15 +6,17 @@ use std::fmt::{self, Write as _};
 
 use anstyle::{AnsiColor, Style};
 
-use super::{About, Finding, Known, Report, Subject, Verdict};
-use crate::check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN};
+use super::{About, Finding, Known, Outcome, OutcomeKind, Report, Subject, Verdict};
+use crate::check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN, names};
 use crate::model::Level;
 use crate::rules::px4;
-use crate::text::Grouped;
-use crate::text::shown;
+use crate::text::{Grouped, shown, wrapped};
 
 /// The minimum width of the rule column.
 const MIN_WIDTH: usize = 12;
+
+/// The width of labels.
+const LABEL: usize = 12;
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const WARN: Style = AnsiColor::Yellow.on_default().bold();
@@ -24,16 +26,36 @@ const PLAIN: Style = Style::new();
 /// Renders a whole report, with colours.
 pub(super) fn write(report: &Report) -> String {
     let mut text: String = report.subjects.iter().map(subject).collect();
-    for unreadable in &report.unreadable {
-        // Writing to a string can't fail.
-        let _ = writeln!(
-            text,
-            "{FAIL}unreadable{FAIL:#}  {}: {}",
-            shown(&unreadable.path),
-            shown(&unreadable.message)
-        );
-    }
+    text.push_str(&end(report));
     text
+}
+
+/// Renders the end of a report: the files without a section, and the outcome of a run with several files.
+pub(crate) fn end(report: &Report) -> String {
+    let mut text = String::new();
+    let is_single = report.subjects.len() == 1 && report.unreadable.is_empty();
+    let failed = report.unreadable.iter().map(|file| format!("{}: {}", file.path, file.message));
+    // Writing to a string can't fail.
+    let _ = labelled(FAIL, "failed", &failed.collect::<Vec<_>>(), &mut text);
+    if let Some(first) = report.not_checked.first() {
+        let files = names(report.not_checked.iter().map(|file| &*file.path));
+        let _ = labelled(PLAIN, "not checked", &[format!("{files} ({})", first.message)], &mut text);
+    }
+    if !is_single {
+        let _ = outcomes(report, &mut text);
+    }
+    if text.is_empty() { text } else { format!("\n{text}") }
+}
+
+/// Writes the number of files with each outcome, and the outcome of the run.
+fn outcomes(report: &Report, text: &mut String) -> fmt::Result {
+    for kind in OutcomeKind::ALL {
+        let count = report.subjects.iter().filter(|subject| subject.outcome.kind == kind).count();
+        if count > 0 {
+            writeln!(text, "{:>6} {}", Grouped(count as u64).to_string(), kind.name())?;
+        }
+    }
+    writeln!(text, "{}", last_line(&report.outcome))
 }
 
 /// Renders the section of a subject, with colours.
@@ -48,15 +70,11 @@ pub(crate) fn subject(subject: &Subject) -> String {
 
 fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt::Result {
     let (facts, elapsed) = (summary.facts(subject.totals()).join(", "), subject.elapsed);
-    writeln!(text, "{}  {facts} ({elapsed} ms)\n", shown(&subject.path))?;
+    writeln!(text, "{}\n", wrapped(&format!("{}  {facts} ({elapsed} ms)", shown(&subject.path)), 0, 2))?;
+    lines(&subject.coverage_lines(), text)?;
     lines(&summary.lines(), text)?;
     corruption(subject, text)?;
-    for note in &subject.notes {
-        writeln!(text, "note         {}", shown(note))?;
-    }
-    if !subject.notes.is_empty() {
-        writeln!(text)?;
-    }
+    labelled(PLAIN, "note", &subject.notes, text)?;
     let width =
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
     for level in [Level::Must, Level::Should, Level::Info] {
@@ -69,12 +87,26 @@ fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt:
     verdicts(subject, text)
 }
 
+/// Writes a line that starts with a label.
+fn label(style: Style, label: &str, content: &str, text: &mut String) -> fmt::Result {
+    let content = wrapped(content, LABEL + 1, LABEL + 1);
+    writeln!(text, "{style}{label}{style:#}{:width$} {content}", "", width = LABEL - label.len())
+}
+
+/// Writes a line for each item, and an empty line.
+fn labelled(style: Style, name: &str, items: &[String], text: &mut String) -> fmt::Result {
+    for item in items {
+        label(style, name, &shown(item), text)?;
+    }
+    if items.is_empty() { Ok(()) } else { writeln!(text) }
+}
+
 fn lines(lines: &[Line], text: &mut String) -> fmt::Result {
     for line in lines {
-        writeln!(text, "{:<12} {}", line.label, line.text)?;
+        label(PLAIN, line.label, &line.text, text)?;
         for List { label, items } in &line.lists {
             for item in items.iter().take(MAX_SHOWN) {
-                writeln!(text, "  {label:<10} {item}")?;
+                writeln!(text, "  {label:<10} {}", wrapped(item, LABEL + 1, LABEL + 3))?;
             }
             if items.len() > MAX_SHOWN {
                 writeln!(text, "             … and {} more", items.len() - MAX_SHOWN)?;
@@ -86,7 +118,8 @@ fn lines(lines: &[Line], text: &mut String) -> fmt::Result {
 
 fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
     for corruption in subject.corruption.iter().take(MAX_SHOWN) {
-        writeln!(text, "{WARN}corrupt{WARN:#}      {}: {}", corruption.location, shown(&corruption.message))?;
+        let content = format!("{}: {}", corruption.location, shown(&corruption.message));
+        label(WARN, "corrupt", &content, text)?;
     }
     let more = subject.corrupt_count().saturating_sub(MAX_SHOWN as u64);
     if more > 0 {
@@ -109,18 +142,14 @@ fn finding(finding: &Finding, width: usize, text: &mut String) -> fmt::Result {
     } else {
         format!("{} times, first at", Grouped(finding.count))
     };
-    writeln!(
-        text,
-        "{style}{word:<5}{style:#} {:<width$} {:<6} {}: {}",
-        finding.rule,
-        finding.level,
-        shown(&finding.subject),
-        shown(&first.text())
-    )?;
+    let indent = width + 14;
+    let content = format!("{}: {}", shown(&finding.subject), shown(&first.text()));
+    let content = wrapped(&content, indent, indent);
+    writeln!(text, "{style}{word:<5}{style:#} {:<width$} {:<6} {content}", finding.rule, finding.level)?;
     let defined = finding.definition.as_ref().map(|line| format!("   {line}")).unwrap_or_default();
-    let indent = width + 15;
-    writeln!(text, "{:indent$}{times} {}{defined}", "", first.location)?;
-    let known = finding.known.as_ref();
+    let place = wrapped(&format!("{times} {}{defined}", first.location), indent, indent);
+    writeln!(text, "{:indent$}{place}", "")?;
+    let known = finding.known.as_ref().map(|known| wrapped(&known.to_string(), indent, indent));
     known.map_or(Ok(()), |known| writeln!(text, "{:indent$}{known}", ""))
 }
 
@@ -135,13 +164,31 @@ impl fmt::Display for Known {
 }
 
 fn verdicts(subject: &Subject, text: &mut String) -> fmt::Result {
-    let uncovered = subject.rules.iter().filter(|rule| rule.verdict == Verdict::NotCovered);
-    let uncovered: Vec<&str> = uncovered.map(|rule| rule.id).collect();
-    let uncovered = match uncovered.len() {
-        0 => String::new(),
-        count if count > MAX_SHOWN => format!("   not covered {count}"),
-        count => format!("   not covered {count} ({})", uncovered.join(", ")),
-    };
-    writeln!(text, "{PASS}pass{PASS:#}  {} rules{uncovered}\n", subject.count(Verdict::Pass))?;
-    writeln!(text, "{}", subject.outcome.last_line())
+    if !subject.rules.is_empty() {
+        let uncovered = subject.rules.iter().filter(|rule| rule.verdict == Verdict::NotCovered);
+        let uncovered: Vec<&str> = uncovered.map(|rule| rule.id).collect();
+        let uncovered = match uncovered.len() {
+            0 => String::new(),
+            count if count > MAX_SHOWN => format!("   not covered {count}"),
+            count => format!("   not covered {count} ({})", uncovered.join(", ")),
+        };
+        let passed = format!("{} rules{uncovered}", subject.count(Verdict::Pass));
+        writeln!(text, "{PASS}pass{PASS:#}  {}\n", wrapped(&passed, 6, 6))?;
+    }
+    labelled(PLAIN, "remark", &subject.outcome.remarks, text)?;
+    writeln!(text, "{}", last_line(&subject.outcome))
+}
+
+/// The last line of a section: the outcome in its colour.
+fn last_line(outcome: &Outcome) -> String {
+    let style = style(outcome.kind);
+    format!("{style}{}{style:#}", wrapped(&shown(&outcome.last_line()), 0, 2))
+}
+
+const fn style(kind: OutcomeKind) -> Style {
+    match kind {
+        OutcomeKind::Conforms | OutcomeKind::Partial => PASS,
+        OutcomeKind::Nothing | OutcomeKind::Stale | OutcomeKind::Incomplete => WARN,
+        OutcomeKind::DoesNotConform | OutcomeKind::Failed => FAIL,
+    }
 }

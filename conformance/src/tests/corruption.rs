@@ -2,7 +2,7 @@
 
 use crate::tests::support;
 
-use crate::check::{CaptureResult, check_capture};
+use crate::check::{CaptureResult, Summary, check_capture};
 use crate::definitions::Definitions;
 use crate::model::Location;
 use crate::rules::sample::{Flight, ROUNDS};
@@ -115,6 +115,10 @@ fn checks_sections_in_the_wrong_order() {
 #[test]
 fn reports_noise_from_the_start() {
     let definitions = Definitions::built_in();
+    let unknown = |bytes: &[u8]| match checked(bytes, &definitions).summary {
+        Summary::Unknown(summary) => Some(summary.reason),
+        _ => None,
+    };
     let noise = Random(3).bytes(1 << 20);
     for start in
         [&b"{"[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"]
@@ -125,15 +129,20 @@ fn reports_noise_from_the_start() {
         assert_locations("noise", &result, start.len() + noise.len());
     }
     for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
-        let error = check_capture(start, None, &definitions).expect_err("an unknown file type");
-        let expected = format!(
-            "byte 0: unknown file type: expected ULog, MCAP or JSON, found the bytes {:02x} ",
-            start[0]
-        );
-        assert!(error.to_string().starts_with(&expected), "{error}");
+        let expected =
+            format!("unknown file type: expected ULog, MCAP or JSON, found the bytes {:02x} ", start[0]);
+        let reason = unknown(start);
+        assert!(reason.as_deref().is_some_and(|reason| reason.starts_with(&expected)), "{reason:?}");
+    }
+    for (start, reason) in [
+        (&b""[..], "the file is empty"),
+        (b"# Notes\nfine {day}\n", "unknown file type: expected ULog, MCAP or JSON, found `# Notes\\n`"),
+        (b"SQLite format 3\0", "unknown file type: expected ULog, MCAP or JSON, found `SQLite f`"),
+    ] {
+        assert_eq!(unknown(start).as_deref(), Some(reason));
     }
     // Files with a single wrong byte or with text in other scripts count as corrupt, not as an unknown type.
-    for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes(), b"\0"] {
-        assert!(check_capture(start, None, &definitions).is_ok(), "{}", start.escape_ascii());
+    for start in [&b"\x1b{\"type\":1}\n"[..], "\u{feff}{\"ключ\":1}".as_bytes()] {
+        assert_eq!(unknown(start), None, "{}", start.escape_ascii());
     }
 }

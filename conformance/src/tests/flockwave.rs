@@ -38,7 +38,7 @@ fn violated_by(session: &Session) -> Vec<(&'static str, u64)> {
 fn source(result: &CaptureResult) -> &FlockwaveSummary {
     match &result.summary {
         Summary::Flockwave(source) => source,
-        Summary::Log(_) | Summary::Json(_) | Summary::Mcap(_) => panic!("Flockwave"),
+        Summary::Log(_) | Summary::Json(_) | Summary::Mcap(_) | Summary::Unknown(_) => panic!("Flockwave"),
     }
 }
 
@@ -508,10 +508,16 @@ fn reports_describe_the_recording() {
     let mut session = Session::new();
     session = session.then(|session| session.exchange(json!({ "type": "SOAR-LIST" }), json!({ "ids": [] })));
     let result = checked(&session.to_bytes());
-    let checked = CheckedCapture { path: "hill.jsonl".to_owned(), result, notes: Vec::new(), elapsed: 1 };
+    let checked = CheckedCapture {
+        path: "hill.jsonl".to_owned(),
+        result,
+        notes: Vec::new(),
+        cut_short: Vec::new(),
+        elapsed: 1,
+    };
     let subject = Subject::from_capture(checked, &definitions, &Settings::default());
     let text = subject_text(&subject);
-    for part in ["Flockwave, 8 connections, 1 min", "UAV-INF 22", "SOAR-LIST", "conforms"] {
+    for part in ["Flockwave, 8 connections, 1 min", "UAV-INF 22", "SOAR-LIST", "38 of 39 types"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let value = serde_json::to_value(&subject).expect("JSON");

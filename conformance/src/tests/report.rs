@@ -29,10 +29,10 @@ fn reports() -> &'static [Report; 2] {
 #[test]
 fn the_report_has_the_outcome() {
     let [checked, tested] = reports();
-    assert_eq!(checked.outcome.kind, OutcomeKind::Incomplete, "a file can't be read");
-    assert_eq!(checked.outcome.text, "Incomplete: 1 file can't be read");
+    assert_eq!(checked.outcome.kind, OutcomeKind::Failed, "a file can't be opened");
+    assert_eq!(checked.outcome.text, "Failed: 1 file can't be opened");
     assert!(checked.outcome.remarks[0].starts_with("Does not conform: "), "{:?}", checked.outcome);
-    assert_eq!((tested.outcome.kind, tested.outcome.status), (OutcomeKind::Incomplete, 3));
+    assert_eq!((tested.outcome.kind, tested.outcome.status), (OutcomeKind::Failed, 3));
     // Every rule has the worst verdict of its mutants.
     assert_eq!(checked.rules.len(), RULES.len());
     for rule in &checked.rules {
@@ -286,7 +286,13 @@ fn each_format_reports_the_path_and_the_value_found() {
     let definitions = Definitions::built_in();
     let of = |path: &str, bytes: &[u8]| {
         let result = check_capture(bytes, None, &definitions).expect("bytes can be read");
-        let checked = CheckedCapture { path: path.to_owned(), result, notes: Vec::new(), elapsed: 0 };
+        let checked = CheckedCapture {
+            path: path.to_owned(),
+            result,
+            notes: Vec::new(),
+            cut_short: Vec::new(),
+            elapsed: 0,
+        };
         let subject = Subject::from_capture(checked, &definitions, &Settings::default());
         Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
     };

@@ -111,10 +111,28 @@ impl Writer {
 /// A log with all kinds of messages that PX4 writes: definitions, followed by data of three topics with text messages
 /// in between.
 pub(crate) fn typical(rounds: u64) -> Vec<u8> {
+    write_log(rounds, |_| String::new())
+}
+
+/// Like [`typical`], with the padding that PX4 adds to formats. The definitions of the topics are those of
+/// [`write_typical_definitions`].
+pub(crate) fn padded(rounds: u64) -> Vec<u8> {
+    write_log(rounds, |length| {
+        let padding = if length % 2 == 0 { 7 } else { 3 };
+        format!("uint8_t[{padding}] _padding0;")
+    })
+}
+
+/// Writes a log. `padding` is the end of a format whose array has this length.
+fn write_log(rounds: u64, padding: impl Fn(u8) -> String) -> Vec<u8> {
     let mut log = Writer::with_flags();
     log.entry(b'I', &[], "char[3] sys_name", b"PX4");
     for topic in 0..20 {
-        log.format(&format!("topic_{topic}:uint64_t timestamp;float[{}] xyz;uint8_t kind;", topic + 1));
+        let length = topic + 1;
+        log.format(&format!(
+            "topic_{topic}:uint64_t timestamp;float[{length}] xyz;uint8_t kind;{}",
+            padding(length)
+        ));
         log.entry(b'P', &[], &format!("int32_t PARAM_{topic}"), &[topic; 4]);
     }
     log.entry(b'M', &[0], "char[5] notes", b"first");
@@ -138,6 +156,25 @@ pub(crate) fn typical(rounds: u64) -> Vec<u8> {
         }
     }
     log.bytes
+}
+
+/// Writes the definitions of the topics of [`padded`] to the folder `msg`.
+pub(crate) fn write_typical_definitions(folder: &Path) {
+    let folder = folder.join("msg");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    for topic in 0..20 {
+        let text = format!(
+            "# A topic\n\nuint64 timestamp  # [us] Time\nfloat32[{}] xyz  # [-] Values\nuint8 kind  # [-] Kind\n\
+             # TOPICS topic_{topic}\n",
+            topic + 1
+        );
+        std::fs::write(folder.join(format!("Topic{topic}.msg")), text).expect("a file");
+    }
+}
+
+/// The words of a text that may be wrapped, with single spaces.
+pub(crate) fn words(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Reproducible pseudorandom numbers (splitmix64).

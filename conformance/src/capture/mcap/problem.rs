@@ -120,12 +120,11 @@ impl Problem {
     pub(crate) fn extent(&self) -> Extent {
         match self {
             Self::Truncated { .. } | Self::NoEnd => Extent::EndsEarly,
-            Self::NoHeader
-            | Self::AfterEnd { .. }
+            Self::NoHeader | Self::AfterEnd { .. } => Extent::Whole,
+            Self::NoMagic
             | Self::ChunkSize { .. }
             | Self::ChunkChecksum { .. }
-            | Self::DataChecksum { .. } => Extent::Whole,
-            Self::NoMagic
+            | Self::DataChecksum { .. }
             | Self::Skipped { .. }
             | Self::Unreadable { .. }
             | Self::TooLong { .. }

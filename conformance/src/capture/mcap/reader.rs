@@ -134,7 +134,7 @@ impl<R: Read> Reader<R> {
                 }
             }
             Ok(Record::Message { header, data: std::borrow::Cow::Borrowed(payload) }) => {
-                Event::Message { channel: header.channel_id, payload }
+                Event::Message { channel: header.channel_id, time: header.log_time, payload }
             }
             _ => return unreadable,
         };

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use uavspec_codegen::schema::MessageId;
 
+use crate::check::coverage::Tally;
 use crate::json::{Tokens, Tree, Unclear};
 use crate::px4::json::{Clean, Plans};
 
@@ -39,7 +40,7 @@ pub(super) struct Open {
     pub(super) defined: Option<(MessageId, usize)>,
     /// The key of the message in the envelope, if messages have an envelope.
     pub(super) key: Option<&'static str>,
-    pub(super) messages: u64,
+    pub(super) tally: Tally,
     /// The size of the messages in memory, in bytes; 0 if no rule needs their values.
     pub(super) num_bytes: usize,
     /// The line of the first message.
@@ -122,8 +123,8 @@ pub(super) enum Fast {
     /// A message of this channel without findings.
     Clean(usize, Clean),
     Skipped,
-    /// A message without a definition.
-    Undefined,
+    /// A message of this channel, which has no definition.
+    Undefined(usize),
     /// A value that has findings or belongs to a new channel. Such a value needs the slow path.
     Unclear,
 }
@@ -199,7 +200,7 @@ impl Envelope<'_> {
             Fast::Clean(at, self.plans.read(id, tokens, self.is_published, self.values)?)
         } else {
             tokens.skip()?;
-            Fast::Undefined
+            Fast::Undefined(at)
         });
         Ok(())
     }

@@ -15,7 +15,7 @@ use crate::capture::mcap::Reader;
 use crate::check::timestamp_offset;
 use crate::definitions::Definitions;
 use crate::model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
-use crate::px4::memory::Plan;
+use crate::px4::memory::{Plan, shared_fields};
 use crate::rules::px4;
 
 /// The maximum size of a decompressed message, in bytes. Uncompressed messages have the same limit.
@@ -77,6 +77,13 @@ impl CdrChecker {
             messages: 0,
             others: 0,
         }
+    }
+
+    /// The fields that the messages and the definition share, and all fields of the messages.
+    pub(super) fn fields(&self, definitions: &Definitions) -> (u64, u64) {
+        let stated = self.stated.as_ref().map(|stated| stated.root());
+        let message_type = stated.unwrap_or_else(|| definitions.types().get(self.message_id));
+        shared_fields(message_type, Some(self.message_id), &definitions.schema)
     }
 
     /// The size of the channel's plan, in steps.

@@ -6,6 +6,7 @@ use uavspec_codegen::schema::MessageId;
 
 use super::Declared;
 use super::cdr::CdrChecker;
+use crate::check::coverage::{PartResult, Parts, Share, Tally};
 use crate::check::topic::topic_of;
 use crate::model::{Channel, Findings, Location};
 use crate::px4::comparison::{Comparison, Differences};
@@ -71,6 +72,19 @@ impl CheckStatus {
     }
 }
 
+impl From<&CheckStatus> for PartResult {
+    fn from(status: &CheckStatus) -> Self {
+        match status {
+            CheckStatus::Checked(Basis::Compared(comparison)) => (&**comparison).into(),
+            CheckStatus::Checked(Basis::Unusable(_) | Basis::TooMany) | CheckStatus::Unsupported => {
+                Self::Unsupported
+            }
+            CheckStatus::Checked(_) => Self::Checked,
+            CheckStatus::Undefined => Self::Undefined,
+        }
+    }
+}
+
 impl Basis {
     /// The reason why there is no comparison.
     pub fn problem(&self) -> Option<String> {
@@ -104,9 +118,9 @@ pub(super) struct Open {
     /// A hash of the channel's declaration, used to distinguish channels with the same id.
     pub(super) digest: u64,
     pub(super) reading: Reading,
-    pub(super) messages: u64,
-    /// The number of JSON messages that were checked.
-    pub(super) checked: u64,
+    pub(super) tally: Tally,
+    /// The fields that the messages and the definition share, if the messages are read.
+    pub(super) fields: Option<Share>,
     pub(super) has_other_hash: bool,
     pub(super) status: CheckStatus,
 }
@@ -155,8 +169,8 @@ impl Open {
             schema: schema.map(|(name, encoding)| (escaped(name), escaped(encoding))),
             digest,
             reading: Reading::Skipped,
-            messages: 0,
-            checked: 0,
+            tally: Tally::default(),
+            fields: None,
             has_other_hash: false,
             status: if is_known { CheckStatus::Undefined } else { CheckStatus::Unsupported },
         }
@@ -168,18 +182,29 @@ impl Open {
     }
 
     /// Adds the coverage of rules, and returns the summary.
-    pub(super) fn close(self, plans: Option<&Plans>, findings: &mut Findings) -> McapChannel {
+    pub(super) fn close(
+        self,
+        plans: Option<&Plans>,
+        findings: &mut Findings,
+        parts: &mut Parts,
+    ) -> McapChannel {
+        let Tally { records, checked, .. } = self.tally;
         let mut other_cdr = 0;
         match (self.reading, plans) {
             (Reading::Cdr(check), _) => other_cdr = check.close(findings),
-            (Reading::Json(message_id), Some(plans)) => plans.count(message_id, self.checked, findings),
+            (Reading::Json(message_id), Some(plans)) => plans.count(message_id, checked, findings),
             _ => {}
         }
+        let mut result = PartResult::from(&self.status);
+        if other_cdr > 0 {
+            result = result.max(PartResult::Unsupported);
+        }
+        parts.add(&self.topic, result, self.tally, self.fields.unwrap_or_default().times(checked, records));
         McapChannel {
             topic: self.topic,
             encoding: self.encoding,
             schema: self.schema,
-            messages: self.messages,
+            messages: records,
             other_cdr,
             has_other_hash: self.has_other_hash,
             status: self.status,

@@ -32,7 +32,7 @@ pub(super) fn list(report: &Report) -> Markup {
                 tbody role="rowgroup" {
                     @for unreadable in &report.unreadable {
                         tr role="row" {
-                            td role="cell" { span.badge.fail { "unreadable" } }
+                            td role="cell" { span.badge.fail { (OutcomeKind::Failed.name()) } }
                             td role="cell" {
                                 code.path { (shown(&unreadable.path)) }
                                 p { (shown(&unreadable.message)) }
@@ -44,30 +44,35 @@ pub(super) fn list(report: &Report) -> Markup {
                         tr role="row" {
                             td role="cell" { (outcome(subject)) }
                             td role="cell" { code.path { (shown(&subject.path)) } p { (shown(&subject.outcome.text)) } }
-                            td.number role="cell" { (Grouped(subject.checked)) }
+                            td.number role="cell" { (Grouped(subject.coverage.records.checked)) }
+                        }
+                    }
+                    @for file in report.not_checked.iter().take(MAX_LISTED_ITEMS) {
+                        tr role="row" {
+                            td role="cell" { span.badge.none { "not checked" } }
+                            td role="cell" { code.path { (shown(&file.path)) } p { (shown(&file.message)) } }
+                            td.number role="cell" {}
                         }
                     }
                 }
             }
+            @let more = report.not_checked.len().saturating_sub(MAX_LISTED_ITEMS);
+            @if more > 0 { p.more { "… and " (more) " more files that were not checked" } }
         }
     }
 }
 
 fn outcome(subject: &Subject) -> Markup {
     let outcome = subject.outcome.kind;
-    let word = match outcome {
-        OutcomeKind::Conforms => "conforms",
-        OutcomeKind::DoesNotConform => "fails",
-        OutcomeKind::Incomplete => "incomplete",
-        OutcomeKind::Nothing => "not checked",
-        OutcomeKind::Stale => "out of date",
-    };
-    html! { span.badge.(class(outcome)) { (word) } }
+    html! { span.badge.(class(outcome)) { (outcome.name()) } }
 }
 
 /// True if the subject needs a section in addition to its row.
 pub(super) fn has_details(subject: &Subject) -> bool {
-    !subject.findings.is_empty() || !subject.corruption.is_empty() || subject.is_testee()
+    !subject.findings.is_empty()
+        || !subject.corruption.is_empty()
+        || subject.is_testee()
+        || subject.outcome.kind != OutcomeKind::Conforms
 }
 
 /// The section of a subject. The index makes the section's anchors unique.
@@ -77,6 +82,10 @@ pub(super) fn section(subject: &Subject, index: usize) -> Markup {
         section.subject aria-labelledby=(anchor) {
             h2 id=(anchor) { code.path { (shown(&subject.path)) } }
             p.facts { (facts(subject)) }
+            @if !subject.outcome.remarks.is_empty() {
+                ul.remarks { @for remark in &subject.outcome.remarks { li { (shown(remark)) } } }
+            }
+            @for line in subject.coverage_lines() { (summary_line(&line)) }
             @match &subject.about {
                 About::Capture(summary) => { @for line in summary.describe().lines() { (summary_line(&line)) } },
                 About::Testee(testee) => (testee::section(testee)),

@@ -64,7 +64,7 @@ fn table(testee: &Testee) -> Markup {
                 }
             }
             tbody role="rowgroup" {
-                @for row in &testee.table {
+                @for row in testee.supported() {
                     @let Counts { pass, fail, known, unsupported, not_run } = row.counts;
                     tr role="row" {
                         td role="cell" { code { (shown(&row.type_name)) } " " span.level { (shown(&row.op)) } }
@@ -77,6 +77,7 @@ fn table(testee: &Testee) -> Markup {
                 }
             }
         }
+        @for line in testee.unsupported_lines() { p { "Unsupported: " (line) } }
     }
 }
 

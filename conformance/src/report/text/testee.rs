@@ -2,9 +2,9 @@
 
 use std::fmt::{self, Write as _};
 
-use super::{FAIL, PASS, WARN};
-use crate::report::{Case, CaseVerdict, Counts, OutcomeKind, Subject, Testee};
-use crate::text::shown;
+use super::{FAIL, PLAIN, WARN, label, last_line};
+use crate::report::{Case, CaseVerdict, Counts, Subject, Testee};
+use crate::text::{shown, wrapped};
 
 /// The maximum number of failures shown, and the maximum number of standard error lines shown per failure.
 const MAX_SHOWN: usize = 20;
@@ -12,6 +12,7 @@ const MAX_SHOWN: usize = 20;
 pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fmt::Result {
     let space = if testee.version.is_empty() { "" } else { " " };
     writeln!(text, "{}{space}{}\n", shown(&subject.path), shown(&testee.version))?;
+    super::lines(&subject.coverage_lines(), text)?;
     let failures = || testee.cases.iter().filter(|case| case.verdict.is_failure() && case.known.is_none());
     for case in failures().take(MAX_SHOWN) {
         failure(case, text)?;
@@ -35,28 +36,39 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
     if testee.more_protocol_remarks > 0 {
         writeln!(text, "{WARN}protocol{WARN:#} … and {} more", testee.more_protocol_remarks)?;
     }
-    writeln!(text, "\n{:<18} {:<32} {:>6} {:>6} {:>11}", "op", "type", "pass", "fail", "unsupported")?;
-    for row in &testee.table {
-        let Counts { pass, fail, known, unsupported, not_run } = row.counts;
-        let mut rest = if known > 0 { format!("  {known} known") } else { String::new() };
-        if not_run > 0 {
-            write!(rest, "  {not_run} not run")?;
-        }
-        writeln!(text, "{:<18} {:<32} {pass:>6} {fail:>6} {unsupported:>11}{rest}", row.op, row.type_name)?;
+    if known().next().is_some() || !testee.protocol_remarks.is_empty() {
+        writeln!(text)?;
     }
+    table(testee, text)?;
     let Counts { pass, fail, known, unsupported, not_run } = testee.counts;
     let known = if known > 0 { format!(" {known} known,") } else { String::new() };
-    writeln!(
-        text,
-        "\n{pass} passed, {fail} failed,{known} {unsupported} unsupported, {not_run} not run, {} restarts",
+    let counts = format!(
+        "{pass} passed, {fail} failed,{known} {unsupported} unsupported, {not_run} not run, {} restarts",
         testee.restarts
-    )?;
-    let style = match subject.outcome.kind {
-        OutcomeKind::Conforms => PASS,
-        OutcomeKind::Nothing | OutcomeKind::Stale => WARN,
-        OutcomeKind::DoesNotConform | OutcomeKind::Incomplete => FAIL,
-    };
-    writeln!(text, "{style}{}{style:#}", shown(&subject.outcome.last_line()))
+    );
+    writeln!(text, "\n{}\n{}", wrapped(&counts, 0, 2), last_line(&subject.outcome))
+}
+
+/// Writes the counts of each operation and type that the testee supports.
+fn table(testee: &Testee, text: &mut String) -> fmt::Result {
+    if testee.supported().next().is_some() {
+        writeln!(text, "{:<16} {:<32} {:>6} {:>6} {:>11}", "op", "type", "pass", "fail", "unsupported")?;
+    }
+    for row in testee.supported() {
+        let Counts { pass, fail, known, unsupported, not_run } = row.counts;
+        writeln!(text, "{:<16} {:<32} {pass:>6} {fail:>6} {unsupported:>11}", row.op, row.type_name)?;
+        if known + not_run > 0 {
+            writeln!(text, "{:<16} {known} known, {not_run} not run", "")?;
+        }
+    }
+    let unsupported = testee.unsupported_lines();
+    if !unsupported.is_empty() {
+        writeln!(text)?;
+    }
+    for line in unsupported {
+        label(PLAIN, "unsupported", &line, text)?;
+    }
+    Ok(())
 }
 
 fn failure(case: &Case, text: &mut String) -> fmt::Result {

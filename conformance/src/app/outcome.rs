@@ -1,0 +1,77 @@
+//! The options that affect the outcome.
+
+use std::str::FromStr;
+
+use clap::{Args, ValueEnum};
+
+use crate::report::Settings;
+
+/// Arguments of commands that check captures or sessions.
+#[derive(Args, Debug)]
+pub(super) struct OutcomeArgs {
+    /// Fail if a violated rule has this level: error (MUST) or warning (SHOULD).
+    ///
+    /// With `warning`, violations of rules of level SHOULD also fail the run.
+    #[arg(long, value_name = "LEVEL", default_value = "error", hide_possible_values = true)]
+    deny: Denied,
+    /// Minimum coverage, such as 90%.
+    ///
+    /// If a smaller percentage of the topics or types in a file is fully checked, the outcome of this file is incomplete.
+    #[arg(long, value_name = "PERCENT")]
+    min_coverage: Option<Percent>,
+    /// Exit with status 0 instead of 6 if the outcome is incomplete.
+    ///
+    /// The reports still contain the reasons.
+    #[arg(long)]
+    allow_incomplete: bool,
+}
+
+/// The lowest level of findings that fail the run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Denied {
+    /// MUST and SHOULD.
+    Warning,
+    /// Only MUST.
+    Error,
+}
+
+/// A percentage from 0 to 100.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Percent(f64);
+
+impl FromStr for Percent {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let number: Option<f64> = text.strip_suffix('%').unwrap_or(text).parse().ok();
+        let percent = number.filter(|percent| (0.0..=100.0).contains(percent));
+        percent.map(Self).ok_or("expected a percentage from 0 to 100, such as 90%")
+    }
+}
+
+impl OutcomeArgs {
+    /// The settings of reports.
+    pub(super) fn settings(&self) -> Settings {
+        Settings {
+            are_warnings_denied: self.deny == Denied::Warning,
+            min_coverage: self.min_coverage.map(|Percent(percent)| percent),
+            allows_incomplete: self.allow_incomplete,
+            ..Settings::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parses_percentages() {
+        for (text, percent) in [("90%", 90.0), ("0", 0.0), ("99.5%", 99.5), ("100%", 100.0)] {
+            assert_eq!(text.parse(), Ok(Percent(percent)), "{text}");
+        }
+        for wrong in ["", "%", "101", "-1%", "NaN", "much"] {
+            assert!(wrong.parse::<Percent>().is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! Tests of outcomes: all formats report the same outcome of each file.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use quick_junit::{NonSuccessKind, Report as Junit, TestCaseStatus};
+use serde_json::{Value, json};
+
+use crate::app;
+use crate::definitions::Definitions;
+use crate::report::{Kind, Report};
+use crate::rules::flockwave::sample::Session;
+use crate::rules::mutants;
+use crate::rules::sample::Flight;
+
+/// The outcome of each file, by the name of the file.
+type Outcomes = BTreeMap<String, String>;
+
+/// Writes a folder with captures, files that aren't captures, and a note. Returns the expected outcomes.
+fn write_files(folder: &Path) -> Outcomes {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let log = flight.log().to_bytes();
+    let truncated = log[..log.len() - 3].to_vec();
+    let (start, end) = log.split_at(log.len() / 2);
+    let gap = [start, &vec![0; 200_000], end].concat();
+    let lines = flight.lines().to_bytes();
+    let session = Session::new();
+    let with_unknown_type =
+        Session::new().then(|session| session.exchange(json!({ "type": "SOAR-LIST" }), json!({ "ids": [] })));
+    let mut violated = mutants().filter(|mutant| mutant.rule.id == "PX-JSON-02");
+    let violated = violated.find_map(|mutant| mutant.captures(&flight).pop()).expect("a mutant").1;
+    let corrupt = [&violated[..], b"not JSON\n"].concat();
+    let files: [(&str, &[u8], &str); 14] = [
+        ("bag.mcap", &flight.bag().to_bytes(), "conforms"),
+        ("bytes.mcap", &[0x7f, b'E', b'L', b'F', 2, 1, 1, 0, 0], "incomplete"),
+        ("corrupt.jsonl", &corrupt, "does not conform"),
+        ("empty.ulg", b"", "incomplete"),
+        ("encrypted.ulge", b"ULogEnc\x01\0\0\0\0\0\0\0\0\x04", "incomplete"),
+        ("gap.ulg", &gap, "incomplete"),
+        ("good.ulg", &log, "conforms"),
+        ("lines.jsonl", &lines, "conforms"),
+        ("notes.ulg", b"The wind was calm.\n", "incomplete"),
+        ("partial.jsonl", &with_unknown_type.to_bytes(), "partial coverage"),
+        ("session.jsonl", &session.to_bytes(), "conforms"),
+        ("truncated.ulg", &truncated, "incomplete"),
+        ("violated.jsonl", &violated, "does not conform"),
+        ("README.md", b"# Flights\n", "not checked"),
+    ];
+    for (name, bytes, _) in &files {
+        fs::write(folder.join(name), bytes).expect("a file");
+    }
+    files.iter().map(|(name, _, outcome)| ((*name).to_owned(), (*outcome).to_owned())).collect()
+}
+
+/// The file name at the end of a path.
+fn name(path: &str) -> String {
+    path.rsplit('/').next().unwrap_or(path).to_owned()
+}
+
+/// The kind of an outcome's sentence.
+fn kind(sentence: &str) -> String {
+    let sentence = sentence.to_lowercase();
+    let known = ["does not conform", "incomplete", "partial coverage", "conforms"];
+    known.into_iter().find(|kind| sentence.contains(kind)).expect("an outcome").to_owned()
+}
+
+fn of_json(report: &str) -> Outcomes {
+    let report: Value = serde_json::from_str(report).expect("JSON");
+    let text = |value: &Value| value.as_str().expect("text").to_owned();
+    let subjects = report["subjects"].as_array().expect("a list").iter();
+    let mut outcomes: Outcomes = subjects
+        .map(|subject| (name(&text(&subject["path"])), text(&subject["conclusion"]["outcome"])))
+        .collect();
+    for file in report["not_checked"].as_array().expect("a list") {
+        outcomes.insert(name(&text(&file["path"])), "not checked".to_owned());
+    }
+    outcomes
+}
+
+fn of_text(report: &str, folder: &str) -> Outcomes {
+    let report = anstream::adapter::strip_str(report).to_string();
+    let (sections, end) = report.rsplit_once("\nnot checked  ").expect("a list of other files");
+    let mut outcomes = Outcomes::new();
+    for section in sections.split(&format!("\n{folder}/")) {
+        let section = section.strip_prefix(&format!("{folder}/")).unwrap_or(section);
+        let name = section.split_whitespace().next().expect("a file").to_owned();
+        let last = section.trim_end().rsplit_once("\n\n").expect("an outcome").1;
+        outcomes.insert(name, kind(last));
+    }
+    let listed = end.split_whitespace().next().expect("a file");
+    outcomes.insert(name(listed), "not checked".to_owned());
+    outcomes
+}
+
+fn of_junit(report: &str) -> Outcomes {
+    let junit = Junit::deserialize_from_str(report).expect("JUnit");
+    let mut outcomes = Outcomes::new();
+    for suite in &junit.test_suites {
+        let case = &suite.test_cases[0];
+        let is_failed = suite.test_cases.iter().any(|case| {
+            matches!(case.status, TestCaseStatus::NonSuccess { kind: NonSuccessKind::Failure, .. })
+        });
+        let outcome = match &case.status {
+            TestCaseStatus::Skipped { .. } => "not checked".to_owned(),
+            status => {
+                let output = case.system_out.as_ref().expect("an output").as_str();
+                let outcome = kind(output.lines().next().expect("an outcome"));
+                let is_error =
+                    matches!(status, TestCaseStatus::NonSuccess { kind: NonSuccessKind::Error, .. });
+                assert!(is_error || outcome != "incomplete", "{outcome}: {case:?}");
+                assert_eq!(is_failed, outcome == "does not conform", "{suite:?}");
+                outcome
+            }
+        };
+        outcomes.insert(name(suite.name.as_str()), outcome);
+    }
+    outcomes
+}
+
+/// SARIF has results only. The outcome of a file without results is that it conforms.
+fn of_sarif(report: &str, files: impl Iterator<Item = String>) -> Outcomes {
+    let log: Value = serde_json::from_str(report).expect("JSON");
+    let mut outcomes: Outcomes = files.map(|name| (name, "conforms".to_owned())).collect();
+    for result in log["runs"][0]["results"].as_array().expect("a list") {
+        let path = &result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"];
+        let message = result["message"]["text"].as_str().expect("a message");
+        let outcome = match (result["ruleId"].as_str().expect("an id"), &result["level"]) {
+            ("damage", _) => continue,
+            ("incomplete", level) => {
+                assert_eq!(level, "error");
+                "incomplete"
+            }
+            ("coverage", level) => {
+                assert_eq!(level, "note");
+                if message.starts_with("not checked") { "not checked" } else { "partial coverage" }
+            }
+            (_, level) if level == "error" => "does not conform",
+            _ => continue,
+        };
+        let known = outcomes.entry(name(path.as_str().expect("a path"))).or_default();
+        if known != "does not conform" {
+            outcome.clone_into(known);
+        }
+    }
+    outcomes
+}
+
+fn of_html(report: &str) -> Outcomes {
+    let table = report.split("table class=\"files\"").nth(1).expect("a table").split("</table>").next();
+    let rows = table.expect("a table").split("<tr role=\"row\">").skip(2);
+    let row = |row: &str| {
+        let after =
+            |mark: &str| row.split(mark).nth(1).and_then(|rest| rest.split_once('>')).expect("a cell").1;
+        let text = |rest: &str| rest.split('<').next().expect("text").to_owned();
+        (name(&text(after("<code class=\"path\""))), text(after("<span class=\"badge")))
+    };
+    rows.map(row).collect()
+}
+
+fn of_markdown(report: &str) -> Outcomes {
+    let mut outcomes = Outcomes::new();
+    for section in report.split("\n## ") {
+        let (title, rest) = section.split_once("\n\n").expect("a section");
+        if let Some(path) = title.strip_prefix('`') {
+            outcomes.insert(name(path.trim_end_matches('`')), kind(rest.lines().next().expect("a line")));
+        } else if title == "Not checked" {
+            let path = rest.split('`').nth(1).expect("a path");
+            outcomes.insert(name(path), "not checked".to_owned());
+        }
+    }
+    outcomes
+}
+
+/// Checks a folder. Returns the report and the exit status.
+fn check(arguments: &[&str]) -> (Report, u8) {
+    app::check_report(arguments)
+}
+
+#[test]
+fn all_formats_report_the_same_outcomes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let expected = write_files(folder.path());
+    let path = folder.path().to_str().expect("UTF-8");
+    let (report, status) = check(&[path]);
+    assert_eq!(status, 1);
+    assert!(report.outcome.text.ends_with(" (2 of 13 files)"), "{:?}", report.outcome);
+    let text = |kind| report.to_text(kind);
+    assert_eq!(of_json(&text(Kind::Json)), expected);
+    assert_eq!(of_text(&text(Kind::Text), path), expected);
+    assert_eq!(of_junit(&text(Kind::Junit)), expected);
+    assert_eq!(of_sarif(&text(Kind::Sarif), expected.keys().cloned()), expected);
+    assert_eq!(of_html(&text(Kind::Html)), expected);
+    let markdown = of_markdown(&text(Kind::Markdown));
+    assert_eq!(markdown.len(), 13, "the last of 13 sections is omitted");
+    assert!(markdown.iter().all(|(name, outcome)| expected[name] == *outcome), "{markdown:?}");
+}
+
+#[test]
+fn text_fits_a_terminal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_files(folder.path());
+    let (report, _) = check(&[folder.path().to_str().expect("UTF-8")]);
+    let text = anstream::adapter::strip_str(&report.to_text(Kind::Text)).to_string();
+    for line in text.lines() {
+        let has_long_word = line.split_whitespace().any(|word| word.chars().count() > 50);
+        assert!(line.chars().count() <= 80 || has_long_word, "{line}");
+    }
+}
+
+#[test]
+fn the_exit_status_of_each_file_is_its_outcome() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let expected = write_files(folder.path());
+    for (name, outcome) in &expected {
+        let path = folder.path().join(name);
+        let path = path.to_str().expect("UTF-8");
+        let status = match outcome.as_str() {
+            "conforms" | "partial coverage" => 0,
+            "does not conform" => 1,
+            // A file that is named explicitly is checked.
+            _ => 6,
+        };
+        let (report, found) = check(&[path]);
+        assert_eq!(found, status, "{name}: {:?}", report.outcome);
+        let (allowed, found) = check(&["--allow-incomplete", path]);
+        assert_eq!(found, if status == 6 { 0 } else { status }, "{name}");
+        assert_eq!(allowed.outcome.text, report.outcome.text, "the reason stays");
+        let junit = Junit::deserialize_from_str(&allowed.to_text(Kind::Junit)).expect("JUnit");
+        assert_eq!(junit.test_suites[0].failures > 0, status == 1, "{name}");
+        // Parts of a file that doesn't conform can still be unreadable.
+        if status == 6 {
+            assert_eq!(junit.test_suites[0].errors, 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn options_change_the_outcome() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_files(folder.path());
+    let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
+    let partial = path("partial.jsonl");
+    assert_eq!(check(&["--min-coverage", "97%", &partial]).1, 0);
+    let (report, status) = check(&["--min-coverage=98", &partial]);
+    let text = "Incomplete: 38 of 39 types fully checked (97 %), less than 98 %";
+    assert_eq!((status, report.outcome.text.as_str()), (6, text));
+    assert_eq!(check(&["--min-coverage=100%", &path("good.ulg")]).1, 0);
+
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let mutant = mutants().find(|mutant| mutant.rule.id == "PX-RANGE-01").expect("a mutant");
+    let (_, warned) = mutant.captures(&flight).pop().expect("a capture");
+    let file = path("warned");
+    fs::write(&file, warned).expect("a file");
+    let (report, status) = check(&[&file]);
+    assert_eq!((status, report.outcome.text.as_str()), (0, "Conforms, with 1 warning"));
+    let (report, status) = check(&["--deny", "warning", &file]);
+    assert_eq!((status, report.outcome.text.as_str()), (1, "Does not conform: 0 MUST, 1 SHOULD"));
+    let junit = Junit::deserialize_from_str(&report.to_text(Kind::Junit)).expect("JUnit");
+    assert_eq!(junit.test_suites[0].failures, 1);
+}
+
+#[test]
+fn a_folder_without_captures_checks_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().to_str().expect("UTF-8");
+    fs::write(folder.path().join("README.md"), "# Flights\n").expect("a file");
+    let (report, status) = check(&[path]);
+    assert_eq!((status, report.outcome.text.as_str()), (5, "Nothing was checked"));
+    assert_eq!(report.not_checked.len(), 1);
+    let definitions = Definitions::built_in();
+    let log = tempfile::Builder::new().suffix(".ulg").tempfile().expect("a file");
+    fs::write(log.path(), Flight::new(&definitions).log().to_bytes()).expect("a file");
+    assert_eq!(check(&[path, log.path().to_str().expect("UTF-8")]).1, 3, "an argument has no captures");
+}
