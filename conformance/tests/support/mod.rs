@@ -1,5 +1,6 @@
 //! Shared helpers of tests: the corpus, and a writer of logs.
 
+pub(crate) mod proxy;
 pub(crate) mod server;
 
 use std::io::{self, Read};
