@@ -1,7 +1,10 @@
-//! TCP connections with time limits.
+//! TCP connections with time limits, with or without TLS.
 
 mod address;
 mod connection;
+mod stream;
+pub(crate) mod tls;
 
 pub(crate) use self::address::Address;
-pub(crate) use self::connection::{Connection, resolve};
+pub(crate) use self::connection::{Connection, explain, resolve};
+pub(crate) use self::stream::Stream;

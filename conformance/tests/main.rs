@@ -9,4 +9,5 @@ mod serve;
 #[allow(dead_code, reason = "the tests in src/tests use the rest")]
 mod support;
 mod testee;
+mod transport;
 mod watch;

@@ -12,6 +12,7 @@ use super::Status;
 use super::report::print;
 use super::test::seconds;
 use crate::definitions::Definitions;
+use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::watch::codes::Codes;
 use crate::watch::fleet::{Fleet, Link};
@@ -80,7 +81,7 @@ pub(super) fn watch(args: &WatchArgs) -> Status {
     let session = {
         let sender = sender.clone();
         let on_event = move |event| sender.send(Input::Server(event, Instant::now())).is_ok();
-        Session::start(args.endpoint.clone(), on_event)
+        Session::start(args.endpoint.clone(), Access::default(), on_event)
     };
     let status = if args.once || !io::stdout().is_terminal() {
         watch_once(args, &codes, &inputs)

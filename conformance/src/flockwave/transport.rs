@@ -24,6 +24,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+pub(crate) mod access;
 pub(crate) mod client;
 pub(crate) mod endpoint;
 pub(crate) mod engine;
@@ -31,9 +32,11 @@ pub(crate) mod http;
 pub(crate) mod lines;
 pub(crate) mod socketio;
 
-pub use self::client::{Client, Received, connect};
-pub use self::endpoint::{Carrier, Endpoint};
+pub use self::access::Access;
+pub use self::client::{Client, Received, connect, connect_with, http_status, is_temporary};
+pub use self::endpoint::{Carrier, Endpoint, ServerAddress};
 pub use self::engine::Revision;
+pub use crate::net::tls::Trust;
 
 /// The maximum size of a message, in bytes. The specification has no limit, but messages must be read into memory.
 pub const MESSAGE_LIMIT: usize = 16 << 20;

@@ -1,5 +1,6 @@
 //! A connection to a testee or a live server. All waits have a time limit.
 
+use std::fmt;
 use std::io;
 use std::net::{Shutdown, SocketAddr, TcpStream, ToSocketAddrs as _};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -17,22 +18,26 @@ pub(crate) struct Connection(TcpStream);
 impl Connection {
     /// Connects to the first of the host's addresses that accepts the connection.
     pub(crate) fn open(address: &Address, until: Instant) -> io::Result<Self> {
-        let mut failure = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
-        for found in resolve(address, until)? {
-            let rest = until.saturating_duration_since(Instant::now());
+        let mut failure = None;
+        let found = resolve(address, until)?;
+        for (at, candidate) in found.iter().enumerate() {
+            // An address that doesn't respond must leave time for the next one.
+            let remaining = u32::try_from(found.len() - at).unwrap_or(u32::MAX);
+            let rest = until.saturating_duration_since(Instant::now()) / remaining;
             if rest.is_zero() {
-                return Err(too_late());
+                return Err(too_late(address));
             }
-            match TcpStream::connect_timeout(&found, rest) {
+            match TcpStream::connect_timeout(candidate, rest) {
                 Ok(stream) => {
                     // Otherwise, a small message may wait for the answer to the previous message.
                     stream.set_nodelay(true)?;
                     return Ok(Self(stream));
                 }
-                Err(error) => failure = error,
+                Err(error) => failure = Some(error),
             }
         }
-        Err(failure)
+        Err(failure
+            .map_or_else(|| not_found(&address.host, "it has no address"), |error| explain(address, error)))
     }
 
     /// Connects, and retries while the connection is refused. A supervisor may need a moment to restart a testee that
@@ -75,11 +80,32 @@ pub(crate) fn resolve(address: &Address, until: Instant) -> io::Result<Vec<Socke
         let _ = sender.send(addresses.map(Iterator::collect));
     });
     match found.recv_timeout(until.saturating_duration_since(Instant::now())) {
-        Ok(addresses) => addresses,
-        Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Err(too_late()),
+        Ok(addresses) => addresses.map_err(|error| not_found(&address.host, error)),
+        Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Err(too_late(address)),
     }
 }
 
-fn too_late() -> io::Error {
-    io::Error::new(io::ErrorKind::TimedOut, "couldn't connect within the time limit")
+/// Names the cause of an error while connecting to an address.
+pub(crate) fn explain(address: &Address, error: io::Error) -> io::Error {
+    match error.kind() {
+        io::ErrorKind::ConnectionRefused => {
+            io::Error::new(error.kind(), format!("connection refused: no server listens on {address}"))
+        }
+        io::ErrorKind::TimedOut => too_late(address),
+        io::ErrorKind::HostUnreachable | io::ErrorKind::NetworkUnreachable => {
+            io::Error::new(error.kind(), format!("{address} is unreachable: {error}"))
+        }
+        _ => error,
+    }
+}
+
+fn not_found(host: &str, why: impl fmt::Display) -> io::Error {
+    io::Error::new(io::ErrorKind::NotFound, format!("host not found: {host}: {why}"))
+}
+
+fn too_late(address: &Address) -> io::Error {
+    io::Error::new(
+        io::ErrorKind::TimedOut,
+        format!("timed out: couldn't connect to {address} within the time limit"),
+    )
 }

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 
 use super::message::{Content, Message};
 use super::poller::Poller;
-use crate::flockwave::transport::client::{Client, Received, connect};
+use crate::flockwave::transport::access::Access;
+use crate::flockwave::transport::client::{Client, Received, connect_with};
 use crate::flockwave::transport::endpoint::Endpoint;
 
 /// The maximum time to connect.
@@ -48,11 +49,16 @@ pub(crate) struct Session {
 impl Session {
     /// Watches a server. The thread ends if `on_event` returns false. While `on_event` blocks, no messages are
     /// received.
-    pub(crate) fn start(endpoint: Endpoint, on_event: impl FnMut(Event) -> bool + Send + 'static) -> Self {
+    pub(crate) fn start(
+        endpoint: Endpoint,
+        access: Access,
+        on_event: impl FnMut(Event) -> bool + Send + 'static,
+    ) -> Self {
         let (end, ended) = channel::<()>();
         let is_over = move |pause| ended.recv_timeout(pause) == Err(RecvTimeoutError::Disconnected);
         thread::spawn(move || {
-            let mut watch = Watch { endpoint, on_event: Box::new(on_event), is_over: Box::new(is_over) };
+            let (on_event, is_over) = (Box::new(on_event), Box::new(is_over));
+            let mut watch = Watch { endpoint, access, on_event, is_over };
             // The only possible error is that the session has ended.
             let _ = watch.run();
         });
@@ -65,6 +71,7 @@ struct Closed;
 
 struct Watch {
     endpoint: Endpoint,
+    access: Access,
     on_event: Box<dyn FnMut(Event) -> bool + Send>,
     /// Waits for some time, and returns true if the session has ended.
     is_over: Box<dyn Fn(Duration) -> bool + Send>,
@@ -75,7 +82,7 @@ impl Watch {
         let mut pause = FIRST_PAUSE;
         loop {
             let mut has_received = false;
-            let reason = match connect(&self.endpoint, Instant::now() + CONNECT_LIMIT) {
+            let reason = match connect_with(&self.endpoint, &self.access, Instant::now() + CONNECT_LIMIT) {
                 Ok(mut client) => self.run_connection(&mut *client, &mut has_received)?,
                 Err(error) => error.to_string(),
             };

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use super::roster::UAV_LIMIT;
 use crate::serve::{Options, Server, Transport, error};
 use crate::tests::support::server::{answer_requests, custom_server, location, serve};
+use crate::transport::Access;
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::Content;
 use crate::watch::session::{Event, Session};
@@ -40,8 +41,9 @@ struct Watched {
 impl Watched {
     fn new(url: &str) -> Self {
         let (sender, events) = sync_channel(4);
-        let session =
-            Session::start(url.parse().expect("an endpoint"), move |event| sender.send(event).is_ok());
+        let session = Session::start(url.parse().expect("an endpoint"), Access::default(), move |event| {
+            sender.send(event).is_ok()
+        });
         Self { fleet: Fleet::default(), events, _session: session, reported: [0; 2] }
     }
 

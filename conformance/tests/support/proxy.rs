@@ -96,20 +96,26 @@ impl Proxy {
         }
     }
 
-    fn serve(&self, client: TcpStream, server: SocketAddr) -> io::Result<()> {
+    fn serve(&self, mut client: TcpStream, server: SocketAddr) -> io::Result<()> {
         let closer = client.try_clone()?;
         client.set_nodelay(true)?;
-        client.set_read_timeout(Some(TURN))?;
         let server = TcpStream::connect(server)?;
         let served = match &self.tls {
-            None => self.forward(client, &server),
+            None => {
+                client.set_read_timeout(Some(TURN))?;
+                self.forward(client, &server)
+            }
             Some(config) => {
-                let connection = ServerConnection::new(Arc::clone(config)).expect("a configuration");
+                let mut connection = ServerConnection::new(Arc::clone(config)).expect("a configuration");
+                while connection.is_handshaking() {
+                    connection.complete_io(&mut client)?;
+                }
+                client.set_read_timeout(Some(TURN))?;
                 self.forward(StreamOwned::new(connection, client), &server)
             }
         };
-        server.shutdown(Shutdown::Both)?;
-        closer.shutdown(Shutdown::Both)?;
+        // The other side may have closed the connection already.
+        let _ = (server.shutdown(Shutdown::Both), closer.shutdown(Shutdown::Both));
         served
     }
 
@@ -119,11 +125,13 @@ impl Proxy {
         let [mut to_server, mut to_client] = self.delays.map(Delayed::new);
         server.set_nodelay(true)?;
         server.set_read_timeout(Some(TURN))?;
-        let (mut is_open, mut is_answered) = (true, false);
+        let (mut is_open, mut is_sending) = (true, true);
+        let (mut is_finished, mut is_answered) = (false, false);
         while is_open || !to_client.0.is_empty() {
-            if is_open && !is_answered {
+            if is_open && is_sending {
                 match quiet(client.read(&mut piece))? {
-                    Some(0) => return Ok(()),
+                    // The client may still receive.
+                    Some(0) => is_sending = false,
                     Some(length) if self.is_http() => match requests.take(self, &piece[..length]) {
                         Ok(forwarded) => to_server.push(&forwarded),
                         Err(answer) => {
@@ -137,6 +145,10 @@ impl Proxy {
             }
             while let Some(bytes) = to_server.pop() {
                 server.write_all(&bytes)?;
+            }
+            if !is_sending && to_server.0.is_empty() && !std::mem::replace(&mut is_finished, true) {
+                // The server may have closed the connection.
+                let _ = server.shutdown(Shutdown::Write);
             }
             match quiet(server.read(&mut piece))? {
                 Some(0) => is_open = false,
@@ -250,6 +262,14 @@ fn quiet<T>(read: io::Result<T>) -> io::Result<Option<T>> {
 
 /// The certificate of an authority in PEM form, and the configuration of a server with a certificate for these names.
 pub(crate) fn certified(names: &[&str]) -> (String, Arc<ServerConfig>) {
+    certified_with(names, |_| {})
+}
+
+/// Like [`certified`], with changed parameters of the server's certificate.
+pub(crate) fn certified_with(
+    names: &[&str],
+    change: impl FnOnce(&mut CertificateParams),
+) -> (String, Arc<ServerConfig>) {
     let mut authority = CertificateParams::new(Vec::new()).expect("parameters");
     authority.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
     authority.distinguished_name.push(rcgen::DnType::CommonName, "Glider authority");
@@ -257,10 +277,10 @@ pub(crate) fn certified(names: &[&str]) -> (String, Arc<ServerConfig>) {
     let authority = CertifiedIssuer::self_signed(authority, key).expect("an authority");
     let key = KeyPair::generate().expect("a key");
     let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-    let params = CertificateParams::new(names).expect("names");
+    let mut params = CertificateParams::new(names).expect("names");
+    change(&mut params);
     let certificate = params.signed_by(&key, &authority).expect("a certificate");
-    let provider = Arc::new(rustls::crypto::ring::default_provider());
-    let config = ServerConfig::builder_with_provider(provider)
+    let config = ServerConfig::builder_with_provider(Arc::new(rustls::crypto::ring::default_provider()))
         .with_safe_default_protocol_versions()
         .expect("versions")
         .with_no_client_auth()

@@ -2,6 +2,8 @@
 
 mod http;
 mod polling;
+mod status;
+mod target;
 mod tcp;
 mod udp;
 mod websocket;
@@ -9,6 +11,9 @@ mod websocket;
 use std::io;
 use std::time::Instant;
 
+pub use self::status::http_status;
+use self::target::Target;
+use super::access::Access;
 use super::endpoint::{Carrier, Endpoint};
 
 /// The result of waiting for a message.
@@ -44,23 +49,48 @@ pub trait Client: Send {
     }
 }
 
-/// Connects to a server and completes the handshake. HTTP has no connection, so the time limit applies to each
-/// message.
+/// Connects to a server and completes the handshake, without credentials. HTTP has no lasting connection, so the time
+/// limit also applies to each message.
 pub fn connect(endpoint: &Endpoint, until: Instant) -> io::Result<Box<dyn Client>> {
+    connect_with(endpoint, &Access::default(), until)
+}
+
+/// Like [`connect`], with credentials and trusted certificates.
+pub fn connect_with(endpoint: &Endpoint, access: &Access, until: Instant) -> io::Result<Box<dyn Client>> {
     Ok(match endpoint {
-        Endpoint::Tcp(address) => Box::new(tcp::Tcp::connect(address, until)?),
+        Endpoint::Tcp(address) => Box::new(tcp::Tcp::connect(address, access, until)?),
         Endpoint::Udp(address) => Box::new(udp::Udp::connect(address, until)?),
         Endpoint::Http { address, path } => {
-            let limit = until.saturating_duration_since(Instant::now());
-            Box::new(http::OneShot::new(address, path, limit))
+            Box::new(http::OneShot::connect(Target::new(address, path), access, until)?)
         }
         Endpoint::SocketIo { address, revision, carrier: Carrier::WebSocket } => {
-            Box::new(websocket::WebSocketClient::connect(address, *revision, until)?)
+            Box::new(websocket::WebSocketClient::connect(address, *revision, access, until)?)
         }
         Endpoint::SocketIo { address, revision, carrier: Carrier::Polling } => {
-            Box::new(polling::Polling::connect(address, *revision, until)?)
+            Box::new(polling::Polling::connect(address, *revision, access, until)?)
         }
     })
+}
+
+/// True if a connection that failed with this error may succeed later, e.g. because the server is starting. False for
+/// an unknown host, a refused login, an invalid certificate, or a server of another kind.
+pub fn is_temporary(error: &io::Error) -> bool {
+    use io::ErrorKind::{
+        BrokenPipe, ConnectionAborted, ConnectionRefused, ConnectionReset, HostUnreachable,
+        NetworkUnreachable, TimedOut, UnexpectedEof,
+    };
+    let is_down = matches!(
+        error.kind(),
+        BrokenPipe
+            | ConnectionAborted
+            | ConnectionRefused
+            | ConnectionReset
+            | HostUnreachable
+            | NetworkUnreachable
+            | TimedOut
+            | UnexpectedEof
+    );
+    is_down || matches!(http_status(error), Some(502..=504))
 }
 
 /// The text to send over Socket.IO.

@@ -8,30 +8,35 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 
-use ureq::Agent;
+use ureq::http::response::Parts;
+use ureq::http::{Request, header};
+use ureq::{Agent, AsSendBody, Timeout};
 
-use super::{Client, Received, invalid};
+use super::status::{Refusal, redirected, too_many_redirects};
+use super::target::{REDIRECT_LIMIT, Target};
+use super::{Client, Received, invalid, timed_out};
 use crate::flockwave::transport::MESSAGE_LIMIT;
-use crate::net::Address;
+use crate::flockwave::transport::access::Access;
+use crate::net::{self, Stream, tls};
 
 pub(super) struct OneShot {
-    agent: Agent,
-    url: String,
+    client: HttpClient,
+    /// The time limit of each request.
+    limit: Duration,
     answers: VecDeque<Vec<u8>>,
 }
 
 impl OneShot {
-    /// Creates a client that waits up to `limit` for each answer.
-    pub(super) fn new(address: &Address, path: &str, limit: Duration) -> Self {
-        let url = format!("http://{address}{path}");
-        Self { agent: agent(limit), url, answers: VecDeque::new() }
+    /// Creates a client that waits for each answer as long as for the connection.
+    pub(super) fn connect(target: Target, access: &Access, until: Instant) -> io::Result<Self> {
+        let limit = until.saturating_duration_since(Instant::now());
+        Ok(Self { client: HttpClient::connect(target, access, until)?, limit, answers: VecDeque::new() })
     }
 }
 
 impl Client for OneShot {
     fn send(&mut self, message: &[u8]) -> io::Result<()> {
-        let request = self.agent.post(&self.url).header("Content-Type", "application/json");
-        let answer = body(request.send(message))?;
+        let answer = self.client.post("application/json", message, Instant::now() + self.limit)?;
         self.answers.push_back(answer);
         Ok(())
     }
@@ -46,22 +51,139 @@ impl Client for OneShot {
     }
 }
 
-/// Creates an agent for HTTP requests with a time limit.
-pub(super) fn agent(limit: Duration) -> Agent {
-    // Requests to local servers must not go through a proxy from the environment.
-    let config = Agent::config_builder().timeout_global(Some(limit)).http_status_as_error(false).proxy(None);
+/// Sends HTTP requests to one target. Follows redirects on the same host, without changing the method or the body.
+#[derive(Clone)]
+pub(super) struct HttpClient {
+    agent: Agent,
+    target: Target,
+    access: Access,
+}
+
+impl HttpClient {
+    /// Fails if there is no server, or if its certificate is invalid.
+    pub(super) fn connect(target: Target, access: &Access, until: Instant) -> io::Result<Self> {
+        let is_encrypted = target.address.is_encrypted;
+        // Requests open their own connections. This connection only shows that there is a server.
+        Stream::open(&target.address.address(), access.trust(is_encrypted), until)?;
+        Ok(Self { agent: new_agent(access, is_encrypted), target, access: access.clone() })
+    }
+
+    /// The client of another path or query on the same server.
+    pub(super) fn at(&self, path: String) -> Self {
+        let target = Target { path, ..self.target.clone() };
+        Self { target, ..self.clone() }
+    }
+
+    /// The path and the query.
+    pub(super) fn path(&self) -> &str {
+        &self.target.path
+    }
+
+    /// Returns the body of the response to a GET request.
+    pub(super) fn get(&self, until: Instant) -> io::Result<Vec<u8>> {
+        self.request(None, until)
+    }
+
+    /// Returns the body of the response to a POST request.
+    pub(super) fn post(&self, content_type: &str, body: &[u8], until: Instant) -> io::Result<Vec<u8>> {
+        self.request(Some((content_type, body)), until)
+    }
+
+    fn request(&self, content: Option<(&str, &[u8])>, until: Instant) -> io::Result<Vec<u8>> {
+        let (mut target, mut agent) = (self.target.clone(), self.agent.clone());
+        let authorization = self.access.authorization();
+        for _ in 0..=REDIRECT_LIMIT {
+            let mut request = Request::builder().uri(target.to_string());
+            if let Some(authorization) = &authorization {
+                request = request.header(header::AUTHORIZATION, authorization);
+            }
+            let sent = match content {
+                None => send(&agent, request.method("GET").body(()), until),
+                Some((content_type, body)) => {
+                    let request = request.method("POST").header(header::CONTENT_TYPE, content_type);
+                    send(&agent, request.body(body), until)
+                }
+            };
+            let (response, body) = sent.map_err(|error| explain(&target, error))?;
+            let (status, headers) = (response.status, &response.headers);
+            if status.is_success() {
+                return Ok(body);
+            }
+            let next = redirected(&target, status, headers)?.ok_or_else(|| {
+                let has_login = authorization.is_some();
+                Refusal { target: &target, status, headers, body: &body, has_login }.error()
+            })?;
+            if next.address.is_encrypted && !target.address.is_encrypted {
+                agent = new_agent(&self.access, true);
+            }
+            target = next;
+        }
+        Err(too_many_redirects(&target))
+    }
+}
+
+/// Sends a request, and reads the response.
+fn send(
+    agent: &Agent,
+    request: Result<Request<impl AsSendBody>, ureq::http::Error>,
+    until: Instant,
+) -> Result<(Parts, Vec<u8>), ureq::Error> {
+    let limit = until.saturating_duration_since(Instant::now());
+    if limit.is_zero() {
+        return Err(ureq::Error::Timeout(Timeout::Global));
+    }
+    let request = agent.configure_request(request?).timeout_global(Some(limit)).build();
+    let (head, mut body) = agent.run(request)?.into_parts();
+    let read = body.with_config().limit(MESSAGE_LIMIT as u64 * 2).read_to_vec()?;
+    Ok((head, read))
+}
+
+/// An agent that neither follows redirects nor handles statuses.
+fn new_agent(access: &Access, is_encrypted: bool) -> Agent {
+    let config = Agent::config_builder()
+        .http_status_as_error(false)
+        .max_redirects(0)
+        .max_redirects_will_error(false)
+        // Requests to local servers must not go through a proxy from the environment.
+        .proxy(None);
+    #[cfg(feature = "tls")]
+    let config = match access.trust(is_encrypted) {
+        Some(trust) => config.tls_config(trust.agent_config()),
+        None => config,
+    };
+    #[cfg(not(feature = "tls"))]
+    let _ = (access, is_encrypted);
     config.build().into()
 }
 
-/// The body of a response, if its status code indicates success.
-pub(super) fn body(response: Result<ureq::http::Response<ureq::Body>, ureq::Error>) -> io::Result<Vec<u8>> {
-    let mut response = response.map_err(ureq::Error::into_io)?;
-    let read = response.body_mut().with_config().limit(MESSAGE_LIMIT as u64 * 2).read_to_vec();
-    let body = read.map_err(ureq::Error::into_io)?;
-    let status = response.status();
-    if status.is_success() {
-        return Ok(body);
+/// Names the cause of an error.
+fn explain(target: &Target, error: ureq::Error) -> io::Error {
+    let address = target.address.address();
+    match error {
+        ureq::Error::Io(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
+            io::Error::new(error.kind(), "the server closed the connection without an HTTP response")
+        }
+        ureq::Error::Io(error) => tls::explain(net::explain(&address, error)),
+        ureq::Error::Timeout(_) => no_answer(),
+        ureq::Error::HostNotFound => {
+            io::Error::new(io::ErrorKind::NotFound, format!("host not found: {}", address.host))
+        }
+        ureq::Error::Protocol(error) => not_http(&error),
+        ureq::Error::BodyExceedsLimit(limit) => {
+            invalid(format!("the HTTP response is longer than {limit} bytes"))
+        }
+        error => io::Error::other(error),
     }
-    let text = String::from_utf8_lossy(&body[..body.len().min(200)]).trim().to_owned();
-    Err(invalid(format!("HTTP status {status}: {text}")))
+}
+
+/// The error of a server that doesn't answer in time.
+fn no_answer() -> io::Error {
+    timed_out("timed out: no HTTP response")
+}
+
+/// The error of an answer that isn't HTTP. Such answers come from servers that expect TLS, too.
+pub(super) fn not_http(error: &dyn std::fmt::Display) -> io::Error {
+    invalid(format!(
+        "the server's answer isn't HTTP ({error}); if the server uses TLS, use a URL with TLS (https, socketios, wss)"
+    ))
 }

@@ -7,16 +7,20 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use serde::Deserialize;
-use ureq::Agent;
 
-use super::http::{agent, body};
+use super::http::HttpClient;
+use super::target::Target;
 use super::{Client, Received, invalid, text_of, timed_out};
+use crate::flockwave::transport::access::Access;
+use crate::flockwave::transport::endpoint::ServerAddress;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use crate::flockwave::transport::{SOCKET_IO_PATH, socketio};
-use crate::net::Address;
 
 /// The maximum duration of a poll. Servers end a poll after their ping interval, usually 25 s.
 const POLL_LIMIT: Duration = Duration::from_secs(90);
+
+/// The maximum time to close a session.
+const CLOSE_LIMIT: Duration = Duration::from_secs(2);
 
 /// The maximum number of payloads in the queue. Polling pauses when the queue is full.
 const WAITING_LIMIT: usize = 16;
@@ -144,23 +148,26 @@ pub(super) fn step(packet: Packet) -> Step {
 }
 
 pub(super) struct Polling {
-    agent: Agent,
-    url: String,
+    client: HttpClient,
     revision: Revision,
     heartbeat: Heartbeat,
+    /// Sends pings and pongs without delaying the caller.
+    pings: SyncSender<Packet>,
     polled: Receiver<io::Result<Vec<u8>>>,
     packets: VecDeque<Packet>,
 }
 
 impl Polling {
-    pub(super) fn connect(address: &Address, revision: Revision, until: Instant) -> io::Result<Self> {
+    pub(super) fn connect(
+        address: &ServerAddress,
+        revision: Revision,
+        access: &Access,
+        until: Instant,
+    ) -> io::Result<Self> {
         let number = revision.engine_io();
-        let url = format!("http://{address}{SOCKET_IO_PATH}?EIO={number}&transport=polling");
-        let limit = until.saturating_duration_since(Instant::now());
-        if limit.is_zero() {
-            return Err(timed_out("the server didn't open a session in time"));
-        }
-        let opened = body(agent(limit).get(&url).call())?;
+        let path = format!("{SOCKET_IO_PATH}?EIO={number}&transport=polling");
+        let client = HttpClient::connect(Target::new(address, path), access, until)?;
+        let opened = client.get(until)?;
         let (mut heartbeat, mut opening) = (Heartbeat::new(revision), Opening::new(revision));
         let mut packets: VecDeque<Packet> = decode(revision, &opened).map_err(invalid)?.into();
         let mut answers = Vec::new();
@@ -170,31 +177,24 @@ impl Polling {
             answers.extend(opening.take(&packet, &mut heartbeat)?);
         }
         let sid = opening.sid.as_deref().ok_or_else(|| invalid("the server didn't open a session"))?;
-        let url = format!("{url}&sid={sid}");
-        let (sender, polled) = sync_channel(WAITING_LIMIT);
-        let poll_url = url.clone();
-        thread::spawn(move || poll(&poll_url, &sender));
-        let mut client = Self { agent: agent(limit), url, revision, heartbeat, polled, packets };
-        client.send_packets(&answers)?;
+        let client = client.at(format!("{}&sid={sid}", client.path()));
+        let (polled, pings) = start_threads(&client, revision);
+        let mut client = Self { client, revision, heartbeat, pings, polled, packets };
+        client.send_packets(&answers, until)?;
         while !opening.is_done() {
             let packet = client
                 .packet(until)?
-                .ok_or_else(|| timed_out("the server didn't accept the namespace in time"))?;
+                .ok_or_else(|| timed_out("timed out: the server didn't accept the namespace"))?;
             let answer = opening.take(&packet, &mut client.heartbeat)?;
-            client.send_packets(answer.as_slice())?;
+            client.send_packets(answer.as_slice(), until)?;
         }
         opening.early.append(&mut client.packets);
         client.packets = opening.early;
-        client.agent = agent(POLL_LIMIT);
         Ok(client)
     }
 
-    fn send_packets(&self, packets: &[Packet]) -> io::Result<()> {
-        if packets.is_empty() {
-            return Ok(());
-        }
-        let request = self.agent.post(&self.url).header("Content-Type", "text/plain;charset=UTF-8");
-        body(request.send(encode(self.revision, packets))).map(|_| ())
+    fn send_packets(&self, packets: &[Packet], until: Instant) -> io::Result<()> {
+        if packets.is_empty() { Ok(()) } else { post(&self.client, self.revision, packets, until) }
     }
 
     /// The next packet. `None` if none arrives in time. The end of the session is returned as a packet.
@@ -210,6 +210,11 @@ impl Polling {
             }
         }
     }
+
+    /// Queues a ping or a pong. A server that sends more pings than it receives pongs doesn't need all of them.
+    fn ping(&self, packet: Packet) {
+        let _ = self.pings.try_send(packet);
+    }
 }
 
 impl Client for Polling {
@@ -218,13 +223,14 @@ impl Client for Polling {
     }
 
     fn send_raw(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.send_packets(&[Packet::new(Kind::Message, text_of(bytes)?)])
+        self.send_packets(&[Packet::new(Kind::Message, text_of(bytes)?)], Instant::now() + POLL_LIMIT)
     }
 
     fn receive(&mut self, until: Instant) -> io::Result<Received> {
         loop {
-            let ping = self.heartbeat.due();
-            self.send_packets(ping.as_slice())?;
+            if let Some(ping) = self.heartbeat.due() {
+                self.ping(ping);
+            }
             let Some(packet) = self.packet(self.heartbeat.next().min(until))? else {
                 if Instant::now() >= until {
                     return Ok(Received::Silence);
@@ -233,7 +239,7 @@ impl Client for Polling {
             };
             match step(packet) {
                 Step::Received(received) => return Ok(received),
-                Step::Answer(answer) => self.send_packets(&[answer])?,
+                Step::Answer(answer) => self.ping(answer),
                 Step::Nothing => {}
             }
         }
@@ -243,15 +249,38 @@ impl Client for Polling {
 impl Drop for Polling {
     fn drop(&mut self) {
         // This makes the server end the open poll. Errors don't matter, since the connection is closed anyway.
-        let _ = self.send_packets(&[Packet::new(Kind::Close, "")]);
+        let _ = self.send_packets(&[Packet::new(Kind::Close, "")], Instant::now() + CLOSE_LIMIT);
     }
 }
 
+/// Starts the threads that poll and that send pings. Returns their channels.
+fn start_threads(
+    client: &HttpClient,
+    revision: Revision,
+) -> (Receiver<io::Result<Vec<u8>>>, SyncSender<Packet>) {
+    let (payloads, polled) = sync_channel(WAITING_LIMIT);
+    let poller = client.clone();
+    thread::spawn(move || poll(&poller, &payloads));
+    let (pings, waiting) = sync_channel::<Packet>(WAITING_LIMIT);
+    let pinger = client.clone();
+    thread::spawn(move || {
+        for ping in waiting {
+            // If the connection is lost, the poll fails as well.
+            let _ = post(&pinger, revision, &[ping], Instant::now() + POLL_LIMIT);
+        }
+    });
+    (polled, pings)
+}
+
+/// Sends packets.
+fn post(client: &HttpClient, revision: Revision, packets: &[Packet], until: Instant) -> io::Result<()> {
+    client.post("text/plain;charset=UTF-8", encode(revision, packets).as_bytes(), until).map(|_| ())
+}
+
 /// Polls until the receiver is gone or the session ends.
-fn poll(url: &str, payloads: &SyncSender<io::Result<Vec<u8>>>) {
-    let agent = agent(POLL_LIMIT);
+fn poll(client: &HttpClient, payloads: &SyncSender<io::Result<Vec<u8>>>) {
     loop {
-        let payload = body(agent.get(url).call());
+        let payload = client.get(Instant::now() + POLL_LIMIT);
         let is_end = payload.is_err();
         if payloads.send(payload).is_err() || is_end {
             return;

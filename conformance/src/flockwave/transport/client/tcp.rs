@@ -1,30 +1,38 @@
 //! TCP: one message on each line.
 
 use std::io::{self, Read as _, Write as _};
-use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
-use super::{Client, Received};
+use super::{Client, Received, invalid};
+use crate::flockwave::transport::access::Access;
+use crate::flockwave::transport::endpoint::ServerAddress;
 use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::lines::{Line, Lines};
-use crate::net::{Address, Connection};
+use crate::net::Stream;
 
 /// The maximum time that sending may block.
 const SEND_LIMIT: Duration = Duration::from_secs(30);
 
 pub(super) struct Tcp {
-    /// Dropping it closes the connection.
-    _connection: Connection,
-    stream: TcpStream,
+    stream: Stream,
     lines: Lines,
+    has_received: bool,
 }
 
 impl Tcp {
-    pub(super) fn connect(address: &Address, until: Instant) -> io::Result<Self> {
-        let connection = Connection::open(address, until)?;
-        let stream = connection.stream()?;
-        stream.set_write_timeout(Some(SEND_LIMIT))?;
-        Ok(Self { _connection: connection, stream, lines: Lines::default() })
+    pub(super) fn connect(address: &ServerAddress, access: &Access, until: Instant) -> io::Result<Self> {
+        let stream = Stream::open(&address.address(), access.trust(address.is_encrypted), until)?;
+        Ok(Self { stream, lines: Lines::default(), has_received: false })
+    }
+
+    /// Stores received bytes. Fails if they are a TLS message, with which TLS servers refuse clients without TLS.
+    fn take(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let is_first = !std::mem::replace(&mut self.has_received, true);
+        if is_first && !self.stream.is_encrypted() && matches!(bytes, [0x15 | 0x16, 3, ..]) {
+            return Err(invalid("the server uses TLS on this port: use a tcps:// URL"));
+        }
+        self.lines.feed(bytes);
+        Ok(())
     }
 }
 
@@ -37,11 +45,14 @@ impl Client for Tcp {
     }
 
     fn send_raw(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.stream.write_all(bytes)
+        self.stream.set_deadline(Instant::now() + SEND_LIMIT);
+        self.stream.write_all(bytes)?;
+        self.stream.flush()
     }
 
     fn finish(&mut self) -> io::Result<()> {
-        self.stream.shutdown(Shutdown::Write)
+        self.stream.set_deadline(Instant::now() + SEND_LIMIT);
+        self.stream.finish()
     }
 
     fn receive(&mut self, until: Instant) -> io::Result<Received> {
@@ -52,14 +63,13 @@ impl Client for Tcp {
                 Some(Line::TooLong) => return Ok(Received::TooLong),
                 None => {}
             }
-            let left = until.saturating_duration_since(Instant::now());
-            if left.is_zero() {
+            if Instant::now() >= until {
                 return Ok(Received::Silence);
             }
-            self.stream.set_read_timeout(Some(left))?;
+            self.stream.set_deadline(until);
             match self.stream.read(&mut piece) {
                 Ok(0) => return Ok(Received::End),
-                Ok(length) => self.lines.feed(&piece[..length]),
+                Ok(length) => self.take(&piece[..length])?,
                 Err(error) if is_silence(&error) => {}
                 Err(error) => return Err(error),
             }

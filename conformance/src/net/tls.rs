@@ -1,0 +1,81 @@
+//! TLS for client connections. Without the feature `tls`, each use of TLS is an error.
+
+#[cfg(feature = "tls")]
+mod enabled;
+#[cfg(feature = "tls")]
+mod verifier;
+
+#[cfg(feature = "tls")]
+pub use self::enabled::Trust;
+#[cfg(feature = "tls")]
+pub(crate) use self::enabled::explain;
+#[cfg(feature = "tls")]
+pub(super) use self::enabled::{Wrapped, wrap};
+#[cfg(not(feature = "tls"))]
+pub use self::missing::Trust;
+#[cfg(not(feature = "tls"))]
+pub(crate) use self::missing::explain;
+#[cfg(not(feature = "tls"))]
+pub(super) use self::missing::{Wrapped, wrap};
+
+#[cfg(not(feature = "tls"))]
+mod missing {
+    use std::convert::Infallible;
+    use std::io::{self, Read, Write};
+    use std::path::Path;
+
+    use crate::net::stream::Timed;
+
+    /// The certificates that a client trusts. This build has no TLS.
+    #[derive(Clone, Debug, Default)]
+    pub struct Trust(());
+
+    impl Trust {
+        /// Fails if there is an option that requires TLS.
+        pub fn new(authorities: Option<&Path>, is_insecure: bool) -> Result<Self, String> {
+            if authorities.is_some() || is_insecure { Err(MISSING.to_owned()) } else { Ok(Self(())) }
+        }
+    }
+
+    /// The error of each use.
+    const MISSING: &str = "this build has no TLS: enable the feature `tls`";
+
+    /// A connection that can't exist.
+    pub(in crate::net) struct Wrapped(Infallible);
+
+    impl Wrapped {
+        pub(in crate::net) fn timed(&mut self) -> &mut Timed {
+            match self.0 {}
+        }
+
+        pub(in crate::net) fn finish(&mut self) -> io::Result<()> {
+            match self.0 {}
+        }
+    }
+
+    impl Read for Wrapped {
+        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+            match self.0 {}
+        }
+    }
+
+    impl Write for Wrapped {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            match self.0 {}
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            match self.0 {}
+        }
+    }
+
+    #[allow(clippy::needless_pass_by_value)] // as with TLS
+    pub(in crate::net) fn wrap(_: Timed, _: &str, _: &Trust) -> io::Result<Wrapped> {
+        Err(io::Error::new(io::ErrorKind::Unsupported, MISSING))
+    }
+
+    /// Returns the error unchanged.
+    pub(crate) fn explain(error: io::Error) -> io::Error {
+        error
+    }
+}

@@ -1,0 +1,214 @@
+//! Tests of the clients with servers that require a login or TLS, redirect, refuse, delay or lose messages.
+//!
+//! No test depends on speed: expected events have generous time limits.
+
+mod http;
+#[cfg(feature = "tls")]
+mod tls;
+
+use std::io::{self, ErrorKind, Read as _, Write as _};
+use std::net::{SocketAddr, TcpListener, UdpSocket};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::{Value, json};
+use uavspec_conformance::serve::{Options, Server, Transport};
+use uavspec_conformance::transport::{
+    Access, Client, Endpoint, Received, Trust, connect, connect_with, http_status, is_temporary,
+};
+
+use crate::support::proxy::Proxy;
+use crate::support::server::{custom_server, location, serve};
+
+/// The time limit of expected events.
+const TIMEOUT: Duration = Duration::from_secs(60);
+
+/// The URLs of all clients, without host and port.
+const URLS: [(&str, &str); 6] = [
+    ("tcp", ""),
+    ("udp", ""),
+    ("http", "/api/v1"),
+    ("socketio", "?protocol=5&transport=websocket"),
+    ("socketio", "?protocol=5&transport=polling"),
+    ("socketio", "?protocol=4&transport=polling"),
+];
+
+/// The URLs of the clients that use HTTP.
+fn http_urls() -> impl Iterator<Item = (&'static str, &'static str)> {
+    URLS.into_iter().filter(|(scheme, _)| *scheme == "http" || *scheme == "socketio")
+}
+
+fn url((scheme, rest): (&str, &str), address: impl std::fmt::Display) -> Endpoint {
+    format!("{scheme}://{address}{rest}").parse().expect("a URL")
+}
+
+fn start(scheme: &str) -> (Server, SocketAddr) {
+    let transport = match scheme.trim_end_matches('s') {
+        "tcp" => Transport::Tcp,
+        "udp" => Transport::Udp,
+        "http" => Transport::Http,
+        _ => Transport::SocketIo,
+    };
+    serve(Options::default(), transport)
+}
+
+fn until() -> Instant {
+    Instant::now() + TIMEOUT
+}
+
+fn ping(id: &str) -> Vec<u8> {
+    json!({ "$fw.version": "1.0", "id": id, "body": { "type": "SYS-PING" } }).to_string().into_bytes()
+}
+
+/// Sends a ping, and returns the type of the response.
+fn ping_server(client: &mut dyn Client) -> io::Result<String> {
+    client.send(&ping("calm"))?;
+    loop {
+        match client.receive(until())? {
+            Received::Message(text) => {
+                let message: Value = serde_json::from_slice(&text).expect("JSON");
+                if message["refs"] == "calm" {
+                    return Ok(message["body"]["type"].as_str().expect("a type").to_owned());
+                }
+            }
+            other => return Err(io::Error::other(format!("{other:?}"))),
+        }
+    }
+}
+
+/// The result of a ping over a new connection.
+fn ping_at(endpoint: &Endpoint, access: &Access) -> io::Result<String> {
+    ping_server(&mut *connect_with(endpoint, access, until())?)
+}
+
+/// The error of a ping over a new connection.
+fn refusal(endpoint: &Endpoint, access: &Access) -> io::Error {
+    ping_at(endpoint, access).expect_err("a refusal")
+}
+
+#[test]
+fn reports_a_refused_connection_as_refused() {
+    // The port is free again after the drop.
+    let address = TcpListener::bind(location()).expect("a port").local_addr().expect("an address");
+    for parts in URLS {
+        let endpoint = url(parts, address);
+        let error = refusal(&endpoint, &Access::default());
+        assert_eq!(error.kind(), ErrorKind::ConnectionRefused, "{endpoint}: {error}");
+        assert_eq!(error.to_string(), format!("connection refused: no server listens on {address}"));
+        assert!(is_temporary(&error));
+    }
+}
+
+#[test]
+fn reports_an_unknown_host_as_not_found() {
+    for parts in URLS {
+        let endpoint = url(parts, "no-such-host.invalid:5001");
+        let error = refusal(&endpoint, &Access::default());
+        assert_eq!(error.kind(), ErrorKind::NotFound, "{endpoint}: {error}");
+        assert!(error.to_string().starts_with("host not found: no-such-host.invalid"), "{error}");
+        assert!(!is_temporary(&error));
+    }
+}
+
+#[cfg(not(feature = "tls"))]
+#[test]
+fn reports_a_build_without_tls() {
+    let listener = TcpListener::bind(location()).expect("a port");
+    let address = listener.local_addr().expect("an address");
+    for scheme in ["tcps", "https", "wss", "socketios"] {
+        let error = refusal(&url((scheme, ""), address), &Access::default()).to_string();
+        assert_eq!(error, "this build has no TLS: enable the feature `tls`");
+    }
+    let file = std::path::Path::new("ca.pem");
+    for (authorities, is_insecure) in [(Some(file), false), (None, true)] {
+        let error = Trust::new(authorities, is_insecure).expect_err("no TLS");
+        assert_eq!(error, "this build has no TLS: enable the feature `tls`");
+    }
+    Trust::new(None, false).expect("no options");
+}
+
+#[test]
+fn ends_handshakes_with_silent_servers_in_time() {
+    // The system accepts connections in place of the server.
+    let listener = TcpListener::bind(location()).expect("a port");
+    let address = listener.local_addr().expect("an address");
+    for parts in
+        URLS.into_iter().filter(|(scheme, _)| *scheme == "socketio").chain([("tcps", ""), ("https", "")])
+    {
+        let endpoint = url(parts, address);
+        let began = Instant::now();
+        let limit = Duration::from_millis(300);
+        let Err(error) = connect(&endpoint, began + limit) else { panic!("{endpoint}: connected") };
+        assert_eq!(error.kind(), ErrorKind::TimedOut, "{endpoint}: {error}");
+        assert!(error.to_string().starts_with("timed out: "), "{endpoint}: {error}");
+        assert!(began.elapsed() < TIMEOUT);
+    }
+}
+
+#[test]
+fn receives_nothing_from_silent_servers() {
+    let (_server, address) = start("http");
+    let slow = Proxy { delays: [Duration::from_millis(50); 2], ..Proxy::default() }.start(address);
+    for parts in http_urls() {
+        let endpoint = url(parts, slow);
+        let mut client = connect(&endpoint, until()).expect("a connection");
+        assert_eq!(ping_server(&mut *client).expect("a response"), "ACK-ACK", "{endpoint}");
+    }
+    let (_server, address) = start("tcp");
+    let slow = Proxy { delays: [Duration::from_millis(200); 2], ..Proxy::default() }.start(address);
+    let mut client = connect(&url(("tcp", ""), slow), until()).expect("a connection");
+    client.send(&ping("late")).expect("sent");
+    let silence = client.receive(Instant::now() + Duration::from_millis(50)).expect("an open connection");
+    assert_eq!(silence, Received::Silence);
+    assert_eq!(ping_server(&mut *client).expect("a response"), "ACK-ACK");
+}
+
+#[test]
+fn survives_the_loss_of_datagrams() {
+    let (_server, address) = start("udp");
+    let lossy = Proxy { loss: 30, ..Proxy::default() }.start_udp(address);
+    let mut client = connect(&url(("udp", ""), lossy), until()).expect("a socket");
+    let (mut answered, mut lost) = (0, 0);
+    for number in 0..40 {
+        let id = format!("lull-{number}");
+        client.send(&ping(&id)).expect("a loss is not an error");
+        let wait = Instant::now() + Duration::from_millis(if lost == 0 { 500 } else { 100 });
+        loop {
+            match client.receive(wait).expect("a loss is not an error") {
+                Received::Message(text) if String::from_utf8_lossy(&text).contains(&id) => answered += 1,
+                Received::Message(_) => continue,
+                Received::Silence => lost += 1,
+                other => panic!("{other:?}"),
+            }
+            break;
+        }
+    }
+    assert!(answered > 0 && lost > 0, "{answered} answered, {lost} lost");
+}
+
+#[test]
+fn uses_a_socket_again_after_a_refusal() {
+    let address = UdpSocket::bind(location()).expect("a port").local_addr().expect("an address");
+    let mut client = connect(&url(("udp", ""), address), until()).expect("a socket");
+    let error = ping_server(&mut *client).expect_err("no server");
+    assert_eq!(error.kind(), ErrorKind::ConnectionRefused);
+    // The server starts.
+    let socket = UdpSocket::bind(address).expect("the same port");
+    client.send(b"{}").expect("sent");
+    let (length, from) = socket.recv_from(&mut [0; 10]).expect("a datagram");
+    assert_eq!(length, 2);
+    socket.send_to(b"{\"id\":1}", from).expect("sent");
+    assert_eq!(client.receive(until()).expect("a datagram"), Received::Message(b"{\"id\":1}".to_vec()));
+}
+
+#[test]
+fn reports_a_closed_connection_as_the_end() {
+    let address = custom_server(|mut stream| {
+        let _ = stream.read(&mut [0; 10]);
+        let _ = stream.write_all(b"{\"id\":1}\n");
+    });
+    let mut client = connect(&url(("tcp", ""), address), until()).expect("a connection");
+    client.send(b"{}").expect("sent");
+    assert_eq!(client.receive(until()).expect("a line"), Received::Message(b"{\"id\":1}".to_vec()));
+    assert_eq!(client.receive(until()).expect("the end"), Received::End);
+}
