@@ -3,6 +3,7 @@
 mod address;
 mod connection;
 mod stream;
+mod timed;
 pub(crate) mod tls;
 
 pub(crate) use self::address::Address;

@@ -8,7 +8,6 @@ mod tls;
 
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};

@@ -1,9 +1,10 @@
 //! A TCP connection with a deadline, with or without TLS.
 
 use std::io::{self, Read, Write};
-use std::net::{Shutdown, TcpStream};
+use std::net::Shutdown;
 use std::time::Instant;
 
+use super::timed::Timed;
 use super::tls::{Trust, Wrapped, wrap};
 use super::{Address, Connection};
 
@@ -23,7 +24,7 @@ impl Stream {
     /// Connects, and completes the TLS handshake if there are certificates to trust.
     pub(crate) fn open(address: &Address, trust: Option<&Trust>, until: Instant) -> io::Result<Self> {
         let connection = Connection::open(address, until)?;
-        let timed = Timed { stream: connection.stream()?, until };
+        let timed = Timed::new(connection.stream()?, until);
         let inner = match trust {
             None => Inner::Plain(timed),
             Some(trust) => Inner::Tls(Box::new(wrap(timed, &address.host, trust)?)),
@@ -34,8 +35,8 @@ impl Stream {
     /// Sets the deadline.
     pub(crate) fn set_deadline(&mut self, until: Instant) {
         match &mut self.inner {
-            Inner::Plain(timed) => timed.until = until,
-            Inner::Tls(wrapped) => wrapped.timed().until = until,
+            Inner::Plain(timed) => timed.set_deadline(until),
+            Inner::Tls(wrapped) => wrapped.timed().set_deadline(until),
         }
     }
 
@@ -75,42 +76,5 @@ impl Write for Stream {
             Inner::Plain(timed) => timed.flush(),
             Inner::Tls(wrapped) => wrapped.flush(),
         }
-    }
-}
-
-/// A stream with a deadline, which applies even if single bytes keep arriving.
-pub(super) struct Timed {
-    stream: TcpStream,
-    until: Instant,
-}
-
-impl Read for Timed {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let left = self.until.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(io::Error::new(io::ErrorKind::TimedOut, "timed out: nothing received in time"));
-        }
-        self.stream.set_read_timeout(Some(left))?;
-        self.stream.read(buffer)
-    }
-}
-
-impl Write for Timed {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let timed_out =
-            || io::Error::new(io::ErrorKind::TimedOut, "timed out: the server doesn't read what it receives");
-        let left = self.until.saturating_duration_since(Instant::now());
-        if left.is_zero() {
-            return Err(timed_out());
-        }
-        self.stream.set_write_timeout(Some(left))?;
-        self.stream.write(bytes).map_err(|error| match error.kind() {
-            io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut => timed_out(),
-            _ => error,
-        })
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.stream.flush()
     }
 }

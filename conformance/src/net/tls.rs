@@ -24,7 +24,7 @@ mod missing {
     use std::io::{self, Read, Write};
     use std::path::Path;
 
-    use crate::net::stream::Timed;
+    use crate::net::timed::Timed;
 
     /// The certificates that a client trusts. This build has no TLS.
     #[derive(Clone, Debug, Default)]

@@ -100,7 +100,7 @@ impl Proxy {
         let closer = client.try_clone()?;
         client.set_nodelay(true)?;
         let server = TcpStream::connect(server)?;
-        let served = match &self.tls {
+        let result = match &self.tls {
             None => {
                 client.set_read_timeout(Some(TURN))?;
                 self.forward(client, &server)
@@ -116,7 +116,7 @@ impl Proxy {
         };
         // The other side may have closed the connection already.
         let _ = (server.shutdown(Shutdown::Both), closer.shutdown(Shutdown::Both));
-        served
+        result
     }
 
     fn forward(&self, mut client: impl Read + Write, mut server: &TcpStream) -> io::Result<()> {

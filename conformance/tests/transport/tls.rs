@@ -147,7 +147,7 @@ fn sends_half_a_connection_over_tls() {
     let message = ping("calm");
     let (first, second) = message.split_at(20);
     client.send_raw(first).expect("sent");
-    thread::sleep(Duration::from_millis(50));
+    std::thread::sleep(Duration::from_millis(50));
     client.send_raw(second).expect("sent");
     client.send_raw(b"\n").expect("sent");
     assert_eq!(ping_server(&mut *client).expect("a response"), "ACK-ACK");

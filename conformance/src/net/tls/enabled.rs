@@ -12,7 +12,7 @@ use rustls::{CertificateError, ClientConfig, ClientConnection, RootCertStore, St
 use ureq::tls::{Certificate, RootCerts, TlsConfig};
 
 use super::verifier::AcceptAll;
-use crate::net::stream::Timed;
+use crate::net::timed::Timed;
 
 /// The certificates that a client trusts: those of the operating system, and those of a file.
 #[derive(Clone, Default)]
@@ -78,7 +78,8 @@ impl Trust {
 impl fmt::Debug for Trust {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let count = self.authorities.len();
-        f.debug_struct("Trust").field("authorities", &count).field("is_insecure", &self.is_insecure).finish()
+        let mut shown = f.debug_struct("Trust");
+        shown.field("authorities", &count).field("is_insecure", &self.is_insecure).finish_non_exhaustive()
     }
 }
 

@@ -259,14 +259,14 @@ fn start_threads(
     revision: Revision,
 ) -> (Receiver<io::Result<Vec<u8>>>, SyncSender<Packet>) {
     let (payloads, polled) = sync_channel(WAITING_LIMIT);
-    let poller = client.clone();
-    thread::spawn(move || poll(&poller, &payloads));
+    let thread_client = client.clone();
+    thread::spawn(move || poll(&thread_client, &payloads));
     let (pings, waiting) = sync_channel::<Packet>(WAITING_LIMIT);
-    let pinger = client.clone();
+    let thread_client = client.clone();
     thread::spawn(move || {
         for ping in waiting {
             // If the connection is lost, the poll fails as well.
-            let _ = post(&pinger, revision, &[ping], Instant::now() + POLL_LIMIT);
+            let _ = post(&thread_client, revision, &[ping], Instant::now() + POLL_LIMIT);
         }
     });
     (polled, pings)

@@ -5,6 +5,7 @@ use std::io;
 use ureq::http::{HeaderMap, StatusCode, header};
 
 use super::target::{REDIRECT_LIMIT, Target};
+use crate::text::shown;
 
 /// The maximum length of the excerpt of a body, in bytes.
 const EXCERPT: usize = 200;
@@ -43,12 +44,12 @@ pub(super) struct Refusal<'r> {
 impl Refusal<'_> {
     /// An error that names the status, its cause and the remedy.
     pub(super) fn error(&self) -> io::Error {
-        let mut text = self.explanation();
-        let excerpt = self.excerpt();
-        if !excerpt.is_empty() {
-            text += &format!("; the server says: {excerpt}");
+        let (explanation, excerpt) = (self.explanation(), self.excerpt());
+        if excerpt.is_empty() {
+            error(self.status, &explanation)
+        } else {
+            error(self.status, &format!("{explanation}; the server says: {excerpt}"))
         }
-        error(self.status, &text)
     }
 
     fn explanation(&self) -> String {
@@ -89,7 +90,7 @@ impl Refusal<'_> {
     fn excerpt(&self) -> String {
         let is_cut = self.body.len() > EXCERPT;
         let text = String::from_utf8_lossy(&self.body[..self.body.len().min(EXCERPT)]);
-        let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        let line = shown(&text.split_whitespace().collect::<Vec<_>>().join(" "));
         if is_cut { format!("{line}…") } else { line }
     }
 }
@@ -107,7 +108,9 @@ pub(super) fn redirected(
     let location = String::from_utf8_lossy(location.as_bytes());
     match target.redirected(&location) {
         Some(next) => Ok(Some(next)),
-        None => Err(error(status, &format!("the server redirects to {location}: use that URL instead"))),
+        None => {
+            Err(error(status, &format!("the server redirects to {}: use that URL instead", shown(&location))))
+        }
     }
 }
 
