@@ -7,6 +7,9 @@
 //! | HTTP | the body of a POST request or its response | `client` | `http` |
 //! | Socket.IO | the argument of an `fw` event | `client` | `engine`, `socketio` |
 //!
+//! With the feature `tls`, clients also connect over TLS, except for UDP. [`Access`] holds the login and the trusted
+//! certificates. Clients follow redirects on the same host.
+//!
 //! All waits have a time limit, and no more than [`MESSAGE_LIMIT`] bytes of received data are stored.
 //!
 //! ```

@@ -31,7 +31,7 @@ pub(crate) const MOVED: &str = "/moved";
 pub(crate) struct Proxy {
     /// The delay from the client to the server, and from the server to the client.
     pub(crate) delays: [Duration; 2],
-    /// The percentage of dropped UDP datagrams, in each direction. The dropped ones are the same in each run.
+    /// The percentage of dropped UDP datagrams, in each direction. Each run drops the same datagrams.
     pub(crate) loss: u64,
     /// HTTP: redirects each request with this status to a prefix, which the path and the query follow. The prefix is
     /// [`MOVED`] or the URL of another host.

@@ -7,7 +7,7 @@ use super::engine::Revision;
 use super::{ONE_SHOT_PATH, SOCKET_IO_PATH};
 use crate::net::Address;
 
-/// A transport and an address, in the form of a URL. A connection with TLS has a scheme of its own, such as `tcps`.
+/// A transport and an address, in the form of a URL. With TLS, the scheme ends in `s`: `tcps`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Endpoint {
     /// `tcp://localhost:5001`

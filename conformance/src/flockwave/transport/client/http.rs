@@ -161,14 +161,16 @@ fn explain(target: &Target, error: ureq::Error) -> io::Error {
     let address = target.address.address();
     match error {
         ureq::Error::Io(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
-            io::Error::new(error.kind(), "the server closed the connection without an HTTP response")
+            let text =
+                format!("the server closed the connection without an HTTP response{}", tls_hint(target));
+            io::Error::new(error.kind(), text)
         }
         ureq::Error::Io(error) => tls::explain(net::explain(&address, error)),
         ureq::Error::Timeout(_) => no_answer(),
         ureq::Error::HostNotFound => {
             io::Error::new(io::ErrorKind::NotFound, format!("host not found: {}", address.host))
         }
-        ureq::Error::Protocol(error) => not_http(&error),
+        ureq::Error::Protocol(error) => not_http(target, &error),
         ureq::Error::BodyExceedsLimit(limit) => {
             invalid(format!("the HTTP response is longer than {limit} bytes"))
         }
@@ -182,8 +184,15 @@ fn no_answer() -> io::Error {
 }
 
 /// The error of an answer that isn't HTTP. Such answers come from servers that expect TLS, too.
-pub(super) fn not_http(error: &dyn std::fmt::Display) -> io::Error {
-    invalid(format!(
-        "the server's answer isn't HTTP ({error}); if the server uses TLS, use a URL with TLS (https, socketios, wss)"
-    ))
+pub(super) fn not_http(target: &Target, error: &dyn std::fmt::Display) -> io::Error {
+    invalid(format!("the server's answer isn't HTTP ({error}){}", tls_hint(target)))
+}
+
+/// Advice for a connection without TLS that fails.
+pub(super) fn tls_hint(target: &Target) -> &'static str {
+    if target.address.is_encrypted {
+        ""
+    } else {
+        "; if the server uses TLS, use a URL with TLS (https, socketios, wss)"
+    }
 }

@@ -11,7 +11,7 @@ use tungstenite::http::HeaderValue;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Error, HandshakeError, Message, WebSocket};
 
-use super::http::not_http;
+use super::http::{not_http, tls_hint};
 use super::status::{Refusal, redirected, too_many_redirects};
 use super::target::{REDIRECT_LIMIT, Target};
 use super::{Client, Received, invalid, text_of, timed_out};
@@ -156,9 +156,12 @@ fn open(mut target: Target, access: &Access, until: Instant) -> io::Result<WebSo
                 return Err(timed_out("timed out: no WebSocket handshake"));
             }
             Err(HandshakeError::Failure(Error::Protocol(ProtocolError::HandshakeIncomplete))) => {
-                return Err(invalid("the server closed the connection during the WebSocket handshake"));
+                return Err(invalid(format!(
+                    "the server closed the connection during the WebSocket handshake{}",
+                    tls_hint(&target)
+                )));
             }
-            Err(HandshakeError::Failure(Error::Protocol(error))) => return Err(not_http(&error)),
+            Err(HandshakeError::Failure(Error::Protocol(error))) => return Err(not_http(&target, &error)),
             Err(HandshakeError::Failure(error)) => return Err(to_io(error)),
         };
         let (status, headers) = (response.status(), response.headers());
