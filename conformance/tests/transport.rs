@@ -131,21 +131,19 @@ fn ends_handshakes_with_silent_servers_in_time() {
     // The system accepts connections in place of the server.
     let listener = TcpListener::bind(location()).expect("a port");
     let address = listener.local_addr().expect("an address");
-    for parts in
-        URLS.into_iter().filter(|(scheme, _)| *scheme == "socketio").chain([("tcps", ""), ("https", "")])
-    {
+    let tls: &[_] = if cfg!(feature = "tls") { &[("tcps", ""), ("https", "")] } else { &[] };
+    let plain = URLS.iter().filter(|(scheme, _)| *scheme == "socketio");
+    for parts in plain.chain(tls).copied() {
         let endpoint = url(parts, address);
-        let began = Instant::now();
-        let limit = Duration::from_millis(300);
-        let Err(error) = connect(&endpoint, began + limit) else { panic!("{endpoint}: connected") };
+        let until = Instant::now() + Duration::from_millis(300);
+        let Err(error) = connect(&endpoint, until) else { panic!("{endpoint}: connected") };
         assert_eq!(error.kind(), ErrorKind::TimedOut, "{endpoint}: {error}");
         assert!(error.to_string().starts_with("timed out: "), "{endpoint}: {error}");
-        assert!(began.elapsed() < TIMEOUT);
     }
 }
 
 #[test]
-fn receives_nothing_from_silent_servers() {
+fn waits_for_slow_servers() {
     let (_server, address) = start("http");
     let slow = Proxy { delays: [Duration::from_millis(50); 2], ..Proxy::default() }.start(address);
     for parts in http_urls() {
