@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 
 use super::roster::UAV_LIMIT;
 use crate::serve::{Options, Server, Transport, error};
+use crate::tests::support::proxy::Proxy;
 use crate::tests::support::server::{answer_requests, custom_server, location, serve};
-use crate::transport::Access;
+use crate::transport::{Access, Trust};
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::Content;
 use crate::watch::session::{Event, Session};
@@ -40,8 +41,12 @@ struct Watched {
 
 impl Watched {
     fn new(url: &str) -> Self {
+        Self::with(url, Access::default())
+    }
+
+    fn with(url: &str, access: Access) -> Self {
         let (sender, events) = sync_channel(4);
-        let session = Session::start(url.parse().expect("an endpoint"), Access::default(), move |event| {
+        let session = Session::start(url.parse().expect("an endpoint"), access, move |event| {
             sender.send(event).is_ok()
         });
         Self { fleet: Fleet::default(), events, _session: session, reported: [0; 2] }
@@ -83,6 +88,23 @@ fn watches_a_fleet_over_every_transport() {
         let state = uav.state.as_ref().expect("its state");
         assert_eq!(state.mode.known().map(String::as_str), Some("stab"));
         assert!(watched.fleet.age(uav, Instant::now()).is_some());
+    }
+}
+
+#[test]
+fn logs_in_to_a_server_behind_a_proxy() {
+    let (_server, address) = serve(Options::default(), Transport::SocketIo);
+    // `pilot:secret` in base64.
+    let proxy = Proxy { login: Some("cGlsb3Q6c2VjcmV0"), ..Proxy::default() }.start(address);
+    for carrier in ["websocket", "polling"] {
+        let url = format!("socketio://{proxy}?transport={carrier}");
+        let login = Some(("pilot".to_owned(), "secret".to_owned()));
+        let mut watched = Watched::with(&url, Access::new(login, Trust::default()));
+        watched.until("all states are known", |watched| watched.fleet.is_complete());
+        let mut refused = Watched::new(&url);
+        refused.until("the login is missing", |watched| {
+            matches!(&watched.fleet.link, Link::Lost { reason, .. } if reason.contains("use --login"))
+        });
     }
 }
 
