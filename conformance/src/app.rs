@@ -16,6 +16,7 @@
 //! let status: std::process::ExitCode = uavspec_conformance::app::main();
 //! ```
 
+mod access;
 mod check;
 mod known;
 mod outcome;

@@ -39,7 +39,7 @@ mod survey;
 mod tape;
 mod trials;
 
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, Write};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -54,9 +54,12 @@ use self::tape::Tape;
 use crate::check::CaptureResult;
 use crate::definitions::Definitions;
 use crate::flockwave::record::Trial;
+use crate::flockwave::transport::access::Access;
+use crate::flockwave::transport::client::is_temporary;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::base64;
 use crate::model::Rule;
+use crate::net::tls::Trust;
 use crate::rules::flockwave::trial::Request;
 use crate::rules::flockwave::{FlockwaveRule, env_07, env_26, sio_01, udp_02};
 
@@ -110,6 +113,8 @@ pub struct Options {
     pub uavs: Vec<String>,
     /// The time after which no further requests are sent, excluding [`observe`](Self::observe).
     pub limit: Duration,
+    /// The certificates to trust in connections over TLS.
+    pub trust: Trust,
     /// The rules, trials and message types to use.
     pub selection: Selection,
 }
@@ -118,7 +123,8 @@ impl Options {
     /// Options with the default time limit.
     pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
         let limit = if uavs.is_empty() { TIME_LIMIT } else { TIME_LIMIT + commands::EXTRA_TIME };
-        Self { observe, login, uavs, limit, selection: Selection::default() }
+        let (trust, selection) = (Trust::default(), Selection::default());
+        Self { observe, login, uavs, limit, trust, selection }
     }
 }
 
@@ -153,6 +159,7 @@ pub fn probe<'d>(
     let mut probe = Probe {
         endpoint,
         options,
+        access: Access::new(options.login.clone(), options.trust.clone()),
         tape: Tape::new(definitions, record),
         coverage: Coverage::new(definitions),
         session: None,
@@ -187,6 +194,7 @@ pub fn probe<'d>(
 struct Probe<'p, 'd> {
     endpoint: &'p Endpoint,
     options: &'p Options,
+    access: Access,
     tape: Tape<'d>,
     coverage: Coverage,
     /// The connection used for the survey.
@@ -222,22 +230,32 @@ struct Probe<'p, 'd> {
 impl Probe<'_, '_> {
     /// Connects to the server, and waits for its first answer. Returns false if this isn't a Flockwave server.
     fn begin(&mut self) -> bool {
-        match self.connect(None) {
-            Ok(session) => self.session = Some(session),
-            Err(error) => {
-                self.refused(None, &error, None);
-                self.failure = Some(format!("can't connect: {error}"));
-                return false;
-            }
-        }
         let tested = match self.endpoint {
             Endpoint::Udp(_) => &udp_02::RULE,
             Endpoint::SocketIo { .. } => &sio_01::RULE,
             Endpoint::Tcp(_) | Endpoint::Http { .. } => &env_07::RULE,
         };
         let trial = Some(Trial { rule: &tested.rule, how: "" });
-        if self.post(&json!({ "type": "SYS-VER" }), trial, PATIENCE).is_some() {
-            return true;
+        let until = Instant::now() + CONNECT_TIMEOUT;
+        loop {
+            match self.connect(None) {
+                Ok(session) => self.session = Some(session),
+                Err(error) => {
+                    self.refused(None, &error, None);
+                    self.failure = Some(format!("can't connect: {error}"));
+                    return false;
+                }
+            }
+            if self.post(&json!({ "type": "SYS-VER" }), trial, PATIENCE).is_some() {
+                return true;
+            }
+            // The server may be starting.
+            let is_over = self.session.as_ref().is_none_or(Session::is_over);
+            if !is_over || self.tape.is_heard() || Instant::now() + PAUSE >= until {
+                break;
+            }
+            self.leave();
+            thread::sleep(PAUSE);
         }
         self.failure = Some(if self.tape.is_identified() {
             "the server doesn't answer".to_owned()
@@ -290,8 +308,8 @@ impl Probe<'_, '_> {
         let until = Instant::now() + CONNECT_TIMEOUT;
         self.connections += 1;
         loop {
-            match Session::open(endpoint, self.connections, &mut self.tape, CONNECT_TIMEOUT) {
-                Err(error) if is_transient(&error) && Instant::now() + PAUSE < until => thread::sleep(PAUSE),
+            match Session::open(endpoint, self.connections, &mut self.tape, &self.access, CONNECT_TIMEOUT) {
+                Err(error) if is_temporary(&error) && Instant::now() + PAUSE < until => thread::sleep(PAUSE),
                 opened => return opened,
             }
         }
@@ -452,7 +470,10 @@ impl Probe<'_, '_> {
 
     /// Makes sure that the witness is connected.
     fn ensure_witness(&mut self) {
-        if self.witness.as_ref().is_none_or(Session::is_over)
+        // Over UDP and HTTP, a missing answer proves nothing.
+        let has_connections = matches!(self.endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. });
+        if has_connections
+            && self.witness.as_ref().is_none_or(Session::is_over)
             && let Ok(witness) = self.connect(None)
         {
             let session = self.session.replace(witness);
@@ -571,11 +592,6 @@ impl Probe<'_, '_> {
     fn cut_short(&mut self, why: String) {
         self.cut_short.get_or_insert(why);
     }
-}
-
-/// True if a later attempt to connect may succeed.
-fn is_transient(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::ConnectionRefused | ErrorKind::ConnectionReset | ErrorKind::TimedOut)
 }
 
 /// The default trial, which tests only that the server answers a request.

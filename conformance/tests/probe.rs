@@ -2,6 +2,8 @@
 //!
 //! No test depends on speed, but a probe may have a time limit.
 
+mod proxied;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, TcpStream};

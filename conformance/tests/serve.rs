@@ -109,7 +109,7 @@ fn is_answered(client: &mut dyn Client, patience: Duration) -> bool {
                 }
             }
             Ok(Received::Silence | Received::End) | Err(_) => return false,
-            Ok(Received::TooLong) => {}
+            Ok(Received::TooLong | Received::OtherEvent(_)) => {}
         }
     }
 }

@@ -7,12 +7,12 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
+use super::access::AccessArgs;
 use super::known::KnownArgs;
 use super::outcome::OutcomeArgs;
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
-use super::serve::login;
 use super::test::seconds;
 use super::{Status, deliver, outcome_statuses};
 use crate::definitions::Definitions;
@@ -38,7 +38,7 @@ const INCOMPLETE: &str = "the probe was cut short, or too little was checked";
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", outcome_statuses(FAILURE, Some(INCOMPLETE))))]
 pub(super) struct ProbeArgs {
-    /// Server URL: tcp://, udp://, http:// or socketio://.
+    /// Server URL: tcp, udp, http or socketio; with TLS: tcps, https or socketios.
     ///
     /// tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT. Socket.IO URLs may end in
     /// ?protocol=4 or ?protocol=5 (default), and &transport=polling or &transport=websocket (default).
@@ -47,9 +47,8 @@ pub(super) struct ProbeArgs {
     /// Time to listen for notifications.
     #[arg(long, value_name = "SECONDS", default_value = "3", value_parser = seconds)]
     observe: Duration,
-    /// Log in with AUTH-REQ, method basic.
-    #[arg(long, value_name = "NAME:PASSWORD", value_parser = login)]
-    login: Option<(String, String)>,
+    #[command(flatten)]
+    access: AccessArgs,
     /// Also send commands to the UAVs given with --uav.
     #[arg(long, requires = "uav")]
     allow_commands: bool,
@@ -155,8 +154,9 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
         Status::Usage
     })?;
     let selection = if args.no_trials { selection.without_trials() } else { selection };
-    let options = Options::new(args.observe, args.login.clone(), args.uav.clone());
-    Ok(Options { limit: args.limit.unwrap_or(options.limit), selection, ..options })
+    let trust = args.access.trust()?;
+    let options = Options::new(args.observe, args.access.login.clone(), args.uav.clone());
+    Ok(Options { limit: args.limit.unwrap_or(options.limit), trust, selection, ..options })
 }
 
 /// Creates the `--record` file. Errors are printed.

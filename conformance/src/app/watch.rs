@@ -9,6 +9,7 @@ use clap::Args;
 use ratatui::crossterm::event;
 
 use super::Status;
+use super::access::AccessArgs;
 use super::report::print;
 use super::test::seconds;
 use crate::definitions::Definitions;
@@ -46,12 +47,14 @@ const STATUS: &str = "Exit status:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 pub(super) struct WatchArgs {
-    /// Server URL: tcp://, udp://, http:// or socketio://.
+    /// Server URL: tcp, udp, http or socketio; with TLS: tcps, https or socketios.
     ///
     /// tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT. Socket.IO URLs may end in
     /// ?protocol=4 or ?protocol=5 (default), and &transport=polling or &transport=websocket (default).
     #[arg(value_name = "URL")]
     endpoint: Endpoint,
+    #[command(flatten)]
+    access: AccessArgs,
     /// Print one table and exit.
     ///
     /// The table is printed when all UAVs have reported their state. This is the default if the output is not a
@@ -76,12 +79,16 @@ enum Input {
 }
 
 pub(super) fn watch(args: &WatchArgs) -> Status {
+    let access = match args.access.trust() {
+        Ok(trust) => Access::new(args.access.login.clone(), trust),
+        Err(status) => return status,
+    };
     let codes = Codes::new(&Definitions::built_in());
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
     let session = {
         let sender = sender.clone();
         let on_event = move |event| sender.send(Input::Server(event, Instant::now())).is_ok();
-        Session::start(args.endpoint.clone(), Access::default(), on_event)
+        Session::start(args.endpoint.clone(), access, on_event)
     };
     let status = if args.once || !io::stdout().is_terminal() {
         watch_once(args, &codes, &inputs)

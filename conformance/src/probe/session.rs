@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 
 use super::tape::Tape;
 use crate::flockwave::record::{Direction, Trial};
-use crate::flockwave::transport::client::{Client, Received, connect};
+use crate::flockwave::transport::access::Access;
+use crate::flockwave::transport::client::{Client, Received, connect_with};
 use crate::flockwave::transport::endpoint::Endpoint;
 
 /// The maximum number of unanswered requests whose ids are stored.
@@ -55,9 +56,10 @@ impl Session {
         endpoint: &Endpoint,
         number: usize,
         tape: &mut Tape<'_>,
+        access: &Access,
         limit: Duration,
     ) -> io::Result<Self> {
-        let client = connect(endpoint, Instant::now() + limit)?;
+        let client = connect_with(endpoint, access, Instant::now() + limit)?;
         let name = name(endpoint, number);
         tape.connected(&name, &endpoint.to_string());
         let is_one_shot = matches!(endpoint, Endpoint::Http { .. });
@@ -200,6 +202,7 @@ impl Session {
                     }
                     Err(bytes) => tape.failed(&self.name, &String::from_utf8_lossy(&bytes)),
                 },
+                Ok(Received::OtherEvent(bytes)) => tape.other_event(&self.name, &bytes),
                 Ok(Received::TooLong) => tape.too_long(&self.name),
                 Ok(Received::Silence) => return None,
                 Ok(Received::End) => self.end(tape, CLOSED),

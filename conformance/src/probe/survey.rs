@@ -43,8 +43,10 @@ impl Probe<'_, '_> {
 
     /// Requests information about the server. Returns false if the probe can't continue.
     fn server(&mut self) -> bool {
-        let login = self.discover(json!({ "type": "AUTH-INF" }));
-        let is_required = login.is_some_and(|answer| answer["body"]["required"] == true);
+        let login = self.discover(json!({ "type": "AUTH-INF" })).unwrap_or_default();
+        let is_required = login["body"]["required"] == true;
+        let methods = login["body"]["methods"].as_array();
+        let has_basic = methods.is_some_and(|methods| methods.iter().any(|method| method == "basic"));
         if is_required {
             self.query_for_trial(&ack_06::RULE, json!({ "type": "UAV-LIST" }));
         }
@@ -54,6 +56,10 @@ impl Probe<'_, '_> {
                 self.failure = Some("the server requires a login; use --login".to_owned());
                 return false;
             }
+        } else if !has_basic && !is_required {
+            // The login is for the HTTP server.
+            self.has_login = false;
+            self.coverage.not_sent(&["AUTH-REQ"], "the server has no login with the method basic");
         } else if !self.log_in() {
             // Further attempts could lock the account.
             self.has_login = false;

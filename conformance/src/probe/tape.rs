@@ -20,6 +20,9 @@ const TOO_LONG: &[u8] = b"(more than 16 MiB)";
 /// The maximum size of the lines that are kept back, in bytes.
 const MAX_KEPT: usize = 4 << 20;
 
+/// The maximum length of the content of another event, in bytes.
+const MAX_OTHER: usize = 1_000;
+
 /// The maximum length of the first unknown data, in characters.
 const MAX_UNKNOWN: usize = 60;
 
@@ -85,6 +88,14 @@ impl<'d> Tape<'d> {
     /// Records a received message over the length limit.
     pub(super) fn too_long(&mut self, connection: &str) {
         self.message(connection, Direction::In, TOO_LONG, None);
+    }
+
+    /// Records an event that isn't a Flockwave message, but may contain one.
+    pub(super) fn other_event(&mut self, connection: &str, bytes: &[u8]) {
+        self.identify(bytes);
+        let content = String::from_utf8_lossy(&bytes[..bytes.len().min(MAX_OTHER)]);
+        let content = format!("\"event\":\"other\",\"why\":{}", quoted(&content));
+        self.line(connection, "event", &content, None);
     }
 
     /// Records a new connection.
@@ -158,6 +169,11 @@ impl<'d> Tape<'d> {
     /// True if the server has sent a Flockwave message.
     pub(super) fn is_identified(&self) -> bool {
         self.kept.is_none()
+    }
+
+    /// True if the server has sent anything.
+    pub(super) fn is_heard(&self) -> bool {
+        self.is_identified() || self.unknown().is_some()
     }
 
     /// The start of the first data from a server that hasn't sent a Flockwave message.

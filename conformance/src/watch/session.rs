@@ -108,6 +108,7 @@ impl Watch {
             }
             let message = match exchange(client, &mut poller) {
                 Ok(Received::Message(bytes)) => Message::read(&bytes),
+                Ok(Received::OtherEvent(_)) => continue,
                 Ok(Received::TooLong) => Message { refs: None, content: Content::Unreadable },
                 Ok(Received::Silence) if last.elapsed() < SILENCE_LIMIT => continue,
                 Ok(Received::Silence) => {

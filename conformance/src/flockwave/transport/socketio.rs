@@ -24,7 +24,12 @@ pub(crate) enum Packet {
     },
     /// The server refuses a namespace, for this reason.
     Refusal(String),
-    /// Anything else: other events or namespaces, acknowledgements, binary data.
+    /// An event with another name.
+    OtherEvent {
+        /// The text of the first argument.
+        text: String,
+    },
+    /// Anything else: other namespaces, acknowledgements, binary data.
     Other,
 }
 
@@ -75,11 +80,11 @@ fn event(namespace: &str, text: &str) -> Option<Packet> {
     let receipt = if number.is_empty() { None } else { Some(number.parse().ok()?) };
     let arguments: Vec<&RawValue> = serde_json::from_str(arguments).ok()?;
     let name: String = serde_json::from_str(arguments.first()?.get()).ok()?;
-    if namespace != "/" || name != EVENT {
+    if namespace != "/" {
         return Some(Packet::Other);
     }
     let text = arguments.get(1).map_or("null", |message| message.get()).to_owned();
-    Some(Packet::Message { text, receipt })
+    Some(if name == EVENT { Packet::Message { text, receipt } } else { Packet::OtherEvent { text } })
 }
 
 #[cfg(test)]
@@ -99,7 +104,7 @@ mod tests {
             ("2[\"fw\", {\"id\": 1.50}]", message("{\"id\": 1.50}", None)),
             ("217[\"fw\",{}]", message("{}", Some(17))),
             ("2[\"fw\"]", message("null", None)),
-            ("2[\"wind\",{}]", Some(Packet::Other)),
+            ("2[\"wind\",{}]", Some(Packet::OtherEvent { text: "{}".to_owned() })),
             ("2/fw,[\"fw\",{}]", Some(Packet::Other)),
             ("4{\"message\":\"no\"}", Some(Packet::Refusal("{\"message\":\"no\"}".to_owned()))),
             ("51-[\"fw\",{}]", Some(Packet::Other)),

@@ -77,7 +77,12 @@ impl SessionCheck for Used {
 
 /// The transport and the port of a URL.
 fn in_use(url: &str) -> Option<(&'static str, u16)> {
-    Some(match url.parse().ok()? {
+    let endpoint: Endpoint = url.parse().ok()?;
+    // A separate program may provide TLS, at a port of its own.
+    if endpoint.address().is_encrypted {
+        return None;
+    }
+    Some(match endpoint {
         Endpoint::Tcp(address) => ("tcp", address.port),
         Endpoint::Udp(address) => ("udp", address.port),
         Endpoint::Http { address, .. } => ("http", address.port),

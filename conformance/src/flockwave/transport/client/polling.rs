@@ -140,6 +140,9 @@ pub(super) fn step(packet: Packet) -> Step {
             Some(socketio::Packet::Message { text, .. }) => {
                 Step::Received(Received::Message(text.into_bytes()))
             }
+            Some(socketio::Packet::OtherEvent { text }) => {
+                Step::Received(Received::OtherEvent(text.into_bytes()))
+            }
             Some(socketio::Packet::Disconnect) => Step::Received(Received::End),
             _ => Step::Nothing,
         },

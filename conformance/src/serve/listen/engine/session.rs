@@ -170,7 +170,9 @@ impl Session {
 
     fn take_message(&self, shared: &Shared, text: &str) {
         let packet = socketio::Packet::parse(text);
-        if shared.has_bug(&sio_03::RULE) && matches!(packet, None | Some(socketio::Packet::Other)) {
+        if shared.has_bug(&sio_03::RULE)
+            && matches!(packet, None | Some(socketio::Packet::Other | socketio::Packet::OtherEvent { .. }))
+        {
             self.state().has_stopped_reading = true;
         }
         match packet {
@@ -202,7 +204,10 @@ impl Session {
                 }
             }
             Some(socketio::Packet::Disconnect) => self.end(shared),
-            Some(socketio::Packet::Refusal(_) | socketio::Packet::Other) | None => {}
+            Some(
+                socketio::Packet::Refusal(_) | socketio::Packet::Other | socketio::Packet::OtherEvent { .. },
+            )
+            | None => {}
         }
     }
 

@@ -1,0 +1,40 @@
+//! The options for logins and certificates.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Status;
+use super::serve::login;
+use crate::net::tls::Trust;
+
+/// Arguments of commands that connect to a server.
+#[derive(Args, Debug)]
+pub(super) struct AccessArgs {
+    /// Log in with HTTP Basic and with AUTH-REQ, method basic.
+    #[arg(long, value_name = "NAME:PASSWORD", value_parser = login)]
+    pub(super) login: Option<(String, String)>,
+    /// Also trust the certificates in this PEM file.
+    ///
+    /// The certificates of the operating system are always trusted.
+    #[arg(long, value_name = "FILE")]
+    ca: Option<PathBuf>,
+    /// Accept any certificate.
+    ///
+    /// Anyone on the network can then read and change all messages, including the login.
+    #[arg(long)]
+    insecure: bool,
+}
+
+impl AccessArgs {
+    /// The trusted certificates. Errors are printed.
+    pub(super) fn trust(&self) -> Result<Trust, Status> {
+        if self.insecure {
+            anstream::eprintln!("warning: any certificate is accepted (--insecure)");
+        }
+        Trust::new(self.ca.as_deref(), self.insecure).map_err(|error| {
+            anstream::eprintln!("error: {error}");
+            Status::Usage
+        })
+    }
+}
