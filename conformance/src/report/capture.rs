@@ -160,6 +160,9 @@ impl Subject {
         let mut reasons = self.cut_short.clone();
         match self.extent {
             Extent::Whole => {}
+            Extent::WithGaps if self.records == 0 => {
+                reasons.push(format!("the {noun} contains no readable messages"));
+            }
             Extent::EndsEarly => reasons.push(format!("the {noun} is truncated")),
             Extent::WithGaps => reasons.push(format!("parts of the {noun} are corrupt")),
             Extent::Unreadable => reasons.push(format!("the {noun} can't be read completely")),
