@@ -9,12 +9,14 @@
 //! `"why"` is `"client"` if the client closed the connection. Other members are ignored.
 
 mod listeners;
+mod pieces;
 mod reports;
 mod summary;
 
 use std::collections::HashMap;
 
 pub(super) use self::listeners::Listeners;
+use self::pieces::Pieces;
 use self::reports::{Report, Reports};
 pub use self::summary::{FlockwaveSummary, TypeCount};
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
@@ -66,6 +68,8 @@ pub struct FlockwaveChecker<'d> {
     pub(super) run: CheckRun<'d>,
     source: FlockwaveSummary,
     reports: Reports<'d>,
+    /// The incomplete messages from clients.
+    pieces: Pieces,
     /// The connection numbers, by connection name.
     connections: HashMap<String, usize>,
     /// The messages and values from the server, by type.
@@ -108,8 +112,16 @@ impl<'d> FlockwaveChecker<'d> {
 
     pub(super) fn with_run(run: CheckRun<'d>) -> Self {
         let (source, reports) = (FlockwaveSummary::default(), Reports::new(run.definitions));
-        let (connections, types) = (HashMap::new(), HashMap::new());
-        Self { run, source, reports, connections, types, names: Vec::new(), latest: 0 }
+        Self {
+            run,
+            source,
+            reports,
+            pieces: Pieces::default(),
+            connections: HashMap::new(),
+            types: HashMap::new(),
+            names: Vec::new(),
+            latest: 0,
+        }
     }
 
     /// Disables the fast path for status reports. The result of a check stays the same, but the check takes several
@@ -217,17 +229,43 @@ impl<'d> FlockwaveChecker<'d> {
                 self.record(&ParsedLine { content: Content::Event, text: event, ..line }, location)
             }
             (_, Some(message), _) => {
+                if direction == Direction::Out {
+                    self.end_pieces(line.name)?;
+                }
                 self.record(&ParsedLine { content: Content::Message(message), ..line }, location)
             }
-            // The program that recorded the session may have a stricter JSON parser.
-            (_, None, Some(raw)) => match Tree::read(raw) {
-                Ok(message) => {
-                    let content = Content::Message(&message);
-                    self.record(&ParsedLine { content, text: raw, ..line }, location)
-                }
-                Err(_) => self.record(&ParsedLine { text: raw, ..line }, location),
-            },
+            (Direction::Out, None, Some(raw)) if name.as_deref().is_some_and(is_ordered) => {
+                self.piece(&line, raw, location)
+            }
+            (_, None, Some(raw)) => self.raw(&ParsedLine { text: raw, ..line }, location),
             (_, None, None) => Err("expected `msg`, or `raw` with a string".to_owned()),
+        }
+    }
+
+    /// Handles text that was sent over a stream. The text may be a part of a message, or contain several messages.
+    fn piece(&mut self, line: &ParsedLine<'_>, piece: &str, location: Location) -> Result<(), String> {
+        let index = self.connection(line.name.unwrap_or_default())?;
+        for text in self.pieces.add(index, piece) {
+            self.raw(&ParsedLine { text: &text, ..*line }, location)?;
+        }
+        self.run.sessions.sending(index, self.pieces.is_incomplete(index));
+        Ok(())
+    }
+
+    /// Handles a whole message after an incomplete text on the same connection. No piece can complete the text.
+    fn end_pieces(&mut self, name: Option<&str>) -> Result<(), String> {
+        let index = self.connection(name.unwrap_or_default())?;
+        if self.pieces.end(index).is_some() {
+            self.run.sessions.sent_unreadable(index);
+        }
+        Ok(())
+    }
+
+    /// Handles text that may be a message. The program that recorded the session may have a stricter JSON parser.
+    fn raw(&mut self, line: &ParsedLine<'_>, location: Location) -> Result<(), String> {
+        match Tree::read(line.text) {
+            Ok(message) => self.record(&ParsedLine { content: Content::Message(&message), ..*line }, location),
+            Err(_) => self.record(line, location),
         }
     }
 
@@ -281,6 +319,9 @@ impl<'d> FlockwaveChecker<'d> {
     fn follow_event(&mut self, record: &SessionRecord<'_>) {
         if record.direction != Direction::Event {
             return;
+        }
+        if matches!(record.text, "connect" | "closed") {
+            self.pieces.end(record.connection.index);
         }
         match record.text {
             "connect" => {

@@ -12,6 +12,7 @@ mod exchange;
 pub(crate) mod ids;
 mod operation;
 pub(crate) mod remembered;
+mod request;
 mod vocabulary;
 
 use std::collections::BTreeSet;
@@ -21,6 +22,8 @@ pub(crate) use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Ro
 use self::ids::Ids;
 pub(crate) use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;
+pub(crate) use self::request::SentRequest;
+use self::request::strings;
 pub(crate) use self::vocabulary::OPERATIONS;
 pub(crate) use self::vocabulary::parts;
 #[cfg(test)]
@@ -28,7 +31,7 @@ pub(crate) use self::vocabulary::{OPERATION, PARTS};
 use crate::flockwave::body_schema::BodySchemas;
 use crate::flockwave::record::{Direction, SessionRecord};
 use crate::json::Tree;
-use crate::model::{Location, Rule};
+use crate::model::Location;
 
 /// The size limit of each list of remembered entries, in bytes.
 const MEMORY_LIMIT: usize = 16 << 20;
@@ -36,9 +39,6 @@ const MEMORY_LIMIT: usize = 16 << 20;
 /// The maximum length of a stored id, in bytes. Message ids have at most 36 characters, and object ids at most 64. Each
 /// character has up to four bytes.
 const MAX_ID: usize = 256;
-
-/// The maximum number of ids in a request. Longer lists are ignored.
-const MAX_REQUEST_IDS: usize = 10_000;
 
 /// The maximum number of receipts in a message.
 const MAX_RECEIPTS: usize = 10_000;
@@ -48,37 +48,6 @@ const MAX_CLOCK_JITTER: f64 = 0.5;
 
 /// The assumed maximum transit time of a message, in seconds.
 const MAX_TRANSIT_TIME: f64 = 1.0;
-
-/// A request.
-#[derive(Clone, Debug)]
-pub(crate) struct SentRequest {
-    /// The type of the request, if present.
-    pub type_name: Option<String>,
-    /// The requested objects, if the request lists them as strings within the limits.
-    pub objects: Option<BTreeSet<String>>,
-    /// An object that is listed twice.
-    pub repeated: Option<String>,
-    /// The object types in the request's filter, if there is one; empty if the filter isn't a list of strings.
-    pub filter: Option<BTreeSet<String>>,
-    /// True if the request changes a setting (the RTK source or the time) instead of querying it.
-    pub is_setting: bool,
-    /// The time when the request was sent.
-    pub time: Option<f64>,
-    /// The location.
-    pub location: Location,
-    /// For an unanswered request: the time from the request to the latest server message, in seconds.
-    pub waited: Option<f64>,
-    /// True if the request has a version and a type, as every Flockwave request must.
-    pub is_sound: bool,
-    /// The start of the request's text.
-    pub excerpt: String,
-    /// The tested rule and the description of the test.
-    pub trial: Option<(&'static Rule, String)>,
-    /// True if the request's id was already in use, so that answers are ambiguous.
-    is_ambiguous: bool,
-    /// The number of pending requests with this id.
-    count: u64,
-}
 
 /// A side of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -94,6 +63,10 @@ struct State {
     serial: u64,
     /// True if all records of the connection are known.
     is_whole: bool,
+    /// True if the client sent text whose id is unknown. A later answer may refer to it.
+    has_unknown_request: bool,
+    /// True if the client has sent only a part of a message.
+    is_sending: bool,
     /// The latest time.
     latest: f64,
     /// The time of the server's latest message.
@@ -119,8 +92,9 @@ pub(crate) struct Sessions {
     serials: u64,
     /// The pending requests.
     open: Remembered<(u64, Side, String), SentRequest>,
-    /// The ids of answered requests.
-    answered: Remembered<(u64, Side, String), ()>,
+    /// The ids of past messages to which `refs` may refer. The value is true for answered requests, and false for
+    /// responses from the client.
+    past: Remembered<(u64, Side, String), bool>,
     /// The ids of the servers' messages. The value is true for notifications.
     sent: Ids<bool>,
     /// The operations by receipt.
@@ -133,7 +107,7 @@ impl Default for Sessions {
             states: Vec::new(),
             serials: 0,
             open: Remembered::new(MEMORY_LIMIT),
-            answered: Remembered::new(MEMORY_LIMIT),
+            past: Remembered::new(MEMORY_LIMIT),
             sent: Ids::new(MEMORY_LIMIT),
             operations: Ids::new(MEMORY_LIMIT),
         }
@@ -167,12 +141,11 @@ impl Sessions {
         exchange.serial = state.serial;
         match exchange.role {
             Role::Event | Role::Unanswered => {}
-            Role::Unreadable => {
-                // Like a lost message, an unreadable message may have been any message.
-                if record.direction == Direction::In {
-                    self.lose_connection(record.connection.index);
-                }
+            // Like a lost message, an unreadable message may have been any message.
+            Role::Unreadable if record.direction == Direction::In => {
+                self.lose_connection(record.connection.index);
             }
+            Role::Unreadable => self.sent_unreadable(record.connection.index),
             Role::Request => self.request(&mut exchange),
             Role::Response => self.response(&mut exchange),
             Role::Notification => self.notification(&mut exchange),
@@ -213,10 +186,23 @@ impl Sessions {
         self.states[connection] = State { serial, is_whole: true, ..State::default() };
     }
 
+    /// Handles text from the client that can't be read. The server may be able to read and answer it.
+    pub(crate) fn sent_unreadable(&mut self, connection: usize) {
+        self.grow(connection);
+        let state = &mut self.states[connection];
+        (state.has_unknown_request, state.is_sending) = (true, false);
+    }
+
+    /// Handles a piece of a message from the client. `is_incomplete` is true if other pieces must follow.
+    pub(crate) fn sending(&mut self, connection: usize, is_incomplete: bool) {
+        self.grow(connection);
+        self.states[connection].is_sending = is_incomplete;
+    }
+
     /// Handles an unreadable part of the capture, which may have contained records of any connection.
     pub(crate) fn lose(&mut self) {
         self.open.clear();
-        self.answered.clear();
+        self.past.clear();
         self.operations.clear();
         for state in &mut self.states {
             state.is_whole = false;
@@ -296,10 +282,25 @@ impl Sessions {
             self.send(exchange, false);
         }
         self.refer(exchange, if from == Side::Server { Side::Client } else { Side::Server });
+        if from == Side::Client {
+            self.remember_response(exchange);
+        }
         if from == Side::Server {
             self.learn_time(exchange);
             self.resumed(exchange);
             self.receipts(exchange);
+        }
+    }
+
+    /// Records the id of a client's response. A server may refuse a message that it doesn't expect.
+    fn remember_response(&mut self, exchange: &Exchange<'_>) {
+        let state = &mut self.states[exchange.record.connection.index];
+        let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
+            return state.has_unknown_request = true;
+        };
+        let key = (state.serial, Side::Client, id.to_owned());
+        if !self.past.contains(&key) {
+            self.past.insert(key, false, id.len());
         }
     }
 
@@ -308,9 +309,11 @@ impl Sessions {
         let connection = exchange.record.connection;
         let state = &self.states[connection.index];
         let is_certain = state.is_whole
+            && !state.has_unknown_request
+            && !state.is_sending
             && connection.is_ordered
             && !self.open.has_forgotten()
-            && !self.answered.has_forgotten();
+            && !self.past.has_forgotten();
         let Some(refs) = exchange.refs.filter(|refs| refs.len() <= MAX_ID) else { return };
         let key = (state.serial, asker, refs.to_owned());
         if let Some(request) = self.open.remove(&key) {
@@ -320,10 +323,11 @@ impl Sessions {
                 self.open.insert(key, SentRequest { count: request.count - 1, ..request }, size);
                 return;
             }
-            self.answered.insert(key, (), refs.len());
+            self.past.insert(key, true, refs.len());
             exchange.request = Some(request).filter(|request| !request.is_ambiguous);
-        } else if self.answered.contains(&key) {
-            exchange.reference = if connection.is_ordered { Reference::Answered } else { Reference::Unclear };
+        } else if let Some(is_request) = self.past.get(&key) {
+            let is_answered = *is_request && connection.is_ordered;
+            exchange.reference = if is_answered { Reference::Answered } else { Reference::Unclear };
         } else {
             let named = self.sent.get_mut(state.serial, refs).copied();
             exchange.reference = match named {
@@ -458,56 +462,4 @@ fn release(operations: &mut Ids<Operation>, serial: u64, request: &SentRequest) 
 
 fn side(exchange: &Exchange<'_>) -> Side {
     if exchange.record.direction == Direction::In { Side::Server } else { Side::Client }
-}
-
-impl SentRequest {
-    fn new(exchange: &Exchange<'_>) -> Self {
-        let parts = exchange.type_name.and_then(parts);
-        let objects = parts.and_then(|parts| strings(exchange.field(parts.request_field)));
-        let repeated = objects.as_deref().and_then(repeated);
-        let objects: Option<BTreeSet<String>> = objects.map(BTreeSet::from_iter);
-        let filter = exchange.field("filter").map(|filter| strings(Some(filter)).unwrap_or_default());
-        let is_setting = match exchange.type_name {
-            Some("RTK-SOURCE") => exchange.field("id").is_some(),
-            Some("SYS-TIME") => exchange.field("adjustment").is_some_and(|by| *by != Tree::Int(0)),
-            _ => false,
-        };
-        Self {
-            type_name: exchange.type_name.filter(|name| name.len() <= MAX_ID).map(str::to_owned),
-            repeated,
-            objects,
-            filter: filter.map(BTreeSet::from_iter),
-            is_setting,
-            time: exchange.time,
-            location: exchange.record.location,
-            waited: None,
-            is_sound: exchange.is_sound(),
-            excerpt: exchange.excerpt(),
-            trial: exchange.record.trial.map(|trial| (trial.rule, trial.how.to_owned())),
-            is_ambiguous: false,
-            count: 1,
-        }
-    }
-
-    fn size(&self) -> usize {
-        let object_size = |object: &String| object.len() + 64;
-        let trial_size = self.trial.as_ref().map_or(0, |(_, how)| how.len());
-        MAX_ID
-            + self.excerpt.len()
-            + trial_size
-            + self.objects.iter().chain(&self.filter).flatten().map(object_size).sum::<usize>()
-    }
-}
-
-/// The first repeated string.
-fn repeated(texts: &[String]) -> Option<String> {
-    let mut seen = BTreeSet::new();
-    texts.iter().find(|text| !seen.insert(*text)).cloned()
-}
-
-/// The strings of a list. `None` if the value isn't a list of strings, or exceeds the limits.
-fn strings(list: Option<&Tree<'_>>) -> Option<Vec<String>> {
-    let Some(Tree::List(values)) = list else { return None };
-    let short = |value: &Tree<'_>| Some(value.as_str()?.to_owned()).filter(|text| text.len() <= MAX_ID);
-    if values.len() > MAX_REQUEST_IDS { None } else { values.iter().map(short).collect() }
 }

@@ -46,6 +46,10 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         self.values.contains_key(key)
     }
 
+    pub(crate) fn get(&self, key: &K) -> Option<&V> {
+        self.values.get(key).map(|entry| &entry.value)
+    }
+
     /// Inserts a value of roughly this size in bytes, replacing any existing value for the key.
     pub(crate) fn insert(&mut self, key: K, value: V, size: usize) {
         self.remove(&key);

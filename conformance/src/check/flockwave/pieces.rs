@@ -1,0 +1,136 @@
+//! Requests that a recording stores in pieces.
+//!
+//! A stream doesn't preserve message boundaries, and some programs record each write or segment as one `raw` text. Such
+//! a text may contain a part of a message, or several messages. The request ids are known only after the pieces are
+//! joined.
+
+use std::collections::BTreeMap;
+
+use crate::json::{SyntaxError, TRUNCATED, Tree};
+
+/// The maximum length of an incomplete text, in bytes. A longer text is not treated as a message.
+const MAX_TEXT: usize = 1 << 20;
+
+/// The maximum number of connections with an incomplete text.
+const MAX_CONNECTIONS: usize = 16;
+
+/// The incomplete texts, by connection index.
+#[derive(Debug, Default)]
+pub(super) struct Pieces(BTreeMap<usize, String>);
+
+impl Pieces {
+    /// Adds a piece. Returns the texts that are now complete: messages, and texts that no later piece can turn into a
+    /// message.
+    pub(super) fn add(&mut self, connection: usize, piece: &str) -> Vec<String> {
+        let mut done = Vec::new();
+        let mut text = self.0.remove(&connection).unwrap_or_default();
+        // A whole message never continues another message.
+        if is_object(piece) {
+            done.extend(unless_blank(&text));
+            text.clear();
+        }
+        text.push_str(piece);
+        let incomplete = take_lines(&text, &mut done);
+        if incomplete.len() > MAX_TEXT || self.0.len() >= MAX_CONNECTIONS {
+            done.push(incomplete.to_owned());
+        } else if !incomplete.is_empty() {
+            self.0.insert(connection, incomplete.to_owned());
+        }
+        done
+    }
+
+    /// Removes the incomplete text of a connection, because no other piece can follow.
+    pub(super) fn end(&mut self, connection: usize) -> Option<String> {
+        self.0.remove(&connection)
+    }
+
+    /// True if a connection has an incomplete text.
+    pub(super) fn is_incomplete(&self, connection: usize) -> bool {
+        self.0.contains_key(&connection)
+    }
+}
+
+/// Moves all complete texts to `done`. Returns the incomplete text at the end; may be empty.
+fn take_lines<'t>(text: &'t str, done: &mut Vec<String>) -> &'t str {
+    let (lines, last) = text.rsplit_once('\n').unwrap_or(("", text));
+    for line in lines.lines() {
+        let rest = take_messages(line, done);
+        done.extend(unless_blank(rest));
+    }
+    let rest = take_messages(last, done);
+    // Recordings may omit the line break at the end of a message, so only JSON can show that more pieces follow.
+    match Tree::read(rest) {
+        Err(SyntaxError { problem: TRUNCATED, .. }) if !rest.trim().is_empty() => rest,
+        _ => {
+            done.extend(unless_blank(rest));
+            ""
+        }
+    }
+}
+
+/// Moves the messages at the start of a line to `done`. Returns the remaining text.
+fn take_messages<'t>(line: &'t str, done: &mut Vec<String>) -> &'t str {
+    let mut rest = line;
+    loop {
+        let end = match Tree::read(rest) {
+            Ok(_) => rest.len(),
+            Err(error) => error.at,
+        };
+        let Some((first, after)) = rest.split_at_checked(end).filter(|(first, _)| is_object(first)) else {
+            return rest;
+        };
+        done.push(first.to_owned());
+        rest = after;
+    }
+}
+
+fn is_object(text: &str) -> bool {
+    matches!(Tree::read(text), Ok(Tree::Object(_)))
+}
+
+fn unless_blank(text: &str) -> Option<String> {
+    Some(text.to_owned()).filter(|text| !text.trim().is_empty())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn added(pieces: &[&str]) -> (Vec<String>, bool) {
+        let mut all = Pieces::default();
+        let done = pieces.iter().flat_map(|piece| all.add(0, piece)).collect();
+        (done, all.is_incomplete(0))
+    }
+
+    #[test]
+    fn joins_pieces_and_splits_lines() {
+        let one = r#"{"id":"a b"}"#;
+        let two = r#"{"id":"c"}"#;
+        for cut in 1..one.len() {
+            let (start, end) = one.split_at(cut);
+            assert_eq!(added(&[start, end]), (vec![one.to_owned()], false), "{cut}");
+            let (last, next) = (format!("{end}\n{two}\n"), vec![one.to_owned(), two.to_owned()]);
+            assert_eq!(added(&[start, &last]), (next, false), "{cut}");
+        }
+        assert_eq!(added(&[&format!("{one}{two}")]).0, [one, two]);
+        assert_eq!(added(&["\n", one, "\r\n", two]).0, [one, two]);
+    }
+
+    #[test]
+    fn returns_text_that_is_not_a_message() {
+        assert_eq!(added(&["not a message", r#"{"id":"#]), (vec!["not a message".to_owned()], true));
+        assert_eq!(added(&["{\"id\":\n", "1}"]).0, ["{\"id\":", "1}"]);
+        assert_eq!(added(&[r#"{"id":"#, r#"{"id":1}"#]).0, [r#"{"id":"#, r#"{"id":1}"#]);
+    }
+
+    #[test]
+    fn stores_a_bounded_text() {
+        let mut pieces = Pieces::default();
+        let long = format!("{{\"id\":\"{}", "x".repeat(MAX_TEXT));
+        assert_eq!(pieces.add(0, &long), [long]);
+        for connection in 0..2 * MAX_CONNECTIONS {
+            pieces.add(connection, "{");
+        }
+        assert_eq!(pieces.0.len(), MAX_CONNECTIONS);
+    }
+}
