@@ -79,11 +79,12 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
     context.covered();
     if !fits(found) {
-        exchange.violates(context, || {
+        context.violation(&format!("ASYNC-RESP of {name}"), exchange.record.location, || {
             Detail::new(format!("result of {name}: expected {expected}, found {found}"))
                 .at("/body/result")
                 .expected(expected)
                 .actual(found.to_string())
+                .excerpt(exchange.excerpt())
         });
     }
 }
