@@ -61,7 +61,7 @@ use crate::json::base64;
 use crate::model::Rule;
 use crate::net::tls::Trust;
 use crate::rules::flockwave::trial::Request;
-use crate::rules::flockwave::{FlockwaveRule, env_07, env_26, sio_01, udp_02};
+use crate::rules::flockwave::{FlockwaveRule, env_07, env_27, sio_01, udp_02};
 
 /// The time limit of a probe without commands, excluding the listening period.
 const TIME_LIMIT: Duration = Duration::from_secs(45);
@@ -446,7 +446,7 @@ impl Probe<'_, '_> {
     /// Waits until the server serves a new connection. A message from one client must not affect others, so a server
     /// that stopped serving them violates a rule. Returns false if the probe can't continue.
     fn recover(&mut self, after: &str) -> bool {
-        let trial = Trial { rule: &env_26::RULE.rule, how: after };
+        let trial = Trial { rule: &env_27::RULE.rule, how: after };
         let is_reported = !self.serves_witness(trial);
         if self.serves(Some(trial).filter(|_| !is_reported), PATIENCE) {
             if is_reported {

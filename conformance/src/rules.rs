@@ -180,10 +180,18 @@ pub fn rule(id: &str) -> Option<&'static Rule> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::{Level, Status};
 
     #[test]
     fn rules_are_sorted_by_id() {
         assert!(RULES.windows(2).all(|pair| pair[0].id < pair[1].id));
+    }
+
+    #[test]
+    fn disputed_rules_are_not_at_level_must() {
+        let is_disputed = |rule: &&&Rule| matches!(rule.status, Status::Disputed(_));
+        let levels: Vec<Level> = RULES.iter().filter(is_disputed).map(|rule| rule.level).collect();
+        assert!(!levels.is_empty() && !levels.contains(&Level::Must), "{levels:?}");
     }
 
     #[test]

@@ -270,7 +270,7 @@ fn a_slow_server_runs_out_of_time_without_a_finding() {
     assert!(reason.starts_with("out of time: "), "{reason}");
     let is_late = |entry: &&RequestType| entry.not_sent.as_deref() == Some("out of time");
     assert!(probed.requests.iter().filter(is_late).count() > 10);
-    assert!(!rules(&probed).iter().any(|rule| ["FW-ENV-07", "FW-ENV-19", "FW-ENV-26"].contains(rule)));
+    assert!(!rules(&probed).iter().any(|rule| ["FW-ENV-07", "FW-ENV-19", "FW-ENV-27"].contains(rule)));
 }
 
 #[test]
@@ -384,7 +384,7 @@ fn reports_only_the_trial_that_stops_the_server() {
         reason,
         "the server stopped serving after a trial: FW-TCP-03, after a line that is not JSON: words"
     );
-    assert_eq!(violations(&probed)["FW-ENV-26"], 1);
+    assert_eq!(violations(&probed)["FW-ENV-27"], 1);
     let of_trials = trials(&probed).into_iter().filter(|found| found.0.starts_with("FW-TCP"));
     // This server also requires a message to arrive in one segment.
     let rules: BTreeSet<&str> = of_trials.map(|found| found.0).collect();
@@ -420,7 +420,7 @@ fn reports_a_trial_that_affects_other_clients() {
     assert_eq!(rules(&probed), BTreeSet::from(["FW-TCP-03"]));
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
-    let stopped = replayed.findings.groups().find(|group| group.rule.id == "FW-ENV-26").expect("a finding");
+    let stopped = replayed.findings.groups().find(|group| group.rule.id == "FW-ENV-27").expect("a finding");
     assert_eq!(stopped.count, 1);
 }
 

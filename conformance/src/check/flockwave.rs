@@ -264,7 +264,9 @@ impl<'d> FlockwaveChecker<'d> {
     /// Handles text that may be a message. The program that recorded the session may have a stricter JSON parser.
     fn raw(&mut self, line: &ParsedLine<'_>, location: Location) -> Result<(), String> {
         match Tree::read(line.text) {
-            Ok(message) => self.record(&ParsedLine { content: Content::Message(&message), ..*line }, location),
+            Ok(message) => {
+                self.record(&ParsedLine { content: Content::Message(&message), ..*line }, location)
+            }
             Err(_) => self.record(line, location),
         }
     }

@@ -64,6 +64,8 @@ impl BodySchemas<'_> {
 pub(crate) enum ExpectedValue {
     /// An integer between the first and the second value, inclusive. `5.0` counts as an integer.
     Integer(i128, i128),
+    /// Any number.
+    Number,
     /// `true` or `false`.
     Bool,
     /// Any string.
@@ -127,6 +129,8 @@ pub(crate) enum Step {
 pub(crate) struct Deviation {
     /// The path to the value.
     pub steps: Vec<Step>,
+    /// True if the value belongs to an optional field or to an optional element of an array.
+    pub is_optional: bool,
     /// The kind of violation. `None` if the body schema is user-supplied.
     pub fault: Option<Fault>,
     /// The defined fields on the path, joined by dots; empty if there are none.
@@ -144,6 +148,7 @@ impl ExpectedValue {
         match (self, value) {
             (Self::Nullable(_), Tree::Null)
             | (Self::Bool, Tree::Bool(_))
+            | (Self::Number, Tree::Int(_) | Tree::Float(..) | Tree::Huge(_))
             | (Self::Object, Tree::Object(_)) => None,
             (Self::Nullable(schema), _) => schema.mismatch(value),
             (Self::Integer(low, high), _) => match integer(value) {
@@ -180,6 +185,7 @@ impl std::fmt::Display for ExpectedValue {
             Self::Integer(low, i128::MAX) => write!(formatter, "an integer of at least {low}"),
             Self::Integer(i128::MIN, high) => write!(formatter, "an integer of at most {high}"),
             Self::Integer(low, high) => write!(formatter, "an integer from {low} to {high}"),
+            Self::Number => formatter.write_str("a number"),
             Self::Bool => formatter.write_str("true or false"),
             Self::Text => formatter.write_str("a string"),
             Self::Length(low, high) => write!(formatter, "a string of {low} to {high} characters"),

@@ -56,6 +56,18 @@ enum Side {
     Server,
 }
 
+/// Data from the client whose id is unknown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Unknown {
+    /// There is no such data.
+    #[default]
+    Nothing,
+    /// A part of a message. Other parts may follow.
+    Piece,
+    /// A message without a usable id, or text that can't be read.
+    Message,
+}
+
 /// The state of a connection.
 #[derive(Clone, Debug, Default)]
 struct State {
@@ -63,10 +75,8 @@ struct State {
     serial: u64,
     /// True if all records of the connection are known.
     is_whole: bool,
-    /// True if the client sent text whose id is unknown. A later answer may refer to it.
-    has_unknown_request: bool,
-    /// True if the client has sent only a part of a message.
-    is_sending: bool,
+    /// The sent data whose id is unknown. A later answer may refer to it.
+    unknown: Unknown,
     /// The latest time.
     latest: f64,
     /// The time of the server's latest message.
@@ -189,14 +199,16 @@ impl Sessions {
     /// Handles text from the client that can't be read. The server may be able to read and answer it.
     pub(crate) fn sent_unreadable(&mut self, connection: usize) {
         self.grow(connection);
-        let state = &mut self.states[connection];
-        (state.has_unknown_request, state.is_sending) = (true, false);
+        self.states[connection].unknown = Unknown::Message;
     }
 
     /// Handles a piece of a message from the client. `is_incomplete` is true if other pieces must follow.
     pub(crate) fn sending(&mut self, connection: usize, is_incomplete: bool) {
         self.grow(connection);
-        self.states[connection].is_sending = is_incomplete;
+        let state = &mut self.states[connection];
+        if state.unknown != Unknown::Message {
+            state.unknown = if is_incomplete { Unknown::Piece } else { Unknown::Nothing };
+        }
     }
 
     /// Handles an unreadable part of the capture, which may have contained records of any connection.
@@ -265,7 +277,7 @@ impl Sessions {
         }
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
             // The answer to this message may have any `refs`.
-            return state.is_whole = false;
+            return (state.is_whole, state.unknown) = (false, Unknown::Message);
         };
         let key = (state.serial, side, id.to_owned());
         exchange.is_id_in_use = exchange.record.connection.is_ordered && self.open.contains(&key);
@@ -296,7 +308,7 @@ impl Sessions {
     fn remember_response(&mut self, exchange: &Exchange<'_>) {
         let state = &mut self.states[exchange.record.connection.index];
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
-            return state.has_unknown_request = true;
+            return state.unknown = Unknown::Message;
         };
         let key = (state.serial, Side::Client, id.to_owned());
         if !self.past.contains(&key) {
@@ -309,11 +321,13 @@ impl Sessions {
         let connection = exchange.record.connection;
         let state = &self.states[connection.index];
         let is_certain = state.is_whole
-            && !state.has_unknown_request
-            && !state.is_sending
+            && state.unknown == Unknown::Nothing
             && connection.is_ordered
             && !self.open.has_forgotten()
             && !self.past.has_forgotten();
+        if exchange.refs.is_none() && state.unknown != Unknown::Message {
+            exchange.reference = Reference::Unknown;
+        }
         let Some(refs) = exchange.refs.filter(|refs| refs.len() <= MAX_ID) else { return };
         let key = (state.serial, asker, refs.to_owned());
         if let Some(request) = self.open.remove(&key) {

@@ -32,7 +32,8 @@ impl fmt::Display for Level {
 pub enum Status {
     /// The specification requires the rule.
     Normative,
-    /// The specification contradicts itself. Contains a description of the contradiction.
+    /// The specification contradicts itself. Contains a description of the contradiction. Data that follows one part of
+    /// the specification must not fail, so the level is never [`Level::Must`].
     Disputed(&'static str),
     /// The rule follows from the specification or its purpose.
     Advisory,

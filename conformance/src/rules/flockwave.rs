@@ -14,6 +14,7 @@ mod asy_07;
 mod asy_08;
 mod asy_09;
 pub(crate) mod asy_10;
+mod asy_10i;
 mod asy_11;
 mod asy_12;
 mod asy_13;
@@ -47,6 +48,7 @@ mod env_09;
 mod env_10;
 mod env_11;
 mod env_12;
+mod env_12j;
 pub(crate) mod env_13;
 mod env_14;
 mod env_15;
@@ -59,7 +61,8 @@ pub(crate) mod env_22;
 mod env_23;
 pub(crate) mod env_24;
 pub(crate) mod env_25;
-pub(crate) mod env_26;
+mod env_26;
+pub(crate) mod env_27;
 mod err_01;
 mod err_02;
 mod err_03;
@@ -165,7 +168,7 @@ use crate::json::Tree;
 use crate::model::{Detail, Level, Location, Rule, Status};
 
 /// All Flockwave rules, sorted by id.
-pub static RULES: [&FlockwaveRule; 129] = [
+pub static RULES: [&FlockwaveRule; 132] = [
     &ack_01::RULE,
     &ack_03::RULE,
     &ack_04::RULE,
@@ -180,6 +183,7 @@ pub static RULES: [&FlockwaveRule; 129] = [
     &asy_08::RULE,
     &asy_09::RULE,
     &asy_10::RULE,
+    &asy_10i::RULE,
     &asy_11::RULE,
     &asy_12::RULE,
     &asy_13::RULE,
@@ -210,6 +214,7 @@ pub static RULES: [&FlockwaveRule; 129] = [
     &env_10::RULE,
     &env_11::RULE,
     &env_12::RULE,
+    &env_12j::RULE,
     &env_13::RULE,
     &env_14::RULE,
     &env_15::RULE,
@@ -223,6 +228,7 @@ pub static RULES: [&FlockwaveRule; 129] = [
     &env_24::RULE,
     &env_25::RULE,
     &env_26::RULE,
+    &env_27::RULE,
     &err_01::RULE,
     &err_02::RULE,
     &err_03::RULE,

@@ -19,7 +19,7 @@ use super::request::{Incoming, read};
 use super::uav::Uav;
 use super::world::World;
 use crate::rules::flockwave::{FlockwaveRule, Outgoing};
-use crate::rules::flockwave::{ack_06, asy_04, asy_04i, asy_14, env_19, env_22, env_26, obj_del_02};
+use crate::rules::flockwave::{ack_06, asy_04, asy_04i, asy_14, env_19, env_22, env_27, obj_del_02};
 
 /// The step of the simulation, in seconds.
 const STEP: f64 = 0.05;
@@ -102,7 +102,7 @@ pub(super) struct Hub {
     notified: Duration,
     /// UAVs that are lost but still listed; used only with the FW-OBJ-DEL-02 bug.
     ghosts: Vec<String>,
-    /// True if no request is answered any more; used only with the FW-ENV-26 bug.
+    /// True if no request is answered any more; used only with the FW-ENV-27 bug.
     is_stuck: bool,
     handler: RequestHandler,
 }
@@ -191,7 +191,7 @@ impl Hub {
     /// Processes bytes that arrive from a client at the time `elapsed` after the start of the server.
     pub(super) fn receive(&mut self, id: SessionId, bytes: &[u8], elapsed: Duration) {
         self.elapsed = self.elapsed.max(elapsed);
-        self.is_stuck |= bytes == b"{}" && self.has_bug(&env_26::RULE);
+        self.is_stuck |= bytes == b"{}" && self.has_bug(&env_27::RULE);
         if self.is_stuck {
             return;
         }

@@ -56,6 +56,13 @@ impl DefinedSchemas {
         self.messages.iter().filter(is_defined).map(|(name, _)| name.as_str())
     }
 
+    /// True if a body of this type and direction has a required field. `type` is not part of a body's definition.
+    pub(crate) fn has_required_fields(&self, type_name: &str, direction: Direction) -> bool {
+        let object = self.body(type_name, direction).map(|body| &self.objects[body.object]);
+        object
+            .is_some_and(|object| object.fields.iter().any(|field| field.is_required && field.name != "type"))
+    }
+
     /// The names of all types and bodies, as used in test vectors.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.named.keys().map(String::as_str)

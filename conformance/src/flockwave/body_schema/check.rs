@@ -123,6 +123,7 @@ impl<'c> Check<'c> {
         let span = field.map(|field| field.span).or_else(|| Some(self.body?.span));
         self.deviations.push(Deviation {
             steps: self.path.iter().map(At::name).collect(),
+            is_optional: self.path.last().and_then(At::field).is_some_and(|field| !field.is_required),
             fault: Some(fault),
             field: fields.join("."),
             definition: span.filter(|_| !self.defined_schemas.is_foreign),

@@ -157,7 +157,14 @@ impl Schema {
         let actual = Tree::read(&text).map_or_else(|_| "another value".to_owned(), |found| found.to_string());
         let path = format!("/body{}", error.instance_path());
         let mismatch = Mismatch { path, expected, actual };
-        Deviation { steps: Vec::new(), fault: None, field: String::new(), definition: None, mismatch }
+        Deviation {
+            steps: Vec::new(),
+            is_optional: false,
+            fault: None,
+            field: String::new(),
+            definition: None,
+            mismatch,
+        }
     }
 }
 

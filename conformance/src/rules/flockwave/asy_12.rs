@@ -11,10 +11,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-12",
         level: Level::Must,
-        status: Status::Disputed(
-            "The specification text allows null for the percentage; the published JSON Schema does not. This rule \
-             allows null.",
-        ),
+        status: Status::Normative,
         statement: "ASYNC-ST has `id` and `progress`. `percentage` is an integer from 0 to 100, or null, and \
                     `suspended` is a boolean.",
         source: source::ASYNC,

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Stage, Status, body,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, body,
     mutant, source,
 };
 
@@ -12,7 +12,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-14",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A suspended operation does not end before the client resumes or cancels it.",
+        statement: "A suspended operation has no result before the client resumes or cancels it. The server may abandon it with \
+                    ASYNC-TIMEOUT.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
         why: "A suspended operation waits for a decision, such as a confirmation by the operator. If it ends on its \
@@ -46,9 +47,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if !matches!(exchange.type_name, Some("ASYNC-RESP" | "ASYNC-TIMEOUT"))
-        || exchange.role != Role::Notification
-    {
+    if exchange.notification("ASYNC-RESP").is_none() {
         return;
     }
     for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_ordered) {

@@ -17,8 +17,11 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-17",
-        level: Level::Must,
-        status: Status::Normative,
+        level: Level::Should,
+        status: Status::Disputed(
+            "The specification text requires an ASYNC-RESP with an error, but also allows a server to continue a \
+             cancelled operation without informing the client. This rule requires the ASYNC-RESP.",
+        ),
         statement: "A cancelled operation ends with an ASYNC-RESP that contains an error.",
         source: source::ASYNC,
         applies_to: "ASYNC-CANCEL over time",

@@ -1,9 +1,8 @@
 //! Attributions: which body schema violations a specific rule reports instead of `FW-ENV-18`.
 //!
-//! Some rules accept null in place of an absent field, because the specification contradicts itself about null. Body
-//! schemas do not accept null, so `FW-ENV-18` reports it.
+//! If the specification contradicts itself about a value, `FW-ENV-26` reports the value.
 
-use super::{FlockwaveRule, RULES};
+use super::{FlockwaveRule, RULES, env_26};
 use crate::flockwave::body_schema::{Deviation, Fault, Step};
 use crate::model::Rule;
 
@@ -64,12 +63,16 @@ fn matches_path(path: &str, steps: &[Step]) -> bool {
 impl FlockwaveRule {
     /// True if the rule reports this body schema violation for a message type.
     pub(super) fn covers(&self, type_name: &str, deviation: &Deviation) -> bool {
-        self.covers.iter().any(|attribution| attribution.matches(type_name, deviation))
+        !env_26::is_disputed(type_name, deviation)
+            && self.covers.iter().any(|attribution| attribution.matches(type_name, deviation))
     }
 }
 
 /// The rule that reports this body schema violation; `None` if `FW-ENV-18` reports it.
 pub(crate) fn attributed(type_name: &str, deviation: &Deviation) -> Option<&'static Rule> {
+    if env_26::is_disputed(type_name, deviation) {
+        return Some(&env_26::RULE.rule);
+    }
     let found = RULES.iter().find(|rule| rule.covers(type_name, deviation));
     found.map(|found| &found.rule)
 }
@@ -79,7 +82,7 @@ mod tests {
     use super::*;
     use crate::flockwave::body_schema::Mismatch;
 
-    fn by(path: &[&str], fault: Fault) -> Option<&'static str> {
+    fn by_optional(path: &[&str], is_optional: bool, fault: Fault) -> Option<&'static str> {
         // An id may be equal to a field name.
         let step = |name: &&str| match name.strip_prefix('=') {
             Some(_) => Step::Other,
@@ -87,12 +90,17 @@ mod tests {
         };
         let deviation = Deviation {
             steps: path.iter().map(step).collect(),
+            is_optional,
             fault: Some(fault),
             field: String::new(),
             definition: None,
             mismatch: Mismatch::new("", ""),
         };
         attributed("UAV-INF", &deviation).map(|rule| rule.id)
+    }
+
+    fn by(path: &[&str], fault: Fault) -> Option<&'static str> {
+        by_optional(path, false, fault)
     }
 
     #[test]
@@ -105,6 +113,8 @@ mod tests {
         assert_eq!(by(&["=error"], Fault::Kind), None);
         assert_eq!(by(&["error"], Fault::Kind), Some("FW-UAV-INF-04"));
         assert_eq!(by(&["error"], Fault::Null), None);
+        assert_eq!(by_optional(&["error"], true, Fault::Null), Some("FW-ENV-26"));
+        assert_eq!(by_optional(&["error"], true, Fault::Kind), Some("FW-UAV-INF-04"));
         assert_eq!(by(&[], Fault::Further), None);
     }
 }

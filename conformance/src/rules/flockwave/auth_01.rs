@@ -54,7 +54,9 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let Some(body) = message.body_of("AUTH-RESP") else { return };
     body::exactly_one(message, context, &["result", "data"], "");
     let is_logged_in = body.get("result") == Some(&Tree::Bool(true));
-    if is_logged_in != body::is_present(body.get("user")) {
+    let user = body.get("user");
+    // FW-ENV-26 reports null.
+    if is_logged_in != body::is_present(user) && user != Some(&Tree::Null) {
         message.violates(context, || {
             let (what, path) = if is_logged_in {
                 ("`result` is true, but `user` is missing", "/body")

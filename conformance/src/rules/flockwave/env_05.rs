@@ -1,10 +1,12 @@
 //! `FW-ENV-05`.
+//!
+//! A server may copy an id that is not a string from a malformed request. `FW-ENV-06` checks the value of a string.
 
-use serde_json::Value;
+use serde_json::json;
 
 use super::{
-    Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Status,
-    body, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, Tree,
+    mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -12,34 +14,42 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ENV-05",
         level: Level::Should,
         status: Status::Advisory,
-        statement: "The `refs` field of a message, if present, is a string of 1 to 36 characters.",
-        source: source::SCHEMA,
+        statement: "The `refs` field of a message, if present, is a string.",
+        source: source::GENERAL,
         applies_to: "messages from the server",
-        why: "`refs` distinguishes responses from notifications. If `refs` is null or empty, a client may treat a \
-              notification as a response, or reject the notification.",
-        example: r#"{"$fw.version":"1.0","id":"s1","refs":null,"body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
-        fix: "In responses, copy the `id` of the request to `refs`. In notifications, omit `refs`; do not send null.",
+        why: "`refs` distinguishes responses from notifications. If `refs` is not a string, a client cannot find \
+              the request.",
+        example: r#"{"$fw.version":"1.0","id":"s1","refs":7,"body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
+        fix: "In responses, copy the `id` of the request to `refs`. In notifications, omit `refs`.",
     },
-    checks: &[Check::Message(check)],
+    checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::message("The `refs` of notifications is null.", |out| {
-        if out.is_notification() {
-            out.message()["refs"] = Value::Null;
+    bug: Bug::message("The `refs` of UAV-INF notifications is a number.", |out| {
+        if out.notification_of("UAV-INF").is_some() {
+            out.message()["refs"] = json!(7);
         }
     }),
     trial: None,
     mutants: &[Mutant {
-        name: "`refs` of 37 characters",
+        name: "`refs` that is a number",
         make: || {
-            let session = Session::new();
-            let id = || "x".repeat(37);
-            let session = session.request("SYS-VER", |message| message["id"] = id().into())?;
-            Some(session.reply_message("SYS-VER", |message| message["refs"] = id().into())?.to_bytes())
+            mutant::then(|session| {
+                session.notify(json!({ "type": "CONN-INF" }));
+                if let Some(line) = session.lines.last_mut() {
+                    line["msg"]["refs"] = json!(7);
+                }
+            })
         },
         also: &[],
     }],
 };
 
-fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    body::member(message, context, Some(message.value), &[], ("refs", false), &ExpectedValue::Length(1, 36));
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    let Some(refs) = exchange.message().and_then(|message| message.get("refs")) else { return };
+    context.covered();
+    // FW-ENV-26 reports null.
+    if matches!(refs, Tree::Text(_) | Tree::Null) || exchange.reference == Reference::Unclear {
+        return;
+    }
+    exchange.violates(context, || Detail::differs("a string", refs).at("/refs"));
 }

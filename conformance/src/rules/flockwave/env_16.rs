@@ -2,19 +2,23 @@
 
 use serde_json::json;
 
+use uavspec_codegen::schema::json_type::Direction;
+
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, body,
-    mutant, source, sys_ping_01, sys_ping_02,
+    mutant, reply, source,
 };
+
+use crate::flockwave::session::parts;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-16",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A response has the type of its request, or is ACK-NAK. There are two exceptions: AUTH-RESP answers \
-                    AUTH-REQ, and ACK-ACK answers SYS-PING, SHOW-SETCFG, SHOW-SETLIGHTS and any RTK-SOURCE that has an \
-                    `id`.",
+        statement: "A response has the type of its request, or is ACK-NAK. There are three exceptions: AUTH-RESP answers \
+                    AUTH-REQ. ACK-ACK answers SHOW-SETCFG, SHOW-SETLIGHTS and any RTK-SOURCE that has an `id`. ACK-ACK \
+                    may answer requests whose response has no required fields.",
         source: source::GENERAL,
         applies_to: "responses over time",
         why: "The client decodes the body as the expected type. If the type differs, the client reads wrong data or \
@@ -37,11 +41,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             name: "a response of a different type",
             make: || mutant::reply("SYS-PORTS", |body| *body = json!({ "type": "UAV-LIST", "ids": [] })),
             also: &[],
-        },
-        Mutant {
-            name: "SYS-PING answered with SYS-PING",
-            make: || mutant::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-            also: &[&sys_ping_01::RULE.rule, &sys_ping_02::RULE.rule],
         },
         Mutant {
             name: "an RTK-SOURCE with `id` answered with RTK-SOURCE",
@@ -67,7 +66,11 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
     let expected = response_type(request_type, request.is_setting);
     context.covered();
-    if found != expected && found != "ACK-NAK" {
+    let is_acknowledged =
+        found == "ACK-ACK" && expected == request_type && needs_no_details(request_type, context);
+    // FW-SYS-PING-01 checks SYS-PING.
+    let is_right = [expected, "ACK-NAK"].contains(&found) || is_acknowledged || request_type == "SYS-PING";
+    if !is_right {
         exchange.violates(context, || {
             Detail::new(format!(
                 "{} answers {request_type}; expected {expected} or ACK-NAK",
@@ -88,6 +91,16 @@ fn response_type(request_type: &str, is_setting: bool) -> &str {
         "AUTH-REQ" => "AUTH-RESP",
         other => other,
     }
+}
+
+/// True if a successful response needs no details. According to the description of ACK-ACK, it may then replace the
+/// response.
+fn needs_no_details(request_type: &str, context: &RuleContext<'_>) -> bool {
+    let defined_schemas = context.definitions.defined_schemas();
+    defined_schemas.is_defined(request_type, Direction::Response)
+        && !defined_schemas.has_required_fields(request_type, Direction::Response)
+        && parts(request_type).is_none()
+        && !reply::may_have_receipts(request_type)
 }
 
 #[cfg(test)]

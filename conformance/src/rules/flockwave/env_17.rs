@@ -12,7 +12,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-17",
-        level: Level::Must,
+        level: Level::Should,
         status: Status::Disputed(
             "The specification text allows UAV-INF, CONN-INF, DEV-INF, CLK-INF and UAV-PREFLT as notifications; the \
              published JSON Schema for notifications does not. This rule allows these notifications.",
@@ -45,11 +45,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let defined_schemas = context.definitions.defined_schemas();
     let Some(name) = message.type_name.filter(|name| defined_schemas.has(name)) else { return };
-    if message.role != Role::Notification {
+    // FW-ENV-26 reports a `refs` that is null, and FW-ACK-01 reports acknowledgments.
+    let has_refs = message.role != Role::Notification || message.value.get("refs").is_some();
+    if has_refs || matches!(name, "ACK-ACK" | "ACK-NAK") {
         return;
     }
     context.covered();
-    if !defined_schemas.is_defined(name, Direction::Notification) {
+    // The description of OBJ-CMD says that results are sent in notifications of this type.
+    if name != "OBJ-CMD" && !defined_schemas.is_defined(name, Direction::Notification) {
         message.violates(context, || {
             Detail::new(format!("{name} cannot be a notification, so it needs `refs`"))
         });

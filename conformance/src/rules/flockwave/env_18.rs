@@ -13,10 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-18",
         level: Level::Should,
-        status: Status::Disputed(
-            "For optional fields, the published JSON Schemas do not allow null, but the guidelines for specification \
-             authors do. This rule reports null unless the definition allows it.",
-        ),
+        status: Status::Advisory,
         statement: "A body matches the definition of its type and direction. Additional fields are allowed unless the \
                     definition forbids them.",
         source: source::SCHEMA,
@@ -24,8 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         why: "Clients generated from the definitions fail to decode the body. Hand-written clients read missing or \
               wrong values.",
         example: r#"{"type":"UAV-PREFLT","status":{"uav-1":{"result":"fine","items":[]}}}"#,
-        fix: "Compare the body with the definition of its type, and correct the reported field. Omit optional fields \
-              instead of sending null.",
+        fix: "Compare the body with the definition of its type, and correct the reported field.",
     },
     checks: &[Check::Message(check)],
     covers: &[],
@@ -39,11 +35,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "a missing required field",
             make: || mutant::reply("RTK-INF", |body| mutant::remove(&mut body["preset"]["field"], "title")),
-            also: &[],
-        },
-        Mutant {
-            name: "null in an optional field",
-            make: || mutant::reply("ACK-NAK", |body| body["reason"] = json!(null)),
             also: &[],
         },
         Mutant {

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, Step, Strain, Trial, env_05, env_06,
-    mutant, served, source,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, Step, Strain, Trial, env_06, mutant,
+    served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -35,7 +35,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             }
         },
     )
-    .with(&[&env_05::RULE.rule, &env_06::RULE.rule]),
+    .with(&[&env_06::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Sound, |_| attempts())),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },

@@ -4,16 +4,16 @@ use serde_json::json;
 
 use super::{
     Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
-    Status, Tree, body, mutant, source, ust_errors,
+    Status, Tree, body, mutant, source,
 };
-use crate::flockwave::body_schema::Mismatch;
+use crate::flockwave::body_schema::{Mismatch, integer};
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-01",
-        level: Level::Must,
-        status: Status::Normative,
+        level: Level::Should,
+        status: Status::Advisory,
         statement: "Error codes are non-negative integers.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",
@@ -25,14 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[Attribution::new(&["UAV-INF"], "status.*.errors.*", &[Fault::Value])],
     bug: Bug::message("An error code is negative.", |out| out.set_in_state("errors", json!([-1]))),
     trial: None,
-    mutants: &[
-        Mutant { name: "a negative code", make: || mutant::errors(&[-1]), also: &[] },
-        Mutant {
-            name: "a string",
-            make: || mutant::state(|kite| kite["errors"] = json!(["windy"])),
-            also: &[&ust_errors::RULE.rule],
-        },
-    ],
+    mutants: &[Mutant { name: "a negative code", make: || mutant::errors(&[-1]), also: &[] }],
 };
 
 const CODE: ExpectedValue = ExpectedValue::Integer(0, i128::MAX);
@@ -41,7 +34,9 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     for (uav, state) in body::states(message, "UAV-INF") {
         let Some(Tree::List(codes)) = state.get("errors") else { continue };
         context.covered();
-        let wrong = codes.iter().enumerate().find_map(|(at, code)| Some((at, CODE.mismatch(code)?)));
+        // FW-UST-ERRORS reports values that are not integers.
+        let codes = codes.iter().enumerate().filter(|(_, code)| integer(code).is_some());
+        let wrong = codes.into_iter().find_map(|(at, code)| Some((at, CODE.mismatch(code)?)));
         if let Some((at, found)) = wrong {
             let path = pointer(&["body", "status", uav, "errors", &at.to_string()]);
             body::mismatched(message, context, Mismatch { path, ..found });

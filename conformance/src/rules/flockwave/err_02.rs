@@ -10,7 +10,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-02",
         level: Level::Should,
-        status: Status::Normative,
+        status: Status::Advisory,
         statement: "The list of errors does not contain 0; an empty list means that there are no errors.",
         source: source::ERRORS,
         applies_to: "`errors` of UAV-INF",

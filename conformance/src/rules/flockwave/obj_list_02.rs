@@ -12,8 +12,8 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-02",
-        level: Level::Must,
-        status: Status::Normative,
+        level: Level::Should,
+        status: Status::Advisory,
         statement: "A filtered OBJ-LIST contains only objects of the requested types, so no object is listed under two \
                     types.",
         source: source::MESSAGES,

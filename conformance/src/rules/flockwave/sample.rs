@@ -339,11 +339,6 @@ impl Session {
         self.change(is_notice, |message| change(&mut message["body"]))
     }
 
-    /// Changes the first request of this type.
-    pub(crate) fn request(self, type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Self> {
-        self.change(|line| is(line, "out", type_name), change)
-    }
-
     /// Changes the state of one glider in the last status report.
     pub(crate) fn state(mut self, change: impl FnOnce(&mut Value)) -> Option<Self> {
         let last = self.lines.iter_mut().rfind(|line| is(line, "in", "UAV-INF"))?;

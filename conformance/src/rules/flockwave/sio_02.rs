@@ -9,8 +9,8 @@ use crate::flockwave::transport::endpoint::{Carrier, Endpoint};
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SIO-02",
-        level: Level::Must,
-        status: Status::Normative,
+        level: Level::Should,
+        status: Status::Advisory,
         statement: "Over Socket.IO, messages can also be exchanged by long polling.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,

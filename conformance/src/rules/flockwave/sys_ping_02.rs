@@ -3,14 +3,14 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, env_16,
-    mutant, source, sys_ping_01,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, mutant,
+    source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-PING-02",
-        level: Level::Must,
+        level: Level::Should,
         status: Status::Normative,
         statement: "SYS-PING is not answered with SYS-PING.",
         source: source::MESSAGES,
@@ -27,13 +27,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         if out.request_type() == Some("SYS-PING") {
             out.message()["body"] = json!({ "type": "SYS-PING" });
         }
-    })
-    .with(&[&sys_ping_01::RULE.rule, &env_16::RULE.rule]),
+    }),
     trial: None,
     mutants: &[Mutant {
         name: "a SYS-PING response",
         make: || mutant::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-        also: &[&env_16::RULE.rule, &sys_ping_01::RULE.rule],
+        also: &[],
     }],
 };
 

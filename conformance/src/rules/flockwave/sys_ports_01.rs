@@ -10,7 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-PORTS-01",
-        level: Level::Must,
+        level: Level::Should,
         status: Status::Disputed(
             "In the specification text, ports are TCP or UDP ports, so the valid range is 1 to 65535. The published \
              JSON Schema allows any number.",

@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Status,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
     attribution, body, mutant, source,
 };
 
@@ -12,28 +12,26 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-SYS-TIME-01",
         level: Level::Must,
         status: Status::Normative,
-        statement: "`timestamp` is an integer number of milliseconds.",
+        statement: "`timestamp` is a number of milliseconds.",
         source: source::MESSAGES,
         applies_to: "SYS-TIME",
         why: "Clients compute the clock offset from the timestamp. If the timestamp is in seconds, the offset is wrong \
               by decades.",
-        example: r#"{"type":"SYS-TIME","timestamp":1790000000.25}"#,
+        example: r#"{"type":"SYS-TIME","timestamp":"12:30:00"}"#,
         fix: "Send the Unix time in milliseconds as an integer.",
     },
     checks: &[Check::Message(check)],
     covers: &[Attribution::new(&["SYS-TIME"], "timestamp", attribution::MISSING)],
-    bug: Bug::message("The server time is in fractional seconds.", |out| {
+    bug: Bug::message("The server time is a string.", |out| {
         if let Some(body) = out.body_of("SYS-TIME") {
-            #[expect(clippy::cast_precision_loss, reason = "it is a bug")]
-            let seconds = body["timestamp"].as_u64().unwrap_or_default() as f64 / 1000.0 + 0.000_5;
-            body["timestamp"] = json!(seconds);
+            body["timestamp"] = json!("noon");
         }
     }),
     trial: None,
     mutants: &[
         Mutant {
-            name: "fractional seconds",
-            make: || mutant::reply("SYS-TIME", |body| body["timestamp"] = 1_790_000_000.25.into()),
+            name: "a missing timestamp",
+            make: || mutant::reply("SYS-TIME", |body| mutant::remove(body, "timestamp")),
             also: &[],
         },
         Mutant {
@@ -46,6 +44,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.body_of("SYS-TIME").is_some() {
-        body::field(message, context, "timestamp", true, &INTEGER);
+        body::field(message, context, "timestamp", true, &ExpectedValue::Number);
     }
 }

@@ -10,7 +10,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-TCP-03",
         level: Level::Should,
-        status: Status::Normative,
+        status: Status::Advisory,
         statement: "Over TCP, a line that is not JSON is ignored, and the next line is processed.",
         source: source::TRANSPORT,
         applies_to: served::APPLIES_TO,

@@ -4,12 +4,6 @@ use serde_json::Value;
 
 use super::{FlockwaveRule, Level, Message, Rule, RuleContext, Status, body, mutant, source};
 
-/// The dispute about null in optional fields.
-pub(super) const NULL: Status = Status::Disputed(
-    "For optional fields, the published JSON Schemas do not allow null, but the guidelines for specification authors \
-     do. This rule reports null.",
-);
-
 /// The common fields of the `FW-UST-…` rules.
 pub(super) const RULE: Rule = Rule {
     id: "",

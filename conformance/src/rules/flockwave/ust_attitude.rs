@@ -7,7 +7,6 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ATTITUDE",
-        status: ust::NULL,
         statement: "`attitude` is a list of three integers in tenths of a degree: roll and pitch from -1800 to 1799, \
                     and yaw from 0 to 3599.",
         why: "Clients draw the attitude from these values. If they are in radians or whole degrees, a steeply tilted \
@@ -25,7 +24,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "null", make: || ust::with("attitude", json!(null)), also: &[] },
         Mutant { name: "a yaw of 3600", make: || ust::with("attitude", json!([0, 0, 3600])), also: &[] },
         Mutant { name: "a missing yaw", make: || ust::with("attitude", json!([0, 0])), also: &[] },
     ],

@@ -2,19 +2,11 @@
 
 use serde_json::json;
 
-use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, ust};
-
-/// The dispute about null and about negative percentages.
-const NULL_AND_NEGATIVE: Status = Status::Disputed(
-    "For optional fields, the published JSON Schemas do not allow null, but the guidelines for specification authors \
-     do. This rule reports null. In the specification text, any negative percentage means unknown; the JSON Schema \
-     allows only -1. This rule allows any negative percentage.",
-);
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-BATTERY",
-        status: NULL_AND_NEGATIVE,
         statement: "`battery` is a list: the voltage in tenths of a volt (integer, 0 or more), and optionally the \
                     percentage (integer, at most 100) and a boolean that is true while charging.",
         why: "Operators use the battery level to decide when a UAV has to land. If the value or its unit is wrong, a \

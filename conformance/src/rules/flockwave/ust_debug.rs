@@ -2,12 +2,13 @@
 
 use serde_json::json;
 
-use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, attribution, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-DEBUG",
-        status: ust::NULL,
+        level: Level::Should,
+        status: Status::Advisory,
         statement: "`debug` is a Base64 string.",
         why: "Clients decode the field before they pass it on to debugging tools. An invalid string may make a client \
               reject the whole status report.",

@@ -7,7 +7,6 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ERRORS",
-        status: ust::NULL,
         statement: "`errors` is a list of integers.",
         why: "Clients read the error codes of a UAV from this list. If the field is not a list of integers, a fatal \
               error may stay hidden.",
@@ -23,8 +22,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
     bug: Bug::message("A UAV's `errors` field is a string.", |out| out.set_in_state("errors", json!("none"))),
     trial: None,
-    mutants: &[
-        Mutant { name: "a code instead of a list", make: || ust::with("errors", json!(1)), also: &[] },
-        Mutant { name: "null", make: || ust::with("errors", json!(null)), also: &[] },
-    ],
+    mutants: &[Mutant {
+        name: "a code instead of a list",
+        make: || ust::with("errors", json!(1)),
+        also: &[],
+    }],
 };

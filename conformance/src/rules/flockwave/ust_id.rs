@@ -2,22 +2,21 @@
 
 use serde_json::json;
 
-use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, mutant, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, mutant, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ID",
-        status: Status::Normative,
-        statement: "`id` is a string that is 1 to 64 characters long and contains no `/`.",
+        statement: "`id` is a string.",
         why: "Clients use the id to assign the state to a UAV and to send commands to it. A state without a valid \
               id is lost.",
         example: r#"{"type":"UAV-INF","status":{"7":{"id":7,"timestamp":1790000000000}}}"#,
-        fix: "Convert the id to a string. Replace slashes, which are separators in device paths.",
+        fix: "Convert the id to a string.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "id"))],
     covers: &[
-        Attribution::new(&["UAV-INF"], "status.*.id.**", attribution::ALL),
+        Attribution::new(&["UAV-INF"], "status.*.id", attribution::MISSING),
         Attribution::new(&["UAV-INF"], "status.*", attribution::MISSING),
     ],
     bug: Bug::message("The `id` of a UAV is a number.", |out| out.set_in_state("id", json!(7))),

@@ -7,7 +7,6 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-MODE",
-        status: ust::NULL,
         statement: "`mode` is a string.",
         why: "Clients show the flight mode, for example whether the UAV is returning to home. Autopilot-specific mode \
               numbers mean nothing to clients.",
@@ -20,8 +19,5 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[Attribution::new(&["UAV-INF"], "status.*.mode.**", attribution::ALL)],
     bug: Bug::message("The `mode` of a UAV is a number.", |out| out.set_in_state("mode", json!(4))),
     trial: None,
-    mutants: &[
-        Mutant { name: "a mode that is a number", make: || ust::with("mode", json!(4)), also: &[] },
-        Mutant { name: "null", make: || ust::with("mode", json!(null)), also: &[] },
-    ],
+    mutants: &[Mutant { name: "a mode that is a number", make: || ust::with("mode", json!(4)), also: &[] }],
 };

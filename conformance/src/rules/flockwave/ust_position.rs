@@ -7,13 +7,12 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-POSITION",
-        status: ust::NULL,
-        statement: "`position` is a list: latitude and longitude as integers in 1e-7 degrees, then up to three \
-                    altitudes in mm. Each altitude is an integer or null.",
-        why: "Clients use these values to place the UAV on the map. If they are in degrees instead of 1e-7 degrees, \
-              the UAV appears near latitude 0, longitude 0.",
+        statement: "`position` is a list: latitude (-90° to 90°) and longitude (-180° to 180°) in 1e-7 degrees, then up \
+                    to three altitudes in mm. Each altitude is a number or null.",
+        why: "Clients use these values to place the UAV on the map. Without a valid longitude, clients cannot show \
+              the UAV.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
-  "position":[46.541,11.552]}}}"#,
+  "position":[465410000]}}}"#,
         fix: "Multiply degrees by 10,000,000 and metres by 1,000, and round to integers. If there is no position, \
               omit the field.",
         ..ust::RULE
@@ -25,15 +24,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "null", make: || ust::with("position", json!(null)), also: &[] },
         Mutant {
-            name: "a position in degrees",
-            make: || ust::with("position", json!([46.541, 11.552])),
+            name: "a longitude beyond 180°",
+            make: || ust::with("position", json!([0, 1_800_000_001])),
             also: &[],
         },
         Mutant {
-            name: "a longitude of 180°",
-            make: || ust::with("position", json!([0, 1_800_000_000])),
+            name: "a latitude of 180°",
+            make: || ust::with("position", json!([1_800_000_000, 0])),
             also: &[],
         },
         Mutant {

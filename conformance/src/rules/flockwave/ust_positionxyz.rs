@@ -7,12 +7,11 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-POSITIONXYZ",
-        status: ust::NULL,
-        statement: "`positionXYZ` is a list of three integers in mm.",
-        why: "Clients use these coordinates to place indoor UAVs. If they are in metres instead of millimetres, all \
-              UAVs appear near the origin.",
+        statement: "`positionXYZ` is a list of three numbers in mm.",
+        why: "Clients use these coordinates to place indoor UAVs. With fewer coordinates, clients cannot \
+              show the UAV.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
-  "positionXYZ":[1.5,0,0]}}}"#,
+  "positionXYZ":[1500,0]}}}"#,
         fix: "Send X, Y and Z in millimetres as integers. If there is no position, omit the field.",
         ..ust::RULE
     },
@@ -23,8 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "null", make: || ust::with("positionXYZ", json!(null)), also: &[] },
         Mutant { name: "two coordinates", make: || ust::with("positionXYZ", json!([1, 2])), also: &[] },
-        Mutant { name: "a fraction", make: || ust::with("positionXYZ", json!([1.5, 0, 0])), also: &[] },
+        Mutant { name: "a string", make: || ust::with("positionXYZ", json!(["1", 0, 0])), also: &[] },
     ],
 };

@@ -2,13 +2,12 @@
 
 use serde_json::json;
 
-use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, Status, attribution, mutant, ust};
+use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, mutant, ust};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-TIMESTAMP",
-        status: Status::Normative,
-        statement: "`timestamp` is an integer number of milliseconds.",
+        statement: "`timestamp` is a number of milliseconds.",
         why: "Clients compute the age of the state from its timestamp, and warn if the state is too old. Without a \
               timestamp, a lost UAV seems to be connected.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":"12:30:00"}}}"#,

@@ -7,24 +7,22 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-VELOCITY",
-        status: ust::NULL,
-        statement: "`velocity` is a list of three integers in mm/s: north, east and down.",
-        why: "Clients show speed and climb rate, and predict the path of the UAV. If the values are in m/s instead of \
-              mm/s, a fast UAV seems to hover.",
+        statement: "`velocity` is a list of three numbers in mm/s: north, east and down.",
+        why: "Clients show speed and climb rate, and predict the path of the UAV. With fewer components, \
+              clients cannot predict it.",
         example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,
-  "velocity":[0.5,0.5,0.5]}}}"#,
+  "velocity":[500,500]}}}"#,
         fix: "Send north, east and down in mm/s as integers. Down is negative while the UAV climbs.",
         ..ust::RULE
     },
     checks: &[Check::Message(|message, context| ust::check(message, context, &RULE, "velocity"))],
     covers: &[Attribution::new(&["UAV-INF"], "status.*.velocity.**", attribution::ALL)],
-    bug: Bug::message("The `velocity` of a UAV has fractional values.", |out| {
-        out.set_in_state("velocity", json!([0.5, 0.5, 0.5]));
+    bug: Bug::message("The `velocity` of a UAV has two components.", |out| {
+        out.set_in_state("velocity", json!([1, 2]));
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "null", make: || ust::with("velocity", json!(null)), also: &[] },
         Mutant { name: "two components", make: || ust::with("velocity", json!([1, 2])), also: &[] },
-        Mutant { name: "a fraction", make: || ust::with("velocity", json!([1.5, 0, 0])), also: &[] },
+        Mutant { name: "a string", make: || ust::with("velocity", json!(["1", 0, 0])), also: &[] },
     ],
 };

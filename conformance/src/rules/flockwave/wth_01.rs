@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Attribution, Bug, Check, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Status,
+    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
     attribution, body, mutant, source,
 };
 
@@ -11,18 +11,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-WTH-01",
         level: Level::Must,
-        status: Status::Disputed(
-            "The specification text requires whole milliseconds, and all its examples are integers; most JSON \
-             Schemas allow any number. This rule requires an integer.",
-        ),
-        statement: "The `timestamp` of weather data is an integer number of milliseconds.",
+        status: Status::Normative,
+        statement: "The `timestamp` of weather data is a number of milliseconds.",
         source: source::TYPES,
         applies_to: "WTH-AT, WTH-INF",
-        why: "Clients compute the age of the weather data from this timestamp. If it is in seconds instead of \
-              milliseconds, current wind data looks decades old.",
+        why: "Clients compute the age of the weather data from this timestamp. Without a valid timestamp, \
+              old wind data looks current.",
         example: r#"{"type":"WTH-AT","weather":{"position":[475000000,190000000],
-  "timestamp":1790000000.25}}"#,
-        fix: "Send the Unix time in milliseconds as an integer.",
+  "timestamp":"12:30:00"}}"#,
+        fix: "Send the Unix time in milliseconds as a number.",
     },
     checks: &[Check::Message(check)],
     covers: &[
@@ -40,17 +37,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     trial: None,
     mutants: &[
         Mutant {
-            name: "a WTH-INF timestamp in fractional seconds",
+            name: "a WTH-INF timestamp that is a string",
             make: || {
                 mutant::reply("WTH-INF", |body| {
-                    body["status"]["ridge"]["timestamp"] = 1_790_000_000.25.into();
+                    body["status"]["ridge"]["timestamp"] = "noon".into();
                 })
             },
             also: &[],
         },
         Mutant {
-            name: "a WTH-AT timestamp in fractional seconds",
-            make: || mutant::reply("WTH-AT", |body| body["weather"]["timestamp"] = 1_790_000_000.25.into()),
+            name: "a missing WTH-AT timestamp",
+            make: || mutant::reply("WTH-AT", |body| mutant::remove(&mut body["weather"], "timestamp")),
             also: &[],
         },
     ],
@@ -64,10 +61,17 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
             Some(weather),
             &["body", "status", key],
             ("timestamp", true),
-            &INTEGER,
+            &ExpectedValue::Number,
         );
     }
     if let Some(weather) = message.body_of("WTH-AT").and_then(|body| body.get("weather")) {
-        body::member(message, context, Some(weather), &["body", "weather"], ("timestamp", true), &INTEGER);
+        body::member(
+            message,
+            context,
+            Some(weather),
+            &["body", "weather"],
+            ("timestamp", true),
+            &ExpectedValue::Number,
+        );
     }
 }

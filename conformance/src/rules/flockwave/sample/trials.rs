@@ -5,8 +5,9 @@ use serde_json::{Value, json};
 use super::Session;
 use crate::model::Rule;
 use crate::rules::flockwave::{
-    ack_06, asy_18, asy_19, env_07, env_13, env_19, env_21, env_22, env_24, env_25, env_26, obj_list_03,
-    sio_01, sio_02, sio_03, sys_ping_01, tcp_02, tcp_03, tcp_04, uav_inf_06, uav_inf_07, udp_02, udp_03,
+    ack_06, asy_10, asy_18, asy_19, env_07, env_13, env_19, env_21, env_22, env_24, env_25, env_27,
+    obj_list_03, sio_01, sio_02, sio_03, sys_ping_01, tcp_02, tcp_03, tcp_04, uav_inf_06, uav_inf_07, udp_02,
+    udp_03,
 };
 
 /// Trials over TCP that can use any type of request.
@@ -127,7 +128,7 @@ impl Session {
         );
         self.pings(&env_22::RULE.rule, "after a malformed request");
         self.pipelines(&env_25::RULE.rule, &[0, 1, 2]);
-        self.pings(&env_26::RULE.rule, "after a trial");
+        self.pings(&env_27::RULE.rule, "after a trial");
     }
 
     fn contents(&mut self) {
@@ -150,6 +151,10 @@ impl Session {
             let unknown = json!({ "type": kind, "ids": ["rcpt-none"] });
             self.tries_and_receives(&asy_18::RULE.rule, "an unknown receipt", unknown, error);
         }
+        let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
+        let tested = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-21" } });
+        self.tries_and_receives(&asy_10::RULE.rule, "", test, tested);
+        self.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-21", "result": true }));
         self.command("rcpt-20");
         let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-20"] });
         let error = json!({ "type": "ASYNC-RESUME", "error": { "rcpt-20": "It isn't suspended" } });

@@ -1,0 +1,66 @@
+//! `FW-ENV-12J`.
+
+use serde_json::{Value, json};
+
+use super::{
+    Bug, Check, ExpectedValue, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Status,
+    body, mutant, source,
+};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ENV-12J",
+        level: Level::Should,
+        status: Status::Advisory,
+        statement: "In the `error` of a message, `code` is an integer and `message` is a string.",
+        source: source::SCHEMA,
+        applies_to: "messages from the server",
+        why: "Clients that validate messages cannot decode the error, so the operator does not learn the reason.",
+        example: r#"{"$fw.version":"1.0","id":"s1","refs":"c1","error":{"code":"three"}}"#,
+        fix: "Send a human-readable `message` as a string. Send `code` only if it is an integer.",
+    },
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message(
+        "The `error` after a request of an unknown type has a `message` that is a number.",
+        |out| {
+            if out.refuses_unknown_type()
+                && let Some(message) = out.message().as_object_mut()
+            {
+                message.remove("body");
+                message.insert("error".to_owned(), json!({ "message": 7 }));
+            }
+        },
+    ),
+    trial: None,
+    mutants: &[
+        Mutant {
+            name: "a code that is a string",
+            make: || with(&json!({ "code": "three", "message": "No" })),
+            also: &[],
+        },
+        Mutant {
+            name: "a message that is a number",
+            make: || with(&json!({ "code": 3, "message": 4 })),
+            also: &[],
+        },
+    ],
+};
+
+/// The conforming session with this error.
+fn with(error: &Value) -> Option<Vec<u8>> {
+    mutant::then(|session| {
+        let id = session.sends(json!({ "type": "LCN-INF" }));
+        session.answers(&id, json!({ "error": error }));
+    })
+}
+
+const CODE: ExpectedValue = ExpectedValue::Nullable(&INTEGER);
+const MESSAGE: ExpectedValue = ExpectedValue::Nullable(&ExpectedValue::Text);
+
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let error = message.value.get("error");
+    for (name, schema) in [("code", &CODE), ("message", &MESSAGE)] {
+        body::member(message, context, error, &["error"], (name, false), schema);
+    }
+}

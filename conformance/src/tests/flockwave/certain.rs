@@ -1,0 +1,179 @@
+//! Tests that legal sessions have no findings, and that one cause has one finding.
+
+use serde_json::{Value, json};
+
+use super::{checked, done, ping, violated_by};
+use crate::rules::flockwave::sample::Session;
+
+/// A session in which the client's next message is recorded as these texts.
+fn sent(session: &mut Session, texts: &[&str]) {
+    let time = 1_790_000_000.0;
+    let line = |text: &&str| json!({ "t": time, "conn": "hill", "dir": "out", "raw": text });
+    session.lines.extend(texts.iter().map(line));
+}
+
+fn request(id: &str) -> String {
+    json!({ "$fw.version": "1.0", "id": id, "body": ping() }).to_string()
+}
+
+/// The subjects and the numbers of findings of a session, by rule.
+fn groups(session: &Session) -> Vec<(&'static str, String, u64)> {
+    let result = checked(&session.to_bytes());
+    result.findings.groups().map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
+}
+
+#[test]
+fn joins_requests_that_were_recorded_in_pieces() {
+    let (one, two) = (request("one"), request("two"));
+    let (first, second) = one.split_at(25);
+    let together = format!("{one}\n{two}\n");
+    let (start, end) = together.split_at(one.len() + 20);
+    for texts in [&[first, second, &two][..], &[&together], &[&one, "\n", &two], &[start, end]] {
+        let mut session = Session::opened();
+        sent(&mut session, texts);
+        session.answers("one", done());
+        session.answers("two", done());
+        session.answers("three", done());
+        assert_eq!(violated_by(&session), [("FW-ENV-06", 1)], "{texts:?}");
+    }
+}
+
+#[test]
+fn pieces_may_be_separated_by_messages_from_the_server() {
+    let one = request("one");
+    let (first, second) = one.split_at(25);
+    let mut session = Session::opened();
+    sent(&mut session, &[first]);
+    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+    sent(&mut session, &[second]);
+    session.answers("one", done());
+    session.answers("two", done());
+    assert_eq!(violated_by(&session), [("FW-ENV-06", 1)]);
+}
+
+#[test]
+fn unreadable_requests_make_references_unclear() {
+    let one = request("one");
+    for text in ["{\"id\":one}\n", "{\"id\":\"one", &one[..40], "[1]", "(not UTF-8) \u{fffd}"] {
+        let mut session = Session::opened();
+        sent(&mut session, &[text]);
+        session.answers("one", done());
+        assert_eq!(violated_by(&session), [], "{text}");
+        session.sends(ping());
+        session.answers("one", done());
+        assert_eq!(violated_by(&session), [], "{text}");
+    }
+}
+
+#[test]
+fn a_server_may_refuse_a_response_of_the_client() {
+    let mut session = Session::opened();
+    session.notify(ping());
+    let answer =
+        json!({ "$fw.version": "1.0", "id": "here-1", "refs": "say-1", "body": { "type": "UAV-LIST" } });
+    session.lines.push(json!({ "t": 1_790_000_000.2, "conn": "hill", "dir": "out", "msg": answer }));
+    session.answers("here-1", json!({ "body": { "type": "ACK-NAK" } }));
+    assert_eq!(violated_by(&session), []);
+}
+
+#[test]
+fn a_server_may_copy_an_unusual_id() {
+    for id in [json!(17), json!(null), json!(""), json!("x".repeat(65)), json!({})] {
+        let mut session = Session::opened();
+        session.sends(ping());
+        if let Some(line) = session.lines.last_mut() {
+            line["msg"]["id"] = id.clone();
+        }
+        session.answers("", json!({ "refs": id, "body": { "type": "ACK-NAK" } }));
+        let found = violated_by(&session);
+        assert!(found.is_empty() || id.is_null() && found == [("FW-ENV-26", 1)], "{id}: {found:?}");
+    }
+}
+
+#[test]
+fn one_null_has_one_finding() {
+    let answered = |change: fn(&mut Value)| {
+        let mut session = Session::opened();
+        session.exchange_with(ping(), json!({ "type": "ACK-ACK" }));
+        if let Some(line) = session.lines.last_mut() {
+            change(&mut line["msg"]);
+        }
+        violated_by(&session)
+    };
+    let disputed = [("FW-ENV-26", 1)];
+    assert_eq!(answered(|message| message["refs"] = Value::Null), disputed);
+    assert_eq!(answered(|message| message["error"] = Value::Null), disputed);
+    assert_eq!(answered(|message| message["id"] = Value::Null), [("FW-ENV-03", 1)]);
+    assert_eq!(answered(|message| message["body"] = Value::Null), [("FW-ENV-11", 1)]);
+    assert_eq!(answered(|message| message["body"]["type"] = Value::Null), [("FW-ENV-14", 1)]);
+    assert_eq!(answered(|message| message["body"] = json!({ "type": "SYS-PING" })), [("FW-SYS-PING-02", 1)]);
+    let without_refs = |message: &mut Value| _ = message.as_object_mut().and_then(|all| all.remove("refs"));
+    assert_eq!(answered(without_refs), [("FW-ACK-01", 1)]);
+    let mut session = Session::opened();
+    let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZA==" });
+    session.exchange_with(login, json!({ "type": "AUTH-RESP", "result": true, "user": null }));
+    assert_eq!(violated_by(&session), disputed);
+}
+
+#[test]
+fn errors_in_envelopes_are_checked() {
+    let answered = |error: Value| {
+        let mut session = Session::opened();
+        let id = session.sends(json!({ "type": "LCN-INF" }));
+        session.answers(&id, json!({ "error": error }));
+        violated_by(&session)
+    };
+    assert_eq!(answered(json!({ "code": 3, "message": "No" })), []);
+    assert_eq!(answered(json!({ "code": "three" })), [("FW-ENV-12J", 1)]);
+    assert_eq!(answered(json!({ "code": 3, "message": 4 })), [("FW-ENV-12J", 1)]);
+    assert_eq!(answered(json!({ "code": null, "message": "No" })), [("FW-ENV-26", 1)]);
+    assert_eq!(answered(json!({ "code": null })), [("FW-ENV-12", 1)]);
+    assert_eq!(answered(json!("No")), [("FW-ENV-12", 1)]);
+}
+
+#[test]
+fn results_of_operations_are_grouped_by_command() {
+    let mut session = Session::opened();
+    for (at, command) in ["UAV-LAND", "UAV-TAKEOFF", "UAV-LAND"].into_iter().enumerate() {
+        let receipt = format!("r-{at}");
+        let request = json!({ "type": command, "ids": ["kite"] });
+        session.exchange(request, json!({ "receipt": { "kite": receipt } }));
+        session.notify(json!({ "type": "ASYNC-RESP", "id": receipt, "result": null }));
+    }
+    let expected = [("ASYNC-RESP of UAV-LAND", 2), ("ASYNC-RESP of UAV-TAKEOFF", 1)];
+    assert_eq!(groups(&session), expected.map(|(subject, count)| ("FW-ASY-22", subject.to_owned(), count)));
+}
+
+#[test]
+fn accepts_what_the_descriptions_of_messages_allow() {
+    let mut session = Session::opened();
+    // ACK-ACK may replace a response without required fields, but no other response.
+    session.exchange_with(json!({ "type": "RTK-SURVEY" }), json!({ "type": "ACK-ACK" }));
+    session.notify(json!({ "type": "OBJ-CMD", "result": { "kite": "Flaps out" } }));
+    let paths = json!({ "type": "DEV-UNSUB", "paths": ["/kite"], "includeSubtrees": true });
+    session.exchange(paths, json!({ "success": ["/kite/vario"] }));
+    assert_eq!(violated_by(&session), []);
+    session.exchange_with(json!({ "type": "CONN-LIST" }), json!({ "type": "ACK-ACK" }));
+    let paths = json!({ "type": "DEV-UNSUB", "paths": ["/kite"] });
+    session.exchange(paths, json!({ "success": ["/kite/vario"] }));
+    assert_eq!(violated_by(&session), [("FW-DEV-01", 1), ("FW-ENV-16", 1)]);
+}
+
+#[test]
+fn disputed_values_are_warnings() {
+    let states = [
+        json!({ "positionXYZ": [1.5, 0, 0], "velocity": [0.5, 0, 0], "velocityXYZ": [0, 0, 0.5] }),
+        json!({ "position": [46.541, 11.552], "heading": null, "timestamp": 1_790_000_000_000.5 }),
+        json!({ "position": [0, 1_800_000_000, 1.5] }),
+    ];
+    for state in states {
+        let mut session = Session::opened();
+        let mut whole = json!({ "id": "kite", "timestamp": 1_790_000_000_000_i64 });
+        if let (Some(whole), Value::Object(state)) = (whole.as_object_mut(), state.clone()) {
+            whole.extend(state);
+        }
+        session.notify(json!({ "type": "UAV-INF", "status": { "kite": whole } }));
+        let found = violated_by(&session);
+        assert!(matches!(found[..], [("FW-ENV-26", _)]), "{state}: {found:?}");
+    }
+}
