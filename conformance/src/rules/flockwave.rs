@@ -147,6 +147,7 @@ mod ust_rssi;
 mod ust_timestamp;
 mod ust_velocity;
 mod ust_velocityxyz;
+pub(crate) mod val_01;
 mod view;
 mod wth_01;
 
@@ -160,6 +161,7 @@ use self::malformed::Malformed;
 use self::per_connection::PerConnection;
 use self::sample::Session;
 use self::trial::{Attempt, Request, SHORT_PAUSE, Sent, Step, Strain, Trial};
+pub(crate) use self::val_01::plausible;
 pub(crate) use self::view::{Message, StatusReport};
 use super::RuleContext;
 use crate::flockwave::body_schema::{ExpectedValue, Fault, INTEGER};
@@ -300,6 +302,7 @@ pub static RULES: [&FlockwaveRule; 132] = [
     &ust_timestamp::RULE,
     &ust_velocity::RULE,
     &ust_velocityxyz::RULE,
+    &val_01::RULE,
     &wth_01::RULE,
 ];
 

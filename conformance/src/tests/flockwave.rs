@@ -578,6 +578,7 @@ fn reports_the_deviations_of_real_servers() {
             ("FW-ERR-09", 11),
             ("FW-ERR-10", 20),
             ("FW-INF-01", 1),
+            ("FW-VAL-01", 2),
         ]
     );
 }

@@ -1,7 +1,7 @@
 //! A fast path for status reports without new findings. Nearly all status reports take this path.
 //!
 //! The fast path reads a line in one pass, without building a tree, and compares each value with its schema. Besides
-//! these comparisons, only a few properties determine the findings in a report. These properties are the report's
+//! these comparisons, only a few properties determine the findings in a report. Implausible values take the general path. These properties are the report's
 //! version and, for each state, the present fields, the null fields, and the text of the error codes ([`Kind`]).
 //!
 //! When a state of a new kind appears, all message checks ([`Check::Message`](crate::rules::flockwave::Check)) run on a
@@ -22,6 +22,7 @@ use crate::definitions::Definitions;
 use crate::flockwave::body_schema::Members;
 use crate::json::{Token, Tokens, Tree, Unclear};
 use crate::model::Findings;
+use crate::rules::flockwave::plausible;
 use uavspec_codegen::schema::json_type::Direction;
 
 /// The type of the message.
@@ -106,7 +107,8 @@ type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
 impl<'d> Reports<'d> {
     /// Creates a reader for the status reports of these definitions.
     pub(super) fn new(definitions: &'d Definitions) -> Self {
-        let members = definitions.defined_schemas().members(TYPE, Direction::Notification, "status");
+        let members =
+            definitions.defined_schemas().members(TYPE, Direction::Notification, "status", plausible);
         let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::new);
         Self { fields, known: Known::new(definitions), kinds: Vec::new() }
     }

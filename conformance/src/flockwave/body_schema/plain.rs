@@ -5,7 +5,7 @@
 
 use super::bodies::DefinedSchemas;
 use super::check::fits;
-use super::defined::{Length, Object, ValueSchema};
+use super::defined::{Field, Length, Object, ValueSchema};
 use crate::json::{Token, Tokens, Unclear};
 use uavspec_codegen::schema::json_type::Direction;
 
@@ -45,15 +45,22 @@ enum Scalar<'s> {
 }
 
 impl DefinedSchemas {
-    /// The fields of the objects in a map. `None` if the body's `map` field isn't a map of objects.
-    pub(crate) fn members(&self, type_name: &str, direction: Direction, map: &str) -> Option<Members<'_>> {
+    /// The fields of the objects in a map. `None` if the body's `map` field isn't a map of objects. `limits` gives the
+    /// range of a field's element, by index, in addition to the range in its schema.
+    pub(crate) fn members(
+        &self,
+        type_name: &str,
+        direction: Direction,
+        map: &str,
+        limits: fn(&str, usize) -> Option<(i64, i64)>,
+    ) -> Option<Members<'_>> {
         let body = &self.objects[self.body(type_name, direction)?.object];
         let ValueSchema::Map(inner) = &body.fields[body.field(map, 0)?].schema else { return None };
         let ValueSchema::Object(index) = **inner else { return None };
         let object = &self.objects[index];
         let fields = object.fields.iter().map(|field| {
             let (name, schema) = (&*field.name, &field.schema);
-            Member { name, schema, plain: Plain::new(self, schema) }
+            Member { name, schema, plain: Plain::new(self, schema, |at| limits(name, at)) }
         });
         Some(Members { object, fields: fields.collect() })
     }
@@ -91,11 +98,17 @@ impl Members<'_> {
 }
 
 impl<'s> Plain<'s> {
-    fn new(defined_schemas: &'s DefinedSchemas, schema: &'s ValueSchema) -> Self {
+    fn new(
+        defined_schemas: &'s DefinedSchemas,
+        schema: &'s ValueSchema,
+        limits: impl Fn(usize) -> Option<(i64, i64)>,
+    ) -> Self {
         match schema {
             ValueSchema::Tuple(index) => {
                 let tuple = &defined_schemas.tuples[*index];
-                let elements = tuple.elements.iter().map(|element| Scalar::new(&element.schema));
+                let scalar =
+                    |(at, element): (usize, &'s Field)| Scalar::new(&element.schema).within(limits(at));
+                let elements = tuple.elements.iter().enumerate().map(scalar);
                 Self::Tuple(elements.collect(), tuple.length())
             }
             // Checking that elements are unique requires the tree.
@@ -123,6 +136,16 @@ impl<'s> Scalar<'s> {
                 _ => Self::Other(schema),
             },
             schema => Self::Other(schema),
+        }
+    }
+
+    /// Restricts an integer to a range.
+    fn within(self, limits: Option<(i64, i64)>) -> Self {
+        let Some((least, most)) = limits else { return self };
+        match self {
+            Self::Range(low, high) => Self::Range(low.max(least), high.min(most)),
+            Self::Nullable(low, high) => Self::Nullable(low.max(least), high.min(most)),
+            Self::Other(_) => self,
         }
     }
 

@@ -63,6 +63,16 @@ impl<'t> Message<'t> {
         self.exchange.violates(context, detail);
     }
 
+    /// Reports that a field of the message violates the rule.
+    pub(super) fn violates_in(
+        &self,
+        field: &str,
+        context: &mut RuleContext<'_>,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        self.exchange.violates_in(field, context, detail);
+    }
+
     /// Reports a body schema violation in a field or in the whole body.
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();
@@ -124,11 +134,32 @@ impl<'t> StatusReport<'t> {
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
         self.0.violates(context, detail);
     }
+
+    /// Reports that a field of the message violates the rule.
+    pub(super) fn violates_in(
+        &self,
+        field: &str,
+        context: &mut RuleContext<'_>,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        self.0.violates_in(field, context, detail);
+    }
 }
 
 impl Exchange<'_> {
     /// Reports that the message violates the rule.
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
         context.violation(&self.subject(), self.record.location, || detail().excerpt(self.excerpt()));
+    }
+
+    /// Reports that a field of the message violates the rule.
+    pub(super) fn violates_in(
+        &self,
+        field: &str,
+        context: &mut RuleContext<'_>,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        let subject = format!("{}.{field}", self.subject());
+        context.violation(&subject, self.record.location, || detail().excerpt(self.excerpt()));
     }
 }

@@ -2,7 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{checked, done, ping, violated_by};
+use super::{DEFINITIONS, checked, done, ping, violated, violated_by};
+use crate::check::FlockwaveChecker;
 use crate::rules::flockwave::sample::Session;
 
 /// A session in which the client's next message is recorded as these texts.
@@ -176,4 +177,28 @@ fn disputed_values_are_warnings() {
         let found = violated_by(&session);
         assert!(matches!(found[..], [("FW-ENV-26", _)]), "{state}: {found:?}");
     }
+}
+
+/// Both paths for status reports find the same values.
+#[test]
+fn implausible_values_are_grouped_by_type_and_field() {
+    let mut session = Session::opened();
+    let state = |timestamp: i64, voltage: i64| json!({ "kite": { "id": "kite", "timestamp": timestamp, "battery": [voltage, 50] } });
+    for _ in 0..6 {
+        session.notify(json!({ "type": "UAV-INF", "status": state(1_790_000_000_000, 10_000) }));
+    }
+    assert_eq!(violated_by(&session), []);
+    for _ in 0..6 {
+        session.notify(json!({ "type": "UAV-INF", "status": state(1, 1_000_000_000) }));
+    }
+    session.exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), json!({ "status": state(1, 118) }));
+    session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_790_000_000 }));
+    let found: Vec<_> = groups(&session).into_iter().filter(|(id, ..)| *id == "FW-VAL-01").collect();
+    let expected = [("SYS-TIME.timestamp", 1), ("UAV-INF.battery", 6), ("UAV-INF.timestamp", 7)];
+    assert_eq!(found, expected.map(|(subject, count)| ("FW-VAL-01", subject.to_owned(), count)));
+    let mut thorough = FlockwaveChecker::new(&DEFINITIONS).thorough();
+    for (number, line) in (1..).zip(&session.lines) {
+        thorough.line(line.to_string().as_bytes(), number, false);
+    }
+    assert_eq!(violated(&thorough.finish(0)), violated(&checked(&session.to_bytes())));
 }
