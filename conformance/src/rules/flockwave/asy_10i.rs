@@ -116,7 +116,7 @@ fn report_overdue(open: &mut Open, now: f64, context: &mut RuleContext<'_>) {
             context.violation("operation", *location, || {
                 let receipt = body::quoted(receipt);
                 Detail::new(format!(
-                    "{receipt} did not end: no message about it for {waited:.0} s while the server sent other messages"
+                    "{receipt} did not end: the latest message about it is {waited:.0} s old, but the server sent other messages"
                 ))
                 .expected("ASYNC-RESP or ASYNC-TIMEOUT")
                 .actual("none")

@@ -1,7 +1,7 @@
 //! `FW-ENV-06`.
 //!
 //! Requests that were sent before the recording started are unknown. The rule therefore checks only connections whose
-//! start was recorded.
+//! start was recorded, and only until the client sends text whose id is unknown.
 
 use serde_json::json;
 
