@@ -170,7 +170,7 @@ use crate::json::Tree;
 use crate::model::{Detail, Level, Location, Rule, Status};
 
 /// All Flockwave rules, sorted by id.
-pub static RULES: [&FlockwaveRule; 132] = [
+pub static RULES: [&FlockwaveRule; 133] = [
     &ack_01::RULE,
     &ack_03::RULE,
     &ack_04::RULE,

@@ -11,15 +11,16 @@ use super::family;
 use super::hub::{ConnectionKind, Hub, SessionId, Sink};
 use crate::model::Rule;
 use crate::rules::flockwave::{
-    FlockwaveRule, RULES, ack_06, env_25, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04, udp_01,
-    udp_02, udp_03,
+    FlockwaveRule, RULES, ack_06, env_25, env_27, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04,
+    udp_01, udp_02, udp_03,
 };
 
 /// Rules whose bug can't be observed by a single client that sends one request at a time. `tests/live_matrix.rs` covers
 /// the bugs of transports and concurrent requests. Another test in this file covers the login bug.
-static NOT_OBSERVABLE: [&Rule; 12] = [
+static NOT_OBSERVABLE: [&Rule; 13] = [
     &ack_06::RULE.rule,
     &env_25::RULE.rule,
+    &env_27::RULE.rule,
     &sio_01::RULE.rule,
     &sio_02::RULE.rule,
     &sio_03::RULE.rule,
