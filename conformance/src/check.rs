@@ -16,6 +16,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+mod clock;
 mod coverage;
 mod flockwave;
 mod json;
@@ -37,6 +38,7 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
+pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
 #[doc(hidden)]
@@ -55,6 +57,7 @@ use crate::capture::MCAP_MAGIC;
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
+use crate::json::Tree;
 use crate::model::{Channel, Extent, Findings, Location, Message, Rule};
 use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, px4};
@@ -150,6 +153,8 @@ pub struct CaptureResult {
     pub more_corruption: u64,
     /// The extent to which the capture could be read.
     pub extent: Extent,
+    /// The clock of the times in the findings.
+    pub clock: Clock,
     /// The topics or types, and the extent to which they were checked.
     pub coverage: Coverage,
     /// All violations.
@@ -168,6 +173,7 @@ impl CaptureResult {
             corruption: Vec::new(),
             more_corruption: 0,
             extent: Extent::Unreadable,
+            clock: Clock::default(),
             coverage: Parts::default().finish(Unit::default(), 0),
             findings: Findings::default(),
         }
@@ -242,6 +248,9 @@ struct CheckRun<'d> {
     corruption: HashMap<String, CorruptPart>,
     more_corruption: u64,
     extent: Extent,
+    clock: Clock,
+    /// The time of the current record in µs, if it isn't the timestamp of the message.
+    record_time: Option<u64>,
 }
 
 /// A corrupt part: its first location and the number of occurrences.
@@ -299,6 +308,8 @@ impl<'d> CheckRun<'d> {
             corruption: HashMap::new(),
             more_corruption: 0,
             extent: Extent::Whole,
+            clock: Clock::default(),
+            record_time: None,
         }
     }
 
@@ -329,6 +340,7 @@ impl<'d> CheckRun<'d> {
 
     /// Passes the capture's start time, in µs since boot, to the rules.
     fn started(&mut self, time: u64) {
+        self.clock.start(time);
         self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
     }
 
@@ -347,6 +359,20 @@ impl<'d> CheckRun<'d> {
             };
             self.followers[*at].check(self.definitions, &mut self.findings, message);
         }
+        self.place(message.location, message.timestamp);
+    }
+
+    /// Adds the time to the findings in a message. `timestamp` is the timestamp of the message in µs.
+    fn place(&mut self, location: Location, timestamp: Option<u64>) {
+        let time = self.record_time.or(timestamp);
+        self.findings.complete(location, |detail| detail.time = time);
+    }
+
+    /// Sets the time of the current record, in µs since 1970.
+    fn record_at(&mut self, time: u64) {
+        self.record_time = Some(time);
+        self.clock.start(time);
+        self.clock.set_utc(time, time);
     }
 
     /// Extends the time span to include a timestamp in µs.
@@ -359,7 +385,11 @@ impl<'d> CheckRun<'d> {
 
     /// Extends the time span to include a time in seconds.
     fn include_time(&mut self, time: Option<f64>) {
-        self.include_timestamp(time.and_then(microseconds));
+        let time = time.and_then(microseconds);
+        self.include_timestamp(time);
+        if let Some(time) = time {
+            self.record_at(time);
+        }
     }
 
     /// Passes a record of a session to the rules.
@@ -407,8 +437,14 @@ impl<'d> CheckRun<'d> {
             detail.time = time.and_then(microseconds);
             record.connection.name.clone_into(&mut detail.connection);
             detail.request = request.map(|request| request.excerpt.clone()).unwrap_or_default();
-            if let Some(message) = record.value.filter(|_| !detail.path.is_empty()) {
-                detail.excerpt = message.excerpt_at(&detail.path);
+            // The value of a status report is reduced to some members, but the text is complete.
+            let line = Tree::read(record.text).ok();
+            let bare = line.as_ref().filter(|line| line.get("$fw.version").is_some());
+            if let Some(message) = line.as_ref().and_then(|line| line.get("msg")).or(bare)
+                && matches!(message, Tree::Object(_))
+            {
+                let path = if detail.path.is_empty() { "/body" } else { &detail.path };
+                detail.excerpt = message.excerpt_at(path);
             }
         });
     }
@@ -419,6 +455,7 @@ impl<'d> CheckRun<'d> {
 
     /// Handles an unreadable message on a channel. Stateful rules may depend on the message.
     fn lost(&mut self, channel: usize, location: Location) {
+        self.place(location, None);
         for at in &self.channels[channel].followers {
             self.followers[*at].checker.corruption(location);
         }
@@ -468,6 +505,7 @@ impl<'d> CheckRun<'d> {
             self.findings.cover(follower.rule, follower.coverage);
         }
         self.listeners.end(&mut self.findings);
+        self.findings.close();
         let mut corruption: Vec<(String, CorruptPart)> = self.corruption.into_iter().collect();
         corruption.sort_by_key(|(_, reported)| reported.number);
         let reported = |(text, reported): (String, CorruptPart)| match reported.times {
@@ -483,6 +521,7 @@ impl<'d> CheckRun<'d> {
             corruption: corruption.into_iter().map(reported).collect(),
             more_corruption: self.more_corruption,
             extent: self.extent,
+            clock: self.clock,
             coverage: parts.finish(unit, self.records),
             findings: self.findings,
         }
@@ -495,12 +534,12 @@ fn microseconds(seconds: f64) -> Option<u64> {
     (seconds >= 0.0).then_some((seconds * 1e6) as u64)
 }
 
-/// The offset of the `timestamp` field in messages of a type, in bytes.
-fn timestamp_offset(message_id: MessageType<'_>) -> Option<usize> {
-    let is_timestamp = |field: &Placed<'_>| {
-        field.name == "timestamp"
+/// The offset of a field of type `uint64_t` in messages of a type, in bytes.
+fn time_offset(message_id: MessageType<'_>, name: &str) -> Option<usize> {
+    let is_time = |field: &Placed<'_>| {
+        field.name == name
             && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
             && field.shape == Shape::Single
     };
-    message_id.layout().find(is_timestamp).map(|field| field.offset)
+    message_id.layout().find(is_time).map(|field| field.offset)
 }

@@ -189,8 +189,10 @@ fn read_field<'t>(
             (ty, Some(length.strip_suffix(']').ok_or_else(not_a_field).and_then(array_length)?))
         }
     };
-    let is_word =
-        |word: &str| !word.is_empty() && !word.contains(|c: char| c.is_whitespace() || "[].;:".contains(c));
+    let is_word = |word: &str| {
+        !word.is_empty()
+            && !word.contains(|c: char| c.is_whitespace() || c.is_control() || "[].;:".contains(c))
+    };
     if !is_word(ty) || !is_word(name) {
         return Err(not_a_field());
     }

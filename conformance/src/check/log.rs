@@ -9,7 +9,7 @@ use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
-use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, timestamp_offset};
+use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, time_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::Definitions;
@@ -174,6 +174,8 @@ struct Open {
     plan: Option<Plan>,
     /// The offset of `timestamp` in the payload.
     timestamp: Option<usize>,
+    /// The offset of `time_utc_usec` in the payload, the time of a satellite navigation receiver.
+    utc: Option<usize>,
     tally: Tally,
     /// The fields that the format and the definition share, once the first message has arrived.
     fields: Option<Share>,
@@ -189,17 +191,25 @@ struct LogChecker<'d> {
     parts: Parts,
     firmware: Option<String>,
     dropouts: u64,
+    /// The location of the previous item, if it is a record.
+    latest: Option<Location>,
 }
 
 impl<'d> LogChecker<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         let (open, timed) = (Vec::new(), BTreeSet::new());
         let (run, parts) = (CheckRun::new(definitions), Parts::default());
-        Self { run, open, timed, parts, firmware: None, dropouts: 0 }
+        Self { run, open, timed, parts, firmware: None, dropouts: 0, latest: None }
     }
 
     fn item(&mut self, item: &Item<'_>) {
         let location = Location::Byte(item.offset);
+        if let (Some(record), Event::Problem(problem)) = (self.latest.take(), &item.event)
+            && problem.extent() != Extent::Whole
+        {
+            // The corrupt part may begin within the record before it.
+            self.run.findings.retract(record);
+        }
         match &item.event {
             Event::Start { timestamp, .. } => self.run.started(*timestamp),
             Event::Unsubscription { id } => {
@@ -246,6 +256,7 @@ impl<'d> LogChecker<'d> {
             definition: self.run.definitions.message_of_topic(topic),
             plan: None,
             timestamp: None,
+            utc: None,
             tally: Tally::default(),
             fields: None,
         };
@@ -270,7 +281,8 @@ impl<'d> LogChecker<'d> {
         let plan = match &mut open.plan {
             Some(plan) => plan,
             empty => {
-                open.timestamp = timestamp_offset(record.message_type);
+                open.timestamp = time_offset(record.message_type, "timestamp");
+                open.utc = time_offset(record.message_type, "time_utc_usec");
                 let schema = &self.run.definitions.schema;
                 open.fields = Some(shared_fields(record.message_type, open.definition, schema).into());
                 if self.timed.insert(open.topic.clone()) {
@@ -286,8 +298,15 @@ impl<'d> LogChecker<'d> {
             }
         };
         plan.check(record.payload, location, &mut self.run.findings);
-        let bytes = open.timestamp.and_then(|at| record.payload.get(at..at + 8));
-        let timestamp = bytes.and_then(|bytes| Some(u64::from_le_bytes(bytes.try_into().ok()?)));
+        self.latest = Some(location);
+        let time_at = |offset: Option<usize>| {
+            let bytes = offset.and_then(|at| record.payload.get(at..at + 8))?;
+            Some(u64::from_le_bytes(bytes.try_into().ok()?))
+        };
+        let timestamp = time_at(open.timestamp);
+        if let Some((timestamp, utc)) = timestamp.zip(time_at(open.utc)) {
+            self.run.clock.set_utc(timestamp, utc);
+        }
         open.tally.count(open.definition.is_some(), timestamp);
         let values =
             self.run.wants_values(open.index).then(|| record.message_type.view_uorb(record.payload).ok());
@@ -300,6 +319,7 @@ impl<'d> LogChecker<'d> {
     /// doesn't count as a violation.
     fn report_problem(&mut self, offset: u64, problem: &LogProblem) {
         let location = Location::Byte(offset);
+        self.latest = Some(location);
         let detail = Detail::new(problem.to_string());
         let is_whole = self.run.extent == Extent::Whole;
         match problem {
@@ -397,7 +417,7 @@ impl Open {
 /// Checks that messages of a format have a timestamp.
 fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckRun<'_>) {
     run.findings.cover(&px4::FMT_03.rule, 1);
-    if timestamp_offset(format).is_none() {
+    if time_offset(format, "timestamp").is_none() {
         let definition = run.definition_of(format.name());
         run.findings.report(&px4::FMT_03.rule, format.name(), location, definition, || {
             Detail::new("the format has no `uint64_t timestamp` field")

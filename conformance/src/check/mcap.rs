@@ -252,6 +252,7 @@ impl<'d> McapChecker<'d> {
     /// Checks a message. `time` is the log time in ns.
     fn message(&mut self, id: u16, time: u64, payload: &[u8], location: Location) {
         self.run.records += 1;
+        self.run.record_at(time / 1_000);
         let Some(open) = self.channels.get_mut(&id) else {
             if !self.undeclared.insert(id) {
                 return;

@@ -25,6 +25,9 @@ impl Tree<'_> {
 /// Writes a value. `keys` leads to the field, or is `None` next to the path.
 fn write(value: &Tree<'_>, keys: Option<&[String]>, depth: usize, text: &mut String) {
     let next = keys.and_then(<[String]>::split_first);
+    if keys.is_some_and(<[String]>::is_empty) && depth > 0 {
+        return text.push_str(&value.excerpt());
+    }
     match (value, next) {
         (Tree::Object(members), _) if next.is_some() || depth < MAX_DEPTH => {
             let shown = members.iter().map(|(key, value)| {
@@ -42,7 +45,6 @@ fn write(value: &Tree<'_>, keys: Option<&[String]>, depth: usize, text: &mut Str
                 .map(|(index, value)| (Some(index) == at).then_some((None, value, Some(rest))));
             enclosed(['[', ']'], shown, depth, text);
         }
-        _ if keys.is_some() => text.push_str(&value.excerpt()),
         (Tree::Object(_), _) => text.push_str("{…}"),
         (Tree::List(_), _) => text.push_str("[…]"),
         _ => text.push_str(&value.excerpt()),

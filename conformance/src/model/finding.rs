@@ -12,6 +12,9 @@ const MAX_EXAMPLES: usize = 3;
 /// The maximum number of groups for each rule. Hostile input could produce any number of groups.
 const MAX_GROUPS: usize = 1_000;
 
+/// The maximum number of findings in a record that can be removed again.
+const MAX_LATEST: usize = 10_000;
+
 /// The findings of one rule in one subject.
 #[derive(Clone, Debug)]
 pub struct Group {
@@ -77,6 +80,8 @@ pub struct Findings {
     groups: BTreeMap<(&'static str, String), Group>,
     /// The examples that were added since the last call of `complete`: the key of the group, and the index.
     incomplete: Vec<((&'static str, String), usize)>,
+    /// The location of the latest findings, and the keys of their groups.
+    latest: Option<(Location, Vec<(&'static str, String)>)>,
     /// The counts of each covered or violated rule, sorted by id so that the order of the findings doesn't matter.
     counts: Vec<(&'static Rule, Counts)>,
 }
@@ -116,7 +121,7 @@ impl Findings {
             }
             counts.num_groups += 1;
         }
-        let group = self.groups.entry(key).or_insert_with(|| Group {
+        let group = self.groups.entry(key.clone()).or_insert_with(|| Group {
             rule,
             subject: subject.to_owned(),
             count: 0,
@@ -127,6 +132,14 @@ impl Findings {
             known: None,
         });
         group.count += 1;
+        match &mut self.latest {
+            Some((latest, keys)) if *latest == location => {
+                if keys.len() < MAX_LATEST {
+                    keys.push(key);
+                }
+            }
+            latest => *latest = Some((location, vec![key])),
+        }
         let has_examples = group.examples.len() >= MAX_EXAMPLES;
         // An empty common prefix can't get shorter.
         if has_examples && group.common == 0 {
@@ -138,6 +151,27 @@ impl Findings {
             group.examples.push((location, detail));
             self.incomplete.push(((rule.id, subject.to_owned()), group.examples.len() - 1));
         }
+    }
+
+    /// Removes the findings in a record, if they are the latest findings.
+    pub(crate) fn retract(&mut self, location: Location) {
+        let Some((_, keys)) = self.latest.take_if(|(latest, _)| *latest == location) else { return };
+        for key in keys {
+            let Some(group) = self.groups.get_mut(&key) else { continue };
+            group.count -= 1;
+            group.examples.retain(|(found, _)| *found != location);
+            if group.count == 0 {
+                let rule = group.rule;
+                self.groups.remove(&key);
+                self.counts_of(rule).num_groups -= 1;
+            }
+        }
+    }
+
+    /// Forgets which findings are the latest, at the end of the capture.
+    pub(crate) fn close(&mut self) {
+        self.latest = None;
+        self.incomplete.clear();
     }
 
     /// Completes the details of the findings in a record that has just been checked. Findings in earlier records stay

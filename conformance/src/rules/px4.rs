@@ -222,6 +222,11 @@ impl<T: Default + Clone> PerChannel<T> {
         self.0[channel.index] = state;
     }
 
+    /// The states of all channels.
+    fn iter_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        self.0.iter_mut()
+    }
+
     /// The state of an open channel.
     fn get(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
         self.0.get_mut(channel.index)

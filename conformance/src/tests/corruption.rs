@@ -4,7 +4,7 @@ use crate::tests::support;
 
 use crate::check::{CaptureResult, Summary, check_capture};
 use crate::definitions::Definitions;
-use crate::model::Location;
+use crate::model::{Group, Level, Location};
 use crate::rules::sample::{Flight, ROUNDS};
 
 use support::{Random, extent};
@@ -36,6 +36,22 @@ fn assert_locations(name: &str, result: &CaptureResult, size: usize) {
     for (location, what) in &result.corruption {
         let (Location::Byte(at) | Location::Line(at)) = *location;
         assert!(at <= size as u64, "{name}: {what} at {location} of {size}");
+    }
+}
+
+/// A corrupt part may begin within a record. The rest of that record then has any values.
+#[test]
+fn a_gap_in_a_log_violates_no_rule() {
+    let definitions = Definitions::built_in();
+    let log = Flight::new(&definitions).log().to_bytes();
+    for fill in [0, 0xff] {
+        for at in (0..log.len()).step_by(extent(7, 61)).skip(1) {
+            let (start, end) = log.split_at(at);
+            let result = checked(&[start, &[fill; 5_000], end].concat(), &definitions);
+            let is_violation = |group: &&Group| group.rule.level != Level::Info;
+            let found: Vec<_> = result.findings.groups().filter(is_violation).collect();
+            assert!(found.is_empty(), "{fill:02x} at byte {at}: {found:?}");
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use uavspec_runtime::cdr::{ByteOrder, HEADER};
 use super::Stated;
 use crate::capture::input::zstd::{Frames, MAGIC as ZSTD};
 use crate::capture::mcap::Reader;
-use crate::check::timestamp_offset;
+use crate::check::time_offset;
 use crate::definitions::Definitions;
 use crate::model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
 use crate::px4::memory::{Plan, shared_fields};
@@ -70,7 +70,7 @@ impl CdrChecker {
         Self {
             message_id,
             plan,
-            timestamp: timestamp_offset(ty),
+            timestamp: time_offset(ty, "timestamp"),
             stated,
             headers: 0,
             bodies: 0,

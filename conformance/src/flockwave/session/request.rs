@@ -65,7 +65,10 @@ impl SentRequest {
             location: exchange.record.location,
             waited: None,
             is_sound: exchange.is_sound(),
-            excerpt: exchange.excerpt(),
+            excerpt: exchange
+                .record
+                .value
+                .map_or_else(|| exchange.excerpt(), |message| message.excerpt_at("/body")),
             trial: exchange.record.trial.map(|trial| (trial.rule, trial.how.to_owned())),
             is_ambiguous: false,
             count: 1,

@@ -13,6 +13,9 @@ use crate::json::{Tree, shortened};
 use crate::model::{Detail, Findings, Location, Rule};
 use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, Violation};
 
+/// The maximum number of missing fields that a finding names.
+const MAX_MISSING: usize = 8;
+
 /// The maximum number of unknown fields to report separately for each object.
 const MAX_UNKNOWN: usize = 16;
 
@@ -171,18 +174,37 @@ impl<'p> Explaining<'p, '_> {
             let text = format!("{} more unknown fields", unknown - MAX_UNKNOWN);
             self.report(self.plans.rules.members, plan.span, Detail::new(text).excerpt(object.excerpt()));
         }
-        for (field, times) in plan.fields.iter().zip(times).filter(|(_, times)| *times != 1) {
-            let detail = if times == 0 {
-                let expected = field.expected(false).to_string();
-                Detail::new(format!("the field is missing; expected {expected}")).expected(expected)
-            } else {
-                Detail::new(format!("the field appears {times} times")).expected("once")
-            };
-            let detail = detail.excerpt(object.excerpt());
-            self.within(&field.name, &field.name, |within| {
-                within.report(within.plans.rules.members, field.span, detail);
-            });
+        for (field, times) in plan.fields.iter().zip(&times).filter(|(_, times)| **times > 1) {
+            let detail = Detail::new(format!("the field appears {times} times")).expected("once");
+            self.report_member(field, detail.excerpt(object.excerpt()));
         }
+        let fields = plan.fields.iter().zip(times);
+        let missing: Vec<&FieldPlan> =
+            fields.filter(|(_, times)| *times == 0).map(|(field, _)| field).collect();
+        match missing[..] {
+            [] => {}
+            [field] => {
+                let expected = field.expected(false).to_string();
+                let detail = Detail::new(format!("the field is missing; expected {expected}"));
+                self.report_member(field, detail.expected(expected).excerpt(object.excerpt()));
+            }
+            // Many fields of one message usually have one cause.
+            [..] => {
+                let names: Vec<&str> = missing.iter().take(MAX_MISSING).map(|field| &*field.name).collect();
+                let more = missing.len().saturating_sub(MAX_MISSING);
+                let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+                let text = format!("{} fields are missing: {}{more}", missing.len(), names.join(", "));
+                let detail = Detail::new(text).excerpt(object.excerpt());
+                self.report(self.plans.rules.members, plan.span, detail);
+            }
+        }
+    }
+
+    /// Reports a field that is missing or repeated.
+    fn report_member(&mut self, field: &FieldPlan, detail: Detail) {
+        self.within(&field.name, &field.name, |within| {
+            within.report(within.plans.rules.members, field.span, detail);
+        });
     }
 
     /// Checks the value of a field with all its elements. `used` is the number of elements in use.

@@ -78,7 +78,7 @@ impl SessionCheck for Used {
 /// The transport and the port of a URL.
 fn in_use(url: &str) -> Option<(&'static str, u16)> {
     let endpoint: Endpoint = url.parse().ok()?;
-    // A separate program may provide TLS, at a port of its own.
+    // A separate program may provide TLS at a different port.
     if endpoint.address().is_encrypted {
         return None;
     }

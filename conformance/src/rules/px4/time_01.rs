@@ -1,8 +1,8 @@
 //! `PX-TIME-01`.
 
 use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
-    RuleContext, Status,
+    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
+    Rule, RuleContext, Status,
 };
 use crate::rules::sample::{Flight, START};
 
@@ -60,6 +60,11 @@ impl Checker for Times {
         if timestamp != 0 {
             *latest = timestamp;
         }
+    }
+
+    fn corruption(&mut self, _: Location) {
+        // The latest message may be corrupt too.
+        self.latest.iter_mut().for_each(|latest| *latest = 0);
     }
 }
 

@@ -90,6 +90,11 @@ impl Checker for Gaps {
         }
     }
 
+    fn corruption(&mut self, _: Location) {
+        // The corrupt part may have contained messages.
+        self.channels.iter_mut().for_each(|rhythm| rhythm.latest = 0);
+    }
+
     fn dropout(&mut self, milliseconds: u16, _: Location) {
         let reach = u64::from(milliseconds) * 1000 + DROPOUT_MARGIN;
         self.excused_until = self.now.saturating_add(reach);
