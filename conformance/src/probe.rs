@@ -32,6 +32,7 @@
 //! ```
 
 mod commands;
+mod connections;
 mod coverage;
 mod selection;
 mod session;
@@ -46,22 +47,22 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use uavspec_codegen::emit::docs::markdown::plural;
 
+use self::connections::PAUSE;
 use self::coverage::Coverage;
 pub use self::coverage::RequestType;
 pub use self::selection::Selection;
-use self::session::{PATIENCE, Session};
+use self::session::Session;
 use self::tape::Tape;
 use crate::check::CaptureResult;
 use crate::definitions::Definitions;
 use crate::flockwave::record::Trial;
 use crate::flockwave::transport::access::Access;
-use crate::flockwave::transport::client::is_temporary;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::base64;
 use crate::model::Rule;
 use crate::net::tls::Trust;
 use crate::rules::flockwave::trial::Request;
-use crate::rules::flockwave::{FlockwaveRule, env_07, env_27, sio_01, udp_02};
+use crate::rules::flockwave::{FlockwaveRule, env_07, sio_01, udp_02};
 
 /// The time limit of a probe without commands, excluding the listening period.
 const TIME_LIMIT: Duration = Duration::from_secs(45);
@@ -69,11 +70,11 @@ const TIME_LIMIT: Duration = Duration::from_secs(45);
 /// The time limit for connecting. Until then, refused connections are retried, because the server may be starting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// The delay between attempts to connect.
-const PAUSE: Duration = Duration::from_millis(250);
+/// The default time that a request may stay unanswered.
+const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The minimum time to wait for an answer before the next request is sent. The answer may still arrive later: only a
-/// request without an answer after [`PATIENCE`] counts as unanswered.
+/// request without an answer after [`Options::timeout`] counts as unanswered.
 const PACE: Duration = Duration::from_secs(2);
 
 /// The number of unanswered requests after which a reduced pace applies, and the reduced pace.
@@ -83,18 +84,6 @@ const REDUCED_PACE: (u32, Duration) = (3, Duration::from_millis(300));
 /// interval.
 const MAX_RESENDS: u32 = 3;
 const RESEND_INTERVAL: Duration = Duration::from_millis(100);
-
-/// The time to wait until a server that stopped serving serves again.
-const RESTART_TIMEOUT: Duration = Duration::from_secs(10);
-
-/// The number of times that a server may stop serving before the probe ends.
-const MAX_STOPS: u32 = 3;
-
-/// The maximum number of reconnections to a server that closes its connections.
-const MAX_RECONNECTS: u32 = 20;
-
-/// The maximum number of connections that wait for late answers.
-const MAX_LINGERING: usize = 16;
 
 /// The maximum number of notes.
 const MAX_NOTES: usize = 50;
@@ -113,6 +102,8 @@ pub struct Options {
     pub uavs: Vec<String>,
     /// The time after which no further requests are sent, excluding [`observe`](Self::observe).
     pub limit: Duration,
+    /// The time that a request may stay unanswered. A shorter wait proves nothing, so it never causes a finding.
+    pub timeout: Duration,
     /// The certificates to trust in connections over TLS.
     pub trust: Trust,
     /// The rules, trials and message types to use.
@@ -124,7 +115,7 @@ impl Options {
     pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
         let limit = if uavs.is_empty() { TIME_LIMIT } else { TIME_LIMIT + commands::EXTRA_TIME };
         let (trust, selection) = (Trust::default(), Selection::default());
-        Self { observe, login, uavs, limit, trust, selection }
+        Self { observe, login, uavs, limit, timeout: TIMEOUT, trust, selection }
     }
 }
 
@@ -246,7 +237,7 @@ impl Probe<'_, '_> {
                     return false;
                 }
             }
-            if self.post(&json!({ "type": "SYS-VER" }), trial, PATIENCE).is_some() {
+            if self.post(&json!({ "type": "SYS-VER" }), trial, self.patience()).is_some() {
                 return true;
             }
             // The server may be starting.
@@ -255,6 +246,7 @@ impl Probe<'_, '_> {
                 break;
             }
             self.leave();
+            self.tape.forget();
             thread::sleep(PAUSE);
         }
         self.failure = Some(if self.tape.is_identified() {
@@ -277,7 +269,7 @@ impl Probe<'_, '_> {
             }
             (Some(data), _) => format!("it sent {data:?}"),
             (None, Some(trouble)) => trouble,
-            (None, None) => format!("no answer to SYS-VER within {} s", PATIENCE.as_secs()),
+            (None, None) => format!("no answer to SYS-VER within {} s", self.patience().as_secs()),
         }
     }
 
@@ -300,90 +292,6 @@ impl Probe<'_, '_> {
         let requests = self.coverage.finish(rest);
         let (notes, failure, cut_short) = (self.notes, self.failure, self.cut_short);
         Probed { result, requests, notes, failure, cut_short, unrecorded }
-    }
-
-    /// Opens a new connection. Retries if the server may be starting.
-    fn connect(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
-        let endpoint = endpoint.unwrap_or(self.endpoint);
-        let until = Instant::now() + CONNECT_TIMEOUT;
-        self.connections += 1;
-        loop {
-            match Session::open(endpoint, self.connections, &mut self.tape, &self.access, CONNECT_TIMEOUT) {
-                Err(error) if is_temporary(&error) && Instant::now() + PAUSE < until => thread::sleep(PAUSE),
-                opened => return opened,
-            }
-        }
-    }
-
-    /// Records that a connection was refused.
-    fn refused(&mut self, endpoint: Option<&Endpoint>, error: &io::Error, trial: Option<Trial<'_>>) {
-        let name = session::name(endpoint.unwrap_or(self.endpoint), self.connections);
-        self.tape.refused(&name, &error.to_string(), trial);
-    }
-
-    /// Makes sure that the survey has an open connection. Reconnects if the connection ended.
-    fn ensure_connected(&mut self) -> bool {
-        if self.session.as_ref().is_some_and(|session| !session.is_over()) {
-            return true;
-        }
-        if self.failure.is_some() || self.cut_short.is_some() {
-            return false;
-        }
-        let why = self.session.as_ref().map(Session::why_over);
-        self.leave();
-        if self.reconnects >= MAX_RECONNECTS {
-            self.cut_short(format!("{MAX_RECONNECTS} connections ended"));
-            return false;
-        }
-        self.reconnects += 1;
-        match self.connect(None) {
-            Ok(session) => self.session = Some(session),
-            Err(error) => {
-                self.refused(None, &error, None);
-                self.cut_short(format!("can't reconnect: {error}"));
-                return false;
-            }
-        }
-        if let Some(why) = why {
-            self.note(format!("{why}; the probe connected again"));
-        }
-        self.log_in();
-        true
-    }
-
-    /// Ends the survey's connection.
-    fn leave(&mut self) {
-        let Some(session) = self.session.take() else { return };
-        if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
-            self.note("HTTP responses have no envelope; uavspec adds one before checking them".to_owned());
-        }
-        self.close(session);
-    }
-
-    /// Closes a connection, but keeps it open while answers may still arrive.
-    fn close(&mut self, session: Session) {
-        if !session.is_pending() {
-            return session.close(&mut self.tape);
-        }
-        while self.lingering.len() >= MAX_LINGERING {
-            self.catch_up();
-        }
-        self.lingering.push(session);
-    }
-
-    /// Reads late answers, and closes the connections for which no more can arrive.
-    fn catch_up(&mut self) {
-        if let Some(witness) = &mut self.witness {
-            witness.catch_up(&mut self.tape);
-        }
-        for mut session in std::mem::take(&mut self.lingering) {
-            session.catch_up(&mut self.tape);
-            if session.is_pending() {
-                self.lingering.push(session);
-            } else {
-                session.close(&mut self.tape);
-            }
-        }
     }
 
     /// Sends a request on the survey's connection, and waits for the answer. A missing answer violates a rule.
@@ -435,90 +343,12 @@ impl Probe<'_, '_> {
     fn unanswered(&mut self, type_name: &str) {
         self.silences += 1;
         let is_open = self.session.as_ref().is_some_and(|session| !session.is_over());
-        if !is_open || self.post(&json!({ "type": "SYS-VER" }), None, PATIENCE).is_some() {
+        if !is_open || self.post(&json!({ "type": "SYS-VER" }), None, self.patience()).is_some() {
             return;
         }
         self.note(format!("a connection stopped answering after {type_name}; the probe connected again"));
         self.leave();
         self.recover(&format!("after a request: {type_name}"));
-    }
-
-    /// Waits until the server serves a new connection. A message from one client must not affect others, so a server
-    /// that stopped serving them violates a rule. Returns false if the probe can't continue.
-    fn recover(&mut self, after: &str) -> bool {
-        let trial = Trial { rule: &env_27::RULE.rule, how: after };
-        let is_reported = !self.serves_witness(trial);
-        if self.serves(Some(trial).filter(|_| !is_reported), PATIENCE) {
-            if is_reported {
-                self.note(format!("the server stopped serving other connections {after}"));
-            }
-            return true;
-        }
-        self.stops += 1;
-        let (stopped_at, until) = (Instant::now(), (Instant::now() + RESTART_TIMEOUT).min(self.end));
-        while self.stops < MAX_STOPS && Instant::now() < until {
-            thread::sleep(PAUSE);
-            if self.serves(None, PACE) {
-                let seconds = (stopped_at.elapsed() + PATIENCE).as_secs();
-                self.note(format!("the server stopped serving {after}; it served again after {seconds} s"));
-                return true;
-            }
-        }
-        self.cut_short(format!("the server stopped serving {after}"));
-        false
-    }
-
-    /// Makes sure that the witness is connected.
-    fn ensure_witness(&mut self) {
-        // Over UDP and HTTP, a missing answer proves nothing.
-        let has_connections = matches!(self.endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. });
-        if has_connections
-            && self.witness.as_ref().is_none_or(Session::is_over)
-            && let Ok(witness) = self.connect(None)
-        {
-            let session = self.session.replace(witness);
-            self.log_in();
-            self.witness = std::mem::replace(&mut self.session, session);
-        }
-    }
-
-    /// True if the server answers on the connection of the witness, if there is one.
-    fn serves_witness(&mut self, trial: Trial<'_>) -> bool {
-        let Some(mut witness) = self.witness.take() else { return true };
-        witness.catch_up(&mut self.tape);
-        if witness.is_over() {
-            let is_lost = !witness.is_announced();
-            if is_lost {
-                self.tape.refused(witness.name(), "the server closed this connection too", Some(trial));
-            }
-            return !is_lost;
-        }
-        let session = self.session.replace(witness);
-        let is_served = self.post(&json!({ "type": "SYS-VER" }), Some(trial), PATIENCE).is_some();
-        self.witness = std::mem::replace(&mut self.session, session);
-        if !is_served && let Some(witness) = self.witness.take() {
-            self.close(witness);
-        }
-        is_served
-    }
-
-    /// True if the server answers on a new connection.
-    fn serves(&mut self, trial: Option<Trial<'_>>, patience: Duration) -> bool {
-        let survey = self.session.take();
-        let is_served = match self.connect(None) {
-            Ok(session) => {
-                self.session = Some(session);
-                self.log_in();
-                self.post(&json!({ "type": "SYS-VER" }), trial, patience).is_some()
-            }
-            Err(error) => {
-                self.refused(None, &error, trial);
-                false
-            }
-        };
-        self.leave();
-        self.session = survey;
-        is_served
     }
 
     /// Sends a request, and waits for its answer.
@@ -563,7 +393,7 @@ impl Probe<'_, '_> {
         };
         let data = base64::encode(format!("{name}:{password}").as_bytes());
         let body = json!({ "type": "AUTH-REQ", "method": "basic", "data": data });
-        let answer = self.post(&body, Some(plain()), PATIENCE);
+        let answer = self.post(&body, Some(plain()), self.patience());
         self.coverage.sent("AUTH-REQ", answer.as_ref());
         answer.is_some_and(|answer| answer["body"]["result"] == true)
     }
@@ -571,7 +401,12 @@ impl Probe<'_, '_> {
     /// The time to wait for an answer before the next request is sent.
     fn pace(&self) -> Duration {
         let usual = if self.silences < REDUCED_PACE.0 { PACE } else { REDUCED_PACE.1 };
-        usual.max(self.slowest * 3).min(PATIENCE)
+        usual.max(self.slowest * 3).min(self.patience())
+    }
+
+    /// The time that a request may stay unanswered.
+    fn patience(&self) -> Duration {
+        self.options.timeout
     }
 
     fn is_late(&self) -> bool {

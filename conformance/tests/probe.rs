@@ -27,7 +27,11 @@ const SLACK: Duration = Duration::from_secs(20);
 
 /// Options of a short probe.
 fn short_options() -> Options {
-    Options { limit: Duration::from_secs(8), ..Options::new(Duration::from_millis(200), None, Vec::new()) }
+    Options {
+        limit: Duration::from_secs(8),
+        timeout: Duration::from_secs(2),
+        ..Options::new(Duration::from_millis(200), None, Vec::new())
+    }
 }
 
 /// A shared buffer.
@@ -166,8 +170,31 @@ fn reports_a_refused_connection() {
 fn ends_in_time_with_a_silent_server() {
     let probed = probed(&serve(|stream, _| segments(&stream, |_| true)), &short_options());
     let failure = probed.failure.as_deref().expect("a reason");
-    assert_eq!(failure, "this is not a Flockwave server: no answer to SYS-VER within 5 s");
+    assert_eq!(failure, "this is not a Flockwave server: no answer to SYS-VER within 2 s");
     assert_eq!(violations(&probed), BTreeMap::new());
+}
+
+/// A proxy may close connections until the server behind it has started. The early requests then have no answer.
+#[test]
+fn waits_until_a_starting_server_answers() {
+    let url = serve(|mut stream, number| {
+        let mut reader = BufReader::new(stream.try_clone().expect("a stream"));
+        let mut count = 0;
+        if number < 3 {
+            let _ = reader.read_line(&mut String::new());
+            return;
+        }
+        for line in reader.lines().map_while(Result::ok) {
+            let Some(answer) = answer(line.as_bytes(), &mut count) else { continue };
+            if stream.write_all(answer.as_bytes()).is_err() {
+                return;
+            }
+        }
+    });
+    let selection = Selection::default().without_trials();
+    let probed = probed(&url, &Options { limit: Duration::from_secs(20), selection, ..short_options() });
+    assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
+    assert!(!rules(&probed).contains("FW-ENV-07"), "{:?}", trials(&probed));
 }
 
 /// Other protocols violate no Flockwave rule.
@@ -264,7 +291,7 @@ fn serve_slowly(delay: impl Fn(u64) -> Duration + Clone + Send + 'static) -> Str
 #[test]
 fn a_slow_server_runs_out_of_time_without_a_finding() {
     let slow = serve_slowly(|_| Duration::from_millis(900));
-    let probed = probed(&slow, &short_options());
+    let probed = probed(&slow, &Options { limit: Duration::from_secs(4), ..short_options() });
     assert_eq!(probed.failure, None);
     let reason = probed.cut_short.as_deref().expect("a reason");
     assert!(reason.starts_with("out of time: "), "{reason}");
@@ -277,7 +304,9 @@ fn a_slow_server_runs_out_of_time_without_a_finding() {
 fn waits_for_late_answers() {
     // The tenth answer of each connection takes longer than the probe waits before its next request.
     let late = serve_slowly(|number| Duration::from_millis(if number == 10 { 3_000 } else { 0 }));
-    let probed = probed(&late, &Options { limit: Duration::from_secs(30), ..short_options() });
+    let selection = Selection::default().without_trials();
+    let (limit, timeout) = (Duration::from_secs(30), Duration::from_secs(5));
+    let probed = probed(&late, &Options { limit, timeout, selection, ..short_options() });
     assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
     assert!(!rules(&probed).contains("FW-ENV-07"), "{:?}", trials(&probed));
 }
@@ -391,7 +420,7 @@ fn reports_only_the_trial_that_stops_the_server() {
     assert_eq!(rules, BTreeSet::from(["FW-TCP-02", "FW-TCP-03", "FW-TCP-04"]));
 }
 
-/// A server that forgets its other clients serves new connections, but not those that were open before.
+/// The server serves new connections, but forgets the connections that were open before a trial.
 #[test]
 fn reports_a_trial_that_affects_other_clients() {
     let forgotten = Arc::new(Mutex::new(0));

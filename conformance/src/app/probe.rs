@@ -63,7 +63,7 @@ pub(super) struct ProbeArgs {
     only: Vec<String>,
     /// Skip this rule, trial, message type or family (repeatable).
     ///
-    /// The names are the same as for --only. Findings of a skipped rule are not reported.
+    /// Takes the names that --only takes. Findings of a skipped rule are not reported.
     #[arg(long, value_name = "NAME")]
     skip: Vec<String>,
     /// Run no trials: send no malformed or unusual messages.
@@ -72,6 +72,11 @@ pub(super) struct ProbeArgs {
     /// Time after which no further requests are sent (default: 45, or 105 with --allow-commands).
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<Duration>,
+    /// Time that a request may stay unanswered.
+    ///
+    /// The probe goes on with other requests meanwhile.
+    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
+    timeout: Duration,
     /// Record the session to this file.
     ///
     /// `uavspec check` reports the same findings for the recorded session.
@@ -125,9 +130,14 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     }
     let cut_short = probed.cut_short.into_iter().collect();
     let (result, elapsed) = (probed.result, started.elapsed().as_millis());
-    let mut checked = [CheckedCapture { path, result, notes: probed.notes, cut_short, elapsed }];
+    let (notes, requests) = (probed.notes, probed.requests);
+    // If nothing came from the server, the failure says everything.
+    let is_silent = !unreadable.is_empty() && result.records == 0;
+    let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed };
+    let mut checked: Vec<CheckedCapture> = if is_silent { Vec::new() } else { vec![checked] };
     let known_status = known.finish_captures(&mut checked, &unreadable);
-    let settings = Settings { command: Some(super::command()), ..args.outcome.settings() };
+    let (is_unrecorded, command) = (args.record.is_none(), Some(super::command()));
+    let settings = Settings { is_unrecorded, command, ..args.outcome.settings() };
     let subjects: Vec<Subject> =
         checked.into_iter().map(|checked| Subject::from_capture(checked, &definitions, &settings)).collect();
     for subject in &subjects {
@@ -156,7 +166,13 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
     let selection = if args.no_trials { selection.without_trials() } else { selection };
     let trust = args.access.trust()?;
     let options = Options::new(args.observe, args.access.login.clone(), args.uav.clone());
-    Ok(Options { limit: args.limit.unwrap_or(options.limit), trust, selection, ..options })
+    Ok(Options {
+        limit: args.limit.unwrap_or(options.limit),
+        timeout: args.timeout,
+        trust,
+        selection,
+        ..options
+    })
 }
 
 /// Creates the `--record` file. Errors are printed.

@@ -21,6 +21,9 @@ const JOBS: usize = 32;
 /// The observation time of each server.
 const OBSERVE: Duration = Duration::from_millis(1_500);
 
+/// The time that a request may stay unanswered. A local server answers within milliseconds.
+const TIMEOUT: Duration = Duration::from_secs(2);
+
 /// The time after which a UAV is lost.
 const LOSS: Duration = Duration::from_millis(700);
 
@@ -162,7 +165,7 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     let uavs = if case.transport == Transport::Http { &[][..] } else { &UAVS[..] };
     let login = case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned()));
     let uavs = uavs.iter().map(|id| (*id).to_owned()).collect();
-    let options = probe::Options::new(OBSERVE, login, uavs);
+    let options = probe::Options { timeout: TIMEOUT, ..probe::Options::new(OBSERVE, login, uavs) };
     let tape = Tape::default();
     let probed = probe(&endpoint, &options, definitions, Some(Box::new(tape.clone())), &|_, _| {});
     let recorded = tape.0.lock().unwrap_or_else(PoisonError::into_inner);

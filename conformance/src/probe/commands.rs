@@ -147,7 +147,7 @@ impl Probe<'_, '_> {
         let blob = base64::encode(b"probe");
         self.query(json!({ "type": "FW-UPLOAD", "ids": [UNKNOWN_ID], "target": UNKNOWN_ID, "blob": blob }));
         self.query(json!({ "type": "SHOW-CRTH-PLAN", "show": blob }));
-        // A server that refuses to show its settings is asked for settings in which no show can start.
+        // If the server refuses to show its settings, the probe sends settings in which no show can start.
         let start = json!({ "authorized": false, "clock": null, "time": null, "method": "rc", "uavIds": [] });
         for (get, set, safe) in [
             ("SHOW-CFG", "SHOW-SETCFG", json!({ "start": start })),
@@ -254,9 +254,9 @@ impl Probe<'_, '_> {
                 return false;
             }
             if self.session.is_some() {
-                self.listen(ALTITUDE_INTERVAL)
+                self.listen(ALTITUDE_INTERVAL);
             } else {
-                thread::sleep(ALTITUDE_INTERVAL)
+                thread::sleep(ALTITUDE_INTERVAL);
             }
         }
     }

@@ -16,9 +16,6 @@ use crate::flockwave::transport::endpoint::Endpoint;
 /// The maximum number of unanswered requests whose ids are stored.
 const MAX_WAITING: usize = 1_000;
 
-/// The time that a request may stay unanswered. A shorter wait proves nothing, so it never becomes a finding.
-pub(super) const PATIENCE: Duration = Duration::from_secs(5);
-
 /// The reason recorded if the server closes a connection.
 const CLOSED: &str = "eof";
 
@@ -28,13 +25,25 @@ const MAX_LATE: usize = 1_000;
 /// The time limit for reading the remaining messages after the server closed the connection.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
 
+/// The kind of a connection.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// A byte stream, in which messages may be split.
+    Stream,
+    /// Datagrams, which may be lost.
+    Datagrams,
+    /// HTTP requests, one for each message. Each request can fail individually.
+    OneShot,
+    /// Socket.IO events.
+    Events,
+}
+
 /// A connection.
 pub(super) struct Session {
     name: String,
-    /// True if each message is a separate HTTP request. Each request can fail individually.
-    is_one_shot: bool,
-    is_stream: bool,
-    is_lossy: bool,
+    kind: Kind,
+    /// The time that a request may stay unanswered.
+    patience: Duration,
     client: Box<dyn Client>,
     /// The requests without an answer, by id, each with the time when it was sent.
     waiting: BTreeMap<String, Instant>,
@@ -51,25 +60,28 @@ pub(super) struct Session {
 }
 
 impl Session {
-    /// Connects to a server. The number makes the name of the connection unique.
+    /// Connects to a server within `limit`. The number makes the name of the connection unique. Each request may stay
+    /// unanswered for `patience`.
     pub(super) fn open(
         endpoint: &Endpoint,
         number: usize,
         tape: &mut Tape<'_>,
         access: &Access,
-        limit: Duration,
+        [limit, patience]: [Duration; 2],
     ) -> io::Result<Self> {
         let client = connect_with(endpoint, access, Instant::now() + limit)?;
         let name = name(endpoint, number);
         tape.connected(&name, &endpoint.to_string());
-        let is_one_shot = matches!(endpoint, Endpoint::Http { .. });
-        let is_stream = matches!(endpoint, Endpoint::Tcp(_));
-        let is_lossy = matches!(endpoint, Endpoint::Udp(_));
+        let kind = match endpoint {
+            Endpoint::Tcp(_) => Kind::Stream,
+            Endpoint::Udp(_) => Kind::Datagrams,
+            Endpoint::Http { .. } => Kind::OneShot,
+            Endpoint::SocketIo { .. } => Kind::Events,
+        };
         Ok(Self {
             name,
-            is_one_shot,
-            is_stream,
-            is_lossy,
+            kind,
+            patience,
             client,
             waiting: BTreeMap::new(),
             unread: VecDeque::new(),
@@ -87,7 +99,11 @@ impl Session {
 
     /// True if messages are sent over a byte stream, in which they may be split.
     pub(super) fn is_stream(&self) -> bool {
-        self.is_stream
+        self.kind == Kind::Stream
+    }
+
+    fn is_one_shot(&self) -> bool {
+        self.kind == Kind::OneShot
     }
 
     /// The name of the connection.
@@ -102,7 +118,7 @@ impl Session {
 
     /// True if messages may be lost.
     pub(super) fn is_lossy(&self) -> bool {
-        self.is_lossy
+        self.kind == Kind::Datagrams
     }
 
     /// True if the connection has ended.
@@ -127,7 +143,9 @@ impl Session {
     pub(super) fn is_pending(&self) -> bool {
         let latest = self.waiting.values().max();
         // A missing answer over UDP proves nothing.
-        !self.is_over() && !self.is_lossy && latest.is_some_and(|sent_at| sent_at.elapsed() < PATIENCE)
+        !self.is_over()
+            && self.kind != Kind::Datagrams
+            && latest.is_some_and(|sent_at| sent_at.elapsed() < self.patience)
     }
 
     /// True if at least one request has no answer yet.
@@ -152,7 +170,7 @@ impl Session {
         match self.client.send(text) {
             // Each HTTP request fails on its own.
             Err(error)
-                if self.is_one_shot
+                if self.is_one_shot()
                     && matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::TimedOut) =>
             {
                 tape.failed(&self.name, &error.to_string());
@@ -160,7 +178,7 @@ impl Session {
                 self.waiting.retain(|waiting, _| Some(waiting.as_str()) != id);
             }
             sent => {
-                if sent.is_ok() && self.is_one_shot {
+                if sent.is_ok() && self.is_one_shot() {
                     self.unread.push_back(id.map(str::to_owned));
                 }
                 self.handle_send(tape, sent);
@@ -264,7 +282,7 @@ impl Session {
     /// id, an answer without an envelope is an error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let request = self.unread.pop_front().flatten();
-        let Some(body) = bare(&bytes).filter(|_| self.is_one_shot) else { return Ok(bytes) };
+        let Some(body) = bare(&bytes).filter(|_| self.is_one_shot()) else { return Ok(bytes) };
         let Some(request) = request else { return Err(bytes) };
         self.bare += 1;
         let (id, refs) = (format!("bare-{}", self.bare), Value::from(request));

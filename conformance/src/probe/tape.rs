@@ -2,7 +2,7 @@
 //! run and its recording therefore have the same findings.
 //!
 //! Until the first Flockwave message arrives, the lines are kept back. If none arrives, the server speaks another
-//! protocol, and no rule applies to what it sent.
+//! protocol, and no rule applies to its data.
 
 use std::io::{self, Write};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -169,6 +169,13 @@ impl<'d> Tape<'d> {
     /// True if the server has sent a Flockwave message.
     pub(super) fn is_identified(&self) -> bool {
         self.kept.is_none()
+    }
+
+    /// Drops the lines that were kept back, before a new attempt to connect.
+    pub(super) fn forget(&mut self) {
+        if let Some(kept) = &mut self.kept {
+            *kept = Kept::default();
+        }
     }
 
     /// True if the server has sent anything.

@@ -29,7 +29,8 @@ fn long_options() -> Options {
 fn probes_a_server_behind_a_long_delay() {
     let delays = [Duration::from_millis(900); 2];
     let proxy = Proxy { delays, ..Proxy::default() };
-    let probed = probed_through(proxy, Transport::Tcp, "tcp://ADDRESS", &short_options());
+    let options = Options { timeout: Duration::from_secs(5), ..short_options() };
+    let probed = probed_through(proxy, Transport::Tcp, "tcp://ADDRESS", &options);
     let reason = probed.cut_short.expect("too slow for the time limit");
     assert!(reason.starts_with("out of time: "), "{reason}");
 }

@@ -1,0 +1,205 @@
+//! Opens and closes the connections of a probe, and finds out whether the server still serves them.
+
+use std::io;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use super::session::{self, Session};
+use super::{CONNECT_TIMEOUT, PACE, Probe};
+use crate::flockwave::record::Trial;
+use crate::flockwave::transport::client::is_temporary;
+use crate::flockwave::transport::endpoint::Endpoint;
+use crate::rules::flockwave::env_27;
+
+/// The delay between attempts to connect.
+pub(super) const PAUSE: Duration = Duration::from_millis(250);
+
+/// The time to wait until a server that stopped serving serves again, as a multiple of the timeout.
+const RESTART_TIMEOUTS: u32 = 2;
+
+/// The number of times that a server may stop serving before the probe ends.
+const MAX_STOPS: u32 = 3;
+
+/// The maximum number of reconnections to a server that closes its connections.
+const MAX_RECONNECTS: u32 = 20;
+
+/// The maximum number of connections that wait for late answers.
+const MAX_LINGERING: usize = 16;
+
+impl Probe<'_, '_> {
+    /// Opens a new connection. Retries if the server may be starting.
+    pub(super) fn connect(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
+        let endpoint = endpoint.unwrap_or(self.endpoint);
+        let until = Instant::now() + CONNECT_TIMEOUT;
+        self.connections += 1;
+        loop {
+            match Session::open(
+                endpoint,
+                self.connections,
+                &mut self.tape,
+                &self.access,
+                [CONNECT_TIMEOUT, self.options.timeout],
+            ) {
+                Err(error) if is_temporary(&error) && Instant::now() + PAUSE < until => thread::sleep(PAUSE),
+                opened => return opened,
+            }
+        }
+    }
+
+    /// Records that a connection was refused.
+    pub(super) fn refused(
+        &mut self,
+        endpoint: Option<&Endpoint>,
+        error: &io::Error,
+        trial: Option<Trial<'_>>,
+    ) {
+        let name = session::name(endpoint.unwrap_or(self.endpoint), self.connections);
+        self.tape.refused(&name, &error.to_string(), trial);
+    }
+
+    /// Makes sure that the survey has an open connection. Reconnects if the connection ended.
+    pub(super) fn ensure_connected(&mut self) -> bool {
+        if self.session.as_ref().is_some_and(|session| !session.is_over()) {
+            return true;
+        }
+        if self.failure.is_some() || self.cut_short.is_some() {
+            return false;
+        }
+        let why = self.session.as_ref().map(Session::why_over);
+        self.leave();
+        if self.reconnects >= MAX_RECONNECTS {
+            self.cut_short(format!("{MAX_RECONNECTS} connections ended"));
+            return false;
+        }
+        self.reconnects += 1;
+        match self.connect(None) {
+            Ok(session) => self.session = Some(session),
+            Err(error) => {
+                self.refused(None, &error, None);
+                self.cut_short(format!("can't reconnect: {error}"));
+                return false;
+            }
+        }
+        if let Some(why) = why {
+            self.note(format!("{why}; the probe connected again"));
+        }
+        self.log_in();
+        true
+    }
+
+    /// Ends the survey's connection.
+    pub(super) fn leave(&mut self) {
+        let Some(session) = self.session.take() else { return };
+        if session.bare_answers() > 0 && !std::mem::replace(&mut self.is_bare, true) {
+            self.note("HTTP responses have no envelope; uavspec adds one before checking them".to_owned());
+        }
+        self.close(session);
+    }
+
+    /// Closes a connection, but keeps it open while answers may still arrive.
+    pub(super) fn close(&mut self, session: Session) {
+        if !session.is_pending() {
+            return session.close(&mut self.tape);
+        }
+        while self.lingering.len() >= MAX_LINGERING {
+            self.catch_up();
+        }
+        self.lingering.push(session);
+    }
+
+    /// Reads late answers, and closes the connections for which no more can arrive.
+    pub(super) fn catch_up(&mut self) {
+        if let Some(witness) = &mut self.witness {
+            witness.catch_up(&mut self.tape);
+        }
+        for mut session in std::mem::take(&mut self.lingering) {
+            session.catch_up(&mut self.tape);
+            if session.is_pending() {
+                self.lingering.push(session);
+            } else {
+                session.close(&mut self.tape);
+            }
+        }
+    }
+
+    /// Waits until the server serves a new connection. A message from one client must not affect others, so a server
+    /// that stopped serving them violates a rule. Returns false if the probe can't continue.
+    pub(super) fn recover(&mut self, after: &str) -> bool {
+        let trial = Trial { rule: &env_27::RULE.rule, how: after };
+        let is_reported = !self.serves_witness(trial);
+        if self.serves(Some(trial).filter(|_| !is_reported), self.patience()) {
+            if is_reported {
+                self.note(format!("the server stopped serving other connections {after}"));
+            }
+            return true;
+        }
+        self.stops += 1;
+        let (stopped_at, until) =
+            (Instant::now(), (Instant::now() + self.patience() * RESTART_TIMEOUTS).min(self.end));
+        while self.stops < MAX_STOPS && Instant::now() < until {
+            thread::sleep(PAUSE);
+            if self.serves(None, PACE) {
+                let seconds = (stopped_at.elapsed() + self.patience()).as_secs();
+                self.note(format!("the server stopped serving {after}; it served again after {seconds} s"));
+                return true;
+            }
+        }
+        self.cut_short(format!("the server stopped serving {after}"));
+        false
+    }
+
+    /// Makes sure that the witness is connected.
+    pub(super) fn ensure_witness(&mut self) {
+        // Over UDP and HTTP, a missing answer proves nothing.
+        let has_connections = matches!(self.endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. });
+        if has_connections
+            && self.witness.as_ref().is_none_or(Session::is_over)
+            && let Ok(witness) = self.connect(None)
+        {
+            let session = self.session.replace(witness);
+            self.log_in();
+            self.witness = std::mem::replace(&mut self.session, session);
+        }
+    }
+
+    /// True if the server answers on the connection of the witness, if there is one.
+    pub(super) fn serves_witness(&mut self, trial: Trial<'_>) -> bool {
+        let Some(mut witness) = self.witness.take() else { return true };
+        witness.catch_up(&mut self.tape);
+        if witness.is_over() {
+            let is_lost = !witness.is_announced();
+            if is_lost {
+                self.tape.refused(witness.name(), "the server closed this connection too", Some(trial));
+            }
+            return !is_lost;
+        }
+        let session = self.session.replace(witness);
+        let is_served = self.post(&json!({ "type": "SYS-VER" }), Some(trial), self.patience()).is_some();
+        self.witness = std::mem::replace(&mut self.session, session);
+        if !is_served && let Some(witness) = self.witness.take() {
+            self.close(witness);
+        }
+        is_served
+    }
+
+    /// True if the server answers on a new connection.
+    pub(super) fn serves(&mut self, trial: Option<Trial<'_>>, patience: Duration) -> bool {
+        let survey = self.session.take();
+        let is_served = match self.connect(None) {
+            Ok(session) => {
+                self.session = Some(session);
+                self.log_in();
+                self.post(&json!({ "type": "SYS-VER" }), trial, patience).is_some()
+            }
+            Err(error) => {
+                self.refused(None, &error, trial);
+                false
+            }
+        };
+        self.leave();
+        self.session = survey;
+        is_served
+    }
+}
