@@ -40,7 +40,8 @@ use self::report::ReportArgs;
 use crate::definitions::Definitions;
 use crate::flockwave::body_schema::Schemas;
 use crate::report::{Outcome, OutcomeKind, Report};
-use crate::text::command_line;
+use crate::rules::RULES;
+use crate::text::{command_line, similar};
 
 const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg
@@ -133,7 +134,7 @@ enum Command {
     /// then probes the reference server, first without bugs and then with one bug at a time. Each rule must find the
     /// violations meant for it and nothing else.
     ///
-    /// The probes use free ports of 127.0.0.1 and take about half a minute.
+    /// The probes use free ports of 127.0.0.1 and take about two minutes.
     SelfTest(self_test::SelfTestArgs),
 }
 
@@ -220,6 +221,17 @@ fn deliver(args: &ReportArgs, report: &Report) -> Status {
         anstream::eprintln!("error: {failure}");
     }
     if failures.is_empty() { (&report.outcome).into() } else { Status::Unreadable }
+}
+
+/// Prints an error about a name that doesn't exist, with a similar name or with other help.
+fn print_unknown<'k>(problem: &str, name: &str, known: impl Iterator<Item = &'k str>, help: &str) {
+    let help = similar(name, known).map_or_else(|| help.to_owned(), |known| format!("did you mean {known}?"));
+    anstream::eprintln!("error: {problem}\n  help: {help}");
+}
+
+/// Prints an error about a rule that doesn't exist.
+fn print_unknown_rule(problem: &str, id: &str) {
+    print_unknown(problem, id, RULES.iter().map(|rule| rule.id), "run `uavspec rules` for a list");
 }
 
 /// The command line of this run.

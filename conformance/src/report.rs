@@ -18,7 +18,14 @@
 //! let message_type = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 30, "valid_registrations_mask": 1}"#;
 //! let result = check_capture(record.as_bytes(), message_type, &definitions)?;
-//! let checked = CheckedCapture { path: "requests.jsonl".to_owned(), result, notes: Vec::new(), cut_short: Vec::new(), elapsed: 0 };
+//! let checked = CheckedCapture {
+//!     path: "requests.jsonl".to_owned(),
+//!     result,
+//!     notes: Vec::new(),
+//!     requests: Vec::new(),
+//!     cut_short: Vec::new(),
+//!     elapsed: 0,
+//! };
 //! let subject = Subject::from_capture(checked, &definitions, &Settings::default());
 //! let command = "uavspec check requests.jsonl".to_owned();
 //! let report = Report::new(Action::Check, command, &definitions, vec![subject], Vec::new(), Vec::new());
@@ -27,6 +34,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+mod by_rule;
 mod capture;
 mod html;
 mod json;
@@ -38,6 +46,7 @@ pub(crate) mod rule_list;
 mod sarif;
 #[cfg(test)]
 mod schema;
+mod short;
 mod testee;
 mod text;
 
@@ -46,11 +55,14 @@ use serde::Serialize;
 pub use self::capture::{CheckedCapture, Settings};
 pub use self::kind::Kind;
 pub use self::outcome::{Outcome, OutcomeKind};
+pub use self::testee::{Case, CaseVerdict, Counts, Remark, Row, Testee, TesteeKind};
 pub(crate) use self::text::{end as end_text, subject as subject_text};
 use crate::check::{Coverage, Line, Summary, Totals};
 use crate::definitions::Definitions;
 use crate::model::{Excuse, Extent, Level, Location, Reason, Rule, Status};
+use crate::probe::RequestType;
 use crate::rules::RULES;
+use crate::text::shown;
 
 /// The version of the JSON format.
 const VERSION: u32 = 1;
@@ -193,6 +205,12 @@ pub struct Subject {
     pub cut_short: Vec<String>,
     /// Notable events during a probe, in order. These notes are not findings.
     pub notes: Vec<String>,
+    /// The request types of the definitions, if this is a server that was probed.
+    #[serde(rename = "request_types")]
+    pub requests: Vec<RequestType>,
+    /// True if the capture is a file, so that its lines can be looked up. False for a live server without a recording.
+    #[serde(skip)]
+    pub is_readable_again: bool,
     /// The duration of the check, in milliseconds. The JSON report omits the duration because it differs between runs.
     #[serde(skip)]
     pub elapsed: u128,
@@ -207,151 +225,6 @@ pub enum About {
     Capture(Summary),
     /// A codec or validator under test.
     Testee(Testee),
-}
-
-/// A codec or validator under test, with its results.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Testee {
-    /// The kind of the subject.
-    pub kind: TesteeKind,
-    /// The version that the testee reports; empty if unknown.
-    pub version: String,
-    /// The number of cases with each result.
-    pub counts: Counts,
-    /// The counts for each operation and type.
-    pub table: Vec<Row>,
-    /// The cases that did not pass.
-    #[serde(serialize_with = "testee::not_passed")]
-    pub cases: Vec<Case>,
-    /// The violations of the test protocol.
-    #[serde(rename = "manners")]
-    pub protocol_remarks: Vec<Remark>,
-    /// The number of further protocol violations.
-    #[serde(rename = "more_manners")]
-    pub more_protocol_remarks: u64,
-    /// The number of restarts.
-    pub restarts: u32,
-    /// The reason why the run ended early, if it did.
-    pub gave_up: Option<String>,
-}
-
-/// The kind of a subject that is a testee.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum TesteeKind {
-    /// A codec or validator under test.
-    #[default]
-    Testee,
-}
-
-/// The number of cases with each result.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Counts {
-    /// Correct responses.
-    pub pass: u64,
-    /// Wrong responses, crashes and hangs.
-    pub fail: u64,
-    /// Failures that are in a list of known failures.
-    pub known: u64,
-    /// Cases that the testee doesn't support.
-    pub unsupported: u64,
-    /// Cases that were not run.
-    pub not_run: u64,
-}
-
-impl Counts {
-    /// The number of cases with a result.
-    pub(crate) fn checked(self) -> u64 {
-        self.pass + self.fail + self.known
-    }
-
-    /// The number of all cases.
-    pub(crate) fn all(self) -> u64 {
-        self.checked() + self.unsupported + self.not_run
-    }
-}
-
-/// The counts for one operation and type.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Row {
-    /// The operation and format, such as `decode-uorb`.
-    pub op: String,
-    /// The type, such as `px4/Event`.
-    #[serde(rename = "type")]
-    pub type_name: String,
-    /// The number of cases with each result.
-    pub counts: Counts,
-}
-
-/// A case with its result.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Case {
-    /// The name, such as `decode-uorb/px4/Event/typical`.
-    #[serde(rename = "case")]
-    pub name: String,
-    /// The operation and format.
-    pub op: String,
-    /// The type.
-    #[serde(rename = "type")]
-    pub type_name: String,
-    /// The purpose of the case.
-    pub description: String,
-    /// The id of the rule that the input violates.
-    pub rule: Option<String>,
-    /// The result.
-    pub verdict: CaseVerdict,
-    /// The location of the error in the response, as a JSON pointer; empty for the whole response.
-    pub path: String,
-    /// The expected value.
-    pub expected: String,
-    /// The actual value.
-    pub actual: String,
-    /// A description of the crash or timeout; empty if there was a response.
-    pub message: String,
-    /// The last lines that the process wrote to standard error.
-    pub stderr: String,
-    /// The definition of the type.
-    pub definition: Option<Definition>,
-    /// The command that runs only this case.
-    pub reproduce: String,
-    /// The matching entry in a list of known failures.
-    pub known: Option<Known>,
-}
-
-/// The result of a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum CaseVerdict {
-    /// The response was correct.
-    Pass,
-    /// The response was wrong.
-    Fail,
-    /// The testee doesn't support this. This result is neither a failure nor a pass.
-    Unsupported,
-    /// The process ended.
-    Crashed,
-    /// There was no response in time.
-    #[serde(rename = "timed out")]
-    TimedOut,
-    /// The case was not run: the run ended early, or the file has no response.
-    #[serde(rename = "not run")]
-    NotRun,
-}
-
-/// A violation of the test protocol.
-#[derive(Clone, Debug, Serialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-pub struct Remark {
-    /// The description.
-    pub message: String,
-    /// The number of occurrences.
-    pub count: u64,
 }
 
 /// The result of a rule for a subject.
@@ -422,6 +295,14 @@ pub struct Example {
     pub actual: String,
     /// The start of the bytes or text that were checked; may be empty.
     pub excerpt: String,
+    /// The time of the record since the start of the capture, in seconds, if it is known.
+    pub time_s: Option<f64>,
+    /// The time of the record in UTC, if it is known.
+    pub utc: Option<String>,
+    /// The connection of the record; empty if the capture isn't a session.
+    pub connection: String,
+    /// The request to which the record belongs, shortened; may be empty.
+    pub request: String,
 }
 
 /// A line of a definition.
@@ -584,25 +465,6 @@ impl Verdict {
     }
 }
 
-impl CaseVerdict {
-    /// The name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::Fail => "fail",
-            Self::Unsupported => "unsupported",
-            Self::Crashed => "crashed",
-            Self::TimedOut => "timed out",
-            Self::NotRun => "not run",
-        }
-    }
-
-    /// True if the case counts as failed.
-    pub const fn is_failure(self) -> bool {
-        matches!(self, Self::Fail | Self::Crashed | Self::TimedOut)
-    }
-}
-
 impl Subject {
     /// The counts that exist for every kind of capture.
     fn totals(&self) -> Totals {
@@ -641,6 +503,15 @@ impl Example {
     /// The location in the record; empty if [`Self::text`] starts with this location.
     pub(crate) fn at(&self) -> &str {
         if self.path == self.part { "" } else { &self.path }
+    }
+
+    /// The time and the connection, such as `after 4.592 s (2026-11-23T02:32:41.593Z) on tcp#13`; may be empty.
+    pub(crate) fn moment(&self) -> String {
+        let after = self.time_s.map(|seconds| format!("after {seconds:.3} s"));
+        let utc = self.utc.as_ref().map(|utc| format!("({utc})"));
+        let connection = (!self.connection.is_empty()).then(|| format!("on {}", shown(&self.connection)));
+        let parts: Vec<String> = [after, utc, connection].into_iter().flatten().collect();
+        parts.join(" ")
     }
 
     /// The message, preceded by the part that it refers to.

@@ -14,7 +14,7 @@ use super::outcome::OutcomeArgs;
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
-use super::{Status, deliver, outcome_statuses};
+use super::{Status, deliver, outcome_statuses, print_unknown};
 use crate::capture::input::{self, Files};
 use crate::check::{self, CaptureResult, parallel};
 use crate::definitions::Definitions;
@@ -167,7 +167,15 @@ pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
 fn message_id(args: &CheckArgs, definitions: &Definitions) -> Result<Option<MessageId>, Status> {
     let Some(name) = &args.message_type else { return Ok(None) };
     definitions.message_of_type(name).map(Some).ok_or_else(|| {
-        anstream::eprintln!("error: --type {name}: no such message in the definitions");
+        let messages = definitions.schema.packages.iter().flat_map(|package| {
+            let named =
+                move |id: &MessageId| format!("{}/{}", package.name, definitions.schema.message(*id).name);
+            package.messages.iter().map(named)
+        });
+        let known: Vec<String> = messages.collect();
+        let help = "name a message of the definitions, such as px4/FailsafeFlags";
+        let problem = format!("--type {name}: no such message in the definitions");
+        print_unknown(&problem, name, known.iter().map(String::as_str), help);
         Status::Usage
     })
 }
@@ -235,6 +243,7 @@ fn check_file(
         path: path.display().to_string(),
         result,
         notes: Vec::new(),
+        requests: Vec::new(),
         cut_short: Vec::new(),
         elapsed: started.elapsed().as_millis(),
     })

@@ -163,7 +163,7 @@ mod tests {
         assert_eq!(target("html=a=b.html"), Ok(Target { kind: Kind::Html, path: "a=b.html".into() }));
         for wrong in ["html", "html=", "pdf=a", "=a", ""] {
             let error = target(wrong).expect_err(wrong);
-            assert!(error.contains("text, json, junit, sarif, html, markdown"), "{error}");
+            assert!(error.contains("text, short, json, junit, sarif, html, markdown"), "{error}");
         }
     }
 

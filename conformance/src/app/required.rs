@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::Status;
+use super::{Status, print_unknown_rule};
 use crate::model::{Reason, Rule};
 use crate::report::Subject;
 use crate::rules::rule;
@@ -22,9 +22,7 @@ impl RequireArgs {
     pub(super) fn rules(&self) -> Result<Vec<&'static Rule>, Status> {
         let find = |id: &String| {
             rule(id).ok_or_else(|| {
-                anstream::eprintln!(
-                    "error: --require {id}: no such rule\n  help: run `uavspec rules` for a list"
-                );
+                print_unknown_rule(&format!("--require {id}: no such rule"), id);
                 Status::Usage
             })
         };

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{Format, Status};
+use super::{Format, Status, print_unknown_rule};
 use crate::definitions::Definitions;
 use crate::matrix::matrix;
 use crate::report::rule_list;
@@ -34,7 +34,7 @@ pub(super) fn rules(args: &RulesArgs) -> Status {
     let text = match (&args.id, args.format) {
         (Some(id), format) => {
             let Some(rule) = rule(id) else {
-                anstream::eprintln!("error: {id}: no such rule\n  help: run `uavspec rules` for a list");
+                print_unknown_rule(&format!("{id}: no such rule"), id);
                 return Status::Usage;
             };
             if format == Format::Json { rule_list::to_json(&[rule]) } else { rule_list::rule_text(rule) }

@@ -9,7 +9,7 @@ use clap::{Args, Subcommand};
 
 use super::progress::Progress;
 use super::test::{seconds, target};
-use super::{Format, Status};
+use super::{Format, Status, print_unknown};
 use crate::net::Address;
 use crate::testee::case::cases;
 use crate::testee::lint::report::{to_json, to_text};
@@ -88,7 +88,8 @@ fn lint_testee(args: &LintArgs) -> Status {
         Ok(only) => only,
         Err(id) => {
             let known: Vec<&str> = CHECKS.iter().map(|check| check.id).collect();
-            anstream::eprintln!("error: --only {id}: no such check\n  help: use one of {}", known.join(", "));
+            let help = format!("use one of {}", known.join(", "));
+            print_unknown(&format!("--only {id}: no such check"), id, known.iter().copied(), &help);
             return Status::Usage;
         }
     };

@@ -1,8 +1,9 @@
 //! The result of checking a capture, as a subject of a report.
 
-use crate::check::{CaptureResult, Coverage, Describe, Summary};
+use crate::check::{CaptureResult, Clock, Coverage, Describe, Summary};
 use crate::definitions::Definitions;
 use crate::model::{self, Extent, Findings, Group, Rule};
+use crate::probe::RequestType;
 use crate::rules::{RULES, px4};
 
 use super::outcome::{NO_VIOLATIONS, capitalized, plural, violated};
@@ -20,6 +21,8 @@ pub struct CheckedCapture {
     pub result: CaptureResult,
     /// Notable events during a probe, in order. They are not findings.
     pub notes: Vec<String>,
+    /// The request types of the definitions, if this is a server that was probed.
+    pub requests: Vec<RequestType>,
     /// The reasons why the capture is incomplete although it can be read, such as a probe that was cut short.
     pub cut_short: Vec<String>,
     /// The duration of the check, in milliseconds.
@@ -27,6 +30,7 @@ pub struct CheckedCapture {
 }
 
 /// The run settings that affect reports.
+#[allow(clippy::struct_excessive_bools)] // independent options of the command line
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// True if formats that differ from the definitions count as violations.
@@ -37,6 +41,8 @@ pub struct Settings {
     pub min_coverage: Option<f64>,
     /// True if the exit status of an incomplete outcome is 0.
     pub allows_incomplete: bool,
+    /// True if the session of a probe isn't recorded in a file.
+    pub is_unrecorded: bool,
     /// The arguments of `check` that reproduce the findings, without the files.
     pub arguments: Vec<String>,
     /// The command that reproduces the findings, if it isn't `check`.
@@ -84,7 +90,7 @@ impl From<model::Verdict> for Verdict {
 impl Subject {
     /// Creates the subject of a capture.
     pub fn from_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
-        let CheckedCapture { path, result, notes, cut_short, elapsed } = checked;
+        let CheckedCapture { path, result, notes, requests, cut_short, elapsed } = checked;
         let findings = &result.findings;
         // Rules for other kinds of captures aren't listed.
         let is_session = result.summary.describe().is_session();
@@ -95,8 +101,9 @@ impl Subject {
             .map(|rule| rule_verdict(rule, findings, settings.verdict(findings, rule)))
             .collect();
         let command = settings.command(&path);
-        let finding =
-            |group: &Group| finding(group, settings.verdict(findings, group.rule), &command, definitions);
+        let finding = |group: &Group| {
+            finding(group, settings.verdict(findings, group.rule), &command, definitions, result.clock)
+        };
         let corruption = result.corruption.iter();
         let mut subject = Self {
             path,
@@ -117,6 +124,8 @@ impl Subject {
             incomplete: Vec::new(),
             cut_short,
             notes,
+            requests,
+            is_readable_again: !settings.is_unrecorded,
             elapsed,
         };
         subject.set_outcome(settings);
@@ -253,9 +262,15 @@ fn rule_verdict(rule: &'static Rule, findings: &Findings, verdict: Verdict) -> R
     }
 }
 
-fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definitions) -> Finding {
+fn finding(
+    group: &Group,
+    verdict: Verdict,
+    command: &str,
+    definitions: &Definitions,
+    clock: Clock,
+) -> Finding {
     let Group { rule, subject, count, examples, definition, known, .. } = group;
-    let example = |(location, detail): &(_, crate::model::Detail)| Example {
+    let example = |(location, detail): &(_, model::Detail)| Example {
         location: *location,
         path: detail.path.clone(),
         part: detail.part.clone(),
@@ -263,6 +278,10 @@ fn finding(group: &Group, verdict: Verdict, command: &str, definitions: &Definit
         expected: detail.expected.clone(),
         actual: detail.actual.clone(),
         excerpt: detail.excerpt.clone(),
+        time_s: detail.time.and_then(|time| clock.seconds(time)),
+        utc: detail.time.and_then(|time| clock.utc(time)),
+        connection: detail.connection.clone(),
+        request: detail.request.clone(),
     };
     Finding {
         rule: rule.id,

@@ -4,13 +4,15 @@
 //! page has a content security policy that forbids loading or running anything.
 
 mod finding;
+mod rules;
 mod subject;
 mod testee;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use uavspec_codegen::emit::docs::markdown::plural;
 
-use super::{About, Action, Counts, Outcome, OutcomeKind, Report, RuleReport, Subject, Verdict};
+use super::by_rule::ByRule;
+use super::outcome::capitalized;
+use super::{About, Action, Counts, Outcome, OutcomeKind, Report, Subject, Verdict};
 use crate::text::Grouped;
 use crate::text::shown;
 
@@ -26,8 +28,9 @@ const MAX_SUBJECTS: usize = 100;
 
 pub(super) fn write(report: &Report) -> String {
     let Report { outcome, subjects, .. } = report;
+    let (by_rule, is_single) = (ByRule::new(report), subjects.len() == 1);
     // All other subjects appear only in the list of files.
-    let has_own_section = |subject: &&Subject| subjects.len() == 1 || subject::has_details(subject);
+    let has_own_section = |subject: &&Subject| is_single || subject::has_details(subject);
     let listed: Vec<&Subject> = subjects.iter().filter(has_own_section).collect();
     let shown_first = &listed[..listed.len().min(MAX_SUBJECTS)];
     let page = html! {
@@ -45,11 +48,14 @@ pub(super) fn write(report: &Report) -> String {
             body {
                 main {
                     (head(report))
-                    @if subjects.len() + report.unreadable.len() + report.not_checked.len() > 1 { (subject::list(report)) }
-                    @if !report.rules.is_empty() { (rules(&report.rules, shown_first)) }
-                    @for (index, subject) in shown_first.iter().enumerate() { (subject::section(subject, index)) }
+                    (rules::findings(&by_rule.listed, is_single))
+                    @if has_list(report) { (subject::list(report)) }
+                    @for (index, subject) in shown_first.iter().enumerate() {
+                        (subject::section(report, subject, index))
+                    }
                     @let more = listed.len() - shown_first.len();
                     @if more > 0 { p.more { "… and " (more) " more; the JSON report contains all of them." } }
+                    (rules::others(&by_rule))
                 }
                 footer {
                     p { "To reproduce this report:" }
@@ -62,6 +68,21 @@ pub(super) fn write(report: &Report) -> String {
     page.into_string() + "\n"
 }
 
+/// True if the page has a table of files or testees. A probe has a single server, which the head names.
+fn has_list(report: &Report) -> bool {
+    let Report { action, subjects, unreadable, not_checked, .. } = report;
+    *action != Action::Probe && (subjects.len() + not_checked.len() > 1 || !unreadable.is_empty())
+}
+
+/// The noun for a subject.
+const fn noun(action: Action) -> &'static str {
+    match action {
+        Action::Check => "file",
+        Action::Test => "testee",
+        Action::Probe => "server",
+    }
+}
+
 /// The outcome and the main figures.
 fn head(report: &Report) -> Markup {
     let Outcome { kind: outcome, text, remarks, .. } = &report.outcome;
@@ -70,6 +91,8 @@ fn head(report: &Report) -> Markup {
         Action::Test => "Conformance of a codec",
         Action::Probe => "Conformance of a live server",
     };
+    // The list of files contains the failures of files.
+    let failures = if has_list(report) { &[][..] } else { &report.unreadable };
     html! {
         header.head.(class(*outcome)) {
             p.kicker { (title) }
@@ -77,16 +100,19 @@ fn head(report: &Report) -> Markup {
             p.lede {
                 @match report.subjects.as_slice() {
                     [only] => code.path { (shown(&only.path)) },
-                    [] => "no files",
-                    several => { (several.len()) " files" },
+                    [] => { "no " (noun(report.action)) "s" },
+                    several => { (several.len()) " " (noun(report.action)) "s" },
                 }
                 ", checked against " span.path { (shown(&report.definitions)) }
             }
             @if let [only] = report.subjects.as_slice() {
-                @for line in only.coverage_lines() { p.lede { (line.label) ": " (line.text) } }
+                @for line in only.coverage_lines() { p.lede { (capitalized(line.label)) ": " (line.text) } }
             }
-            @if !remarks.is_empty() {
-                ul.remarks { @for remark in remarks { li { (shown(remark)) } } }
+            @if !remarks.is_empty() || !failures.is_empty() {
+                ul.remarks {
+                    @for failure in failures { li { (shown(&failure.message)) } }
+                    @for remark in remarks { li { (shown(remark)) } }
+                }
             }
             (figures(report))
         }
@@ -163,52 +189,9 @@ fn counts(report: &Report) -> Option<Counts> {
     all
 }
 
-fn rules(rules: &[RuleReport], subjects: &[&Subject]) -> Markup {
-    let mut rules: Vec<&RuleReport> = rules.iter().collect();
-    rules.sort_by_key(|rule| std::cmp::Reverse(rule.verdict));
-    html! {
-        section aria-labelledby="rules" {
-            h2 id="rules" { "Rules" }
-            // On narrow screens, the rows are blocks. Because of the roles, screen readers still treat them as a table.
-            table.rules role="table" {
-                thead role="rowgroup" {
-                    tr role="row" {
-                        th scope="col" role="columnheader" { "Verdict" }
-                        th scope="col" role="columnheader" { "Rule" }
-                        th.number scope="col" role="columnheader" { "Findings" }
-                    }
-                }
-                tbody role="rowgroup" { @for rule in rules { (rule_row(rule, subjects)) } }
-            }
-        }
-    }
-}
-
-fn rule_row(rule: &RuleReport, subjects: &[&Subject]) -> Markup {
-    let mut anchors = subjects
-        .iter()
-        .enumerate()
-        .filter_map(|(index, subject)| subject::rule_anchor(subject, index, rule.id));
-    let first = anchors.next();
-    html! {
-        tr role="row" {
-            td role="cell" { (badge(rule.verdict)) }
-            td role="cell" {
-                a.id href=(rule.url) { (rule.id) } " "
-                span.level { (rule.level) @if rule.status != "normative" { ", " (rule.status) } }
-                p { (with_code(rule.statement)) }
-                @if let Some(dispute) = rule.dispute { p.aside { "Disputed: " (with_code(dispute)) } }
-            }
-            td.number role="cell" {
-                @match first {
-                    Some(anchor) => a href={ "#" (anchor) } { (Grouped(rule.findings)) },
-                    None if rule.covered == 0 => span.aside title="not covered" { "–" },
-                    None => (Grouped(rule.findings)),
-                }
-                @if rule.covered > 0 { span.aside { " in " (plural(rule.covered, "check")) } }
-            }
-        }
-    }
+/// A number; a dash for 0.
+fn number(number: u64) -> Markup {
+    html! { @if number > 0 { (Grouped(number)) } @else { span.aside { "–" } } }
 }
 
 /// A verdict as a coloured badge.
@@ -250,3 +233,6 @@ fn fact(label: &str, value: &str) -> Markup {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -148,9 +148,11 @@ fn findings_text(findings: &[&Finding], count: u64) -> String {
         line(0, "", &format!("{}: {times}", finding.subject));
         for example in &finding.examples {
             line(2, "", &format!("{}: {}", example.location, example.text()));
+            line(4, "", &example.moment());
             line(4, "at: ", example.at());
             line(4, "expected: ", &example.expected);
             line(4, "found: ", &example.actual);
+            line(4, "request: ", &example.request);
             line(4, "excerpt: ", &example.excerpt);
         }
         if let Some(definition) = &finding.definition {

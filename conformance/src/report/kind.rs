@@ -2,13 +2,15 @@
 
 use clap::ValueEnum;
 
-use super::{Report, html, json, junit, markdown, sarif, text};
+use super::{Report, html, json, junit, markdown, sarif, short, text};
 
 /// A format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kind {
     /// Text for a terminal.
     Text,
+    /// One line for each finding, for editors and grep.
+    Short,
     /// JSON with all details.
     Json,
     /// `JUnit` XML for CI systems.
@@ -26,6 +28,7 @@ impl Report {
     pub fn to_text(&self, kind: Kind) -> String {
         match kind {
             Kind::Text => text::write(self),
+            Kind::Short => short::write(self),
             Kind::Json => json::write(self),
             Kind::Junit => junit::write(self),
             Kind::Sarif => sarif::write(self),

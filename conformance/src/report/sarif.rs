@@ -116,7 +116,13 @@ fn finding_entry(subject: &Subject, finding: &Finding) -> Option<Entry> {
         .collect();
     related.extend(finding.definition.iter().map(defined));
     let message = format!("{}: {}", finding.subject, first.text());
-    let facts = [("expected", &first.expected), ("actual", &first.actual), ("excerpt", &first.excerpt)];
+    let facts = [
+        ("expected", &first.expected),
+        ("actual", &first.actual),
+        ("excerpt", &first.excerpt),
+        ("moment", &first.moment()),
+        ("request", &first.request),
+    ];
     let facts = facts.into_iter().filter(|(_, fact)| !fact.is_empty());
     Some(Entry {
         part: shown(&first.path),

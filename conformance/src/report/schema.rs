@@ -8,7 +8,7 @@ use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
 use serde_json::{Map, Value, json};
 
-use super::{Action, CheckedCapture, Reason, Report, Settings, Subject, Unreadable};
+use super::{Action, CheckedCapture, Reason, Report, RequestType, Settings, Subject, Unreadable};
 use crate::check::check_capture;
 use crate::definitions::Definitions;
 use crate::rules::mutants;
@@ -96,6 +96,13 @@ fn a_report_with_every_rule_violated_matches_the_schema() {
                 path: "a\nb".to_owned(),
                 result,
                 notes: vec!["the server closed the connection".to_owned()],
+                requests: vec![RequestType {
+                    name: "UAV-INF".to_owned(),
+                    sent: 2,
+                    answered: 1,
+                    refused: 0,
+                    not_sent: None,
+                }],
                 cut_short: Vec::new(),
                 elapsed: 7,
             },

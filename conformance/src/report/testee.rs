@@ -5,15 +5,176 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Serialize, Serializer};
 use uavspec_codegen::emit::docs::markdown::plural;
 
-use super::{
-    About, Case, CaseVerdict, Counts, Definition, Known, Outcome, Remark, Row, RuleVerdict, Subject, Testee,
-    TesteeKind, Verdict,
-};
+use super::{About, Definition, Known, Outcome, RuleVerdict, Subject, Verdict};
 use crate::check::{Coverage, Share, Unit, names};
 use crate::definitions::Definitions;
 use crate::model::Extent;
 use crate::rules::rule;
 use crate::testee::{case, outcome};
+
+/// A codec or validator under test, with its results.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Testee {
+    /// The kind of the subject.
+    pub kind: TesteeKind,
+    /// The version that the testee reports; empty if unknown.
+    pub version: String,
+    /// The number of cases with each result.
+    pub counts: Counts,
+    /// The counts for each operation and type.
+    pub table: Vec<Row>,
+    /// The cases that did not pass.
+    #[serde(serialize_with = "not_passed")]
+    pub cases: Vec<Case>,
+    /// The violations of the test protocol.
+    #[serde(rename = "manners")]
+    pub protocol_remarks: Vec<Remark>,
+    /// The number of further protocol violations.
+    #[serde(rename = "more_manners")]
+    pub more_protocol_remarks: u64,
+    /// The number of restarts.
+    pub restarts: u32,
+    /// The reason why the run ended early, if it did.
+    pub gave_up: Option<String>,
+}
+
+/// The kind of a subject that is a testee.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum TesteeKind {
+    /// A codec or validator under test.
+    #[default]
+    Testee,
+}
+
+/// The number of cases with each result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Counts {
+    /// Correct responses.
+    pub pass: u64,
+    /// Wrong responses, crashes and hangs.
+    pub fail: u64,
+    /// Failures that are in a list of known failures.
+    pub known: u64,
+    /// Cases that the testee doesn't support.
+    pub unsupported: u64,
+    /// Cases that were not run.
+    pub not_run: u64,
+}
+
+impl Counts {
+    /// The number of cases with a result.
+    pub(crate) fn checked(self) -> u64 {
+        self.pass + self.fail + self.known
+    }
+
+    /// The number of all cases.
+    pub(crate) fn all(self) -> u64 {
+        self.checked() + self.unsupported + self.not_run
+    }
+}
+
+/// The counts for one operation and type.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Row {
+    /// The operation and format, such as `decode-uorb`.
+    pub op: String,
+    /// The type, such as `px4/Event`.
+    #[serde(rename = "type")]
+    pub type_name: String,
+    /// The number of cases with each result.
+    pub counts: Counts,
+}
+
+/// A case with its result.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Case {
+    /// The name, such as `decode-uorb/px4/Event/typical`.
+    #[serde(rename = "case")]
+    pub name: String,
+    /// The operation and format.
+    pub op: String,
+    /// The type.
+    #[serde(rename = "type")]
+    pub type_name: String,
+    /// The purpose of the case.
+    pub description: String,
+    /// The id of the rule that the input violates.
+    pub rule: Option<String>,
+    /// The result.
+    pub verdict: CaseVerdict,
+    /// The location of the error in the response, as a JSON pointer; empty for the whole response.
+    pub path: String,
+    /// The expected value.
+    pub expected: String,
+    /// The actual value.
+    pub actual: String,
+    /// A description of the crash or timeout; empty if there was a response.
+    pub message: String,
+    /// The last lines that the process wrote to standard error.
+    pub stderr: String,
+    /// The definition of the type.
+    pub definition: Option<Definition>,
+    /// The command that runs only this case.
+    pub reproduce: String,
+    /// The matching entry in a list of known failures.
+    pub known: Option<Known>,
+}
+
+/// The result of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum CaseVerdict {
+    /// The response was correct.
+    Pass,
+    /// The response was wrong.
+    Fail,
+    /// The testee doesn't support this. This result is neither a failure nor a pass.
+    Unsupported,
+    /// The process ended.
+    Crashed,
+    /// There was no response in time.
+    #[serde(rename = "timed out")]
+    TimedOut,
+    /// The case was not run: the run ended early, or the file has no response.
+    #[serde(rename = "not run")]
+    NotRun,
+}
+
+/// A violation of the test protocol.
+#[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+pub struct Remark {
+    /// The description.
+    pub message: String,
+    /// The number of occurrences.
+    pub count: u64,
+}
+
+impl CaseVerdict {
+    /// The name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+            Self::Unsupported => "unsupported",
+            Self::Crashed => "crashed",
+            Self::TimedOut => "timed out",
+            Self::NotRun => "not run",
+        }
+    }
+
+    /// True if the case counts as failed.
+    pub const fn is_failure(self) -> bool {
+        matches!(self, Self::Fail | Self::Crashed | Self::TimedOut)
+    }
+}
 
 impl Subject {
     /// Creates the subject of a testee. `rerun_command` returns the command that runs one case.
@@ -72,6 +233,8 @@ impl Subject {
             incomplete: Vec::new(),
             cut_short: Vec::new(),
             notes: Vec::new(),
+            requests: Vec::new(),
+            is_readable_again: true,
             elapsed: 0,
         }
     }

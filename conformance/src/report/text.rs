@@ -1,19 +1,17 @@
 //! Renders reports as text for a terminal.
 
+mod findings;
 mod testee;
 
+use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
 use anstyle::{AnsiColor, Style};
 
-use super::{About, Finding, Known, Outcome, OutcomeKind, Report, Subject, Verdict};
+use super::outcome::plural;
+use super::{About, Known, Outcome, OutcomeKind, Report, RequestType, Subject, Verdict};
 use crate::check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN, names};
-use crate::model::Level;
-use crate::rules::px4;
 use crate::text::{Grouped, shown, wrapped};
-
-/// The minimum width of the rule column.
-const MIN_WIDTH: usize = 12;
 
 /// The width of labels.
 const LABEL: usize = 12;
@@ -71,20 +69,71 @@ pub(crate) fn subject(subject: &Subject) -> String {
 fn capture(subject: &Subject, summary: &dyn Describe, text: &mut String) -> fmt::Result {
     let (facts, elapsed) = (summary.facts(subject.totals()).join(", "), subject.elapsed);
     writeln!(text, "{}\n", wrapped(&format!("{}  {facts} ({elapsed} ms)", shown(&subject.path)), 0, 2))?;
-    lines(&subject.coverage_lines(), text)?;
+    label(style(subject.outcome.kind), "outcome", &shown(&subject.outcome.last_line()), text)?;
+    for line in subject.coverage_lines() {
+        write_line(&line, text)?;
+    }
+    rules(subject, text)?;
+    requests(&subject.requests, text)?;
+    writeln!(text)?;
     lines(&summary.lines(), text)?;
     corruption(subject, text)?;
     labelled(PLAIN, "note", &subject.notes, text)?;
-    let width =
-        subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
-    for level in [Level::Must, Level::Should, Level::Info] {
-        // Format differences are listed in the summary instead.
-        let is_of_level = |found: &&Finding| found.level == level && found.rule != px4::FMT_01.rule.id;
-        for found in subject.findings.iter().filter(is_of_level) {
-            finding(found, width, text)?;
+    labelled(PLAIN, "remark", &subject.outcome.remarks, text)?;
+    let shown_findings = findings::merged(subject);
+    for merged in &shown_findings {
+        findings::write(merged, subject, text)?;
+    }
+    if shown_findings.is_empty() { Ok(()) } else { writeln!(text, "\n{}", last_line(&subject.outcome)) }
+}
+
+/// Writes the rules with each verdict. Rules with findings are named, with the number of findings.
+fn rules(subject: &Subject, text: &mut String) -> fmt::Result {
+    if subject.rules.is_empty() {
+        return Ok(());
+    }
+    for (verdict, style) in
+        [(Verdict::Fail, FAIL), (Verdict::Warn, WARN), (Verdict::Known, PLAIN), (Verdict::Shown, PLAIN)]
+    {
+        let with_verdict = subject.rules.iter().filter(|rule| rule.verdict == verdict);
+        let named = with_verdict.map(|rule| match rule.findings {
+            1 => rule.id.to_owned(),
+            count => format!("{} ({})", rule.id, Grouped(count)),
+        });
+        let named: Vec<String> = named.collect();
+        if !named.is_empty() {
+            label(style, findings::word(verdict), &named.join(", "), text)?;
         }
     }
-    verdicts(subject, text)
+    let [passed, uncovered] = [Verdict::Pass, Verdict::NotCovered].map(|verdict| subject.count(verdict));
+    label(PASS, "pass", &format!("{}, {uncovered} not covered", plural(passed, "rule")), text)
+}
+
+/// Writes how many request types a probe has sent, and the reasons for the others.
+fn requests(requests: &[RequestType], text: &mut String) -> fmt::Result {
+    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for request in requests {
+        if let Some(reason) = &request.not_sent {
+            reasons.entry(reason).or_default().push(&request.name);
+        }
+    }
+    let sent = requests.iter().filter(|request| request.sent > 0).count();
+    let refused =
+        requests.iter().filter(|request| request.refused > 0 && request.refused == request.answered);
+    if !requests.is_empty() {
+        let refused = refused.count();
+        label(
+            PLAIN,
+            "requests",
+            &format!("{sent} of {} types sent, {refused} refused", requests.len()),
+            text,
+        )?;
+    }
+    for (reason, types) in reasons {
+        let listed = names(types.iter().copied());
+        label(PLAIN, "  not sent", &format!("{listed} ({})", shown(reason)), text)?;
+    }
+    Ok(())
 }
 
 /// Writes a line that starts with a label.
@@ -103,17 +152,22 @@ fn labelled(style: Style, name: &str, items: &[String], text: &mut String) -> fm
 
 fn lines(lines: &[Line], text: &mut String) -> fmt::Result {
     for line in lines {
-        label(PLAIN, line.label, &line.text, text)?;
-        for List { label, items } in &line.lists {
-            for item in items.iter().take(MAX_SHOWN) {
-                writeln!(text, "  {label:<10} {}", wrapped(item, LABEL + 1, LABEL + 3))?;
-            }
-            if items.len() > MAX_SHOWN {
-                writeln!(text, "             … and {} more", items.len() - MAX_SHOWN)?;
-            }
-        }
+        write_line(line, text)?;
     }
     if lines.is_empty() { Ok(()) } else { writeln!(text) }
+}
+
+fn write_line(line: &Line, text: &mut String) -> fmt::Result {
+    label(PLAIN, line.label, &line.text, text)?;
+    for List { label, items } in &line.lists {
+        for item in items.iter().take(MAX_SHOWN) {
+            writeln!(text, "  {label:<10} {}", wrapped(item, LABEL + 1, LABEL + 3))?;
+        }
+        if items.len() > MAX_SHOWN {
+            writeln!(text, "             … and {} more", items.len() - MAX_SHOWN)?;
+        }
+    }
+    Ok(())
 }
 
 fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
@@ -128,31 +182,6 @@ fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
     if subject.corruption.is_empty() { Ok(()) } else { writeln!(text) }
 }
 
-/// Writes a finding. `width` is the width of the rule column.
-fn finding(finding: &Finding, width: usize, text: &mut String) -> fmt::Result {
-    let (style, word) = match (&finding.known, finding.verdict) {
-        (Some(known), _) => (PLAIN, known.kind.as_str()),
-        (None, Verdict::Fail) => (FAIL, "FAIL"),
-        (None, Verdict::Warn) => (WARN, "warn"),
-        (None, _) => (PLAIN, "info"),
-    };
-    let Some(first) = finding.examples.first() else { return Ok(()) };
-    let times = if finding.count == 1 {
-        "once, at".to_owned()
-    } else {
-        format!("{} times, first at", Grouped(finding.count))
-    };
-    let indent = width + 14;
-    let content = format!("{}: {}", shown(&finding.subject), shown(&first.text()));
-    let content = wrapped(&content, indent, indent);
-    writeln!(text, "{style}{word:<5}{style:#} {:<width$} {:<6} {content}", finding.rule, finding.level)?;
-    let defined = finding.definition.as_ref().map(|line| format!("   {line}")).unwrap_or_default();
-    let place = wrapped(&format!("{times} {}{defined}", first.location), indent, indent);
-    writeln!(text, "{:indent$}{place}", "")?;
-    let known = finding.known.as_ref().map(|known| wrapped(&known.to_string(), indent, indent));
-    known.map_or(Ok(()), |known| writeln!(text, "{:indent$}{known}", ""))
-}
-
 impl fmt::Display for Known {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&shown(&self.reason))?;
@@ -161,22 +190,6 @@ impl fmt::Display for Known {
         }
         self.link.as_ref().map_or(Ok(()), |link| write!(formatter, " {}", shown(link)))
     }
-}
-
-fn verdicts(subject: &Subject, text: &mut String) -> fmt::Result {
-    if !subject.rules.is_empty() {
-        let uncovered = subject.rules.iter().filter(|rule| rule.verdict == Verdict::NotCovered);
-        let uncovered: Vec<&str> = uncovered.map(|rule| rule.id).collect();
-        let uncovered = match uncovered.len() {
-            0 => String::new(),
-            count if count > MAX_SHOWN => format!("   not covered {count}"),
-            count => format!("   not covered {count} ({})", uncovered.join(", ")),
-        };
-        let passed = format!("{} rules{uncovered}", subject.count(Verdict::Pass));
-        writeln!(text, "{PASS}pass{PASS:#}  {}\n", wrapped(&passed, 6, 6))?;
-    }
-    labelled(PLAIN, "remark", &subject.outcome.remarks, text)?;
-    writeln!(text, "{}", last_line(&subject.outcome))
 }
 
 /// The last line of a section: the outcome in its colour.

@@ -514,12 +514,13 @@ fn reports_describe_the_recording() {
         path: "hill.jsonl".to_owned(),
         result,
         notes: Vec::new(),
+        requests: Vec::new(),
         cut_short: Vec::new(),
         elapsed: 1,
     };
     let subject = Subject::from_capture(checked, &definitions, &Settings::default());
     let text = subject_text(&subject);
-    for part in ["Flockwave, 8 connections, 1 min", "UAV-INF 22", "SOAR-LIST", "38 of 39 types"] {
+    for part in ["Flockwave, 8 connections, 1 min", "UAV-INF 22", "SOAR-LIST", "39 of 40 types"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     let value = serde_json::to_value(&subject).expect("JSON");

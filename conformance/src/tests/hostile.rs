@@ -57,6 +57,7 @@ pub(crate) fn checked(definitions: &Definitions) -> Report {
             path,
             result,
             notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()],
+            requests: Vec::new(),
             cut_short: Vec::new(),
             elapsed: 7,
         };

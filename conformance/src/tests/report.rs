@@ -290,15 +290,18 @@ fn each_format_reports_the_path_and_the_value_found() {
             path: path.to_owned(),
             result,
             notes: Vec::new(),
+            requests: Vec::new(),
             cut_short: Vec::new(),
             elapsed: 0,
         };
         let subject = Subject::from_capture(checked, &definitions, &Settings::default());
         Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
     };
-    let line = json!({"op": "publish", "topic": "/fmu/in/unregister_ext_component", "msg": {"timestamp": 1}});
+    let message = json!({"timestamp": 1, "name": "wind", "mode_id": 1, "mode_executor_id": 1});
+    let line = json!({"op": "publish", "topic": "/fmu/in/unregister_ext_component", "msg": message});
     let report = of("-it's a \"log\".jsonl", line.to_string().as_bytes());
-    let (pointer, excerpt) = ("/msg/arming_check_id", r#"{"timestamp": 1}"#);
+    let (pointer, excerpt) =
+        ("/msg/arming_check_id", r#"{"timestamp": 1, "name": "wind", "mode_id": 1, "mode_executor_id": 1}"#);
     let command = r#"uavspec check "./-it's a \"log\".jsonl""#;
     assert_eq!(
         shlex::split(command).expect("words"),

@@ -2,55 +2,109 @@
 
 use maud::{Markup, html};
 
-use super::{fact, shown};
-use crate::report::{Definition, Example, Finding, Known};
+use super::{badge, fact, shown};
+use crate::report::by_rule::{Group, place};
+use crate::report::{Definition, Example, Finding, Known, RuleReport, Subject};
 use crate::text::Grouped;
 
-pub(super) fn article(finding: &Finding) -> Markup {
-    let (first, others) = match finding.examples.split_first() {
-        Some((first, others)) => (Some(first), others),
-        None => (None, &[][..]),
-    };
+/// The maximum number of other files that a group of findings lists.
+const MAX_FILES: usize = 20;
+
+/// The findings of a rule in one topic or field.
+pub(super) fn article(rule: &RuleReport, group: &Group<'_>, is_single: bool) -> Markup {
+    let (subject, finding) = group.first;
     html! {
         article.finding {
-            h4 { code { (shown(&finding.subject)) } }
-            @if let Some(first) = first {
+            h4 {
+                @if group.verdict != rule.verdict { (badge(group.verdict)) " " }
+                code { (shown(group.name)) }
+            }
+            @if let Some((first, others)) = finding.examples.split_first() {
                 p.what { (shown(&first.text())) }
-                p.aside {
-                    @if finding.count == 1 { "Once, at " } @else { (Grouped(finding.count)) " times, first at " }
-                    (first.location)
-                }
+                @if let Some(places) = group.places(is_single) { p.aside { (shown(&places)) } }
                 dl.evidence {
-                    (evidence(first))
+                    (values(first))
                     (definition(finding.definition.as_ref()))
                     (known(finding.known.as_ref()))
                 }
+                (exchange(first))
+                (other_examples(subject, finding, others))
             }
-            @if !others.is_empty() {
-                details {
-                    summary { "Other locations" }
-                    ul {
-                        @for other in others {
-                            li {
-                                (other.location) ": " (shown(&other.text()))
-                                dl.evidence { (evidence(other)) }
-                            }
+            (other_files(&group.others))
+        }
+    }
+}
+
+fn other_examples(subject: &Subject, finding: &Finding, examples: &[Example]) -> Markup {
+    let more = finding.count.saturating_sub(finding.examples.len() as u64);
+    html! {
+        @if !examples.is_empty() {
+            details {
+                summary { "Other examples" }
+                ul {
+                    @for example in examples {
+                        li {
+                            (shown(&place(subject, example))) ": " (shown(&example.text()))
+                            dl.evidence { (values(example)) }
+                            (exchange(example))
                         }
-                        @let more = finding.count.saturating_sub(finding.examples.len() as u64);
-                        @if more > 0 { li { "… and " (Grouped(more)) " more times" } }
                     }
+                    @if more > 0 { li { "… and " (Grouped(more)) " more times" } }
                 }
             }
         }
     }
 }
 
-fn evidence(example: &Example) -> Markup {
+/// The other files, each with its first example.
+fn other_files(found: &[(&Subject, &Finding)]) -> Markup {
+    let more = found.len().saturating_sub(MAX_FILES);
+    html! {
+        @if !found.is_empty() {
+            details {
+                summary { (found.len()) " other file" @if found.len() > 1 { "s" } }
+                ul {
+                    @for (subject, finding) in found.iter().take(MAX_FILES) {
+                        li {
+                            code.path { (shown(&subject.path)) } ": "
+                            @if finding.count > 1 { (Grouped(finding.count)) " times, first " }
+                            @if let Some(first) = finding.examples.first() {
+                                (shown(&place(subject, first))) ": " (shown(&first.text()))
+                            }
+                            dl.evidence { (known(finding.known.as_ref())) }
+                        }
+                    }
+                    @if more > 0 { li { "… and " (Grouped(more as u64)) " more" } }
+                }
+            }
+        }
+    }
+}
+
+fn values(example: &Example) -> Markup {
     html! {
         (fact("At", example.at()))
         (fact("Expected", &example.expected))
         (fact("Found", &example.actual))
-        (fact("Excerpt", &example.excerpt))
+    }
+}
+
+/// The request next to the answer. If the record belongs to no request, only the record is shown.
+fn exchange(example: &Example) -> Markup {
+    let Example { request, excerpt, .. } = example;
+    let of_record = if request.is_empty() { "Excerpt" } else { "Answer" };
+    html! {
+        @if !request.is_empty() || !excerpt.is_empty() {
+            div.exchange { (quote("Request", request)) (quote(of_record, excerpt)) }
+        }
+    }
+}
+
+fn quote(label: &str, text: &str) -> Markup {
+    html! {
+        @if !text.is_empty() {
+            figure { figcaption { (label) } pre { code { (shown(text)) } } }
+        }
     }
 }
 

@@ -4,10 +4,11 @@ use maud::{Markup, html};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::finding;
-use super::{badge, class, shown, testee, with_code};
+use super::{class, number, shown, testee};
 use crate::check::Line;
-use crate::report::{About, Finding, OutcomeKind, Report, RuleVerdict, Subject, Verdict};
-use crate::rules::px4;
+use crate::probe::RequestType;
+use crate::report::outcome::capitalized;
+use crate::report::{About, OutcomeKind, Report, Subject};
 use crate::text::Grouped;
 
 /// The number of list items that are initially visible. The user can expand the rest.
@@ -16,16 +17,17 @@ const MAX_OPEN: usize = 4;
 /// The maximum number of items in the expanded part. The JSON report has more.
 const MAX_LISTED_ITEMS: usize = 50;
 
-/// The table of subjects.
+/// The table of files or testees.
 pub(super) fn list(report: &Report) -> Markup {
+    let noun = super::noun(report.action);
     html! {
         section aria-labelledby="files" {
-            h2 id="files" { "Files" }
+            h2 id="files" { (capitalized(noun)) "s" }
             table.files role="table" {
                 thead role="rowgroup" {
                     tr role="row" {
                         th scope="col" role="columnheader" { "Outcome" }
-                        th scope="col" role="columnheader" { "File" }
+                        th scope="col" role="columnheader" { (capitalized(noun)) }
                         th.number scope="col" role="columnheader" { "Messages" }
                     }
                 }
@@ -75,24 +77,31 @@ pub(super) fn has_details(subject: &Subject) -> bool {
         || subject.outcome.kind != OutcomeKind::Conforms
 }
 
-/// The section of a subject. The index makes the section's anchors unique.
-pub(super) fn section(subject: &Subject, index: usize) -> Markup {
-    let anchor = anchor(index);
+/// The section of a subject. The index makes the section's anchor unique. The head of a report with a single subject
+/// contains its coverage.
+pub(super) fn section(report: &Report, subject: &Subject, index: usize) -> Markup {
+    let is_single = report.subjects.len() == 1;
+    let anchor = format!("subject-{}", index + 1);
+    let is_shown = |line: &Line| !is_single || !line.lists.is_empty() || !line.details.is_empty();
     html! {
         section.subject aria-labelledby=(anchor) {
-            h2 id=(anchor) { code.path { (shown(&subject.path)) } }
+            h2 id=(anchor) { (capitalized(super::noun(report.action))) " " code.path { (shown(&subject.path)) } }
             p.facts { (facts(subject)) }
-            @if !subject.outcome.remarks.is_empty() {
+            @if !is_single && !subject.outcome.remarks.is_empty() {
                 ul.remarks { @for remark in &subject.outcome.remarks { li { (shown(remark)) } } }
             }
-            @for line in subject.coverage_lines() { (summary_line(&line)) }
+            @for line in subject.coverage_lines().iter().filter(|line| is_shown(line)) { (summary_line(line)) }
             @match &subject.about {
                 About::Capture(summary) => { @for line in summary.describe().lines() { (summary_line(&line)) } },
                 About::Testee(testee) => (testee::section(testee)),
             }
             (corruption(subject))
             (notes(&subject.notes))
-            (findings(subject, &anchor))
+            (requests(&subject.requests))
+            // The footer contains the command of the whole run.
+            @if let Some(first) = subject.findings.first().filter(|first| first.reproduce != report.command) {
+                (finding::reproduce(&first.reproduce))
+            }
         }
     }
 }
@@ -116,7 +125,7 @@ fn facts(subject: &Subject) -> Markup {
 fn summary_line(line: &Line) -> Markup {
     let details: Vec<&String> = line.details.iter().collect();
     html! {
-        h3 { (line.label[..1].to_uppercase()) (line.label[1..]) }
+        h3 { (capitalized(line.label)) }
         p { (line.text) }
         @for list in line.lists.iter().filter(|list| !list.items.is_empty()) {
             (folded(&list.items, "line", |item| html! { li { span.place { (list.label) } ": " (item) } }))
@@ -164,69 +173,37 @@ fn folded<T>(items: &[T], noun: &str, item: impl Fn(&T) -> Markup) -> Markup {
     }
 }
 
-/// The findings by rule, most severe first.
-fn findings(subject: &Subject, anchor: &str) -> Markup {
-    let mut rules: Vec<&RuleVerdict> = subject.rules.iter().filter(|rule| has_own_section(rule)).collect();
-    rules.sort_by_key(|rule| std::cmp::Reverse(rule.verdict));
+/// The request types, in a folded table. Types that were not sent come first.
+fn requests(requests: &[RequestType]) -> Markup {
+    let (unsent, sent): (Vec<_>, Vec<_>) = requests.iter().partition(|request| request.not_sent.is_some());
     html! {
-        @if let Some(first) = subject.findings.first().filter(|_| !rules.is_empty()) {
-            h3 { "Findings" }
-            @for rule in rules { (rule_section(subject, rule, anchor)) }
-            (finding::reproduce(&first.reproduce))
-        }
-    }
-}
-
-/// True if the findings of a rule are listed. Format differences appear in the summary instead, unless they are
-/// failures.
-fn has_own_section(rule: &RuleVerdict) -> bool {
-    rule.findings > 0 && (rule.id != px4::FMT_01.rule.id || rule.verdict == Verdict::Fail)
-}
-
-/// The anchor for the findings of a rule in a subject.
-pub(super) fn rule_anchor(subject: &Subject, index: usize, rule: &str) -> Option<String> {
-    // Failures of a testee are listed by case.
-    let has_anchor =
-        !subject.is_testee() && subject.rules.iter().any(|found| found.id == rule && has_own_section(found));
-    has_anchor.then(|| format!("{}-{rule}", anchor(index)))
-}
-
-fn anchor(index: usize) -> String {
-    format!("subject-{}", index + 1)
-}
-
-fn rule_section(subject: &Subject, rule: &RuleVerdict, anchor: &str) -> Markup {
-    let found: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
-    // Findings that don't affect the outcome are collapsed.
-    let is_open = rule.verdict > Verdict::Shown;
-    let (open, rest) = found.split_at(if is_open { found.len().min(MAX_OPEN) } else { 0 });
-    let listed = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
-    html! {
-        div.group id={ (anchor) "-" (rule.id) } {
-            @if let Some(first) = found.first() {
-                p.tags {
-                    (badge(rule.verdict)) " " a.id href=(first.url) { (rule.id) } " "
-                    span.level {
-                        (rule.level) @if first.status != "normative" { ", " (first.status) }
-                        ", found " (times(rule.findings))
+        @if !requests.is_empty() {
+            details.rest {
+                summary { "Request types: " (sent.len()) " sent, " (unsent.len()) " not sent" }
+                table.counts {
+                    thead {
+                        tr {
+                            th scope="col" { "Type" }
+                            th.number scope="col" { "Sent" }
+                            th.number scope="col" { "Answered" }
+                            th.number scope="col" { "Refused" }
+                        }
                     }
-                }
-                p.aside { (with_code(first.statement)) }
-            }
-            @for finding in open { (finding::article(finding)) }
-            @if !rest.is_empty() {
-                details.rest {
-                    summary {
-                        (rest.len()) @if is_open { " more" } " finding" @if rest.len() > 1 { "s" }
+                    tbody {
+                        @for request in unsent.iter().chain(&sent) {
+                            tr {
+                                th scope="row" {
+                                    code { (shown(&request.name)) }
+                                    @if let Some(reason) = &request.not_sent { p.aside { "not sent: " (shown(reason)) } }
+                                }
+                                @for count in [request.sent, request.answered, request.refused] {
+                                    td.number { (number(count)) }
+                                }
+                            }
+                        }
                     }
-                    @for finding in listed { (finding::article(finding)) }
-                    @if listed.len() < rest.len() { p.more { "… and " (rest.len() - listed.len()) " more" } }
                 }
             }
         }
     }
-}
-
-fn times(count: u64) -> String {
-    if count == 1 { "once".to_owned() } else { format!("{} times", Grouped(count)) }
 }

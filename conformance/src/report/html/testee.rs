@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::{fact, finding, shown};
+use super::{fact, finding, number, shown};
 use crate::report::{Case, Counts, Testee};
 use crate::text::Grouped;
 
@@ -79,11 +79,6 @@ fn table(testee: &Testee) -> Markup {
         }
         @for line in testee.unsupported_lines() { p { "Unsupported: " (line) } }
     }
-}
-
-/// A number; a dash for 0.
-fn number(number: u64) -> Markup {
-    html! { @if number > 0 { (Grouped(number)) } @else { span.aside { "–" } } }
 }
 
 fn article(case: &Case) -> Markup {

@@ -50,6 +50,8 @@ fn capture(coverage: Coverage, verdicts: &[Verdict], settings: &Settings) -> Sub
         incomplete: Vec::new(),
         cut_short: Vec::new(),
         notes: Vec::new(),
+        requests: Vec::new(),
+        is_readable_again: true,
         elapsed: 0,
     };
     subject.set_outcome(settings);

@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 
-SCREENS = [(1280, 900), (390, 844)]
+SCREENS = [(1280, 900), (360, 800)]
 SCHEMES = ["light", "dark"]
 
 # Chromium takes no screenshots of more than about 16,000 pixels. Measurements include the rest of the page.
