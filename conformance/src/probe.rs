@@ -167,7 +167,10 @@ pub fn probe<'d>(
         failure: None,
         cut_short: None,
         unsent: (0, 0),
+        unknown_type: None,
         has_login: options.login.is_some(),
+        is_ending: false,
+        is_exclusive: false,
         is_bare: false,
         steps: (0, survey::STEPS + commands + attempts.len()),
         on_progress,
@@ -182,6 +185,7 @@ pub fn probe<'d>(
 }
 
 /// The state of a probe.
+#[allow(clippy::struct_excessive_bools)] // independent observations of the server
 struct Probe<'p, 'd> {
     endpoint: &'p Endpoint,
     options: &'p Options,
@@ -210,8 +214,14 @@ struct Probe<'p, 'd> {
     cut_short: Option<String>,
     /// The numbers of requests and trials that were not sent because the time limit was reached.
     unsent: (u64, usize),
+    /// The reason with which the server refuses a request of an unknown type.
+    unknown_type: Option<String>,
     /// True if each new connection logs in.
     has_login: bool,
+    /// True if the server announced that it ends connections.
+    is_ending: bool,
+    /// True if the server serves only one connection.
+    is_exclusive: bool,
     /// True if answers have no envelope.
     is_bare: bool,
     steps: (usize, usize),
@@ -311,6 +321,10 @@ impl Probe<'_, '_> {
     fn request(&mut self, rule: &'static Rule, request: Request) -> Option<Value> {
         self.step();
         self.catch_up();
+        // The server may have closed the connection meanwhile.
+        if let Some(session) = &mut self.session {
+            session.catch_up(&mut self.tape);
+        }
         let Request { how, body, member, is_repeated } = request;
         let type_name = body["type"].as_str().unwrap_or_default().to_owned();
         if self.is_late() {
@@ -367,7 +381,11 @@ impl Probe<'_, '_> {
     ) -> Option<Value> {
         let session = self.session.as_mut()?;
         let (text, end) = (message.to_string(), Instant::now() + patience);
-        let resends = if matches!(self.endpoint, Endpoint::Udp(_)) { MAX_RESENDS } else { 0 };
+        // A command that arrives twice, or late, may have an effect twice.
+        let is_command =
+            message["body"]["type"].as_str().is_some_and(|name| commands::COMMANDS.contains(&name));
+        let is_resent = matches!(self.endpoint, Endpoint::Udp(_)) && !is_command;
+        let resends = if is_resent { MAX_RESENDS } else { 0 };
         for left in (0..=resends).rev() {
             let sent_at = Instant::now();
             session.send(&mut self.tape, text.as_bytes(), Some(id), trial);
@@ -395,7 +413,12 @@ impl Probe<'_, '_> {
         let body = json!({ "type": "AUTH-REQ", "method": "basic", "data": data });
         let answer = self.post(&body, Some(plain()), self.patience());
         self.coverage.sent("AUTH-REQ", answer.as_ref());
-        answer.is_some_and(|answer| answer["body"]["result"] == true)
+        let is_accepted = answer.as_ref().is_some_and(|answer| answer["body"]["result"] == true);
+        if answer.is_some() && !is_accepted {
+            // Further attempts could lock the account.
+            self.cut_short("the server refused the login".to_owned());
+        }
+        is_accepted
     }
 
     /// The time to wait for an answer before the next request is sent.

@@ -66,16 +66,16 @@ pub(super) struct ProbeArgs {
     /// Takes the names that --only takes. Findings of a skipped rule are not reported.
     #[arg(long, value_name = "NAME")]
     skip: Vec<String>,
-    /// Run no trials: send no malformed or unusual messages.
+    /// Run no trials: send no malformed messages and no unusual ones, apart from unknown ids and an unknown type.
     #[arg(long)]
     no_trials: bool,
-    /// Time after which no further requests are sent (default: 45, or 105 with --allow-commands).
+    /// Time after which no further requests are sent, without --observe (default: 45, or 105 with --allow-commands).
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<Duration>,
-    /// Time that a request may stay unanswered.
+    /// Time that a request may stay unanswered, from 1 to 60.
     ///
     /// The probe goes on with other requests meanwhile.
-    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = timeout)]
     timeout: Duration,
     /// Record the session to this file.
     ///
@@ -116,8 +116,8 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
     let mut known = args.known.read()?;
-    let record = recording(args)?;
     let options = options(args, &definitions)?;
+    let record = recording(args)?;
     let path = args.endpoint.to_string();
     let progress = Progress::steps("steps");
     let started = Instant::now();
@@ -173,6 +173,13 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
         selection,
         ..options
     })
+}
+
+/// A time that a request may stay unanswered. A shorter time would cause false findings.
+fn timeout(text: &str) -> Result<Duration, String> {
+    let time = seconds(text)?;
+    let is_sensible = (Duration::from_secs(1)..=Duration::from_secs(60)).contains(&time);
+    is_sensible.then_some(time).ok_or_else(|| "expected a number from 1 to 60".to_owned())
 }
 
 /// Creates the `--record` file. Errors are printed.

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
-use super::survey::with_unknown_id;
+use super::survey::{ids, with_unknown_id};
 use crate::json::base64;
 use crate::rules::flockwave::trial::UNKNOWN_ID;
 use crate::rules::flockwave::{FlockwaveRule, asy_10, asy_19, env_07};
@@ -40,11 +40,40 @@ const FLIGHT: Duration = Duration::from_secs(2);
 /// The flight altitude in mm above home.
 const HEIGHT: i64 = 10_000;
 
-/// The altitude in mm above which a UAV is in the air. GNSS altitudes of a UAV on the ground vary.
+/// The height in mm above which a UAV is in the air, and the height below which it is on the ground. The altitude of a
+/// UAV on the ground varies.
 const AIRBORNE: i64 = 1_500;
+const LANDED: i64 = 700;
+
+/// The change of the altitude in mm, in [`ALTITUDE_INTERVAL`], below which a UAV isn't descending.
+const STILL: i64 = 50;
+
+/// The number of times that a command to land is sent.
+const MAX_ATTEMPTS: u32 = 4;
+
+/// The commands of a flight.
+const FLIGHT_COMMANDS: [&str; 8] =
+    ["UAV-TAKEOFF", "UAV-HOVER", "UAV-FLY", "UAV-RTH", "UAV-LAND", "UAV-HALT", "UAV-RST", "SHOW-CRTH-START"];
+
+/// The altitude of a UAV, in mm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Altitude {
+    AboveHome(i64),
+    AboveSea(i64),
+}
+
+/// The heights of UAVs above earlier altitudes, in mm. `None` if the altitudes have different references.
+fn heights(now: &[Altitude], before: &[Altitude]) -> Option<Vec<i64>> {
+    let height = |(now, before): (&Altitude, &Altitude)| match (now, before) {
+        (Altitude::AboveHome(now), Altitude::AboveHome(before))
+        | (Altitude::AboveSea(now), Altitude::AboveSea(before)) => Some(now - before),
+        _ => None,
+    };
+    now.iter().zip(before).map(height).collect()
+}
 
 /// The types that are sent only with the permission of the user.
-const COMMANDS: [&str; 28] = [
+pub(super) const COMMANDS: [&str; 28] = [
     "EXT-LOAD",
     "EXT-RELOAD",
     "EXT-SETCFG",
@@ -100,7 +129,7 @@ impl Probe<'_, '_> {
         self.sleep(&known);
         self.test(&known);
         let is_on_ground = self.fly(&known, &first);
-        self.restart(&known, is_on_ground, uavs.iter().all(|id| known.contains(id)));
+        self.restart(&known, is_on_ground);
     }
 
     /// Starts an operation that may be suspended until the client resumes it.
@@ -147,27 +176,35 @@ impl Probe<'_, '_> {
         let blob = base64::encode(b"probe");
         self.query(json!({ "type": "FW-UPLOAD", "ids": [UNKNOWN_ID], "target": UNKNOWN_ID, "blob": blob }));
         self.query(json!({ "type": "SHOW-CRTH-PLAN", "show": blob }));
-        // If the server refuses to show its settings, the probe sends settings in which no show can start.
-        let start = json!({ "authorized": false, "clock": null, "time": null, "method": "rc", "uavIds": [] });
-        for (get, set, safe) in [
-            ("SHOW-CFG", "SHOW-SETCFG", json!({ "start": start })),
-            ("SHOW-LIGHTS", "SHOW-SETLIGHTS", json!({ "effect": "off" })),
-        ] {
-            let current = self.query(json!({ "type": get }));
-            let current = current.and_then(|answer| answer["body"].get("configuration").cloned());
-            self.query(json!({ "type": set, "configuration": current.unwrap_or(safe) }));
+        for (get, set) in [("SHOW-CFG", "SHOW-SETCFG"), ("SHOW-LIGHTS", "SHOW-SETLIGHTS")] {
+            let answer = self.query(json!({ "type": get })).unwrap_or_default();
+            if let Some(current) = answer["body"].get("configuration") {
+                self.query(json!({ "type": set, "configuration": current }));
+            } else if self.is_unsupported(&answer, get) {
+                // A server without the family has no settings.
+                self.query(json!({ "type": set, "configuration": {} }));
+            } else {
+                self.coverage.not_sent(&[set], "needs the current settings");
+            }
         }
     }
 
     /// Makes UAVs sleep. Sleeping UAVs don't respond, which the server must report.
     fn sleep(&mut self, uavs: &[String]) {
+        let sent_before = self.requests;
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-SLEEP", "ids": uavs }));
+        let is_asleep = self.requests > sent_before;
         self.operate(
             &env_07::RULE,
             PROGRESS_TIMEOUT,
             json!({ "type": "UAV-SIGNAL", "ids": uavs, "signals": ["light"], "duration": 500 }),
         );
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-WAKEUP", "ids": uavs }));
+        let wake_up = json!({ "type": "UAV-WAKEUP", "ids": uavs });
+        if is_asleep {
+            self.undo(wake_up);
+        } else {
+            self.operate(&env_07::RULE, PROGRESS_TIMEOUT, wake_up);
+        }
     }
 
     /// Tests UAVs on the ground.
@@ -177,55 +214,123 @@ impl Probe<'_, '_> {
         self.operate(&asy_10::RULE, SHORT_TIMEOUT, test);
         self.query(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
         self.query(json!({ "type": "OBJ-CMD", "ids": ids, "command": "probe-none" }));
-        for is_start in [true, false] {
-            let motors = json!({ "type": "UAV-MOTOR", "ids": ids, "start": is_start });
-            self.operate(&env_07::RULE, PROGRESS_TIMEOUT, motors);
+        let motors = |is_start: bool| json!({ "type": "UAV-MOTOR", "ids": ids, "start": is_start });
+        let sent_before = self.requests;
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, motors(true));
+        if self.requests > sent_before {
+            self.undo(motors(false));
         }
     }
 
-    /// Makes a short flight. Returns true if all UAVs were seen on the ground afterwards.
+    /// Sends the command that undoes an earlier one, whatever the user selected, and even if the time limit is reached.
+    #[allow(clippy::needless_pass_by_value)] // callers build the body in the call
+    fn undo(&mut self, body: Value) {
+        let end = std::mem::replace(&mut self.end, Instant::now() + PROGRESS_TIMEOUT);
+        if let Some(receipt) = receipt(self.insist(&body).as_ref()) {
+            self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
+        }
+        self.end = end;
+    }
+
+    /// Makes a short flight. Returns true if all UAVs took off and were seen on the ground afterwards.
     fn fly(&mut self, uavs: &[String], first: &str) -> bool {
         let ids = with_unknown_id(uavs);
-        let ground = self.altitudes(uavs);
-        let is_in_air = |(now, ground): (&i64, &i64)| now - ground > AIRBORNE;
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
-        self.wait_for_altitudes(TAKEOFF_TIMEOUT, uavs, |now| now.iter().zip(&ground).all(is_in_air));
-        self.query(json!({ "type": "UAV-HOVER", "ids": ids }));
-        let state = self.query(json!({ "type": "UAV-INF", "ids": [first] }));
-        let position = state.map(|answer| answer["body"]["status"][first]["position"].clone());
-        if let Some([latitude, longitude, ..]) =
-            position.as_ref().and_then(Value::as_array).map(Vec::as_slice)
+        let Some(ground) = self.altitudes(uavs) else {
+            self.coverage.not_sent(&FLIGHT_COMMANDS, "needs the altitude of each UAV");
+            return false;
+        };
+        if ground.iter().any(|altitude| matches!(altitude, Altitude::AboveHome(height) if *height > AIRBORNE))
         {
-            let target = json!([latitude, longitude, null, HEIGHT]);
-            self.query(json!({ "type": "UAV-FLY", "ids": [first], "target": target }));
-            self.listen(FLIGHT);
-        } else {
-            self.coverage.not_sent(&["UAV-FLY"], "needs the position of a UAV");
+            self.note("no UAV was made to fly, because a UAV is in the air".to_owned());
+            self.coverage.not_sent(&FLIGHT_COMMANDS, "a UAV is in the air");
+            return false;
         }
-        // UAVs in the air must land even if the time limit is reached.
-        let end = self.end.max(Instant::now() + LANDING_TIMEOUT);
-        let end = std::mem::replace(&mut self.end, end);
-        self.query(json!({ "type": "UAV-RTH", "ids": ids }));
+        let sent_before = self.requests;
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
+        let has_taken_off = self.requests > sent_before;
+        let is_in_air =
+            |now: &[Altitude]| heights(now, &ground).is_some_and(|all| all.iter().all(|up| *up > AIRBORNE));
+        let was_in_air = has_taken_off && self.wait_for_altitudes(TAKEOFF_TIMEOUT, uavs, is_in_air);
+        self.query(json!({ "type": "UAV-HOVER", "ids": ids }));
+        self.fly_up(first);
+        if !has_taken_off {
+            self.query(json!({ "type": "UAV-RTH", "ids": ids }));
+            self.query(json!({ "type": "UAV-LAND", "ids": ids }));
+            return false;
+        }
+        let is_landed = self.land(uavs, &ground);
+        if !is_landed {
+            self.cut_short(format!("these UAVs were not seen to land, check them: {}", uavs.join(", ")));
+        }
+        was_in_air && is_landed
+    }
+
+    /// Makes a UAV fly to a point above its position.
+    fn fly_up(&mut self, uav: &str) {
+        let state = self.query(json!({ "type": "UAV-INF", "ids": [uav] }));
+        let position = state.map(|answer| answer["body"]["status"][uav]["position"].clone());
+        let Some([latitude, longitude, ..]) = position.as_ref().and_then(Value::as_array).map(Vec::as_slice)
+        else {
+            return self.coverage.not_sent(&["UAV-FLY"], "needs the position of a UAV");
+        };
+        let target = json!([latitude, longitude, null, HEIGHT]);
+        self.query(json!({ "type": "UAV-FLY", "ids": [uav], "target": target }));
         self.listen(FLIGHT);
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-LAND", "ids": ids }));
-        let is_on_ground =
-            self.wait_for_altitudes(LANDING_TIMEOUT, uavs, |now| !now.iter().zip(&ground).any(is_in_air));
-        self.end = end;
-        if !is_on_ground {
-            self.note("the UAVs were not seen to land; check them".to_owned());
+    }
+
+    /// Returns and lands UAVs, whatever the user selected, and even if the time limit is reached or a connection fails.
+    /// Returns true if all UAVs were seen on the ground.
+    fn land(&mut self, uavs: &[String], ground: &[Altitude]) -> bool {
+        let ids = with_unknown_id(uavs);
+        let end = std::mem::replace(&mut self.end, Instant::now() + LANDING_TIMEOUT);
+        let cut_short = self.cut_short.take();
+        self.insist(&json!({ "type": "UAV-RTH", "ids": ids }));
+        self.listen(FLIGHT);
+        self.end = Instant::now() + LANDING_TIMEOUT;
+        if let Some(receipt) = receipt(self.insist(&json!({ "type": "UAV-LAND", "ids": ids })).as_ref()) {
+            self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
         }
-        is_on_ground
+        let is_down =
+            |now: &[Altitude]| heights(now, ground).is_some_and(|all| all.iter().all(|up| *up < LANDED));
+        // A UAV that only passes this height is lower a moment later.
+        let mut before: Option<Vec<Altitude>> = None;
+        let is_still = |now: &[Altitude]| {
+            let moved = before.replace(now.to_vec()).and_then(|before| heights(now, &before));
+            is_down(now) && moved.is_some_and(|all| all.iter().all(|moved| moved.abs() < STILL))
+        };
+        let is_landed = self.wait_for_altitudes(LANDING_TIMEOUT, uavs, is_still);
+        self.end = end;
+        if let Some(reason) = cut_short {
+            self.cut_short(reason);
+        }
+        is_landed
+    }
+
+    /// Sends a request until the server answers it, whatever the user selected. Connects again if necessary.
+    fn insist(&mut self, body: &Value) -> Option<Value> {
+        for _ in 0..MAX_ATTEMPTS {
+            self.reconnects = 0;
+            if let Some(answer) = self.discover(body.clone()) {
+                return Some(answer);
+            }
+            // The UAV matters more than the reason to stop.
+            self.cut_short = None;
+            thread::sleep(ALTITUDE_INTERVAL);
+        }
+        None
     }
 
     /// Sends the commands that would make a flying UAV fall.
-    fn restart(&mut self, uavs: &[String], is_on_ground: bool, are_all_named: bool) {
-        if are_all_named {
+    fn restart(&mut self, uavs: &[String], is_on_ground: bool) {
+        if !is_on_ground {
+            let why = "the UAVs were not seen to take off and land";
+            return self.coverage.not_sent(&["SHOW-CRTH-START", "UAV-HALT", "UAV-RST"], why);
+        }
+        let all = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
+        if !all.is_empty() && all.iter().all(|id| uavs.contains(id)) {
             self.query(json!({ "type": "SHOW-CRTH-START" }));
         } else {
             self.coverage.not_sent(&["SHOW-CRTH-START"], "could move UAVs that --uav doesn't name");
-        }
-        if !is_on_ground {
-            return self.coverage.not_sent(&["UAV-HALT", "UAV-RST"], "the UAVs were not seen to land");
         }
         for kind in ["UAV-HALT", "UAV-RST"] {
             self.operate(
@@ -242,15 +347,14 @@ impl Probe<'_, '_> {
         &mut self,
         time: Duration,
         uavs: &[String],
-        is_wanted: impl Fn(&[i64]) -> bool,
+        mut is_wanted: impl FnMut(&[Altitude]) -> bool,
     ) -> bool {
         let until = (Instant::now() + time).min(self.end);
         loop {
-            let altitudes = self.altitudes(uavs);
-            if altitudes.len() == uavs.len() && is_wanted(&altitudes) {
+            if self.altitudes(uavs).is_some_and(|altitudes| is_wanted(&altitudes)) {
                 return true;
             }
-            if altitudes.is_empty() || Instant::now() >= until {
+            if Instant::now() >= until {
                 return false;
             }
             if self.session.is_some() {
@@ -261,16 +365,15 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// The altitudes of UAVs above home, or else above mean sea level, in mm. UAVs without an altitude are omitted.
-    fn altitudes(&mut self, uavs: &[String]) -> Vec<i64> {
-        let Some(answer) = self.discover(json!({ "type": "UAV-INF", "ids": uavs })) else {
-            return Vec::new();
-        };
+    /// The altitudes of UAVs. `None` if one of them is unknown.
+    fn altitudes(&mut self, uavs: &[String]) -> Option<Vec<Altitude>> {
+        let answer = self.discover(json!({ "type": "UAV-INF", "ids": uavs }))?;
         let altitude = |id: &String| {
             let position = &answer["body"]["status"][id]["position"];
-            position[3].as_i64().or_else(|| position[2].as_i64())
+            let above_home = position[3].as_i64().map(Altitude::AboveHome);
+            above_home.or_else(|| position[2].as_i64().map(Altitude::AboveSea))
         };
-        uavs.iter().filter_map(altitude).collect()
+        uavs.iter().map(altitude).collect()
     }
 
     /// Sends a command, and waits for the end of its first operation.

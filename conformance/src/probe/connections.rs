@@ -33,15 +33,12 @@ impl Probe<'_, '_> {
     pub(super) fn connect(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
         let endpoint = endpoint.unwrap_or(self.endpoint);
         let until = Instant::now() + CONNECT_TIMEOUT;
+        let timeout = self.options.timeout;
+        // Over HTTP, each request has the time limit.
+        let limit = if matches!(endpoint, Endpoint::Http { .. }) { timeout } else { CONNECT_TIMEOUT };
         self.connections += 1;
         loop {
-            match Session::open(
-                endpoint,
-                self.connections,
-                &mut self.tape,
-                &self.access,
-                [CONNECT_TIMEOUT, self.options.timeout],
-            ) {
+            match Session::open(endpoint, self.connections, &mut self.tape, &self.access, [limit, timeout]) {
                 Err(error) if is_temporary(&error) && Instant::now() + PAUSE < until => thread::sleep(PAUSE),
                 opened => return opened,
             }
@@ -70,7 +67,7 @@ impl Probe<'_, '_> {
         let why = self.session.as_ref().map(Session::why_over);
         self.leave();
         if self.reconnects >= MAX_RECONNECTS {
-            self.cut_short(format!("{MAX_RECONNECTS} connections ended"));
+            self.cut_short(format!("the server closed {MAX_RECONNECTS} connections"));
             return false;
         }
         self.reconnects += 1;
@@ -100,13 +97,15 @@ impl Probe<'_, '_> {
 
     /// Closes a connection, but keeps it open while answers may still arrive.
     pub(super) fn close(&mut self, session: Session) {
+        self.is_ending |= session.is_announced();
         if !session.is_pending() {
             return session.close(&mut self.tape);
         }
-        while self.lingering.len() >= MAX_LINGERING {
+        self.lingering.push(session);
+        let max = if self.is_exclusive { 0 } else { MAX_LINGERING };
+        while self.lingering.len() > max {
             self.catch_up();
         }
-        self.lingering.push(session);
     }
 
     /// Reads late answers, and closes the connections for which no more can arrive.
@@ -127,9 +126,11 @@ impl Probe<'_, '_> {
     /// Waits until the server serves a new connection. A message from one client must not affect others, so a server
     /// that stopped serving them violates a rule. Returns false if the probe can't continue.
     pub(super) fn recover(&mut self, after: &str) -> bool {
-        let trial = Trial { rule: &env_27::RULE.rule, how: after };
-        let is_reported = !self.serves_witness(trial);
-        if self.serves(Some(trial).filter(|_| !is_reported), self.patience()) {
+        // A server that announced its end may restart.
+        let is_ending = std::mem::take(&mut self.is_ending);
+        let trial = (!is_ending).then_some(Trial { rule: &env_27::RULE.rule, how: after });
+        let is_reported = trial.is_some_and(|trial| !self.serves_witness(trial));
+        if self.serves(trial.filter(|_| !is_reported), self.patience()) {
             if is_reported {
                 self.note(format!("the server stopped serving other connections {after}"));
             }
@@ -150,8 +151,19 @@ impl Probe<'_, '_> {
         false
     }
 
-    /// Makes sure that the witness is connected.
+    /// Makes sure that the witness is connected and served. Servers may close connections that are idle.
     pub(super) fn ensure_witness(&mut self) {
+        if self.is_exclusive {
+            return;
+        }
+        if let Some(witness) = self.witness.take_if(|witness| witness.is_idle()) {
+            let session = self.session.replace(witness);
+            let is_served = self.post(&json!({ "type": "SYS-VER" }), None, self.patience()).is_some();
+            self.witness = std::mem::replace(&mut self.session, session);
+            if !is_served && let Some(witness) = self.witness.take() {
+                self.close(witness);
+            }
+        }
         // Over UDP and HTTP, a missing answer proves nothing.
         let has_connections = matches!(self.endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. });
         if has_connections
@@ -164,6 +176,18 @@ impl Probe<'_, '_> {
         }
     }
 
+    /// Finds out whether the server serves a second connection next to the witness. If it doesn't, there is no witness.
+    pub(super) fn test_witness(&mut self) {
+        self.ensure_witness();
+        if self.witness.is_some() && !self.serves(None, self.patience()) {
+            self.is_exclusive = true;
+            self.note("the server serves only one connection".to_owned());
+            if let Some(witness) = self.witness.take() {
+                self.close(witness);
+            }
+        }
+    }
+
     /// True if the server answers on the connection of the witness, if there is one.
     pub(super) fn serves_witness(&mut self, trial: Trial<'_>) -> bool {
         let Some(mut witness) = self.witness.take() else { return true };
@@ -171,7 +195,11 @@ impl Probe<'_, '_> {
         if witness.is_over() {
             let is_lost = !witness.is_announced();
             if is_lost {
-                self.tape.refused(witness.name(), "the server closed this connection too", Some(trial));
+                self.tape.refused(
+                    witness.name(),
+                    "the server closed the connection of another client",
+                    Some(trial),
+                );
             }
             return !is_lost;
         }

@@ -22,6 +22,9 @@ const CLOSED: &str = "eof";
 /// The maximum number of late messages to read at a time. Other connections must get their turn.
 const MAX_LATE: usize = 1_000;
 
+/// The time after which a connection is idle.
+const IDLE_TIME: Duration = Duration::from_secs(5);
+
 /// The time limit for reading the remaining messages after the server closed the connection.
 const DRAIN_TIMEOUT: Duration = Duration::from_millis(200);
 
@@ -51,6 +54,10 @@ pub(super) struct Session {
     unread: VecDeque<Option<String>>,
     /// The number of answers without an envelope.
     bare: u64,
+    /// The time of the latest message from the client.
+    sent_at: Instant,
+    /// True if the connection is being read to its end after sending failed.
+    is_draining: bool,
     /// True if the server sent SYS-CLOSE.
     is_announced: bool,
     /// The reason why the latest failed HTTP request failed.
@@ -86,6 +93,8 @@ impl Session {
             waiting: BTreeMap::new(),
             unread: VecDeque::new(),
             bare: 0,
+            sent_at: Instant::now(),
+            is_draining: false,
             is_announced: false,
             failed: None,
             end: None,
@@ -109,6 +118,11 @@ impl Session {
     /// The name of the connection.
     pub(super) fn name(&self) -> &str {
         &self.name
+    }
+
+    /// True if the client has not sent a request for a while.
+    pub(super) fn is_idle(&self) -> bool {
+        !self.is_over() && self.sent_at.elapsed() > IDLE_TIME
     }
 
     /// True if the server announced the end of the connection.
@@ -195,6 +209,7 @@ impl Session {
         trial: Option<Trial<'_>>,
     ) {
         tape.message(&self.name, Direction::Out, text, trial);
+        self.sent_at = Instant::now();
         if let Some(id) = id.filter(|_| self.waiting.len() < MAX_WAITING) {
             self.waiting.insert(id.to_owned(), Instant::now());
         }
@@ -295,6 +310,7 @@ impl Session {
         if let Some(refs) = message["refs"].as_str() {
             self.waiting.remove(refs);
         } else if message["body"]["type"] == "SYS-PING"
+            && !self.is_draining
             && let Some(id) = message["id"].as_str()
         {
             let answer = json!({
@@ -308,6 +324,7 @@ impl Session {
         let Err(error) = sent else { return };
         if is_end(&error) {
             // Messages sent before the end of the connection still count.
+            self.is_draining = true;
             let until = Instant::now() + DRAIN_TIMEOUT;
             while self.receive(tape, until).is_some() {}
             self.end(tape, CLOSED);

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
+use crate::flockwave::transport::endpoint::Endpoint;
 use crate::rules::flockwave::trial::{self, Request, UNKNOWN_ID};
 use crate::rules::flockwave::{ack_06, env_24, sys_ping_01};
 
@@ -47,7 +48,10 @@ impl Probe<'_, '_> {
         let is_required = login["body"]["required"] == true;
         let methods = login["body"]["methods"].as_array();
         let has_basic = methods.is_some_and(|methods| methods.iter().any(|method| method == "basic"));
-        if is_required {
+        // With HTTP Basic, the client is logged in from the start.
+        let may_be_logged_in = self.options.login.is_some()
+            && matches!(self.endpoint, Endpoint::Http { .. } | Endpoint::SocketIo { .. });
+        if is_required && !may_be_logged_in {
             self.query_for_trial(&ack_06::RULE, json!({ "type": "UAV-LIST" }));
         }
         if self.options.login.is_none() {
@@ -61,8 +65,8 @@ impl Probe<'_, '_> {
             self.has_login = false;
             self.coverage.not_sent(&["AUTH-REQ"], "the server has no login with the method basic");
         } else if !self.log_in() {
-            // Further attempts could lock the account.
             self.has_login = false;
+            self.cut_short = None;
             self.failure =
                 Some("the server refused the login; check the name and password of --login".to_owned());
             return false;
@@ -75,7 +79,8 @@ impl Probe<'_, '_> {
             self.query(json!({ "type": "SYS-TIME" }));
         }
         self.query(json!({ "type": "SYS-PORTS" }));
-        self.query(json!({ "type": UNKNOWN_TYPE }));
+        let refusal = self.query(json!({ "type": UNKNOWN_TYPE }));
+        self.unknown_type = refusal.as_ref().and_then(|answer| reason(answer, UNKNOWN_TYPE));
         self.cut_short.is_none() && self.failure.is_none()
     }
 
@@ -186,6 +191,11 @@ impl Probe<'_, '_> {
         self.step();
     }
 
+    /// True if the server refuses a request as it refuses a request of an unknown type.
+    pub(super) fn is_unsupported(&self, answer: &Value, type_name: &str) -> bool {
+        self.unknown_type.is_some() && reason(answer, type_name) == self.unknown_type
+    }
+
     /// Sends a request whose answer later requests depend on. It is sent even if the user didn't select its type.
     #[allow(clippy::needless_pass_by_value)] // callers build the body in the call
     pub(super) fn discover(&mut self, body: Value) -> Option<Value> {
@@ -200,8 +210,14 @@ impl Probe<'_, '_> {
     }
 }
 
+/// The reason of a refusal, without the type of the request.
+fn reason(answer: &Value, type_name: &str) -> Option<String> {
+    let is_refusal = answer["body"]["type"] == "ACK-NAK";
+    is_refusal.then(|| answer["body"]["reason"].as_str().unwrap_or_default().replace(type_name, "…"))
+}
+
 /// The distinct ids in an answer.
-fn ids(answer: Option<&Value>) -> Vec<String> {
+pub(super) fn ids(answer: Option<&Value>) -> Vec<String> {
     strings(answer.map(|answer| &answer["body"]["ids"]))
 }
 

@@ -28,6 +28,10 @@ pub(super) fn selected(endpoint: &Endpoint, selection: &Selection) -> Vec<(&'sta
 impl Probe<'_, '_> {
     /// Runs all trials.
     pub(super) fn run_trials(&mut self, attempts: &[(&'static Rule, Attempt)]) {
+        if attempts.is_empty() {
+            return;
+        }
+        self.test_witness();
         for (at, (rule, attempt)) in attempts.iter().enumerate() {
             if self.failure.is_some() || self.cut_short.is_some() {
                 return;
@@ -53,12 +57,14 @@ impl Probe<'_, '_> {
             Err(error) if endpoint.is_some() => return self.refused(endpoint.as_ref(), &error, Some(trial)),
             Err(error) => {
                 self.refused(None, &error, None);
-                self.recover(&format!("before a trial: {}", rule.id));
-                return;
+                return self.cut_short(format!("can't connect for a trial: {error}"));
             }
         }
         self.log_in();
         let Some(mut session) = self.session.take() else { return };
+        if self.cut_short.is_some() {
+            return self.close(session);
+        }
         let is_served = self.carry_out(&mut session, steps, trial);
         self.close(session);
         // If the server has crashed, further trials are meaningless.

@@ -14,16 +14,19 @@ const MAX_TEXT: usize = 1 << 20;
 /// The maximum number of connections with an incomplete text.
 const MAX_CONNECTIONS: usize = 16;
 
-/// The incomplete texts, by connection index.
+/// The maximum number of pieces of a text. Each piece causes the whole text to be parsed again.
+const MAX_PIECES: usize = 1_000;
+
+/// The incomplete texts and their numbers of pieces, by connection index.
 #[derive(Debug, Default)]
-pub(super) struct Pieces(BTreeMap<usize, String>);
+pub(super) struct Pieces(BTreeMap<usize, (String, usize)>);
 
 impl Pieces {
     /// Adds a piece. Returns the texts that are now complete: messages, and texts that no later piece can turn into a
     /// message.
     pub(super) fn add(&mut self, connection: usize, piece: &str) -> Vec<String> {
         let mut done = Vec::new();
-        let mut text = self.0.remove(&connection).unwrap_or_default();
+        let (mut text, pieces) = self.0.remove(&connection).unwrap_or_default();
         // A whole message never continues another message.
         if is_object(piece) {
             done.extend(unless_blank(&text));
@@ -31,17 +34,21 @@ impl Pieces {
         }
         text.push_str(piece);
         let incomplete = take_lines(&text, &mut done);
-        if incomplete.len() > MAX_TEXT || self.0.len() >= MAX_CONNECTIONS {
+        if incomplete.is_empty() {
+            return done;
+        }
+        let is_too_long = incomplete.len() > MAX_TEXT || pieces >= MAX_PIECES;
+        if is_too_long || self.0.len() >= MAX_CONNECTIONS {
             done.push(incomplete.to_owned());
-        } else if !incomplete.is_empty() {
-            self.0.insert(connection, incomplete.to_owned());
+        } else {
+            self.0.insert(connection, (incomplete.to_owned(), pieces + 1));
         }
         done
     }
 
     /// Removes the incomplete text of a connection, because no other piece can follow.
     pub(super) fn end(&mut self, connection: usize) -> Option<String> {
-        self.0.remove(&connection)
+        self.0.remove(&connection).map(|(text, _)| text)
     }
 
     /// True if a connection has an incomplete text.

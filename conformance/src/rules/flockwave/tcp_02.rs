@@ -40,11 +40,9 @@ fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
         return Vec::new();
     }
     let (one, two) = (|| Sent::request("one", "SYS-VER"), || Sent::request("two", "SYS-VER"));
-    let noise = Sent::text("not a message", None);
     vec![
         Attempt::new("a message in two segments", [Step::Pieces(one(), 2, SHORT_PAUSE)]),
         Attempt::new("a message in many segments", [Step::Pieces(one(), 12, SHORT_PAUSE / 4)]),
         Attempt::new("two messages in one segment", [Step::Together(vec![one(), two()])]),
-        Attempt::new("a segment with a message and a non-JSON line", [Step::Together(vec![one(), noise])]),
     ]
 }

@@ -1,8 +1,8 @@
 //! `FW-TCP-03`.
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, Strain, Trial, mutant, served, source,
-    trial,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Sent, Status, Step, Strain, Trial, mutant,
+    served, source, trial,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -34,7 +34,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
     match endpoint {
-        Endpoint::Tcp(_) => trial::after_noise("after a line that is not JSON", &["one"]),
+        Endpoint::Tcp(_) => {
+            let together = vec![Sent::request("one", "SYS-VER"), Sent::text("not a message", None)];
+            let together =
+                Attempt::new("a segment with a message and a non-JSON line", [Step::Together(together)]);
+            let mut attempts = trial::after_noise("after a line that is not JSON", &["one"]);
+            attempts.push(together);
+            attempts
+        }
         _ => Vec::new(),
     }
 }
