@@ -157,12 +157,7 @@ impl Probe<'_, '_> {
             return;
         }
         if let Some(witness) = self.witness.take_if(|witness| witness.is_idle()) {
-            let session = self.session.replace(witness);
-            let is_served = self.post(&json!({ "type": "SYS-VER" }), None, self.patience()).is_some();
-            self.witness = std::mem::replace(&mut self.session, session);
-            if !is_served && let Some(witness) = self.witness.take() {
-                self.close(witness);
-            }
+            self.ask_witness(witness, None);
         }
         // Over UDP and HTTP, a missing answer proves nothing.
         let has_connections = matches!(self.endpoint, Endpoint::Tcp(_) | Endpoint::SocketIo { .. });
@@ -203,11 +198,16 @@ impl Probe<'_, '_> {
             }
             return !is_lost;
         }
+        self.ask_witness(witness, Some(trial))
+    }
+
+    /// Sends a request on the connection of the witness. Without an answer, the connection is no longer the witness.
+    fn ask_witness(&mut self, witness: Session, trial: Option<Trial<'_>>) -> bool {
         let session = self.session.replace(witness);
-        let is_served = self.post(&json!({ "type": "SYS-VER" }), Some(trial), self.patience()).is_some();
-        self.witness = std::mem::replace(&mut self.session, session);
-        if !is_served && let Some(witness) = self.witness.take() {
-            self.close(witness);
+        let is_served = self.post(&json!({ "type": "SYS-VER" }), trial, self.patience()).is_some();
+        match std::mem::replace(&mut self.session, session) {
+            Some(witness) if !is_served => self.close(witness),
+            witness => self.witness = witness,
         }
         is_served
     }
