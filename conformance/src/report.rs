@@ -93,7 +93,7 @@ pub struct Report {
     pub subjects: Vec<Subject>,
     /// The files that couldn't be opened, and a server that failed.
     pub unreadable: Vec<Unreadable>,
-    /// The files in folders that aren't captures by their names. They don't affect the outcome.
+    /// The files in folders that aren't captures. They don't affect the outcome.
     pub not_checked: Vec<Unreadable>,
 }
 
@@ -378,7 +378,7 @@ impl Report {
         }
     }
 
-    /// Adds the files in folders that aren't captures by their names.
+    /// Adds the files in folders that aren't captures.
     #[must_use]
     pub(crate) fn with_not_checked(self, not_checked: Vec<Unreadable>) -> Self {
         Self { not_checked, ..self }

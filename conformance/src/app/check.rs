@@ -71,7 +71,8 @@ pub(super) struct CheckArgs {
     ///
     /// Inputs are PX4 logs (.ulg), MCAP files, JSON messages and recorded Flockwave sessions, optionally compressed
     /// with gzip or zstd. The file type is detected from the content. Folders are searched for .ulg, .ulge, .mcap,
-    /// .json, .jsonl and .ndjson files. Other files in folders are listed as not checked, unless they are hidden.
+    /// .json, .jsonl and .ndjson files. Symbolic links are followed. Other files in folders are listed as not checked,
+    /// unless they are hidden.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Definitions to check against (default: built-in).
@@ -105,9 +106,6 @@ pub(super) struct CheckArgs {
     #[command(flatten)]
     report: ReportArgs,
 }
-
-/// The reason why a file in a folder isn't checked.
-const NOT_A_CAPTURE: &str = "no capture by the file extension";
 
 pub(super) fn check(args: &CheckArgs) -> Status {
     match run(args) {
@@ -155,10 +153,9 @@ pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
     let known_status = known.finish_captures(&mut checked, &unreadable);
     checked.into_iter().for_each(take);
     let reasons = uncovered(&required, &subjects);
-    let not_checked =
-        |path: &PathBuf| Unreadable { path: path.display().to_string(), message: NOT_A_CAPTURE.to_owned() };
+    let not_checked = files.skipped.iter().map(|(path, reason)| unreadable_file(path, reason));
     let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons)
-        .with_not_checked(files.others.iter().map(not_checked).collect())
+        .with_not_checked(not_checked.collect())
         .with_stale(known.stale);
     Ok((report, known_status))
 }
@@ -184,26 +181,23 @@ fn message_id(args: &CheckArgs, definitions: &Definitions) -> Result<Option<Mess
 fn find_files(paths: &[PathBuf]) -> Result<Files, Status> {
     let files = input::files(paths).map_err(|(path, error)| {
         anstream::eprintln!("error: {}: {error}", path.display());
-        let is_mistake = error.kind() == io::ErrorKind::InvalidInput;
-        if is_mistake { Status::Usage } else { Status::Unreadable }
+        Status::Usage
     })?;
-    for (path, reason) in &files.empty {
+    for (path, reason) in files.unreadable.iter().chain(&files.empty) {
         anstream::eprintln!("error: {}: {reason}", path.display());
     }
     Ok(files)
 }
 
-/// The folders and patterns that yield no captures, if there are captures elsewhere. If there are no captures at all,
-/// the outcome is that nothing was checked.
+/// The paths that can't be read, and the folders and patterns that yield no captures. If there are no captures at all,
+/// the latter aren't failures: the outcome is that nothing was checked.
 fn unfound(files: &Files) -> Vec<Unreadable> {
-    if files.captures.is_empty() {
-        return Vec::new();
-    }
-    let unreadable = |(path, reason): &(PathBuf, String)| Unreadable {
-        path: path.display().to_string(),
-        message: reason.clone(),
-    };
-    files.empty.iter().map(unreadable).collect()
+    let empty = files.empty.iter().filter(|_| !files.captures.is_empty());
+    files.unreadable.iter().chain(empty).map(|(path, reason)| unreadable_file(path, reason)).collect()
+}
+
+fn unreadable_file(path: &Path, reason: &str) -> Unreadable {
+    Unreadable { path: path.display().to_string(), message: reason.to_owned() }
 }
 
 /// The settings that affect reports.

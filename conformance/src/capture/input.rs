@@ -1,5 +1,6 @@
 //! Finds capture files and opens them, decompressed if necessary.
 
+mod search;
 pub(crate) mod zstd;
 
 use std::fs::File;
@@ -7,9 +8,9 @@ use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
-use globset::{Glob, GlobBuilder};
-use walkdir::WalkDir;
+use globset::{Glob, GlobBuilder, GlobMatcher};
 
+use self::search::{DANGLING, Found, search};
 use self::zstd::Frames;
 
 /// The path that denotes standard input.
@@ -30,13 +31,18 @@ const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
 /// The characters that make a path a pattern.
 const WILDCARDS: [char; 3] = ['*', '?', '['];
 
+/// The reason for skipping a file that has no capture extension.
+pub(crate) const NOT_A_CAPTURE: &str = "no capture by the file extension";
+
 /// The files that paths denote.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(crate) struct Files {
     /// The files to check, in order.
     pub(crate) captures: Vec<PathBuf>,
-    /// The other files in the folders. Hidden files aren't listed.
-    pub(crate) others: Vec<PathBuf>,
+    /// The other files in the folders, with the reason for skipping each of them. Hidden files aren't listed.
+    pub(crate) skipped: Vec<(PathBuf, &'static str)>,
+    /// The subfolders and links that can't be read, with the reason.
+    pub(crate) unreadable: Vec<(PathBuf, String)>,
     /// The folders and patterns that yield no captures, with the reason.
     pub(crate) empty: Vec<(PathBuf, String)>,
 }
@@ -44,55 +50,67 @@ pub(crate) struct Files {
 /// The files that `paths` denote. A folder denotes the captures in it and its subfolders. A pattern such as
 /// `logs/**/*.ulg` denotes the files that match it. The files of a folder or pattern are sorted.
 ///
-/// An unreadable folder is an error. An invalid pattern is an [`InvalidInput`](io::ErrorKind::InvalidInput) error.
-pub(crate) fn files(paths: &[PathBuf]) -> Result<Files, (PathBuf, io::Error)> {
+/// Symbolic links are followed. An unreadable folder doesn't end the search. Pipes, sockets and devices are captures
+/// only if `paths` contains them. Fails with the pattern and its error if a pattern is invalid.
+pub(crate) fn files(paths: &[PathBuf]) -> Result<Files, (PathBuf, String)> {
     let mut files = Files::default();
     for path in paths {
-        let before = files.captures.len();
+        let before = files.captures.len() + files.unreadable.len();
         let nothing = if path.as_os_str() == STANDARD_INPUT {
             files.captures.push(path.clone());
             String::new()
         } else if path.is_dir() {
-            for file in walk(path).map_err(|error| (path.clone(), error))? {
-                if is_capture(&file) {
-                    files.captures.push(file);
-                } else if !is_hidden(path, &file) {
-                    files.others.push(file);
-                }
-            }
+            search(path, usize::MAX, |found| files.take_from_folder(path, found));
             let extensions = EXTENSIONS.join(", .");
             format!("no captures in this folder: expected files with the extension .{extensions}")
         } else if let (false, Some(pattern)) = (path.exists(), pattern(path)) {
-            let pattern = pattern
-                .map_err(|error| (path.clone(), io::Error::new(io::ErrorKind::InvalidInput, error)))?
-                .compile_matcher();
-            let found = walk(&folder_of(path)).map_err(|error| (path.clone(), error))?;
-            files.captures.extend(found.into_iter().filter(|file| pattern.is_match(file)));
+            let pattern = pattern.map_err(|error| (path.clone(), error.to_string()))?.compile_matcher();
+            let folder = folder_of(path);
+            search(&folder, depth_of(path, &folder), |found| files.take_matching(&pattern, found));
             "no file matches this pattern".to_owned()
         } else {
             // A missing file is only reported when it is opened, so the other files are still checked.
             files.captures.push(path.clone());
             String::new()
         };
-        if files.captures.len() == before {
+        if files.captures.len() + files.unreadable.len() == before {
             files.empty.push((path.clone(), nothing));
         }
     }
     Ok(files)
 }
 
-/// The files in a folder and its subfolders, sorted.
-fn walk(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    let mut files = Vec::new();
-    for entry in WalkDir::new(folder).sort_by_file_name() {
-        let entry = entry?;
-        // Paths found in `.` start with `./`, but users omit this prefix in patterns.
-        let path = entry.path().strip_prefix(".").unwrap_or(entry.path());
-        if entry.file_type().is_file() {
-            files.push(path.to_owned());
+impl Files {
+    /// Adds something that was found in a folder.
+    fn take_from_folder(&mut self, folder: &Path, found: Found) {
+        let (path, reason) = match found {
+            Found::File(path) if is_capture(&path) => return self.captures.push(path),
+            Found::File(path) => (path, NOT_A_CAPTURE),
+            Found::Dangling(path) if is_capture(&path) => {
+                return self.unreadable.push((path, DANGLING.to_owned()));
+            }
+            Found::Dangling(path) => (path, DANGLING),
+            Found::Skipped(path, reason) => (path, reason),
+            Found::Unreadable(path, reason) => return self.unreadable.push((path, reason)),
+        };
+        if !is_hidden(folder, &path) {
+            self.skipped.push((path, reason));
         }
     }
-    Ok(files)
+
+    /// Adds something that may match a pattern.
+    fn take_matching(&mut self, pattern: &GlobMatcher, found: Found) {
+        match found {
+            Found::File(path) if pattern.is_match(&path) => self.captures.push(path),
+            Found::Dangling(path) if pattern.is_match(&path) => {
+                self.unreadable.push((path, DANGLING.to_owned()));
+            }
+            Found::Skipped(path, reason) if pattern.is_match(&path) => self.skipped.push((path, reason)),
+            // The folder may contain files that match.
+            Found::Unreadable(path, reason) => self.unreadable.push((path, reason)),
+            Found::File(_) | Found::Dangling(_) | Found::Skipped(..) => {}
+        }
+    }
 }
 
 /// True if the name of a file or of one of its parents below `folder` starts with a dot.
@@ -112,6 +130,13 @@ fn folder_of(pattern: &Path) -> PathBuf {
     let has_none = |part: &std::path::Component<'_>| !part.as_os_str().to_string_lossy().contains(WILDCARDS);
     let folder: PathBuf = pattern.components().take_while(has_none).collect();
     if folder.as_os_str().is_empty() { PathBuf::from(".") } else { folder }
+}
+
+/// The number of levels below `folder` at which files can match a pattern.
+fn depth_of(pattern: &Path, folder: &Path) -> usize {
+    let is_any_depth = pattern.components().any(|part| part.as_os_str().to_string_lossy().contains("**"));
+    let levels = pattern.strip_prefix(folder).unwrap_or(pattern).components().count();
+    if is_any_depth { usize::MAX } else { levels }
 }
 
 /// True if the file name has a capture extension.
@@ -191,6 +216,17 @@ mod tests {
         }
     }
 
+    /// The names of files.
+    fn names(files: &[PathBuf]) -> Vec<String> {
+        let name = |file: &PathBuf| Some(file.file_name()?.to_string_lossy().into_owned());
+        files.iter().filter_map(name).collect()
+    }
+
+    /// The names of the skipped files.
+    fn skipped(files: &Files) -> Vec<String> {
+        files.skipped.iter().flat_map(|(path, _)| names(std::slice::from_ref(path))).collect()
+    }
+
     #[test]
     fn searches_folders_for_captures() {
         let folder = tempfile::tempdir().expect("a folder");
@@ -200,30 +236,132 @@ mod tests {
             fs::write(below.join(name), "").expect("a file");
         }
         fs::write(below.join(".hidden"), "").expect("a file");
-        let names = |files: &[PathBuf]| -> Vec<String> {
-            let name = |file: &PathBuf| Some(file.file_name()?.to_string_lossy().into_owned());
-            files.iter().filter_map(name).collect()
-        };
         let found = files(&[folder.path().to_path_buf()]).expect("files");
         assert_eq!(names(&found.captures), ["a.ULG.gz", "b.ulg", "c.jsonl.zst", "e.mcap", "f.mcap.zstd"]);
-        assert_eq!(names(&found.others), ["d.gz", "notes.txt"], "hidden files are not listed");
+        assert_eq!(skipped(&found), ["d.gz", "notes.txt"], "hidden files are not listed");
         assert!(found.empty.is_empty(), "{found:?}");
         let given = files(&[below.join("notes.txt"), PathBuf::from("-")]).expect("files");
         assert_eq!(names(&given.captures), ["notes.txt", "-"], "explicit paths are accepted");
-        assert!(given.others.is_empty(), "{given:?}");
+        assert!(given.skipped.is_empty(), "{given:?}");
         let matched = files(&[folder.path().join("**/*.ulg*"), below.join("[bc].*")]).expect("files");
         assert_eq!(names(&matched.captures), ["b.ulg", "b.ulg", "c.jsonl.zst"]);
-        assert!(matched.others.is_empty(), "a pattern names its files: {matched:?}");
+        assert!(matched.skipped.is_empty(), "a pattern names its files: {matched:?}");
         let nothing = files(&[below.join("*.bag"), below.clone()]).expect("files");
         assert_eq!(nothing.empty, [(below.join("*.bag"), "no file matches this pattern".to_owned())]);
         assert_eq!(nothing.captures.len(), 5, "the other files are still found");
-        let (path, error) = files(&[below.join("[a.ulg")]).expect_err("an unclosed class");
-        assert_eq!((path, error.kind()), (below.join("[a.ulg"), io::ErrorKind::InvalidInput));
+        let (path, _) = files(&[below.join("[a.ulg")]).expect_err("an unclosed class");
+        assert_eq!(path, below.join("[a.ulg"));
         let empty = tempfile::tempdir().expect("a folder");
         let found = files(&[empty.path().to_path_buf()]).expect("files");
         assert_eq!(
             (found.captures.len(), names(&[found.empty[0].0.clone()])),
             (0, names(&[empty.path().into()]))
         );
+    }
+
+    #[cfg(unix)]
+    mod links {
+        use std::fs::Permissions;
+        use std::os::unix::fs::{PermissionsExt as _, symlink};
+        use std::os::unix::net::UnixListener;
+
+        use super::super::search::CYCLE;
+        use super::*;
+
+        /// The paths below `folder`, with `/`.
+        fn below(folder: &Path, paths: &[PathBuf]) -> Vec<String> {
+            let below = |path: &PathBuf| path.strip_prefix(folder).expect("below").display().to_string();
+            paths.iter().map(below).collect()
+        }
+
+        #[test]
+        fn follows_links_to_files_and_folders() {
+            let (outside, folder) =
+                (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+            fs::write(outside.path().join("a.ulg"), "").expect("a file");
+            symlink(outside.path(), folder.path().join("flights")).expect("a link");
+            symlink(outside.path().join("a.ulg"), folder.path().join("latest.ulg")).expect("a link");
+            symlink(folder.path(), outside.path().join("back")).expect("a link");
+            let found = files(&[folder.path().to_path_buf()]).expect("files");
+            assert_eq!(below(folder.path(), &found.captures), ["flights/a.ulg", "latest.ulg"]);
+            assert_eq!(found.skipped, [(folder.path().join("flights/back"), CYCLE)]);
+            assert!(found.unreadable.is_empty(), "{found:?}");
+            let matched = files(&[folder.path().join("**/*.ulg")]).expect("files");
+            assert_eq!(matched.captures, found.captures);
+        }
+
+        #[test]
+        fn names_everything_that_is_skipped() {
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = |name: &str| folder.path().join(name);
+            symlink("nowhere", path("gone.txt")).expect("a link");
+            symlink("nowhere", path("gone.ulg")).expect("a link");
+            symlink("self.mcap", path("self.mcap")).expect("a link");
+            let made = std::process::Command::new("mkfifo").arg(path("pipe.json")).status();
+            assert!(made.expect("mkfifo runs").success(), "a pipe");
+            let _listener = UnixListener::bind(path("socket.json")).expect("a socket");
+            symlink("/dev/null", path("zero.jsonl")).expect("a link");
+            let found = files(&[folder.path().to_path_buf()]).expect("files");
+            assert!(found.captures.is_empty(), "opening a pipe would block: {found:?}");
+            assert_eq!(
+                found.skipped,
+                [
+                    (path("gone.txt"), DANGLING),
+                    (path("pipe.json"), "a named pipe"),
+                    (path("socket.json"), "a socket"),
+                    (path("zero.jsonl"), "a device"),
+                ]
+            );
+            let dangling = ["gone.ulg", "self.mcap"].map(|name| (path(name), DANGLING.to_owned()));
+            assert_eq!(found.unreadable, dangling, "these may be captures");
+            let matched = files(&[path("*.json"), path("gone.*")]).expect("files");
+            assert_eq!(skipped(&matched), ["pipe.json", "socket.json"]);
+            assert_eq!(matched.unreadable.len(), 2, "{matched:?}");
+            let given = files(&[path("pipe.json")]).expect("files");
+            assert_eq!(names(&given.captures), ["pipe.json"], "explicit paths are accepted");
+        }
+
+        #[test]
+        fn an_unreadable_folder_does_not_end_the_search() {
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = |name: &str| folder.path().join(name);
+            fs::create_dir_all(path("b/deep")).expect("a folder");
+            for name in ["a.ulg", "b/deep/x.ulg", "c.ulg"] {
+                fs::write(path(name), "").expect("a file");
+            }
+            let closed =
+                |mode| fs::set_permissions(path("b"), Permissions::from_mode(mode)).expect("a folder");
+            closed(0);
+            // The superuser can read all folders.
+            let is_closed = fs::read_dir(path("b")).is_err();
+            let found = files(&[folder.path().to_path_buf()]).expect("files");
+            let direct = files(&[path("*.ulg")]).expect("files");
+            closed(0o700);
+            if is_closed {
+                assert_eq!(below(folder.path(), &found.captures), ["a.ulg", "c.ulg"]);
+                assert_eq!(found.unreadable.len(), 1);
+                assert_eq!(found.unreadable[0].0, path("b"));
+            }
+            assert_eq!(names(&direct.captures), ["a.ulg", "c.ulg"]);
+            assert!(direct.unreadable.is_empty(), "the pattern matches nothing in the folder: {direct:?}");
+        }
+
+        #[test]
+        fn folders_that_link_to_each_other_in_several_ways_are_bounded() {
+            let (root, folder) =
+                (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+            let level = |number: u32| root.path().join(number.to_string());
+            for number in 0..30 {
+                fs::create_dir(level(number)).expect("a folder");
+                for name in ["left", "right"] {
+                    symlink(level(number + 1), level(number).join(name)).expect("a link");
+                }
+            }
+            fs::create_dir(level(30)).expect("a folder");
+            symlink(level(0), folder.path().join("start")).expect("a link");
+            let found = files(&[folder.path().to_path_buf()]).expect("files");
+            assert!(!found.unreadable.is_empty(), "2^30 paths are too many");
+            assert!(found.unreadable[0].1.contains("more than 10000 links"), "{:?}", found.unreadable[0]);
+        }
     }
 }

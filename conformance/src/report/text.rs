@@ -1,6 +1,7 @@
 //! Renders reports as text for a terminal.
 
 mod findings;
+mod skipped;
 mod testee;
 
 use std::collections::BTreeMap;
@@ -32,13 +33,9 @@ pub(super) fn write(report: &Report) -> String {
 pub(crate) fn end(report: &Report) -> String {
     let mut text = String::new();
     let is_single = report.subjects.len() == 1 && report.unreadable.is_empty();
-    let failed = report.unreadable.iter().map(|file| format!("{}: {}", file.path, file.message));
     // Writing to a string can't fail.
-    let _ = labelled(FAIL, "failed", &failed.collect::<Vec<_>>(), &mut text);
-    if let Some(first) = report.not_checked.first() {
-        let files = names(report.not_checked.iter().map(|file| &*file.path));
-        let _ = labelled(PLAIN, "not checked", &[format!("{files} ({})", first.message)], &mut text);
-    }
+    let _ = labelled(FAIL, "failed", &skipped::failures(&report.unreadable), &mut text);
+    let _ = labelled(PLAIN, "not checked", &skipped::lines(&report.not_checked), &mut text);
     if !is_single {
         let _ = outcomes(report, &mut text);
     }
