@@ -3,9 +3,11 @@
 mod corruption;
 pub(crate) mod file;
 mod schemas;
+mod suite;
 mod varying;
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::Cursor;
 use std::sync::{Arc, LazyLock};
@@ -216,57 +218,95 @@ fn conforming_files_have_no_findings_in_any_form() {
 }
 
 /// A file written by the `mcap` crate, with indices, checksums and a summary.
+fn other_writers_file(use_chunks: bool, disable_seeking: bool, has_checksum: bool) -> Vec<u8> {
+    let (name, _) = ros("Glider");
+    let options = mcap::WriteOptions::new()
+        .compression(None)
+        .chunk_size(Some(1_000))
+        .calculate_data_section_crc(has_checksum)
+        .use_chunks(use_chunks)
+        .disable_seeking(disable_seeking);
+    let mut writer = options.create(Cursor::new(Vec::new())).expect("memory");
+    let schema = Arc::new(mcap::Schema {
+        id: 1,
+        name: name.clone(),
+        encoding: "ros2msg".to_owned(),
+        data: Cow::Owned(ros2msg(GLIDER).into_bytes()),
+    });
+    let channel = Arc::new(mcap::Channel {
+        id: 0,
+        topic: "/fmu/out/glider".to_owned(),
+        schema: Some(schema),
+        message_encoding: "cdr".to_owned(),
+        metadata: [("topic_type_hash".to_owned(), ros("Glider").1)].into(),
+    });
+    for number in 1..=60 {
+        let message = mcap::Message {
+            channel: channel.clone(),
+            sequence: 0,
+            log_time: number,
+            publish_time: number,
+            data: Cow::Owned(Glider::at(number * PERIOD).cdr()),
+        };
+        writer.write(&message).expect("memory");
+    }
+    let attachment = mcap::Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: "picture".to_owned(),
+        media_type: "image/png".to_owned(),
+        data: Cow::Owned(vec![5; 100_000]),
+    };
+    writer.attach(&attachment).expect("memory");
+    let metadata = mcap::records::Metadata {
+        name: "club".to_owned(),
+        metadata: [("field".to_owned(), "grass".to_owned())].into(),
+    };
+    writer.write_metadata(&metadata).expect("memory");
+    writer.finish().expect("memory");
+    writer.into_inner().into_inner()
+}
+
 #[test]
 fn checks_files_of_another_writer() {
-    let (name, _) = ros("Glider");
     for (use_chunks, disable_seeking) in [(true, false), (true, true), (false, false)] {
-        let options = mcap::WriteOptions::new()
-            .compression(None)
-            .chunk_size(Some(1_000))
-            .calculate_data_section_crc(true)
-            .use_chunks(use_chunks)
-            .disable_seeking(disable_seeking);
-        let mut writer = options.create(Cursor::new(Vec::new())).expect("memory");
-        let schema = Arc::new(mcap::Schema {
-            id: 1,
-            name: name.clone(),
-            encoding: "ros2msg".to_owned(),
-            data: Cow::Owned(ros2msg(GLIDER).into_bytes()),
-        });
-        let channel = Arc::new(mcap::Channel {
-            id: 0,
-            topic: "/fmu/out/glider".to_owned(),
-            schema: Some(schema),
-            message_encoding: "cdr".to_owned(),
-            metadata: [("topic_type_hash".to_owned(), ros("Glider").1)].into(),
-        });
-        for number in 1..=60 {
-            let message = mcap::Message {
-                channel: channel.clone(),
-                sequence: 0,
-                log_time: number,
-                publish_time: number,
-                data: Cow::Owned(Glider::at(number * PERIOD).cdr()),
-            };
-            writer.write(&message).expect("memory");
-        }
-        let attachment = mcap::Attachment {
-            log_time: 0,
-            create_time: 0,
-            name: "picture".to_owned(),
-            media_type: "image/png".to_owned(),
-            data: Cow::Owned(vec![5; 100_000]),
-        };
-        writer.attach(&attachment).expect("memory");
-        let metadata = mcap::records::Metadata {
-            name: "club".to_owned(),
-            metadata: [("field".to_owned(), "grass".to_owned())].into(),
-        };
-        writer.write_metadata(&metadata).expect("memory");
-        writer.finish().expect("memory");
-        let bytes = writer.into_inner().into_inner();
+        let bytes = other_writers_file(use_chunks, disable_seeking, true);
         assert_conforms(&checked(&bytes), &(use_chunks, disable_seeking));
     }
+}
+
+/// A copy of a file in which all records except messages have additional bytes at the end. Also returns the kinds of
+/// these records.
+fn extended(bytes: &[u8]) -> (Vec<u8>, BTreeSet<u8>) {
+    let (mut longer, mut kinds, mut at) = (file::MAGIC.to_vec(), BTreeSet::new(), file::MAGIC.len());
+    while at + file::MAGIC.len() < bytes.len() {
+        let length = u64::from_le_bytes(bytes[at + 1..at + 9].try_into().expect("8 bytes"));
+        let end = at + 9 + usize::try_from(length).expect("a length");
+        let added = if bytes[at] == mcap::records::op::MESSAGE { &b""[..] } else { b"of a later version" };
+        if !added.is_empty() {
+            kinds.insert(bytes[at]);
+        }
+        longer.extend(file::record(bytes[at], &[&bytes[at + 9..end], added]));
+        at = end;
+    }
+    longer.extend(file::MAGIC);
+    (longer, kinds)
+}
+
+/// The MCAP specification requires readers to ignore unknown fields at the end of a record.
+#[test]
+fn ignores_unknown_fields_at_the_end_of_records() {
+    let mut extended_kinds = BTreeSet::new();
+    for use_chunks in [true, false] {
+        let (bytes, kinds) = extended(&other_writers_file(use_chunks, false, false));
+        extended_kinds.extend(kinds);
+        assert_conforms(&checked(&bytes), &use_chunks);
+    }
+    let packed = [file::start(), chunked(Form::Zstd, &records_with(&good().cdr())), file::end()].concat();
+    assert_conforms(&checked(&extended(&packed).0), &"a compressed chunk");
+    use mcap::records::op;
+    let all_kinds = (op::HEADER..=op::DATA_END).filter(|kind| *kind != op::MESSAGE).collect();
+    assert_eq!(extended_kinds, all_kinds);
 }
 
 /// A file with a JSON channel and these messages.

@@ -16,14 +16,18 @@ const CHUNK_FIXED: (usize, usize) = (28, 8);
 /// The maximum plausible length of a compression name, in bytes.
 const MAX_PACKING: usize = 64;
 
-/// The maximum number of bytes after the records of a chunk, for parts that later versions of the format may add.
+/// The maximum number of bytes after the known fields of a record with a fixed size, a chunk or an attachment. Later
+/// versions of the format may add fields at the end of all records except messages.
 const MAX_ADDED: u64 = 4_096;
 
 /// The size in bytes of the fixed part of a message, which precedes the payload.
 const MESSAGE_FIXED: u64 = 22;
 
-/// The size of the footer, in bytes.
+/// The size of the known fields of the footer, in bytes.
 const FOOTER: u64 = 20;
+
+/// The size of the known fields of an end-of-data record, in bytes.
+const DATA_END: u64 = 4;
 
 /// The opcode and the length of a record.
 pub(super) fn head(ahead: &[u8]) -> Option<(u8, u64)> {
@@ -35,8 +39,8 @@ pub(super) fn head(ahead: &[u8]) -> Option<(u8, u64)> {
 pub(super) fn can_be(opcode: u8, length: u64) -> bool {
     match opcode {
         0 => false,
-        op::FOOTER => length == FOOTER,
-        op::DATA_END => length == 4,
+        op::FOOTER => (FOOTER..=FOOTER + MAX_ADDED).contains(&length),
+        op::DATA_END => (DATA_END..=DATA_END + MAX_ADDED).contains(&length),
         op::MESSAGE => (MESSAGE_FIXED..=MAX_RECORD).contains(&length),
         // These records are read in parts, or skipped.
         op::CHUNK | op::ATTACHMENT => length <= u64::MAX >> 1,
@@ -88,13 +92,14 @@ impl ChunkHead {
     }
 }
 
-/// True if an attachment's header, data and checksum add up to the record length.
+/// True if an attachment's header, data and checksum fit the record length.
 pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
     let mut parts = Parts(start);
     let data =
         parts.take(16).and_then(|_| parts.text()).and_then(|()| parts.text()).and_then(|()| parts.u64());
     let head = (start.len() - parts.0.len()) as u64;
-    data.and_then(|data| data.checked_add(head)?.checked_add(4)) == Some(length)
+    let known = data.and_then(|data| data.checked_add(head)?.checked_add(4));
+    known.and_then(|known| length.checked_sub(known)).is_some_and(|added| added <= MAX_ADDED)
 }
 
 /// True if the parts of a record match its length. Unless `is_exact` is true, the record may end with parts that later
@@ -143,9 +148,9 @@ pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool 
     };
     let channel = || body.first_chunk().map(|id| u16::from_le_bytes(*id));
     match opcode {
-        op::FOOTER => rest.starts_with(&MAGIC),
+        op::FOOTER => length == FOOTER && rest.starts_with(&MAGIC),
         op::MESSAGE => channel().is_some_and(is_declared) && can_follow(rest),
-        op::DATA_END => can_follow(rest),
+        op::DATA_END => length == DATA_END && can_follow(rest),
         _ => has_parts(opcode, body, true),
     }
 }
