@@ -141,7 +141,8 @@ pub struct CaptureResult {
     pub summary: Summary,
     /// The number of bytes read.
     pub bytes: u64,
-    /// The time from the first to the last timestamp, in µs.
+    /// The time from the first to the last timestamp, in µs. In a PX4 log, timestamps before the start of logging don't
+    /// count.
     pub duration: u64,
     /// The number of messages.
     pub records: u64,
@@ -242,6 +243,8 @@ struct CheckRun<'d> {
     sessions: Sessions,
     records: u64,
     checked: u64,
+    /// The time at which logging began, in µs since boot, if the capture states it.
+    start: Option<u64>,
     first: Option<u64>,
     last: u64,
     /// The corrupt parts by description.
@@ -303,6 +306,7 @@ impl<'d> CheckRun<'d> {
             sessions: Sessions::default(),
             records: 0,
             checked: 0,
+            start: None,
             first: None,
             last: 0,
             corruption: HashMap::new(),
@@ -341,6 +345,7 @@ impl<'d> CheckRun<'d> {
     /// Passes the capture's start time, in µs since boot, to the rules.
     fn started(&mut self, time: u64) {
         self.clock.start(time);
+        self.start = Some(time);
         self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
     }
 
@@ -375,9 +380,11 @@ impl<'d> CheckRun<'d> {
         self.clock.set_utc(time, time);
     }
 
-    /// Extends the time span to include a timestamp in µs.
+    /// Extends the time span to include a timestamp in µs. The first message of a topic may be older than the log: its
+    /// publisher sent it before logging began.
     fn include_timestamp(&mut self, timestamp: Option<u64>) {
-        if let Some(timestamp) = timestamp.filter(|timestamp| *timestamp > 0) {
+        let is_logged = |timestamp: &u64| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start);
+        if let Some(timestamp) = timestamp.filter(is_logged) {
             self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
             self.last = self.last.max(timestamp);
         }

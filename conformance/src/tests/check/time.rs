@@ -26,6 +26,17 @@ fn regular(messages: u64) -> (Writer, u64) {
     (log, FIRST + (messages - 1) * PERIOD)
 }
 
+/// The first message of a topic may have been published long before logging began.
+#[test]
+fn the_duration_starts_when_logging_began() {
+    let mut log = start();
+    let began = u64::from_le_bytes(log.bytes[8..16].try_into().expect("8 bytes"));
+    at(&mut log, [began - 900, began + PERIOD, began + 3 * PERIOD]);
+    let result = run_check(&log);
+    assert_eq!((result.checked, result.duration), (3, 2 * PERIOD));
+    assert_eq!(violated(&result), []);
+}
+
 fn covered(result: &CaptureResult, id: &str) -> u64 {
     result.findings.covered(rule(id).expect("a rule"))
 }
