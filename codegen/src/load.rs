@@ -13,7 +13,7 @@ mod files;
 mod lint;
 mod located;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(crate) use self::config::{Config, Inputs, Plan};
 pub(crate) use self::files::{
@@ -44,6 +44,15 @@ pub fn read_definitions_translated(
     let (loaded, schema, translations, diagnostics) = read_translated(&plan_at(path.as_ref())?)?;
     fail_on_errors(&diagnostics, &loaded.sources)?;
     Ok((loaded.sources, schema, translations))
+}
+
+/// The files that [`read_definitions`] and [`read_definitions_translated`] read from this path, including the
+/// configuration file.
+pub fn definition_files(path: impl AsRef<Path>) -> Result<Vec<PathBuf>, Failure> {
+    let plan = plan_at(path.as_ref())?;
+    let mut files = load_with_catalogues(&plan)?.files;
+    files.extend(plan.config.map(|(path, _)| PathBuf::from(path)));
+    Ok(files)
 }
 
 /// The plan for a path given to [`read_definitions`].

@@ -20,6 +20,7 @@ mod access;
 mod check;
 mod known;
 mod outcome;
+mod outputs;
 mod probe;
 mod progress;
 mod report;

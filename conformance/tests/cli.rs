@@ -393,7 +393,7 @@ fn rejects_invalid_report_arguments() {
         (&["--report", "html"], "KIND=PATH"),
         (&["--report", "html=-,json=-"], "only one report can be printed to standard output"),
         (&["--report", "html=-", "--format", "json"], "only one report can be printed to standard output"),
-        (&["--report", "html=a,json=a"], "two reports have the path a"),
+        (&["--report", "html=a,json=a"], "--report html=a and --report json=a are the same file"),
     ] {
         for command in ["check", "test"] {
             let rest: &[&str] = if command == "check" { &["absent.ulg"] } else { &["--", "absent"] };

@@ -3,6 +3,7 @@
 mod cli;
 mod imports;
 mod known;
+mod outputs;
 mod probe;
 mod schema;
 mod serve;

@@ -1,6 +1,6 @@
 //! The options for logins and certificates.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -27,6 +27,11 @@ pub(super) struct AccessArgs {
 }
 
 impl AccessArgs {
+    /// The files that the arguments name.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        self.ca.as_deref().into_iter()
+    }
+
     /// The trusted certificates. Errors are printed.
     pub(super) fn trust(&self) -> Result<Trust, Status> {
         if self.insecure {

@@ -11,6 +11,7 @@ use uavspec_codegen::schema::MessageId;
 
 use super::known::KnownArgs;
 use super::outcome::OutcomeArgs;
+use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
@@ -124,6 +125,7 @@ pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
     let required = args.require.rules()?;
     let message_id = message_id(args, &definitions)?;
     let files = find_files(&args.files)?;
+    check_outputs(args, &files)?;
     let mut known = args.known.read()?;
     let settings = settings(args);
     let (mut checked, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), unfound(&files));
@@ -158,6 +160,18 @@ pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
         .with_not_checked(not_checked.collect())
         .with_stale(known.stale);
     Ok((report, known_status))
+}
+
+/// Checks that no output replaces an input. Errors are printed.
+fn check_outputs(args: &CheckArgs, files: &Files) -> Result<(), Status> {
+    let outputs: Vec<Output<'_>> = args.report.outputs().chain(args.known.outputs()).collect();
+    let captures = files.captures.iter().map(PathBuf::as_path);
+    let inputs = Inputs {
+        files: captures.chain(args.known.inputs()).collect(),
+        definitions: args.definitions.as_deref(),
+        schemas: &args.schemas,
+    };
+    outputs::check(&inputs, &outputs)
 }
 
 /// The type of all JSON messages, if it is given. Errors are printed.

@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 use std::error::Error;
 use std::fs::File;
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::Status;
+use super::outputs::Output;
 use crate::check::known::{
     Checked, Lists, NewEntry, Scope, Stale, excuse_findings, new_list, rule_outcomes, unread_outcome,
 };
@@ -49,6 +50,16 @@ pub(super) struct Known {
 }
 
 impl KnownArgs {
+    /// The lists that exist.
+    pub(super) fn inputs(&self) -> impl Iterator<Item = &Path> {
+        self.known.iter().map(PathBuf::as_path)
+    }
+
+    /// The list to write.
+    pub(super) fn outputs(&self) -> impl Iterator<Item = Output<'_>> {
+        self.init_known.iter().map(|path| Output::new("--init-known", path))
+    }
+
     /// Reads the lists. Errors are printed.
     pub(super) fn read(&self) -> Result<Known, Status> {
         let print_error = |error: String| {

@@ -10,6 +10,7 @@ use clap::Args;
 use super::access::AccessArgs;
 use super::known::KnownArgs;
 use super::outcome::OutcomeArgs;
+use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
@@ -115,6 +116,7 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     }
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
+    check_outputs(args)?;
     let mut known = args.known.read()?;
     let options = options(args, &definitions)?;
     let record = recording(args)?;
@@ -154,6 +156,18 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
         }
         _ => Ok(status),
     }
+}
+
+/// Checks that no output replaces an input. Errors are printed.
+fn check_outputs(args: &ProbeArgs) -> Result<(), Status> {
+    let record = args.record.iter().map(|path| Output::new("--record", path));
+    let outputs: Vec<Output<'_>> = record.chain(args.report.outputs()).chain(args.known.outputs()).collect();
+    let inputs = Inputs {
+        files: args.known.inputs().chain(args.access.inputs()).collect(),
+        definitions: args.definitions.as_deref(),
+        schemas: &args.schemas,
+    };
+    outputs::check(&inputs, &outputs)
 }
 
 /// The options of the probe. Unknown names are printed as errors.

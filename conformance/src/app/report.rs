@@ -8,6 +8,7 @@ use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum as _};
 
+use super::outputs::Output;
 use crate::report::{Kind, Report, Subject, end_text, subject_text};
 
 /// The path that means standard output.
@@ -25,7 +26,7 @@ pub(super) struct ReportArgs {
     /// Write a report to a file (repeatable).
     ///
     /// For example, html=report.html. KIND is one of the formats above. Separate multiple reports with commas. The
-    /// path `-` means standard output.
+    /// path `-` means standard output. A report never replaces an input.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
     /// The first printing error, which is reported together with the errors from writing report files.
@@ -64,16 +65,18 @@ impl ReportArgs {
     /// Returns an error if the arguments contradict each other.
     pub(super) fn problem(&self) -> Option<String> {
         let printed = self.report.iter().filter(|target| target.is_printed()).count();
-        if printed + usize::from(self.format.is_some()) > 1 {
-            return Some(
-                "only one report can be printed to standard output: write the others to files".to_owned(),
-            );
-        }
-        let twice = |(at, target): (usize, &Target)| {
-            !target.is_printed() && self.report[..at].iter().any(|other| other.path == target.path)
-        };
-        let at = self.report.iter().enumerate().position(twice)?;
-        Some(format!("two reports have the path {}", self.report[at].path.display()))
+        (printed + usize::from(self.format.is_some()) > 1).then(|| {
+            "only one report can be printed to standard output: write the others to files".to_owned()
+        })
+    }
+
+    /// The report files.
+    pub(super) fn outputs(&self) -> impl Iterator<Item = Output<'_>> {
+        self.report.iter().map(|target| {
+            let kind =
+                target.kind.to_possible_value().map_or_else(String::new, |kind| kind.get_name().to_owned());
+            Output { name: format!("--report {kind}={}", target.path.display()), path: &target.path }
+        })
     }
 
     /// The kind of the report on standard output.
@@ -139,11 +142,12 @@ fn ignore_broken_pipe(to: &mut impl Write, text: &str) -> io::Result<()> {
 
 /// Writes a file atomically. If this fails, an existing file stays unchanged.
 fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    // A pipe or a terminal can't be replaced. If the path is a link, the link's target is replaced.
-    let path = match fs::canonicalize(path) {
-        Ok(path) if !path.is_file() => return fs::write(path, bytes),
-        Ok(path) => path,
-        Err(_) => path.to_path_buf(),
+    // A pipe or a terminal can't be replaced. If the path is a link, the link's target is replaced. A pipe may have no
+    // real path, and the target of a link may be absent.
+    let path = match fs::metadata(path) {
+        Ok(metadata) if metadata.is_file() => fs::canonicalize(path)?,
+        Err(_) if !path.is_symlink() => path.to_path_buf(),
+        _ => return fs::write(path, bytes),
     };
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // A new file in a temporary folder has default permissions. A temporary file would be private.

@@ -11,6 +11,7 @@ use globset::{Glob, GlobMatcher};
 use uavspec_codegen::dynamic::Types;
 
 use super::known::KnownArgs;
+use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::{Status, deliver, outcome_statuses};
@@ -141,6 +142,9 @@ pub(super) fn test(args: &TestArgs) -> Status {
         anstream::eprintln!("error: {problem}");
         return Status::Usage;
     }
+    if let Err(status) = check_outputs(args) {
+        return status;
+    }
     let definitions = match super::definitions(args.definitions.as_deref()) {
         Ok(definitions) => definitions,
         Err(status) => return status,
@@ -184,6 +188,20 @@ pub(super) fn test(args: &TestArgs) -> Status {
     let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
     let report = report.with_stale(known.stale);
     deliver(&args.report, &report).max(known_status).max(args.known.init(&report))
+}
+
+/// Checks that no output replaces an input. Errors are printed.
+fn check_outputs(args: &TestArgs) -> Result<(), Status> {
+    let cases = args.dump_cases.iter().map(|path| Output::new("--dump-cases", path));
+    let outputs: Vec<Output<'_>> = cases.chain(args.report.outputs()).chain(args.known.outputs()).collect();
+    // The words of the command may name the testee's program and its files.
+    let words = args.command.iter().map(Path::new).filter(|path| path.is_file());
+    let inputs = Inputs {
+        files: args.replay.as_deref().into_iter().chain(args.known.inputs()).chain(words).collect(),
+        definitions: args.definitions.as_deref(),
+        ..Inputs::default()
+    };
+    outputs::check(&inputs, &outputs)
 }
 
 /// The command that runs one case.
