@@ -1,5 +1,6 @@
 //! Generation of output from a configuration file, for build scripts and the command line.
 
+mod guard;
 mod output;
 mod parallel;
 
@@ -50,9 +51,10 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     if has_errors(&diagnostics) {
         return Err(Failure::new(format!("the definitions contain errors\n{rendered}")));
     }
-    let changed = write(&emit_all(&plan, &schema, &translations, &loaded.sources)?)?;
+    let folders = emit_all(&plan, &schema, &translations, &loaded.sources)?;
     let mut inputs = loaded.files;
     inputs.insert(0, config.to_path_buf());
+    let changed = write(&folders, &inputs)?;
     Ok(Generated {
         inputs,
         changed: changed.into_iter().map(Difference::into_path).collect(),
@@ -60,13 +62,14 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     })
 }
 
-/// Runs the emitters of the plan.
+/// Runs the emitters of the plan. Fails if a name in the definitions is not a file name on all systems.
 pub(crate) fn emit_all(
     plan: &Plan,
     schema: &Schema,
     translations: &Translations,
     sources: &SourceMap,
 ) -> Result<Vec<Folder>, Failure> {
+    guard::check_names(schema, sources)?;
     let input = Input { schema, translations, sources };
     in_parallel(&plan.outputs, |output| {
         Ok(Folder { path: output.path.clone(), files: output.output.emit(input)? })

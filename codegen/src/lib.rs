@@ -93,6 +93,8 @@ pub mod lint;
 #[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 pub mod load;
 pub mod msg;
+#[cfg_attr(not(feature = "files"), allow(dead_code))]
+mod name;
 #[cfg(feature = "files")]
 mod path;
 mod pattern;
@@ -106,6 +108,8 @@ pub mod rewrite;
 pub mod schema;
 pub mod source;
 mod span;
+#[cfg(feature = "files")]
+pub mod stage;
 mod table;
 pub mod translation;
 mod unit;

@@ -21,7 +21,6 @@ mod parser;
 pub(crate) mod statement;
 pub(crate) mod words;
 
-pub(crate) use self::kind::is_identifier;
 pub use self::kind::{Dialect, Kind};
 pub(crate) use self::parser::is_separator;
 

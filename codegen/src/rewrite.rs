@@ -12,13 +12,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-use std::fs::{self, Permissions};
-use std::io::{self, Write as _};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
 use crate::failure::Failure;
+use crate::stage::Stage;
 
 /// A change to a file.
 #[derive(Debug)]
@@ -35,26 +35,34 @@ pub struct Change {
 
 /// Replaces the files. All changes are staged first, so nothing changes if the disk is full.
 pub fn write(changes: &[Change]) -> Result<(), Failure> {
+    let mut stages = BTreeMap::new();
     let mut staged = Vec::with_capacity(changes.len());
-    for change in changes {
-        staged.push(stage(change).map_err(|error| unwritable(change, &error))?);
+    for (index, change) in changes.iter().enumerate() {
+        staged.push(stage(change, index, &mut stages).map_err(|error| unwritable(change, &error))?);
     }
     for (change, file) in changes.iter().zip(staged) {
-        file.persist(&change.path).map_err(|error| unwritable(change, &error.error))?;
+        fs::rename(file, &change.path).map_err(|error| unwritable(change, &error))?;
     }
     Ok(())
 }
 
-/// Writes the new content to a temporary file in the same folder, with the same permissions.
-fn stage(change: &Change) -> io::Result<NamedTempFile> {
-    let permissions: Permissions = fs::metadata(&change.path)?.permissions();
+/// Writes the new content to a temporary folder in the same folder, with the same permissions.
+fn stage<'c>(
+    change: &'c Change,
+    index: usize,
+    stages: &mut BTreeMap<&'c Path, Stage>,
+) -> io::Result<PathBuf> {
+    let permissions = fs::metadata(&change.path)?.permissions();
     if permissions.readonly() {
         return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"));
     }
     let folder = change.path.parent().unwrap_or(Path::new(""));
-    let mut file = tempfile::Builder::new().prefix(".uavspec-").tempfile_in(folder)?;
-    file.write_all(change.new.as_bytes())?;
-    file.as_file().set_permissions(permissions)?;
+    if !stages.contains_key(folder) {
+        stages.insert(folder, Stage::new(folder)?);
+    }
+    let file = stages.get(folder).map(|stage| stage.path().join(index.to_string())).unwrap_or_default();
+    fs::write(&file, &change.new)?;
+    fs::set_permissions(&file, permissions)?;
     Ok(file)
 }
 

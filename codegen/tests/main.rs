@@ -15,6 +15,7 @@ mod imports;
 mod json_schema;
 mod json_types;
 mod lint;
+mod names;
 mod oracle;
 mod origin;
 mod properties;

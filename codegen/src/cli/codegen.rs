@@ -84,8 +84,10 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
         return Ok(false);
     }
     let folders = emit_all(&plan, &schema, &translations, &loaded.sources)?;
+    let config = plan.config.iter().map(|(path, _)| PathBuf::from(path));
+    let inputs: Vec<PathBuf> = loaded.files.iter().cloned().chain(config).collect();
     if args.check {
-        let differences = generate::compare(&folders)?;
+        let differences = generate::compare(&folders, &inputs)?;
         for difference in &differences {
             anstream::eprintln!("{difference}");
         }
@@ -96,7 +98,7 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
         summarise(&loaded, &schema, &folders, &summary, started);
         return Ok(differences.is_empty());
     }
-    let differences = generate::write(&folders)?;
+    let differences = generate::write(&folders, &inputs)?;
     let removed =
         differences.iter().filter(|difference| matches!(difference, Difference::Orphaned(_))).count();
     let summary = format!("{} written, {removed} removed", differences.len() - removed);

@@ -95,6 +95,7 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
         enum_names: vec![Vec::new(); schema.messages.len()],
     };
     let mut root_scope = Scope::default();
+    root_scope.unique(options.root.trim_end_matches(".rs"));
     let mut packages = Vec::new();
     for package in &schema.packages {
         if !package.is_empty() {

@@ -2,7 +2,10 @@
 //! replaced or removed.
 //!
 //! A manifest in each output folder lists the files of the last run. Any other file without the generator's mark
-//! belongs to the user. It is an error if an output has the same path as a user's file.
+//! belongs to the user. It is an error if an output has the same path as a user's file or as an input.
+//!
+//! All paths are checked before anything is written, so no file is written outside its output folder. The output folder
+//! may be a symbolic link, but links inside it are not followed. While a run writes to a folder, other runs wait.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -10,9 +13,11 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
+use super::guard::check_paths;
 use super::parallel::in_parallel;
 use crate::emit::{GENERATED_BY, OutputFile};
 use crate::failure::Failure;
+use crate::stage::{self, Stage};
 
 /// The name of the manifest in each output folder.
 const MANIFEST: &str = ".uavspec-manifest";
@@ -70,23 +75,60 @@ impl Changes<'_> {
 }
 
 /// Lists the differences between the folders on disk and the generated files.
-pub(crate) fn compare(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
-    let changes = changes_of_all(folders)?;
+pub(crate) fn compare(folders: &[Folder], inputs: &[PathBuf]) -> Result<Vec<Difference>, Failure> {
+    let changes = changes_of_all(folders, inputs)?;
     Ok(differences(&changes))
 }
 
-/// Writes the generated files, and lists the differences.
-pub(crate) fn write(folders: &[Folder]) -> Result<Vec<Difference>, Failure> {
-    let changes = changes_of_all(folders)?;
+/// Writes the generated files, and lists the differences. Fails if a file would replace one of the inputs.
+pub(crate) fn write(folders: &[Folder], inputs: &[PathBuf]) -> Result<Vec<Difference>, Failure> {
+    let is_stale = changes_of_all(folders, inputs)?
+        .iter()
+        .any(|change| change.is_any() || stage::is_any_in(change.folder));
+    if !is_stale {
+        return Ok(Vec::new());
+    }
+    let stages = stages(folders)?;
+    // Another run may have changed the files while this run waited for the folders.
+    let changes = changes_of_all(folders, inputs)?;
+    let staged: Vec<_> = changes
+        .iter()
+        .filter(|change| change.is_any())
+        .filter_map(|change| {
+            Some((change, stages.iter().find(|(folder, _)| *folder == change.folder)?.1.path()))
+        })
+        .collect();
     // All files are staged first, so nothing changes if the disk is full.
-    let stale: Vec<&Changes<'_>> = changes.iter().filter(|change| change.is_any()).collect();
-    let staged =
-        in_parallel(&stale, |change| stage(change).map_err(|error| unwritable(change.folder, &error)))?;
-    let staged: Vec<_> = stale.into_iter().zip(staged).collect();
-    in_parallel(&staged, |(change, stage)| {
-        commit(change, stage.path()).map_err(|error| unwritable(change.folder, &error))
+    in_parallel(&staged, |(change, path)| {
+        stage_files(change, path).map_err(|error| unwritable(change.folder, &error))
+    })?;
+    in_parallel(&staged, |(change, path)| {
+        commit(change, path).map_err(|error| unwritable(change.folder, &error))
     })?;
     Ok(differences(&changes))
+}
+
+/// A temporary folder in each output folder. Waits until no other run writes to these folders.
+fn stages(folders: &[Folder]) -> Result<Vec<(&Path, Stage)>, Failure> {
+    let mut real = Vec::new();
+    for Folder { path, .. } in folders {
+        let resolved = fs::create_dir_all(path).and_then(|()| fs::canonicalize(path));
+        real.push((resolved.map_err(|error| unwritable(path, &error))?, path.as_path()));
+    }
+    // All runs wait for folders in the same order, so they never wait for each other.
+    real.sort();
+    if let Some(pair) = real.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+        return Err(shared(pair[0].1));
+    }
+    let stage = |(_, path): (PathBuf, _)| {
+        Stage::exclusive(path).map(|stage| (path, stage)).map_err(|error| unwritable(path, &error))
+    };
+    real.into_iter().map(stage).collect()
+}
+
+fn shared(folder: &Path) -> Failure {
+    Failure::new(format!("two outputs share the folder {}", folder.display()))
+        .with_hint("give each output a separate folder")
 }
 
 fn differences(changes: &[Changes<'_>]) -> Vec<Difference> {
@@ -104,17 +146,19 @@ fn differences(changes: &[Changes<'_>]) -> Vec<Difference> {
     differences
 }
 
-fn changes_of_all(folders: &[Folder]) -> Result<Vec<Changes<'_>>, Failure> {
+fn changes_of_all<'f>(folders: &'f [Folder], inputs: &[PathBuf]) -> Result<Vec<Changes<'f>>, Failure> {
     for (index, folder) in folders.iter().enumerate() {
         if folders[..index].iter().any(|other| other.path == folder.path) {
-            let message = format!("two outputs share the folder {}", folder.path.display());
-            return Err(Failure::new(message).with_hint("give each output a separate folder"));
+            return Err(shared(&folder.path));
         }
     }
-    in_parallel(folders, changes_of)
+    // Missing inputs are reported elsewhere.
+    let inputs: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
+    in_parallel(folders, |folder| changes_of(folder, &inputs))
 }
 
-fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
+fn changes_of<'f>(folder: &'f Folder, inputs: &BTreeSet<PathBuf>) -> Result<Changes<'f>, Failure> {
+    check_paths(&folder.path, &folder.files)?;
     let path = &folder.path;
     if path.exists() && !path.is_dir() {
         return Err(Failure::new(format!("{} is not a folder", path.display()))
@@ -154,6 +198,8 @@ fn changes_of(folder: &Folder) -> Result<Changes<'_>, Failure> {
             remove.push(orphan);
         }
     }
+    let changed = write.iter().map(|(path, ..)| path).chain(&remove);
+    reject_inputs(path, changed, inputs)?;
     Ok(Changes {
         folder: path,
         write,
@@ -183,6 +229,19 @@ fn is_marked(bytes: &[u8]) -> bool {
     head.windows(GENERATED_BY.len()).any(|window| window == GENERATED_BY.as_bytes())
 }
 
+/// Fails if one of the files is an input.
+fn reject_inputs<'p>(
+    folder: &Path,
+    mut files: impl Iterator<Item = &'p PathBuf>,
+    inputs: &BTreeSet<PathBuf>,
+) -> Result<(), Failure> {
+    // An absent folder contains no inputs.
+    let Ok(real) = fs::canonicalize(folder) else { return Ok(()) };
+    let Some(input) = files.find(|path| inputs.contains(&real.join(path))) else { return Ok(()) };
+    let message = format!("the output {} would replace an input", folder.join(input).display());
+    Err(Failure::new(message).with_hint("choose another folder for the output"))
+}
+
 /// Fails if a folder of the output is a symbolic link, because its target may be outside the output folder.
 fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
     let mut at = folder.to_path_buf();
@@ -190,7 +249,7 @@ fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
         at.push(part);
         if at.is_symlink() {
             let message =
-                format!("{} is a symbolic link that points outside the output folder", at.display());
+                format!("{} is a symbolic link, which may lead outside the output folder", at.display());
             return Err(Failure::new(message).with_hint("replace it with a folder"));
         }
     }
@@ -198,18 +257,16 @@ fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
 }
 
 /// Writes all files to a temporary folder inside the output folder. Afterwards, the files only have to be renamed.
-fn stage(change: &Changes<'_>) -> io::Result<tempfile::TempDir> {
-    fs::create_dir_all(change.folder)?;
-    let stage = tempfile::Builder::new().prefix(".uavspec-").tempdir_in(change.folder)?;
+fn stage_files(change: &Changes<'_>, stage: &Path) -> io::Result<()> {
     for (index, (_, text, _)) in change.write.iter().enumerate() {
-        fs::write(stage.path().join(index.to_string()), text)?;
+        fs::write(stage.join(index.to_string()), text)?;
     }
-    fs::write(stage.path().join(MANIFEST), &change.manifest)?;
+    fs::write(stage.join(MANIFEST), &change.manifest)?;
     let parents: BTreeSet<&Path> = change.write.iter().filter_map(|(path, ..)| path.parent()).collect();
     for parent in parents {
         fs::create_dir_all(change.folder.join(parent))?;
     }
-    Ok(stage)
+    Ok(())
 }
 
 fn commit(change: &Changes<'_>, stage: &Path) -> io::Result<()> {

@@ -93,6 +93,8 @@ pub(crate) struct Plan {
 #[derive(Debug)]
 pub(crate) struct PlannedPackage {
     pub(crate) name: String,
+    /// The location of the name in the configuration file.
+    pub(crate) name_range: Option<Range<usize>>,
     pub(crate) form: Form,
     pub(crate) inputs: Inputs,
     /// Selected messages, with their locations in the configuration file.
@@ -178,6 +180,7 @@ impl Config {
             .packages
             .into_iter()
             .map(|package| PlannedPackage {
+                name_range: Some(package.name.span()),
                 name: package.name.into_inner(),
                 form: match package.dialect {
                     DialectName::Px4 => Form::Msg(crate::msg::Dialect::Px4),
@@ -250,6 +253,7 @@ impl Plan {
             .collect();
         let package = PlannedPackage {
             name: name.to_owned(),
+            name_range: None,
             form,
             inputs: Inputs::Paths(inputs.to_vec()),
             select: None,

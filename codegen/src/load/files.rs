@@ -9,10 +9,12 @@ use globset::{GlobBuilder, GlobSetBuilder};
 use walkdir::WalkDir;
 
 use super::config::{Inputs, Plan, PlannedPackage};
+use super::located::failure_at;
 use crate::diagnostic::Diagnostic;
 use crate::failure::Failure;
 use crate::msg::ast::{Element, Item};
 use crate::msg::{self, Dialect, Kind};
+use crate::name::package_problem;
 use crate::path::normalise;
 use crate::read::PackageInput;
 use crate::schema::Form;
@@ -116,10 +118,31 @@ impl Loader<'_> {
             sources,
         };
         for (name, files) in self.by_package(package, files) {
+            self.check_name(package, &name)?;
             let sources = self.read_all(&files)?;
             self.loaded.packages.push(input(name, sources));
         }
         Ok(())
+    }
+
+    /// Checks that a package can have this name, which becomes the name of folders and modules.
+    fn check_name(&self, package: &PlannedPackage, name: &str) -> Result<(), Failure> {
+        let packages = &self.loaded.packages;
+        let other = packages.iter().find(|other| other.name.eq_ignore_ascii_case(name));
+        let clash = other.map(|other| {
+            let message = if other.name == name {
+                format!("two packages are named `{name}`")
+            } else {
+                format!("the package names `{}` and `{name}` differ in case only", other.name)
+            };
+            (message, "choose a different name for one of them".to_owned())
+        });
+        let Some((message, hint)) = package_problem(name).or(clash) else { return Ok(()) };
+        let failure = match (&self.plan.config, &package.name_range) {
+            (Some((path, text)), Some(range)) => failure_at(path, text, range.clone(), &message),
+            _ => Failure::new(message),
+        };
+        Err(failure.with_hint(hint))
     }
 
     /// Groups files by ROS package. ROS stores a package's files in `package/msg`. If the inputs span several package

@@ -67,9 +67,3 @@ impl Kind {
         }
     }
 }
-
-/// True if `text` is a valid identifier: letters, digits and `_`, starting with a letter.
-pub(crate) fn is_identifier(text: &str) -> bool {
-    text.starts_with(|c: char| c.is_ascii_alphabetic())
-        && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
-}

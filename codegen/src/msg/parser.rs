@@ -6,10 +6,11 @@ use uavspec_runtime::Scalar;
 
 use super::annotation;
 use super::ast::{Comment, Definition, Element, Item, Line, Name, Part, Shape, Type};
-use super::kind::{Dialect, Kind, is_identifier};
+use super::kind::{Dialect, Kind};
 use crate::characters;
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::directive;
+use crate::name::is_identifier;
 use crate::source::Span;
 
 /// The maximum length of an array or string. The size of the whole message is checked later.

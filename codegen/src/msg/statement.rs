@@ -2,8 +2,8 @@
 
 use super::attribute::{ATTRIBUTES, Attribute};
 use super::constraint::{self, Argument, CONSTRAINTS, ConstraintKind, RANGE};
-use super::kind::is_identifier;
 use crate::diagnostic::Problem;
+use crate::name::is_identifier;
 
 /// The meaning of an annotation.
 #[derive(Debug, PartialEq)]

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::package::PackageSource;
 use super::resolver::{Origin, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
-use crate::msg::is_identifier;
+use crate::name::is_identifier;
 use crate::schema::{CdrSize, Dialect, Docs, Form, Interface, Kind, Message, Package};
 use crate::span::Span;
 

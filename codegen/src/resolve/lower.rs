@@ -10,8 +10,8 @@ use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::annotation::Note;
 use crate::msg::ast::{self, ConstantType, Item, Line, Part};
 use crate::msg::constraint::{self, Argument, ConstraintKind};
-use crate::msg::is_identifier;
 use crate::msg::statement::{Prefix, Statement};
+use crate::name::is_identifier;
 use crate::schema::documentation::ItemDocs;
 use crate::schema::{
     Constant, Constraint, Dialect, Element, Field, Form, Kind, Parameter, Stated, Type, documentation,

@@ -7,6 +7,7 @@ use std::str::FromStr;
 use std::sync::OnceLock;
 
 use clap::{Args, ValueEnum as _};
+use uavspec_codegen::stage::Stage;
 
 use super::outputs::Output;
 use crate::report::{Kind, Report, Subject, end_text, subject_text};
@@ -151,7 +152,7 @@ fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     };
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // A new file in a temporary folder has default permissions. A temporary file would be private.
-    let stage = tempfile::Builder::new().prefix(".uavspec-").tempdir_in(parent)?;
+    let stage = Stage::new(parent)?;
     let staged = stage.path().join("report");
     fs::write(&staged, bytes)?;
     fs::rename(staged, path)

@@ -3,6 +3,7 @@
 use proc_macro2::{Ident, Span};
 
 pub(super) use crate::emit::identifier::{Scope, pascal_case, snake_case, type_name, upper_case};
+use crate::name::is_reserved;
 
 /// Keywords of edition 2024 that are valid as raw identifiers.
 const KEYWORDS: [&str; 49] = [
@@ -31,10 +32,11 @@ pub(super) fn ident(name: &str) -> Ident {
     Ident::new(&name, Span::call_site())
 }
 
-/// The name of a module and its file.
+/// The name of a module and its file. `mod.rs` would be a second file for the parent module, and Windows reserves names
+/// such as `aux.rs`.
 pub(super) fn module_name(name: &str) -> String {
     let name = snake_case(name);
-    if NEVER.contains(&name.as_str()) { name + "_" } else { name }
+    if NEVER.contains(&name.as_str()) || name == "mod" || is_reserved(&name) { name + "_" } else { name }
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use super::model::{Argument, ConstraintKind, Effect, Stated};
 use super::number::parse;
-use crate::msg::kind::is_identifier;
 use crate::msg::words::split_word;
+use crate::name::is_identifier;
 
 /// The value that represents missing data.
 pub static INVALID: ConstraintKind = ConstraintKind {
