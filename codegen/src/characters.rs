@@ -1,4 +1,5 @@
-//! Characters that are not allowed in definitions and pages, because they end lines in other tools or hide text.
+//! Characters that are not allowed in definitions and pages, because they end lines in other tools or hide text. Outputs
+//! don't contain them either.
 
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::span::Span;
@@ -9,6 +10,24 @@ fn is_invisible(character: char) -> bool {
     matches!(character,
         '\u{061c}' | '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}'
         | '\u{2060}'..='\u{2069}' | '\u{feff}' | '\u{e0000}'..='\u{e007f}')
+}
+
+/// True for characters that no output shows as they are: control characters, line and paragraph separators, and
+/// characters that are invisible or change the direction of text (Unicode 15, `Default_Ignorable_Code_Point` and general
+/// category Cf). Joiners and variation selectors are allowed, because scripts and emoji need them.
+pub(crate) fn is_hidden(character: char) -> bool {
+    if matches!(character, ' '..='~') {
+        return false;
+    }
+    character.is_control()
+        || is_invisible(character)
+        || matches!(character,
+            '\u{ad}' | '\u{34f}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}' | '\u{180b}'..='\u{180f}'
+            | '\u{2028}' | '\u{2029}' | '\u{206a}'..='\u{206f}' | '\u{3164}' | '\u{fdd0}'..='\u{fdef}' | '\u{ffa0}'
+            | '\u{fff0}'..='\u{fffb}' | '\u{1bca0}'..='\u{1bca3}' | '\u{1d173}'..='\u{1d17a}'
+            | '\u{e0000}'..='\u{e0fff}')
+        // Noncharacters, which XML forbids.
+        || u32::from(character) & 0xfffe == 0xfffe
 }
 
 /// The name of a character that other tools treat as the end of a line.

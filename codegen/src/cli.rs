@@ -28,6 +28,7 @@ mod translate;
 
 use std::process::ExitCode;
 
+use crate::terminal;
 use clap::{Parser, Subcommand};
 
 use self::status::Status;
@@ -67,7 +68,7 @@ pub enum Command {
 
 /// Runs the command line of an `xtask` that has no other commands.
 pub fn main() -> ExitCode {
-    Cli::parse().command.run()
+    terminal::parse::<Cli>().command.run()
 }
 
 impl Command {
@@ -84,7 +85,7 @@ impl Command {
         match result {
             Ok(status) => ExitCode::from(status as u8),
             Err(failure) => {
-                anstream::eprintln!("{failure}");
+                terminal::eprintln!("{failure}");
                 ExitCode::from(2)
             }
         }

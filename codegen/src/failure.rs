@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::terminal::guarded;
+
 /// The reason why a command failed, with a hint.
 #[derive(Debug)]
 pub struct Failure {
@@ -24,7 +26,8 @@ impl Failure {
 
 impl fmt::Display for Failure {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(formatter, "error: {}", self.message)?;
-        self.hint.as_ref().map_or(Ok(()), |hint| write!(formatter, "\n  help: {hint}"))
+        // A message may have several lines, but none of them may contain other control characters.
+        write!(formatter, "error: {}", guarded(&self.message))?;
+        self.hint.as_ref().map_or(Ok(()), |hint| write!(formatter, "\n  help: {}", guarded(hint)))
     }
 }

@@ -32,9 +32,19 @@ impl Generated {
     /// Tells Cargo to run the build script again when an input changes.
     pub fn print_rerun_if_changed(&self) {
         for input in &self.inputs {
-            println!("cargo::rerun-if-changed={}", input.display());
+            println!("cargo::rerun-if-changed={}", watchable(input).to_string_lossy());
         }
     }
+}
+
+/// The path itself, or its closest folder whose path has no line breaks. Cargo executes each line as an instruction.
+fn watchable(path: &Path) -> &Path {
+    let has_break =
+        |path: &Path| path.as_os_str().as_encoded_bytes().iter().any(|byte| matches!(byte, b'\n' | b'\r'));
+    path.ancestors()
+        .find(|path| !has_break(path))
+        .filter(|path| !path.as_os_str().is_empty())
+        .unwrap_or(Path::new("."))
 }
 
 /// Generates the outputs of the configuration file at `config`. Intended for build scripts.

@@ -88,6 +88,8 @@ pub mod format;
 #[cfg(feature = "files")]
 #[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 mod generate;
+#[doc(hidden)]
+pub mod json_text;
 pub mod lint;
 #[cfg(feature = "files")]
 #[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
@@ -111,6 +113,8 @@ mod span;
 #[cfg(feature = "files")]
 pub mod stage;
 mod table;
+#[doc(hidden)]
+pub mod terminal;
 pub mod translation;
 mod unit;
 pub mod value;

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::characters::is_hidden;
+
 /// Escapes multi-line text, but keeps paragraphs and simple lists.
 pub(crate) fn block(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len() + 16);
@@ -147,11 +149,9 @@ fn address(text: &str) -> Option<&str> {
     is_plain.then_some(address)
 }
 
-/// Replaces control characters and direction marks, which could disguise text, with U+FFFD.
+/// Replaces hidden characters, which could disguise text, with U+FFFD.
 pub(crate) fn visible(character: char) -> char {
-    let is_harmless = !character.is_control()
-        && !matches!(character, '\u{200b}' | '\u{200e}' | '\u{200f}' | '\u{61c}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}');
-    if is_harmless { character } else { '\u{fffd}' }
+    if is_hidden(character) { char::REPLACEMENT_CHARACTER } else { character }
 }
 
 #[cfg(test)]

@@ -10,13 +10,17 @@
 //! assert!(text.starts_with("warning[unknown-unit]: unknown unit `parsec`\n --> Wind.msg:1:18"));
 //! ```
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
+use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level as Title, Renderer, Snippet};
 
 use crate::diagnostic::{Diagnostic, Level};
 use crate::finding::Finding;
+use crate::prose::visible;
 use crate::source::{SourceMap, Span};
+use crate::terminal::{Command, guarded, shown};
 
 /// Maximum number of diagnostics shown per source. A file with more diagnostics is probably not a definition.
 const MAX_PER_SOURCE: usize = 200;
@@ -48,7 +52,7 @@ pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> Stri
         }
         let count = in_source.chunk_by(Finding::is_same_change).count();
         if let Some(more) = count.checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
-            let path = sources.path(sources.source_of(in_source[0].span));
+            let path = shown(sources.path(sources.source_of(in_source[0].span)));
             let _ = writeln!(text, "… and {more} more in {path}");
         }
     }
@@ -59,6 +63,7 @@ pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> Stri
 #[cfg(feature = "files")]
 pub(crate) fn plain(message: &str, span: Span, sources: &SourceMap) -> String {
     let snippet = quote(span, AnnotationKind::Primary, String::new(), sources);
+    let message = guarded(message);
     let text = Renderer::plain().render(&[Title::ERROR.primary_title(message).element(snippet)]);
     text.strip_prefix("error: ").map(str::to_owned).unwrap_or(text)
 }
@@ -72,10 +77,10 @@ fn group<'a>(same: &[Finding], sources: &'a SourceMap) -> Group<'a> {
         Level::Warning => Title::WARNING,
         Level::Note => Title::NOTE,
     };
-    let title = title.primary_title(shorten(finding.message.clone())).id(finding.rule);
+    let title = title.primary_title(shorten(&finding.message)).id(finding.rule);
     let mut group = Group::with_title(title);
     // Without categories, the help is the caret's label. With categories, there is a note for each category.
-    let label = if finding.category.is_none() { shorten(finding.help.clone()) } else { String::new() };
+    let label = if finding.category.is_none() { shorten(&finding.help) } else { String::new() };
     match finding.sides {
         None => group = group.element(quote(finding.span, AnnotationKind::Primary, label, sources)),
         Some(sides) => {
@@ -86,16 +91,18 @@ fn group<'a>(same: &[Finding], sources: &'a SourceMap) -> Group<'a> {
         }
     }
     for (span, label) in &finding.related {
-        group = group.element(quote(*span, AnnotationKind::Context, shorten(label.clone()), sources));
+        group = group.element(quote(*span, AnnotationKind::Context, shorten(label), sources));
     }
     for finding in same {
         let Some(category) = finding.category else { continue };
-        group = group.element(Title::NOTE.with_name(category).message(shorten(finding.help.clone())));
+        group = group.element(Title::NOTE.with_name(category).message(shorten(&finding.help)));
     }
     group
 }
 
-fn shorten(mut text: String) -> String {
+/// A message, hint or label on one line.
+fn shorten(text: &str) -> String {
+    let mut text = shown(text);
     if text.len() > MAX_TEXT_LEN {
         text.truncate(floor_char_boundary(&text, MAX_TEXT_LEN));
         text.push('…');
@@ -126,11 +133,57 @@ fn quote(
     let end = range.end.min(last);
     // The renderer counts columns from the start of the line, so an overlong line is truncated only at its end.
     let last = floor_char_boundary(text, last.min(end + MAX_REST_LEN));
-    Snippet::source(&text[first..last])
-        .path(sources.path(sources.source_of(span)))
+    let range = range.start - first..end.clamp(range.start, last) - first;
+    let (line, range) = visible_line(&text[first..last], range);
+    Snippet::source(line)
+        .path(shown(sources.path(sources.source_of(span))))
         .line_start(sources.position(span).line)
-        .annotation(
-            kind.span(range.start - first..end.clamp(range.start, last) - first)
-                .label((!label.is_empty()).then_some(label)),
-        )
+        .annotation(kind.span(range).label((!label.is_empty()).then_some(label)))
+}
+
+/// Replaces characters that a terminal or a CI system would act on with U+FFFD. Returns the new line, and the bytes of
+/// the same range in it. Each character keeps its column, so carets stay below the text that they mark.
+fn visible_line(line: &str, range: Range<usize>) -> (Cow<'_, str>, Range<usize>) {
+    if line.bytes().all(|byte| matches!(byte, b'\t' | b' '..=b'~') && byte != b'#') {
+        return (Cow::Borrowed(line), range);
+    }
+    // A line number precedes.
+    let (mut command, mut text, mut start, mut end) = (Command::Text, String::new(), None, None);
+    for (at, character) in line.char_indices() {
+        start = start.or((at >= range.start).then_some(text.len()));
+        end = end.or((at >= range.end).then_some(text.len()));
+        let is_command = command.is_completed_by(character);
+        text.push(match character {
+            _ if is_command => char::REPLACEMENT_CHARACTER,
+            '\t' => '\t',
+            // The renderer removes joiners.
+            '\u{200d}' => char::REPLACEMENT_CHARACTER,
+            _ => visible(character),
+        });
+    }
+    let range = start.unwrap_or(text.len())..end.unwrap_or(text.len());
+    (Cow::Owned(text), range)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn carets_stay_below_the_text_that_they_mark() {
+        let mut sources = SourceMap::default();
+        let line = "a\u{85}\u{202e}\u{1b}[1m##[error]é here\n";
+        let id = sources.add("a\n::error::b", line.into()).expect("a source");
+        let start = line.find("here").expect("the text");
+        let span = sources.span(id).part(start..start + 4);
+        let finding = Finding::new("unit-missing", Level::Warning, span, "\u{1b}[2J\n::error::c");
+        let text = findings(&[finding], &sources, false);
+        let lines: Vec<&str> = text.lines().collect();
+        let column = |line: &str, text: &str| line.find(text).map(|at| line[..at].chars().count());
+        let (excerpt, caret) = (column(lines[3], "here"), column(lines[4], "^^^^"));
+        assert!(excerpt.is_some() && excerpt == caret, "{text}");
+        assert_eq!(crate::terminal::guarded(&text), text);
+        assert_eq!(lines[0], r"warning[unit-missing]: \u{1b}[2J\n::error::c");
+        assert!(lines[1].contains(r"--> a\n::error::b:1:"), "{text}");
+    }
 }

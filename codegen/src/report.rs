@@ -31,6 +31,8 @@ pub use self::model::{
 };
 pub use self::totals::{RuleTotal, Totals};
 
+use crate::json_text;
+
 impl Report {
     /// The report as text. A nonempty report ends with a newline.
     pub fn to_text(&self, format: Format) -> String {
@@ -58,7 +60,7 @@ impl Totals {
     /// The totals without findings, in a format. SARIF and `JUnit` reports contain findings, so they have no such form.
     pub fn to_summary(&self, format: Format) -> Option<String> {
         match format {
-            Format::Json => Some(format!("{:#}\n", self.to_json())),
+            Format::Json => Some(json_text::pretty(&self.to_json())),
             Format::Github => Some(github::summary(self)),
             Format::Sarif => None,
             #[cfg(feature = "junit")]

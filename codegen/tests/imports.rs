@@ -21,9 +21,9 @@ const LAYERS: &[&[&str]] = &[
     &["table"],
     &["msg"],
     &[
-        "characters",
         "directive",
         "finding",
+        "json_text",
         "name",
         "path",
         "pattern",
@@ -33,8 +33,11 @@ const LAYERS: &[&[&str]] = &[
         "unit",
         "value",
     ],
+    &["failure"],
+    &["terminal"],
+    &["characters"],
     &["diagnostic"],
-    &["failure", "span"],
+    &["span"],
 ];
 
 #[test]

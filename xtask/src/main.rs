@@ -14,7 +14,7 @@ use std::ffi::OsString;
 use std::process::{self, ExitCode};
 
 use clap::{Parser, Subcommand};
-use uavspec_codegen::Failure;
+use uavspec_codegen::{Failure, terminal};
 
 /// Run tasks of this repository
 #[derive(Parser)]
@@ -76,7 +76,7 @@ skipped.")]
 }
 
 fn main() -> ExitCode {
-    let outcome = match Cli::parse().command {
+    let outcome = match terminal::parse::<Cli>().command {
         Command::Specification(command) => return command.run(),
         Command::Conformance { arguments } => return conformance(arguments),
         Command::Docs(arguments) => docs::run(arguments),
@@ -88,7 +88,7 @@ fn main() -> ExitCode {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(message) => {
-            eprintln!("error: {message}");
+            terminal::eprintln!("error: {message}");
             ExitCode::from(2)
         }
     }
@@ -113,7 +113,7 @@ fn conformance(arguments: Vec<OsString>) -> ExitCode {
     match command.status().map(|status| status.code().and_then(|code| u8::try_from(code).ok())) {
         Ok(code) => code.map_or(ExitCode::FAILURE, ExitCode::from),
         Err(error) => {
-            eprintln!("error: cannot run cargo: {error}");
+            terminal::error(format_args!("cannot run cargo: {error}"), None);
             ExitCode::from(2)
         }
     }

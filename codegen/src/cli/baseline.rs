@@ -36,6 +36,7 @@ use crate::failure::Failure;
 use crate::finding::Finding;
 use crate::render;
 use crate::rewrite::{self, Change};
+use crate::terminal;
 
 /// Arguments for lists of known findings.
 #[derive(Args, Debug)]
@@ -93,10 +94,10 @@ impl BaselineArgs {
             } else {
                 format!("removed or updated {outdated} outdated, {entries} left")
             };
-            anstream::eprintln!("{command}: {}: {change}", path.display());
+            terminal::eprintln!("{command}: {}: {change}", terminal::path(path));
         }
         for surplus in &matches.surplus {
-            anstream::eprintln!("note: {surplus}");
+            terminal::eprintln!("note: {surplus}");
         }
         print_outdated(&list, &matches);
         let compared = Compared { known: matches.known(&found), is_outdated: !matches.outdated.is_empty() };
@@ -111,7 +112,7 @@ impl BaselineArgs {
             Err(error) if error.kind() == ErrorKind::NotFound && self.write_baseline.is_some() => {
                 List::parse(path, Vec::new())
             }
-            Err(error) => Err(Failure::new(format!("{}: {error}", path.display()))
+            Err(error) => Err(Failure::new(format!("{}: {error}", terminal::path(path)))
                 .with_hint("`--write-baseline FILE` writes a list of known findings")),
         }
     }
@@ -124,13 +125,13 @@ fn print_outdated(list: &List, matches: &Matches) {
     let findings: Vec<Finding> =
         matches.outdated.iter().map(|outdated| outdated.finding(&list.entries[outdated.entry])).collect();
     print_rendered(|styled| render::findings(&findings, &list.sources, styled));
-    anstream::eprintln!(
+    terminal::eprintln!(
         "error: the list of known findings is outdated\n  help: run again with --fix-baseline to update it"
     );
 }
 
 fn write(path: &Path, old: &str, new: &str) -> Result<(), Failure> {
-    let shown = path.display().to_string();
+    let shown = terminal::path(path);
     let failed = |error: std::io::Error| {
         Failure::new(format!("{shown}: {error}")).with_hint("check that the file and its folder are writable")
     };

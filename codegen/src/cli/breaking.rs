@@ -21,6 +21,7 @@ use crate::load::{load, load_into};
 use crate::read::read;
 use crate::render;
 use crate::report::{RuleInfo, Totals};
+use crate::terminal;
 
 /// Arguments of `breaking`.
 #[derive(Args, Debug)]
@@ -141,7 +142,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     args.report.show(Results { rules, findings: &findings, totals: &totals }, sources);
     let files = plural(new.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
-    anstream::eprintln!("breaking: {files} compared with {} ({elapsed} ms)", old.files.len());
+    terminal::eprintln!("breaking: {files} compared with {} ({elapsed} ms)", old.files.len());
     Ok(Status::new(args.report.is_success(&findings), compared.is_outdated))
 }
 
@@ -198,8 +199,10 @@ fn plan_of_folder(args: &BreakingArgs, new: &Plan, folder: &Path) -> Result<Plan
     }
     let mut plan = args.definitions.plan()?;
     if plan.packages.len() > 1 {
-        let message =
-            format!("{} contains no uavspec.toml, but several packages are configured", folder.display());
+        let message = format!(
+            "{} contains no uavspec.toml, but several packages are configured",
+            terminal::path(folder)
+        );
         let names: Vec<&str> = new.packages.iter().map(|package| package.name.as_str()).collect();
         return Err(Failure::new(message).with_hint(format!(
             "add a uavspec.toml, or compare each package ({}) separately with --package, --dialect and \

@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::generate::{self, Difference, Folder, emit_all};
 use crate::load::{Config, Loaded, read_translated};
 use crate::schema::Schema;
+use crate::terminal;
 
 /// The text below the options in `codegen --help`.
 const EXAMPLES: &str = "Examples:
@@ -89,7 +90,7 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
     if args.check {
         let differences = generate::compare(&folders, &inputs)?;
         for difference in &differences {
-            anstream::eprintln!("{difference}");
+            terminal::eprintln!("{difference}");
         }
         let summary = match differences.len() {
             0 => "up to date".to_owned(),
@@ -112,7 +113,7 @@ fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str,
     let codes: usize =
         schema.packages.iter().flat_map(|package| &package.error_tables).map(|table| table.codes.len()).sum();
     let outputs: usize = folders.iter().map(|folder| folder.files.len()).sum();
-    anstream::eprintln!(
+    terminal::eprintln!(
         "codegen: {} read, {}, {}, {}: {result} ({} ms)",
         plural(loaded.files.len(), "file"),
         plural(messages, "message"),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::{self, Write as _};
+use std::io::Write as _;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -17,6 +17,7 @@ use crate::load::Plan;
 use crate::load::{self, Loaded};
 use crate::rewrite::{self, Change};
 use crate::source::{SourceId, SourceMap};
+use crate::terminal;
 
 /// Arguments of `fmt`.
 #[derive(Args, Debug)]
@@ -49,7 +50,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
         format!("{} formatted", changes.len())
     };
     let read = plural(loaded.files.len(), "file");
-    anstream::eprintln!("fmt: {read} read, {result} ({} ms)", started.elapsed().as_millis());
+    terminal::eprintln!("fmt: {read} read, {result} ({} ms)", started.elapsed().as_millis());
     Ok(loaded.diagnostics.is_empty() && (changes.is_empty() || !args.check))
 }
 
@@ -79,14 +80,14 @@ fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
 fn change(sources: &SourceMap, id: SourceId, path: PathBuf, formatted: Formatted) -> Option<Change> {
     let (shown, old) = (sources.path(id).to_owned(), sources.text(id).to_owned());
     if formatted.is_kept {
-        anstream::eprintln!("fmt: {shown} stays unchanged, because formatting would change its meaning");
+        terminal::eprintln!("fmt: {shown} stays unchanged, because formatting would change its meaning");
     }
     (formatted.text != old).then_some(Change { path, shown, old, new: formatted.text })
 }
 
 /// Prints the differences as a patch.
 fn print(changes: &[Change]) {
-    let mut stdout = io::stdout().lock();
+    let mut stdout = terminal::stdout();
     for Change { shown, old, new, .. } in changes {
         let difference = TextDiff::from_lines(old.as_str(), new.as_str());
         // It is not an error if the reader closes the pipe early.

@@ -1,14 +1,13 @@
 //! The `inspect` command, which prints the model.
 
-use std::io::Write as _;
-
 use clap::Args;
 
 use super::arguments::DefinitionsArgs;
-use super::print::report;
+use super::print::{print_report, report};
 use crate::diagnostic::has_errors;
 use crate::emit;
 use crate::failure::Failure;
+use crate::json_text;
 use crate::load::read;
 
 /// Arguments of `inspect`.
@@ -28,10 +27,6 @@ pub(super) fn run(args: &InspectArgs) -> Result<bool, Failure> {
     if has_errors(&diagnostics) {
         return Ok(false);
     }
-    let mut text = serde_json::to_string_pretty(&emit::inspect::schema(&schema))
-        .map_err(|error| Failure::new(error.to_string()))?;
-    text.push('\n');
-    // It is not an error if the reader closes the pipe early.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    print_report(&json_text::pretty(&emit::inspect::schema(&schema)));
     Ok(true)
 }

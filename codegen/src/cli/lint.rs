@@ -20,6 +20,7 @@ use crate::load::{Plan, PresetName};
 use crate::report::{RuleInfo, Totals};
 use crate::rewrite::{self, Change};
 use crate::source::SourceId;
+use crate::terminal;
 
 /// The maximum number of `--fix` passes. Several passes may be needed, because one fix may make another fix possible.
 const MAX_PASSES: usize = 10;
@@ -108,7 +109,7 @@ pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
         .show(Results { rules: rules.collect(), findings: &findings, totals: &totals }, &loaded.sources);
     let read = plural(loaded.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
-    anstream::eprintln!("lint: {read} read ({elapsed} ms){}", fix_summary(fixed, totals.fixable()));
+    terminal::eprintln!("lint: {read} read ({elapsed} ms){}", fix_summary(fixed, totals.fixable()));
     Ok(Status::new(args.report.is_success(&findings), compared.is_outdated))
 }
 
@@ -130,9 +131,9 @@ impl LintArgs {
 
 fn list_rules() {
     let level = |level: Option<Level>| level.map_or("-", Level::name);
-    anstream::println!("{:<32} {:<8} {:<8}", "rule", "px4", "strict");
+    terminal::println!("{:<32} {:<8} {:<8}", "rule", "px4", "strict");
     for rule in RULES {
-        anstream::println!("{:<32} {:<8} {:<8}", rule.id, level(rule.levels.px4), level(rule.levels.strict));
+        terminal::println!("{:<32} {:<8} {:<8}", rule.id, level(rule.levels.px4), level(rule.levels.strict));
     }
 }
 

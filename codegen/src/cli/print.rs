@@ -1,31 +1,28 @@
 //! Output to the terminal: results to standard output, messages to standard error.
 
-use std::io::Write as _;
+use std::io::{self, Write as _};
 
 use crate::diagnostic::{Diagnostic, Level};
 use crate::load::Loaded;
 use crate::render;
+use crate::terminal;
 
-/// Prints results to standard output, with colours if enabled.
+/// Prints a text to standard output, with colours if enabled.
 pub(super) fn print_results(render: impl FnOnce(bool) -> String) {
-    let is_plain = anstream::AutoStream::choice(&std::io::stdout()) == anstream::ColorChoice::Never;
-    // It is not an error if the reader closes the pipe early.
-    let _ = if is_plain {
-        std::io::stdout().write_all(render(false).as_bytes())
-    } else {
-        anstream::stdout().write_all(render(true).as_bytes())
-    };
+    let is_plain = anstream::AutoStream::choice(&io::stdout()) == anstream::ColorChoice::Never;
+    terminal::print(format_args!("{}", render(!is_plain)));
 }
 
-/// Prints a text to standard error, with colours if enabled. Removing the colours while writing would require a
-/// separate write for each piece, and would take twice as long.
+/// Prints a machine-readable report, whose format escapes all text.
+pub(super) fn print_report(text: &str) {
+    // It is not an error if the reader closes the pipe early.
+    let _ = io::stdout().write_all(text.as_bytes());
+}
+
+/// Prints a text to standard error, with colours if enabled. Removing the colours while writing would take longer.
 pub(super) fn print_rendered(render: impl FnOnce(bool) -> String) {
-    let is_plain = anstream::AutoStream::choice(&std::io::stderr()) == anstream::ColorChoice::Never;
-    let _ = if is_plain {
-        std::io::stderr().write_all(render(false).as_bytes())
-    } else {
-        anstream::stderr().write_all(render(true).as_bytes())
-    };
+    let is_plain = anstream::AutoStream::choice(&io::stderr()) == anstream::ColorChoice::Never;
+    terminal::print_error(format_args!("{}", render(!is_plain)));
 }
 
 /// Prints all diagnostics, and the number of errors and warnings.
@@ -47,7 +44,7 @@ pub(super) fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic],
         .collect();
     let consequence = if errors > 0 { format!("; {consequence}") } else { String::new() };
     let place = format!("{} of {}", files.len(), plural(loaded.files.len(), "file"));
-    anstream::eprintln!("{command}: {} in {place}{consequence}", counts.join(", "));
+    terminal::eprintln!("{command}: {} in {place}{consequence}", counts.join(", "));
 }
 
 pub(super) fn plural(count: usize, what: &str) -> String {

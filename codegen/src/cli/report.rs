@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 
-use super::print::print_results;
+use super::print::{print_report, print_results};
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::finding::Finding;
@@ -157,7 +157,7 @@ impl ReportArgs {
             let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
             Report { command: totals.command, rules, entries }.to_text_with_totals(format, totals)
         };
-        print_results(|_| text);
+        print_report(&text);
     }
 
     /// True if no finding is at the denied level or above.

@@ -11,6 +11,7 @@ use std::process::{Command, Output, Stdio};
 use crate::failure::Failure;
 use crate::load::Plan;
 use crate::load::is_definition;
+use crate::terminal;
 
 /// The definitions and configuration files of a revision, in a temporary folder that is deleted on drop.
 pub(super) struct Checkout {
@@ -34,7 +35,7 @@ impl Checkout {
         let Some(top) = text_of(&git(near, ["rev-parse", "--show-toplevel"])?) else {
             let message = format!(
                 "the folder `{revision}` does not exist, and {} is not in a Git repository",
-                near.display()
+                terminal::path(near)
             );
             return Err(Failure::new(message).with_hint("give a folder, or a revision of a repository"));
         };
@@ -61,7 +62,7 @@ impl Checkout {
 
     /// The path in this checkout that corresponds to a path in the working tree.
     pub(super) fn place_of(&self, path: &Path) -> Result<PathBuf, Failure> {
-        let outside = || Failure::new(format!("{} is not in the repository", path.display()));
+        let outside = || Failure::new(format!("{} is not in the repository", terminal::path(path)));
         let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
         // A file that no longer exists in the working tree may exist at the revision.
         let whole = fs::canonicalize(path).or_else(|_| std::path::absolute(path)).map_err(|_| outside())?;

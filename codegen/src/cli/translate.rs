@@ -18,6 +18,7 @@ use crate::path::normalise;
 use crate::rewrite::{self, Change};
 use crate::schema::Schema;
 use crate::source::stem;
+use crate::terminal;
 use crate::translation::catalogue::{Catalogue, parse, print};
 use crate::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, update};
 
@@ -66,12 +67,12 @@ pub(super) fn run(args: &TranslateArgs) -> Result<bool, Failure> {
     let mut succeeded = true;
     for outcome in &outcomes {
         succeeded &= !args.check || !outcome.is_changed();
-        anstream::eprintln!("{}: {}", outcome.shown, outcome.summary(args.check));
+        terminal::eprintln!("{}: {}", outcome.shown, outcome.summary(args.check));
     }
     let read = plural(loaded.files.len(), "file");
     let advice = if succeeded { "" } else { "; run `cargo xtask translate`" };
     let elapsed = started.elapsed().as_millis();
-    anstream::eprintln!(
+    terminal::eprintln!(
         "translate: {read} read, {}{advice} ({elapsed} ms)",
         plural(outcomes.len(), "catalogue")
     );
@@ -150,7 +151,7 @@ fn outcomes(
             let all = || texts.iter().map(|text| text.unit.clone()).collect();
             let select = if args.select.is_empty() { all() } else { select.clone() };
             let path = path_of(tag, plan)?;
-            let shown = path.display().to_string();
+            let shown = terminal::path(&path);
             outcomes.push(Outcome {
                 path,
                 shown,
@@ -242,6 +243,6 @@ fn create(path: &Path, text: &str) -> io::Result<()> {
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Failure {
-    Failure::new(format!("{}: {error}", path.display()))
+    Failure::new(format!("{}: {error}", terminal::path(path)))
         .with_hint("check that the folder is writable and contains no other file with this name")
 }

@@ -18,6 +18,7 @@ use super::parallel::in_parallel;
 use crate::emit::{GENERATED_BY, OutputFile};
 use crate::failure::Failure;
 use crate::stage::{self, Stage};
+use crate::terminal;
 
 /// The name of the manifest in each output folder.
 const MANIFEST: &str = ".uavspec-manifest";
@@ -51,9 +52,9 @@ impl Difference {
 impl fmt::Display for Difference {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Missing(path) => write!(formatter, "missing: {}", path.display()),
-            Self::Changed(path) => write!(formatter, "changed: {}", path.display()),
-            Self::Orphaned(path) => write!(formatter, "orphaned: {}", path.display()),
+            Self::Missing(path) => write!(formatter, "missing: {}", terminal::path(path)),
+            Self::Changed(path) => write!(formatter, "changed: {}", terminal::path(path)),
+            Self::Orphaned(path) => write!(formatter, "orphaned: {}", terminal::path(path)),
         }
     }
 }
@@ -161,7 +162,7 @@ fn changes_of<'f>(folder: &'f Folder, inputs: &BTreeSet<PathBuf>) -> Result<Chan
     check_paths(&folder.path, &folder.files)?;
     let path = &folder.path;
     if path.exists() && !path.is_dir() {
-        return Err(Failure::new(format!("{} is not a folder", path.display()))
+        return Err(Failure::new(format!("{} is not a folder", terminal::path(path)))
             .with_hint("choose a folder for the output"));
     }
     let (owned, listed) = read_manifest(path)?;
@@ -179,7 +180,7 @@ fn changes_of<'f>(folder: &'f Folder, inputs: &BTreeSet<PathBuf>) -> Result<Chan
                 write.push((relative, file.text.as_str(), true));
             }
             Ok(_) => {
-                let message = format!("{} exists and was not generated", full.display());
+                let message = format!("{} exists and was not generated", terminal::path(full));
                 return Err(
                     Failure::new(message).with_hint("move it away, or choose another folder for the output")
                 );
@@ -216,7 +217,7 @@ fn read_manifest(folder: &Path) -> Result<(BTreeSet<PathBuf>, Option<String>), F
     let text = match fs::read_to_string(&path) {
         Ok(text) => text,
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok((BTreeSet::new(), None)),
-        Err(error) => return Err(Failure::new(format!("{}: {error}", path.display()))),
+        Err(error) => return Err(Failure::new(format!("{}: {error}", terminal::path(path)))),
     };
     let is_inside = |path: &Path| path.components().all(|part| matches!(part, Component::Normal(_)));
     let lines = text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()).map(PathBuf::from);
@@ -249,7 +250,7 @@ fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
         at.push(part);
         if at.is_symlink() {
             let message =
-                format!("{} is a symbolic link, which may lead outside the output folder", at.display());
+                format!("{} is a symbolic link, which may lead outside the output folder", terminal::path(at));
             return Err(Failure::new(message).with_hint("replace it with a folder"));
         }
     }
@@ -286,6 +287,6 @@ fn commit(change: &Changes<'_>, stage: &Path) -> io::Result<()> {
 }
 
 fn unwritable(path: &Path, error: &io::Error) -> Failure {
-    Failure::new(format!("{}: {error}", path.display()))
+    Failure::new(format!("{}: {error}", terminal::path(path)))
         .with_hint("no output was changed; check that the folder is writable")
 }

@@ -13,6 +13,7 @@ use crate::emit::{self, EMITTERS, Emitter, Others, Output, emitter};
 use crate::failure::Failure;
 use crate::path::normalise;
 use crate::schema::Form;
+use crate::terminal;
 
 /// Names of the file, in search order.
 const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
@@ -141,7 +142,7 @@ impl Config {
 
     /// Reads the file at `path`.
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        let shown = path.display().to_string();
+        let shown = terminal::path(path);
         let text =
             std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
         let file: File = toml::from_str(&text).map_err(|error| unreadable(&shown, &text, &error))?;
@@ -150,7 +151,7 @@ impl Config {
                 .with_hint("add a [[package]] with `name`, `dialect` and `include`"));
         }
         let folder = path.parent().map_or_else(PathBuf::new, Path::to_path_buf);
-        Ok(Self { folder, path: shown, text, file })
+        Ok(Self { folder, path: path.to_string_lossy().into_owned(), text, file })
     }
 
     /// The path of the file.

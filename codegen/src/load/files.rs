@@ -19,6 +19,7 @@ use crate::path::normalise;
 use crate::read::PackageInput;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
+use crate::terminal;
 
 /// Extensions of pages with tables.
 const PAGE_EXTENSIONS: [&str; 5] = ["md", "markdown", "adoc", "asciidoc", "txt"];
@@ -302,14 +303,13 @@ fn files_at(path: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
     if metadata.is_dir() {
         let files = files_below(path, form)?;
         if files.is_empty() {
-            return Err(
-                Failure::new(format!("no definitions in {}", path.display())).with_hint(expected_files(form))
-            );
+            return Err(Failure::new(format!("no definitions in {}", terminal::path(path)))
+                .with_hint(expected_files(form)));
         }
         return Ok(files);
     }
     if !is_definition(path, form) {
-        return Err(Failure::new(format!("{} is not a definition of this dialect", path.display()))
+        return Err(Failure::new(format!("{} is not a definition of this dialect", terminal::path(path)))
             .with_hint(expected_files(form)));
     }
     Ok(vec![path.to_path_buf()])
@@ -360,8 +360,11 @@ fn files_matching(
     for pattern in patterns {
         let mut matching = matching(folder, pattern, |path| is_definition(path, package.form))?;
         if matching.is_empty() {
-            let message =
-                format!("package {}: `{pattern}` matches no file in {}", package.name, folder.display());
+            let message = format!(
+                "package {}: `{pattern}` matches no file in {}",
+                package.name,
+                terminal::path(folder)
+            );
             return Err(Failure::new(message).with_hint(expected_files(package.form)));
         }
         files.append(&mut matching);
@@ -399,7 +402,7 @@ pub(crate) fn literal_base(pattern: &str) -> (String, String) {
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
-    let failure = Failure::new(format!("{}: {error}", path.display()));
+    let failure = Failure::new(format!("{}: {error}", terminal::path(path)));
     match error.kind() {
         ErrorKind::NotFound => failure.with_hint("check the path, which is relative to the current folder"),
         _ => failure,
@@ -409,9 +412,6 @@ fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
 /// A path as displayed in diagnostics and output: relative to the root, with `/` on every system.
 fn shown(path: &Path, root: &Path) -> String {
     let path = path.strip_prefix(root).unwrap_or(path);
-    path.components()
-        .map(|part| part.as_os_str().to_string_lossy())
-        .collect::<Vec<_>>()
-        .join("/")
-        .replace("//", "/")
+    let parts: Vec<_> = path.components().map(|part| part.as_os_str().to_string_lossy()).collect();
+    terminal::shown(&parts.join("/").replace("//", "/"))
 }

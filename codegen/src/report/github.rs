@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use super::model::{Region, Report};
 use super::totals::Totals;
 use crate::diagnostic::Level;
+use crate::terminal::guarded;
 
 pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
     // GitHub displays only the first annotations of a step.
@@ -49,9 +50,9 @@ fn region(region: Region) -> String {
     }
 }
 
-/// Escapes characters that would end the message.
+/// Escapes characters that would end the message, and characters that a log would not show.
 fn data(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+    guarded(text).replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
 }
 
 /// Escapes characters that would end a property.

@@ -3,12 +3,12 @@
 use serde_json::{Map, Value, json};
 
 use super::model::{Entry, Place, Region, Report};
+use crate::json_text;
 use crate::source::Position;
 
 pub(super) fn write(report: &Report) -> String {
     let entries: Vec<Value> = report.entries.iter().map(entry).collect();
-    // Serializing these values can't fail.
-    serde_json::to_string_pretty(&entries).map_or_else(|_| String::new(), |text| text + "\n")
+    json_text::pretty(&entries)
 }
 
 fn entry(entry: &Entry) -> Value {

@@ -16,6 +16,7 @@ use sha2::{Digest as _, Sha256};
 use super::model::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
 use super::totals::Totals;
 use crate::diagnostic::Level;
+use crate::json_text;
 use crate::prose::{gist, percent_encoded};
 
 /// The URL of the format's schema.
@@ -54,8 +55,7 @@ pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
     if let Some(totals) = totals {
         log["runs"][0]["properties"] = json!({ "totals": totals.to_json() });
     }
-    // Serializing these values can't fail.
-    serde_json::to_string_pretty(&log).map_or_else(|_| String::new(), |text| text + "\n")
+    json_text::pretty(&log)
 }
 
 fn level(level: Level) -> &'static str {

@@ -7,6 +7,7 @@ use crate::diagnostic::{Level, Problem};
 use crate::finding::Finding;
 use crate::lint::RULES;
 use crate::source::{Position, SourceMap, Span};
+use crate::terminal::guarded;
 
 /// Characters with a special meaning in one of the formats.
 const HOSTILE: &str =
@@ -207,7 +208,9 @@ fn each_workflow_command_is_one_line() {
     assert_eq!(properties, [&file, "line=3", "endLine=3", "col=5", "endColumn=9", title]);
     assert!(!message.contains('\r'), "{message}");
     let url = "https://uavspec.dev/docs/rules/unit-missing.html";
-    assert_eq!(unescaped(message), format!("{HOSTILE}\n{HOSTILE}\n{url}"));
+    let shown = guarded(HOSTILE);
+    assert!(shown.contains(r"\r") && shown.contains(r":\u{3a}error::x\u{7}\u{1b}[31m"), "{shown}");
+    assert_eq!(unescaped(message), format!("{shown}\n{shown}\n{url}"));
 }
 
 #[test]
@@ -281,10 +284,10 @@ mod junit {
             panic!("{cases:?}")
         };
         let shown =
-            "50% ]]> <b a=\"'\"> &amp; [x](javascript:y) a:b,c ::error::x\u{fffd}\u{fffd}[31m\u{fffd} é 🛩";
+            "50% ]]> <b a=\"'\"> &amp; [x](javascript:y) a:b,c ::error::x\\u{7}\\u{1b}[31m\\u{ffff} é 🛩";
         assert_eq!((message.as_deref(), ty.as_deref()), (Some(shown), Some("unit-missing")));
         assert_eq!(cases[0].name.as_str(), format!("{PATH}: {shown} (wire)"));
-        let of_lines = HOSTILE.replace(['\r', '\u{7}', '\u{1b}', '\u{ffff}'], "\u{fffd}");
+        let of_lines = guarded(HOSTILE);
         let expected = format!(
             "{PATH}:3:5: warning[unit-missing] (wire): {of_lines}\nhelp: {of_lines}\nbefore: old/A.msg:1:2\n\
              B.msg:7:8: {of_lines}\nsee: https://uavspec.dev/docs/rules/unit-missing.html"

@@ -12,6 +12,7 @@ use crate::failure::Failure;
 use crate::lint;
 use crate::render;
 use crate::source::{SourceId, SourceMap, Span};
+use crate::terminal;
 
 /// A list of known findings.
 #[derive(Debug)]
@@ -74,7 +75,7 @@ impl List {
     /// Parses the list in the file at `path`.
     pub(super) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Self, Failure> {
         let mut sources = SourceMap::default();
-        let source = sources.add(path.display().to_string(), bytes).map_err(|diagnostic| {
+        let source = sources.add(terminal::path(path), bytes).map_err(|diagnostic| {
             Failure::new(render::plain(&diagnostic.problem.to_string(), diagnostic.span, &sources))
         })?;
         let whole = sources.span(source);

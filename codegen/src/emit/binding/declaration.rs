@@ -122,7 +122,8 @@ pub(in crate::emit) fn quoted(text: &str) -> String {
     let literal = serde_json::Value::from(text).to_string();
     let mut escaped = String::with_capacity(literal.len());
     for character in literal.chars() {
-        if prose::visible(character) == character {
+        // Python reads a surrogate pair as two characters, so characters beyond U+FFFF have no common escape.
+        if prose::visible(character) == character || character > '\u{ffff}' {
             escaped.push(character);
         } else {
             // Writing to a `String` never fails.

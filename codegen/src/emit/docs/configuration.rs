@@ -10,6 +10,7 @@ use super::pages::emit;
 use crate::emit::emitter::{Input, Others, Output};
 use crate::emit::file::OutputFile;
 use crate::failure::Failure;
+use crate::terminal;
 
 /// The options as configured.
 #[derive(Debug, Default, Deserialize)]
@@ -58,7 +59,7 @@ impl Output for Configuration {
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
         let read = |path: &PathBuf| {
             fs::read_to_string(path).map_err(|error| {
-                Failure::new(format!("{}: {error}", path.display()))
+                Failure::new(format!("{}: {error}", terminal::path(path)))
                     .with_hint("create the file, or remove it from `output.docs.contents`")
             })
         };

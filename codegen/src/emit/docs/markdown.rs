@@ -19,6 +19,7 @@ use crate::emit::file::{self, OutputFile};
 use crate::prose;
 pub(super) use crate::prose::gist;
 use crate::prose::percent_encoded;
+use crate::terminal::shown;
 
 /// A page under construction.
 #[derive(Debug)]
@@ -254,6 +255,55 @@ pub fn with_code(text: &str) -> String {
     markdown.trim().to_owned()
 }
 
+/// Escapes untrusted text for use on one line of a comment or an issue.
+///
+/// GitHub and GitLab turn mentions, references to issues, commit hashes, addresses and emoji names into links or images,
+/// whether or not they are escaped. Only code is exempt, so words with such a reference become code.
+///
+/// ```
+/// use uavspec_codegen::emit::docs::markdown::untrusted;
+///
+/// assert_eq!(untrusted("see #1 of @everyone *now*"), r"see `#1` of `@everyone` \*now\*");
+/// ```
+pub fn untrusted(text: &str) -> String {
+    let text = shown(text);
+    let words: Vec<&str> = text.split(' ').filter(|word| !word.is_empty()).collect();
+    let runs = words.chunk_by(|left, right| !is_reference(left) && !is_reference(right));
+    let markdown = runs.map(|run| match run {
+        [word] if is_reference(word) => code(word),
+        words => inline(&words.join(" ")),
+    });
+    markdown.collect::<Vec<_>>().join(" ")
+}
+
+/// True if GitHub or GitLab would find a reference in a word.
+fn is_reference(word: &str) -> bool {
+    let lower = word.to_ascii_lowercase();
+    let follows = |mark: &str, is_wanted: fn(char) -> bool| {
+        lower.match_indices(mark).any(|(at, _)| lower[at + mark.len()..].starts_with(is_wanted))
+    };
+    let is_hash =
+        |part: &str| (7..=64).contains(&part.len()) && part.bytes().all(|byte| byte.is_ascii_hexdigit());
+    lower.contains('@')
+        || lower.contains("://")
+        || lower.contains("www.")
+        || ["#", "!", "%", "~", "&", "$", "^"].iter().any(|mark| follows(mark, char::is_alphanumeric))
+        || follows("gh-", char::is_numeric)
+        || lower.split(|character: char| !character.is_alphanumeric()).any(is_hash)
+        || has_emoji(&lower)
+}
+
+/// True if a word contains the name of an emoji, such as `:tada:`.
+fn has_emoji(word: &str) -> bool {
+    let is_name = |part: &str| {
+        part.bytes().any(|byte| byte.is_ascii_alphabetic())
+            && part.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'+' | b'-'))
+    };
+    let parts: Vec<&str> = word.split(':').collect();
+    // Only the parts between two colons are names.
+    parts.len() > 2 && parts[1..parts.len() - 1].iter().any(|part| is_name(part))
+}
+
 /// Prevents line breaks in Markdown text.
 pub(super) fn unbroken(markdown: &str) -> String {
     markdown.replace(' ', "&nbsp;")
@@ -357,6 +407,39 @@ mod tests {
         );
         assert_eq!(with_code("a ` b"), r"a \` b");
         assert_eq!(with_code("`a` `b`"), "`a` `b`");
+    }
+
+    #[test]
+    fn references_in_untrusted_text_become_code() {
+        for word in [
+            "@everyone",
+            "(@a/team)",
+            "a@b.org",
+            "#1",
+            "a/b#1",
+            "GH-12",
+            "gh-1",
+            "!7",
+            "%2",
+            "&3",
+            "~label",
+            "$4",
+            "^5",
+            "https://a.b",
+            "ftp://a",
+            "WWW.a.b",
+            "1234567",
+            "(0123abcdef)",
+            "a:tada:b",
+            "x@0123abcdef",
+        ] {
+            assert_eq!(untrusted(&format!("a {word} b")), format!("a {} b", code(word)));
+        }
+        for text in ["1,234,567", "08:00:00", "50 %, 1 # 2", "a: b: c", "PX-RANGE-01", "a!", "decade"] {
+            assert_eq!(untrusted(text), text);
+        }
+        assert_eq!(untrusted("a\n<b>  #1"), r"a\\n\<b\> `#1`");
+        assert_eq!(untrusted(""), "");
     }
 
     #[test]

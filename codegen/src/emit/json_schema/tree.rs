@@ -7,6 +7,7 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 
 use super::address::Target;
+use crate::characters::is_hidden;
 
 /// A member of an object.
 pub(super) type Member<'s> = (Cow<'s, str>, Node<'s>);
@@ -168,25 +169,18 @@ impl Printer<'_> {
             '\\' => self.text.push_str("\\\\"),
             '\n' => self.text.push_str("\\n"),
             '\t' => self.text.push_str("\\t"),
-            // All other escaped characters are at most U+FFFF, so one escape each suffices.
             other => {
-                let _ = write!(self.text, "\\u{:04x}", u32::from(other));
+                for unit in other.encode_utf16(&mut [0; 2]) {
+                    let _ = write!(self.text, "\\u{unit:04x}");
+                }
             }
         }
     }
 }
 
-/// True for characters that must be escaped in JSON, and for control characters and direction marks that would distort
-/// the display.
+/// True for characters that must be escaped in JSON, and for characters that would distort the display.
 fn needs_escape(character: char) -> bool {
-    match character {
-        '"' | '\\' => true,
-        ' '..='~' => false,
-        _ => {
-            character.is_control()
-                || matches!(character, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
-        }
-    }
+    matches!(character, '"' | '\\' | '\u{200c}' | '\u{200d}') || is_hidden(character)
 }
 
 /// An alternative that accepts any value of a type: the last alternative of an open set.

@@ -3,6 +3,7 @@
 use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
 
 use crate::report::model::Place;
+use crate::terminal::guarded;
 
 /// A suite of cases.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -120,15 +121,7 @@ pub(super) fn one_line(text: &str) -> String {
     visible(&text.split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Replaces characters that XML doesn't allow. The library would silently drop some of these characters.
-pub(super) fn visible(text: &str) -> String {
-    text.chars()
-        .map(|character| match character {
-            '\n' => '\n',
-            '\t' => ' ',
-            '\u{fffe}' | '\u{ffff}' => char::REPLACEMENT_CHARACTER,
-            _ if character.is_control() => char::REPLACEMENT_CHARACTER,
-            _ => character,
-        })
-        .collect()
+/// Escapes characters that XML doesn't allow, that are invisible, or that start commands of CI systems.
+fn visible(text: &str) -> String {
+    guarded(text).replace('\t', " ")
 }

@@ -1,0 +1,39 @@
+//! Commands that CI systems execute when they find them in a log.
+
+/// Recognizes the start of a command in the characters of a text.
+///
+/// GitHub executes `::name::` at the start of a line, after white space. GitHub, Azure Pipelines and `TeamCity` execute
+/// `##[name]`, `##vso[name]` and `##teamcity[name]` anywhere in a line. The commands of GitLab and Travis require control
+/// characters, which are escaped anyway.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) enum Command {
+    /// Only white space precedes in this line.
+    #[default]
+    Start,
+    /// The first character of the line is a colon.
+    Colon,
+    /// A number sign precedes.
+    Hash,
+    /// Two number signs and perhaps letters precede.
+    Name,
+    /// Anything else precedes.
+    Text,
+}
+
+impl Command {
+    /// Advances by a character. True if this character completes the start of a command.
+    pub(crate) fn is_completed_by(&mut self, character: char) -> bool {
+        let (next, is_complete) = match (*self, character) {
+            (_, '\n') => (Self::Start, false),
+            (Self::Start, ':') => (Self::Colon, false),
+            (Self::Start, _) if character.is_whitespace() => (Self::Start, false),
+            (Self::Colon, ':') | (Self::Name, '[') => (Self::Text, true),
+            (Self::Hash | Self::Name, '#') => (Self::Name, false),
+            (Self::Name, _) if character.is_ascii_alphabetic() => (Self::Name, false),
+            (_, '#') => (Self::Hash, false),
+            _ => (Self::Text, false),
+        };
+        *self = next;
+        is_complete
+    }
+}

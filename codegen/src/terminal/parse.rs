@@ -1,0 +1,63 @@
+//! Command lines, with escaped error messages.
+
+use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
+
+use super::{print, print_error, shown};
+
+/// Parses the arguments of the process. After `--help` or invalid arguments, prints the text and ends the process.
+pub fn parse<P: Parser>() -> P {
+    P::try_parse().unwrap_or_else(|error| {
+        let error = escaped(error);
+        let text = error.render().ansi().to_string();
+        if error.use_stderr() {
+            print_error(format_args!("{text}"));
+        } else {
+            print(format_args!("{text}"));
+        }
+        std::process::exit(error.exit_code())
+    })
+}
+
+/// Escapes the arguments that an error message quotes.
+fn escaped(mut error: clap::Error) -> clap::Error {
+    let quoted: Vec<(ContextKind, ContextValue)> = error
+        .context()
+        .filter_map(|(kind, value)| match value {
+            ContextValue::String(text) => Some((kind, ContextValue::String(shown(text)))),
+            ContextValue::Strings(texts) => {
+                Some((kind, ContextValue::Strings(texts.iter().map(|text| shown(text)).collect())))
+            }
+            _ => None,
+        })
+        .collect();
+    for (kind, value) in quoted {
+        error.insert(kind, value);
+    }
+    error
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Command;
+
+    use super::*;
+
+    #[test]
+    fn escapes_arguments_in_errors() {
+        let command = || Command::new("uavspec").subcommand(Command::new("check"));
+        for argument in ["a\n::error::b", "--\u{1b}[2J\n##[error]", "--x\u{202e}"] {
+            let error = command().try_get_matches_from(["uavspec", argument]).expect_err("an error");
+            let raw = error.render().ansi().to_string();
+            assert!(raw.contains(argument), "the library doesn't escape: {raw:?}");
+            let text = escaped(error).render().ansi().to_string();
+            assert!(
+                !text.contains(['\u{202e}'])
+                    && !text.contains("\u{1b}[2J")
+                    && !text.contains("\n::")
+                    && !text.contains("##["),
+                "{text}"
+            );
+        }
+    }
+}

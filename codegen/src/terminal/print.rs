@@ -1,0 +1,57 @@
+//! Printing to the terminal. All output of the programs passes through these functions.
+
+use std::fmt::{self, Display, Write as _};
+use std::io::{self, Write as _};
+
+use super::{Guard, shown_up_to};
+
+/// The maximum length of an error message, in characters. It may contain several paths.
+const MAX_PROBLEM: usize = 20_000;
+
+/// Standard output, with colours if the terminal supports them.
+pub fn stdout() -> Guard<anstream::AutoStream<io::Stdout>> {
+    Guard::new(anstream::stdout())
+}
+
+/// Standard error, with colours if the terminal supports them.
+pub fn stderr() -> Guard<anstream::AutoStream<io::Stderr>> {
+    Guard::new(anstream::stderr())
+}
+
+/// Prints to standard output. It is not an error if the reader closes the pipe early.
+pub fn print(text: fmt::Arguments<'_>) {
+    let _ = stdout().write_all(text.to_string().as_bytes());
+}
+
+/// Prints to standard error. A message that can't be printed is lost.
+pub fn print_error(text: fmt::Arguments<'_>) {
+    let _ = stderr().write_all(text.to_string().as_bytes());
+}
+
+/// Prints a problem to standard error, and the help for it on a second line. Both may contain untrusted text.
+pub fn error(problem: impl Display, help: Option<&str>) {
+    let mut text = format!("error: {}\n", shown_up_to(MAX_PROBLEM, &problem.to_string()));
+    if let Some(help) = help {
+        // Writing to a `String` can't fail.
+        let _ = writeln!(text, "  help: {}", shown_up_to(MAX_PROBLEM, help));
+    }
+    print_error(format_args!("{text}"));
+}
+
+/// Like `std::println`, with a guarded output.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __println {
+    ($($argument:tt)*) => {
+        $crate::terminal::print(::std::format_args!("{}\n", ::std::format_args!($($argument)*)))
+    };
+}
+
+/// Like `std::eprintln`, with a guarded output.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __eprintln {
+    ($($argument:tt)*) => {
+        $crate::terminal::print_error(::std::format_args!("{}\n", ::std::format_args!($($argument)*)))
+    };
+}
