@@ -42,7 +42,7 @@ use crate::definitions::Definitions;
 use crate::flockwave::body_schema::Schemas;
 use crate::report::{Outcome, OutcomeKind, Report};
 use crate::rules::RULES;
-use crate::text::{command_line, similar};
+use crate::text::{command_line, similar, terminal};
 
 const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg
@@ -190,7 +190,7 @@ impl From<&Outcome> for Status {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let status = match Cli::parse().command {
+    let status = match terminal::parse::<Cli>().command {
         Command::Check(args) => check::check(&args),
         Command::Test(args) => test::test(&args),
         Command::Testee(command) => testee::testee(&command),
@@ -219,7 +219,7 @@ pub(crate) fn check_report(arguments: &[&str]) -> (Report, u8) {
 fn deliver(args: &ReportArgs, report: &Report) -> Status {
     let failures = args.write(report);
     for failure in &failures {
-        anstream::eprintln!("error: {failure}");
+        terminal::error(failure, None);
     }
     if failures.is_empty() { (&report.outcome).into() } else { Status::Unreadable }
 }
@@ -227,7 +227,7 @@ fn deliver(args: &ReportArgs, report: &Report) -> Status {
 /// Prints an error about a name that doesn't exist, with a similar name or with other help.
 fn print_unknown<'k>(problem: &str, name: &str, known: impl Iterator<Item = &'k str>, help: &str) {
     let help = similar(name, known).map_or_else(|| help.to_owned(), |known| format!("did you mean {known}?"));
-    anstream::eprintln!("error: {problem}\n  help: {help}");
+    terminal::error(problem, Some(&help));
 }
 
 /// Prints an error about a rule that doesn't exist.
@@ -245,7 +245,7 @@ fn command() -> String {
 /// Loads the definitions at a path, or the built-in definitions. Errors are printed.
 fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
     path.map_or_else(|| Ok(Definitions::built_in()), Definitions::load).map_err(|failure| {
-        anstream::eprintln!("{failure}");
+        terminal::eprintln!("{failure}");
         Status::Usage
     })
 }
@@ -254,7 +254,7 @@ fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
 fn definitions_with(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Definitions, Status> {
     let definitions = definitions(path)?;
     let schemas = Schemas::load(schemas).map_err(|error| {
-        anstream::eprintln!("error: {error}");
+        terminal::error(error, None);
         Status::Usage
     })?;
     Ok(definitions.with_schemas(schemas))

@@ -23,6 +23,7 @@ use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
+use crate::text::terminal;
 
 /// Definitions, with lookup tables for checks.
 #[derive(Debug)]
@@ -63,7 +64,7 @@ impl Definitions {
             let mut files: Vec<_> = folder.files().collect();
             files.sort_by_key(|file| file.path());
             let ids = files.into_iter().filter_map(|file| {
-                let path = format!("definitions/{name}/{}", file.path().display());
+                let path = format!("definitions/{name}/{}", terminal::path(file.path()));
                 sources.add(path, file.contents().to_vec()).ok()
             });
             PackageInput::new(name, form, ids.collect())
@@ -79,7 +80,7 @@ impl Definitions {
     /// with such files.
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let (sources, schema) = read_definitions(path)?;
-        Ok(Self::new(path.display().to_string(), sources, schema))
+        Ok(Self::new(path.to_string_lossy().into_owned(), sources, schema))
     }
 
     fn new(name: String, sources: SourceMap, schema: Schema) -> Self {

@@ -1,14 +1,16 @@
 //! Formats text for people to read.
 
-mod shown;
+mod command_line;
 mod similar;
 mod wrap;
 
 use std::fmt;
 
-pub(crate) use self::shown::{command_line, shown};
+pub(crate) use self::command_line::command_line;
 pub(crate) use self::similar::similar;
 pub(crate) use self::wrap::wrapped;
+// All text from captures, servers, testees, files and arguments passes through this function before it is shown.
+pub(crate) use uavspec_codegen::terminal::{self, shown};
 
 /// A number with thousands separators: 1,234,567.
 pub(crate) struct Grouped(pub(crate) u64);

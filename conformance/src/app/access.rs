@@ -7,6 +7,7 @@ use clap::Args;
 use super::Status;
 use super::serve::login;
 use crate::net::tls::Trust;
+use crate::text::terminal;
 
 /// Arguments of commands that connect to a server.
 #[derive(Args, Debug)]
@@ -35,10 +36,10 @@ impl AccessArgs {
     /// The trusted certificates. Errors are printed.
     pub(super) fn trust(&self) -> Result<Trust, Status> {
         if self.insecure {
-            anstream::eprintln!("warning: any certificate is accepted (--insecure)");
+            terminal::eprintln!("warning: any certificate is accepted (--insecure)");
         }
         Trust::new(self.ca.as_deref(), self.insecure).map_err(|error| {
-            anstream::eprintln!("error: {error}");
+            terminal::error(error, None);
             Status::Usage
         })
     }

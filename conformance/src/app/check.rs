@@ -20,6 +20,7 @@ use crate::capture::input::{self, Files};
 use crate::check::{self, CaptureResult, parallel};
 use crate::definitions::Definitions;
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
+use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg
@@ -118,7 +119,7 @@ pub(super) fn check(args: &CheckArgs) -> Status {
 /// Checks all files. Returns the report, and the status of the lists of known failures.
 pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
     if let Some(problem) = args.report.problem() {
-        anstream::eprintln!("error: {problem}");
+        terminal::error(problem, None);
         return Err(Status::Usage);
     }
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
@@ -145,8 +146,8 @@ pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
             // The lists apply to all files, so findings are printed after the last file is checked.
             Ok(found) => checked.push(found),
             Err(error) => {
-                let path = path.display().to_string();
-                progress.pausing(|| anstream::eprintln!("error: {path}: {error}"));
+                let path = path.to_string_lossy().into_owned();
+                progress.pausing(|| terminal::error(format_args!("{path}: {error}"), None));
                 unreadable.push(Unreadable { path, message: error.to_string() });
             }
         },
@@ -194,11 +195,11 @@ fn message_id(args: &CheckArgs, definitions: &Definitions) -> Result<Option<Mess
 /// The files to check. Errors are printed.
 fn find_files(paths: &[PathBuf]) -> Result<Files, Status> {
     let files = input::files(paths).map_err(|(path, error)| {
-        anstream::eprintln!("error: {}: {error}", path.display());
+        terminal::error(format_args!("{}: {error}", terminal::path(path)), None);
         Status::Usage
     })?;
     for (path, reason) in files.unreadable.iter().chain(&files.empty) {
-        anstream::eprintln!("error: {}: {reason}", path.display());
+        terminal::error(format_args!("{}: {reason}", terminal::path(path)), None);
     }
     Ok(files)
 }
@@ -211,17 +212,17 @@ fn unfound(files: &Files) -> Vec<Unreadable> {
 }
 
 fn unreadable_file(path: &Path, reason: &str) -> Unreadable {
-    Unreadable { path: path.display().to_string(), message: reason.to_owned() }
+    Unreadable { path: path.to_string_lossy().into_owned(), message: reason.to_owned() }
 }
 
 /// The settings that affect reports.
 fn settings(args: &CheckArgs) -> Settings {
     let mut arguments = Vec::new();
     if let Some(path) = &args.definitions {
-        arguments.extend(["--definitions".to_owned(), path.display().to_string()]);
+        arguments.extend(["--definitions".to_owned(), path.to_string_lossy().into_owned()]);
     }
     for folder in &args.schemas {
-        arguments.extend(["--schema".to_owned(), folder.display().to_string()]);
+        arguments.extend(["--schema".to_owned(), folder.to_string_lossy().into_owned()]);
     }
     if let Some(name) = &args.message_type {
         arguments.extend(["--type".to_owned(), name.clone()]);
@@ -248,7 +249,7 @@ fn check_file(
         .and_then(|source| check::check_capture(source, message_id, definitions))
         .unwrap_or_else(|error| CaptureResult::unknown(format!("the file can't be read: {error}")));
     Ok(CheckedCapture {
-        path: path.display().to_string(),
+        path: path.to_string_lossy().into_owned(),
         result,
         notes: Vec::new(),
         requests: Vec::new(),

@@ -17,6 +17,7 @@ use crate::check::known::{
 };
 use crate::model::{Date, Extent, Reason};
 use crate::report::{About, CheckedCapture, Report, Unreadable, Verdict};
+use crate::text::terminal;
 
 /// Arguments of commands that read lists of known failures.
 #[derive(Args, Debug)]
@@ -63,13 +64,16 @@ impl KnownArgs {
     /// Reads the lists. Errors are printed.
     pub(super) fn read(&self) -> Result<Known, Status> {
         let print_error = |error: String| {
-            anstream::eprintln!("{error}");
+            terminal::eprintln!("{error}");
             Status::Usage
         };
         let lists = Lists::read(&self.known).map_err(|error| print_error(error.to_string()))?;
         if let Some(path) = self.init_known.as_deref().filter(|path| path.exists()) {
             let help = "use --known and --fix-known to update a list, or choose another name";
-            return Err(print_error(format!("error: {}: the file exists\n  help: {help}", path.display())));
+            return Err(print_error(format!(
+                "error: {}: the file exists\n  help: {help}",
+                terminal::path(path)
+            )));
         }
         let today = Date::today().map_err(|error| print_error(format!("error: {error}")))?;
         Ok(Known { lists, stale: Vec::new(), today, is_fixing: self.fix_known })
@@ -86,11 +90,14 @@ impl KnownArgs {
         match written {
             Ok(()) => {
                 let failures = plural(entries.len() as u64, "failure");
-                anstream::eprintln!("{}: {failures}; state the reason for each one", path.display());
+                terminal::eprintln!("{}: {failures}; state the reason for each one", terminal::path(path));
                 Status::Conforms
             }
             Err(error) => {
-                anstream::eprintln!("error: {}: can't write the list: {error}", path.display());
+                terminal::error(
+                    format_args!("{}: can't write the list: {error}", terminal::path(path)),
+                    None,
+                );
                 Status::Unreadable
             }
         }
@@ -128,7 +135,7 @@ impl Known {
             return Status::Stale;
         }
         if let Err(error) = self.fix(&stale) {
-            anstream::eprintln!("{error}");
+            terminal::eprintln!("{error}");
             self.stale = self.lists.reasons(&stale);
             return Status::Usage;
         }
@@ -142,8 +149,8 @@ impl Known {
 
     fn report_stale(&mut self, stale: &[Stale], help: &str) {
         self.stale = self.lists.reasons(stale);
-        anstream::eprint!("{}", self.lists.render(stale, Level::Error, true));
-        anstream::eprintln!("error: a list of known failures is out of date\n  help: {help}");
+        terminal::print_error(format_args!("{}", self.lists.render(stale, Level::Error, true)));
+        terminal::error("a list of known failures is out of date", Some(help));
     }
 
     /// Compares the lists with the findings, and attaches the matching entry to each known finding.
@@ -177,8 +184,8 @@ impl Known {
         }
         let fixed = self.lists.fixed(&stale)?;
         fixed.write(&self.lists)?;
-        anstream::eprint!("{}", self.lists.render(&stale, Level::Note, true));
-        anstream::eprintln!(
+        terminal::print_error(format_args!("{}", self.lists.render(&stale, Level::Note, true)));
+        terminal::eprintln!(
             "fixed: the entries above were removed or updated; check that the reasons still apply"
         );
         self.lists = fixed;

@@ -20,6 +20,7 @@ use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::probe::{Options, Selection, probe};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
+use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec probe tcp://localhost:5001
@@ -111,7 +112,7 @@ pub(super) fn run(args: &ProbeArgs) -> Status {
 
 fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     if let Some(problem) = args.report.problem() {
-        anstream::eprintln!("error: {problem}");
+        terminal::error(problem, None);
         return Err(Status::Usage);
     }
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
@@ -128,7 +129,7 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     let unreadable: Vec<Unreadable> =
         probed.failure.into_iter().map(|message| Unreadable { path: path.clone(), message }).collect();
     for unreadable in &unreadable {
-        anstream::eprintln!("error: {path}: {}", unreadable.message);
+        terminal::error(format_args!("{path}: {}", unreadable.message), None);
     }
     let cut_short = probed.cut_short.into_iter().collect();
     let (result, elapsed) = (probed.result, started.elapsed().as_millis());
@@ -151,7 +152,10 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     let status = deliver(&args.report, &report).max(known_status).max(args.known.init(&report));
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {
-            anstream::eprintln!("error: {}: can't write the recording: {error}", path.display());
+            terminal::error(
+                format_args!("{}: can't write the recording: {error}", terminal::path(path)),
+                None,
+            );
             Ok(status.max(Status::Unreadable))
         }
         _ => Ok(status),
@@ -174,7 +178,7 @@ fn check_outputs(args: &ProbeArgs) -> Result<(), Status> {
 fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Status> {
     let selection = Selection::new(args.only.clone(), args.skip.clone(), definitions, &args.endpoint);
     let selection = selection.map_err(|problem| {
-        anstream::eprintln!("error: {problem}");
+        terminal::error(problem, None);
         Status::Usage
     })?;
     let selection = if args.no_trials { selection.without_trials() } else { selection };
@@ -200,7 +204,7 @@ fn timeout(text: &str) -> Result<Duration, String> {
 fn recording(args: &ProbeArgs) -> Result<Option<Box<dyn Write>>, Status> {
     let Some(path) = &args.record else { return Ok(None) };
     let file = File::create(path).map_err(|error| {
-        anstream::eprintln!("error: {}: can't write the recording: {error}", path.display());
+        terminal::error(format_args!("{}: can't write the recording: {error}", terminal::path(path)), None);
         Status::Unreadable
     })?;
     Ok(Some(Box::new(BufWriter::new(file))))

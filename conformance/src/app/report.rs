@@ -11,6 +11,7 @@ use uavspec_codegen::stage::Stage;
 
 use super::outputs::Output;
 use crate::report::{Kind, Report, Subject, end_text, subject_text};
+use crate::text::terminal;
 
 /// The path that means standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -76,7 +77,7 @@ impl ReportArgs {
         self.report.iter().map(|target| {
             let kind =
                 target.kind.to_possible_value().map_or_else(String::new, |kind| kind.get_name().to_owned());
-            Output { name: format!("--report {kind}={}", target.path.display()), path: &target.path }
+            Output { name: format!("--report {kind}={}", terminal::path(&target.path)), path: &target.path }
         })
     }
 
@@ -112,11 +113,13 @@ impl ReportArgs {
             let text = report.to_text(target.kind);
             let text = match target.kind {
                 // Files have no colours.
-                Kind::Text => anstream::adapter::strip_str(&text).to_string(),
+                Kind::Text => {
+                    terminal::guarded(&anstream::adapter::strip_str(&text).to_string()).into_owned()
+                }
                 _ => text,
             };
             let error = write(&target.path, text.as_bytes()).err()?;
-            Some(format!("{}: can't write the report: {error}", target.path.display()))
+            Some(format!("{}: can't write the report: {error}", terminal::path(&target.path)))
         };
         self.unprinted.get().cloned().into_iter().chain(files.filter_map(write)).collect()
     }
@@ -130,7 +133,7 @@ impl Target {
 
 /// Prints text, with colours if the terminal supports them.
 pub(super) fn print(text: &str) -> io::Result<()> {
-    ignore_broken_pipe(&mut anstream::stdout(), text)
+    ignore_broken_pipe(&mut terminal::stdout(), text)
 }
 
 /// Writes text. A closed pipe is not an error.

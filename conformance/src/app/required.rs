@@ -6,6 +6,7 @@ use super::{Status, print_unknown_rule};
 use crate::model::{Reason, Rule};
 use crate::report::Subject;
 use crate::rules::rule;
+use crate::text::terminal;
 
 /// Arguments of commands that check rules.
 #[derive(Args, Debug)]
@@ -39,7 +40,7 @@ pub(super) fn uncovered(required: &[&Rule], subjects: &[Subject]) -> Vec<Reason>
     let uncovered = required.iter().filter(|rule| is_uncovered(rule.id));
     let reasons = uncovered.map(|rule| {
         let reason = format!("{} is required, but not covered by the input", rule.id);
-        anstream::eprintln!("error: {reason}");
+        terminal::error(&reason, None);
         Reason::from(reason)
     });
     reasons.collect()

@@ -7,6 +7,7 @@ use crate::definitions::Definitions;
 use crate::matrix::matrix;
 use crate::report::rule_list;
 use crate::rules::rule;
+use crate::text::terminal;
 
 /// Arguments of `rules`.
 #[derive(Args, Debug)]
@@ -49,7 +50,7 @@ pub(super) fn rules(args: &RulesArgs) -> Status {
     match super::report::print(&text) {
         Ok(()) => Status::Conforms,
         Err(error) => {
-            anstream::eprintln!("error: standard output: {error}");
+            terminal::error(format_args!("standard output: {error}"), None);
             Status::Unreadable
         }
     }

@@ -16,7 +16,7 @@ use crate::testee::case::cases;
 use crate::testee::options::Options;
 use crate::testee::run::run;
 use crate::testee::target::Target;
-use crate::text::Grouped;
+use crate::text::{Grouped, terminal};
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
@@ -65,20 +65,20 @@ pub(super) fn self_test(args: &SelfTestArgs) -> Status {
         match run_cases(&definitions, &args.testee) {
             Ok(is_passing) => is_right &= is_passing,
             Err(error) => {
-                anstream::eprintln!("error: {error}");
+                terminal::error(error, None);
                 return Status::Unreadable;
             }
         }
     }
     let (style, text) = if is_right { (PASS, "all checks passed") } else { (FAIL, "some checks failed") };
-    anstream::println!("\n{style}{text}{style:#}");
+    terminal::println!("\n{style}{text}{style:#}");
     if is_right { Status::Conforms } else { Status::DoesNotConform }
 }
 
 /// Checks conforming captures. There must be no findings.
 fn recordings(definitions: &Definitions) -> bool {
     let mut is_right = true;
-    anstream::println!("Captures that conform to the definitions:");
+    terminal::println!("Captures that conform to the definitions:");
     for (name, result) in conforming(definitions) {
         let covered = RULES.iter().filter(|rule| result.findings.covered(rule) > 0).count();
         let violated: Vec<&str> = result.findings.groups().map(|group| group.rule.id).collect();
@@ -94,7 +94,7 @@ fn recordings(definitions: &Definitions) -> bool {
 
 /// Checks that each mutant violates exactly the expected rules.
 fn rules(rows: &[Row]) -> bool {
-    anstream::println!("\nMutants found by each rule:");
+    terminal::println!("\nMutants found by each rule:");
     for rule in RULES {
         let own = || rows.iter().filter(|row| row.rule.id == rule.id);
         let made = own().filter(|row| row.violated.is_some()).count();
@@ -119,7 +119,7 @@ fn servers(definitions: &Definitions) -> bool {
         progress.set(rows.len(), cases.len());
     });
     drop(progress);
-    anstream::println!(
+    terminal::println!(
         "\nProbes of the reference server, first without bugs, then with each bug; checked live and from recordings:"
     );
     let mut are_right = true;
@@ -146,7 +146,7 @@ fn run_cases(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Str
     let on_progress = |done, total| progress.set(done, total);
     let outcome = run(&cases, &all, definitions.types(), &options, &on_progress)?;
     drop(progress);
-    anstream::println!("\nThe testee:");
+    terminal::println!("\nThe testee:");
     let counts = outcome.counts();
     let is_right = counts.passed == cases.len() && outcome.protocol_remarks.is_empty();
     let name = outcome.hello.map_or_else(|| "testee".to_owned(), |hello| hello.name);
@@ -162,5 +162,5 @@ fn mismatch_text(row: &Row) -> String {
 
 fn line(is_right: bool, name: &str, text: &str) {
     let (style, word) = if is_right { (PLAIN, "  ok  ") } else { (FAIL, "  FAIL") };
-    anstream::println!("{style}{word}{style:#}  {name:<12} {text}");
+    terminal::println!("{style}{word}{style:#}  {name:<12} {text}");
 }

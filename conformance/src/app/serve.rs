@@ -13,6 +13,7 @@ use super::Status;
 use super::test::seconds;
 use crate::rules::flockwave::{self, FlockwaveRule};
 use crate::serve::{Options, Server, Transport, error, loss};
+use crate::text::terminal;
 
 /// The default address, with the port that Flockwave clients try first.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5001";
@@ -120,27 +121,30 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     let named = args.errors.iter().map(|(id, _)| ("error", id));
     let named = named.chain(args.losses.iter().map(|(id, _)| ("lose", id)));
     if let Some((option, id)) = named.into_iter().find(|(_, id)| !has_uav(args.uavs, id)) {
-        anstream::eprintln!("error: --{option} {id}: the fleet consists of glider-1 to glider-{}", args.uavs);
+        terminal::error(
+            format_args!("--{option} {id}: the fleet consists of glider-1 to glider-{}", args.uavs),
+            None,
+        );
         return Status::Usage;
     }
     let server = match Server::start(options(args), &addresses(args)) {
         Ok(server) => server,
         Err(error) => {
-            anstream::eprintln!("error: {error}");
+            terminal::error(error, None);
             return Status::Unreadable;
         }
     };
     let (sender, ending) = channel();
     if let Err(error) = end_on_request(args, sender) {
-        anstream::eprintln!("error: {error}");
+        terminal::error(error, None);
         return Status::Unreadable;
     }
     for listening in server.listening() {
         match args.format {
-            super::Format::Text => anstream::println!("{listening}"),
+            super::Format::Text => terminal::println!("{listening}"),
             super::Format::Json => {
                 let (transport, address) = (listening.transport.name(), listening.address);
-                anstream::println!(
+                terminal::println!(
                     "{}",
                     json!({ "transport": transport, "address": address, "port": address.port() })
                 );
@@ -148,7 +152,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
         }
     }
     if let Some(FlockwaveRule { rule, bug, .. }) = args.bug {
-        anstream::eprintln!("bug {}: {}", rule.id, bug.description);
+        terminal::eprintln!("bug {}: {}", rule.id, bug.description);
     }
     // Waiting also ends when all senders are dropped.
     let _ = match args.time {
@@ -220,10 +224,10 @@ fn list(format: super::Format) -> Status {
                 } else {
                     format!(" Also violates {}.", also.join(", "))
                 };
-                anstream::println!("{:<18} {}{also}", rule.id, bug.description);
+                terminal::println!("{:<18} {}{also}", rule.id, bug.description);
             }
             super::Format::Json => {
-                anstream::println!("{}", json!({ "rule": rule.id, "what": bug.description, "also": also }));
+                terminal::println!("{}", json!({ "rule": rule.id, "what": bug.description, "also": also }));
             }
         }
     }

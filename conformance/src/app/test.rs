@@ -25,7 +25,7 @@ use crate::testee::options::Options;
 use crate::testee::outcome::Outcome;
 use crate::testee::run::run;
 use crate::testee::target::Target;
-use crate::text::command_line;
+use crate::text::{command_line, terminal};
 
 const EXAMPLES: &str = "Examples:
   uavspec test -- ./my-codec --stdio
@@ -139,7 +139,7 @@ pub(super) fn target(command: &[OsString], attach: Option<&Address>) -> Target {
 
 pub(super) fn test(args: &TestArgs) -> Status {
     if let Some(problem) = args.report.problem() {
-        anstream::eprintln!("error: {problem}");
+        terminal::error(problem, None);
         return Status::Usage;
     }
     if let Err(status) = check_outputs(args) {
@@ -154,7 +154,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
     let selected = match select(&cases, args.filter.as_deref()) {
         Ok(selected) => selected,
         Err(error) => {
-            anstream::eprintln!("error: {error}");
+            terminal::error(error, None);
             return Status::Usage;
         }
     };
@@ -174,7 +174,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
         None => match run_cases(args, &cases, &selected, types) {
             Ok(outcome) => outcome,
             Err(error) => {
-                anstream::eprintln!("error: {error}");
+                terminal::error(error, None);
                 return Status::Unreadable;
             }
         },
@@ -210,10 +210,10 @@ fn rerun_command(args: &TestArgs, case: &str) -> String {
     let mut words = vec!["uavspec".to_owned(), "test".to_owned(), "--filter".to_owned(), filter];
     let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);
     if let Some(path) = &args.definitions {
-        add("--definitions", path.display().to_string());
+        add("--definitions", path.to_string_lossy().into_owned());
     }
     if let Some(path) = &args.replay {
-        add("--replay", path.display().to_string());
+        add("--replay", path.to_string_lossy().into_owned());
         return command_line(words.iter().map(String::as_str));
     }
     let defaults = Options::new(target(&args.command, args.attach.as_ref()));
@@ -287,7 +287,7 @@ fn read_answers<'c>(
 
 fn report_error<T>(path: &Path, result: io::Result<T>) -> Result<T, Status> {
     result.map_err(|error| {
-        anstream::eprintln!("error: {}: {error}", path.display());
+        terminal::error(format_args!("{}: {error}", terminal::path(path)), None);
         Status::Unreadable
     })
 }

@@ -15,6 +15,7 @@ use crate::testee::case::cases;
 use crate::testee::lint::report::{to_json, to_text};
 use crate::testee::lint::{CHECKS, Check, check, lint};
 use crate::testee::options::Options;
+use crate::text::terminal;
 
 /// Subcommands of `testee`.
 #[derive(Debug, Subcommand)]
@@ -106,13 +107,13 @@ fn lint_testee(args: &LintArgs) -> Status {
     let found = match found {
         Ok(found) => found,
         Err(error) => {
-            anstream::eprintln!("error: {error}");
+            terminal::error(error, None);
             return Status::Unreadable;
         }
     };
     // A closed pipe is not an error. The stream removes colours if needed.
     let _ = match args.format {
-        Format::Text => write!(anstream::stdout(), "{}", to_text(&found)),
+        Format::Text => terminal::stdout().write_all(to_text(&found).as_bytes()),
         Format::Json => io::stdout().write_all(to_json(&found).as_bytes()),
     };
     if found.is_ok() { Status::Conforms } else { Status::DoesNotConform }

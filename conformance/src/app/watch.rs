@@ -15,6 +15,7 @@ use super::test::seconds;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::Endpoint;
+use crate::text::terminal;
 use crate::watch::codes::Codes;
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::list::table;
@@ -95,7 +96,7 @@ pub(super) fn watch(args: &WatchArgs) -> Status {
     } else {
         watch_live(args, &codes, sender, &inputs).map_or_else(
             |error| {
-                anstream::eprintln!("error: can't use the terminal: {error}");
+                terminal::error(format_args!("can't use the terminal: {error}"), None);
                 Status::Unreadable
             },
             |()| Status::Conforms,
@@ -118,7 +119,7 @@ fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Stat
     if (fleet.is_complete() || !fleet.is_empty())
         && let Err(error) = print(&table(&fleet, codes, Instant::now()))
     {
-        anstream::eprintln!("error: standard output: {error}");
+        terminal::error(format_args!("standard output: {error}"), None);
         return Status::Unreadable;
     }
     if fleet.is_complete() {
@@ -131,7 +132,7 @@ fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Stat
         (Link::Connected, None) if fleet.is_empty() => "the server didn't send a list of its UAVs".to_owned(),
         (Link::Connected, None) => "some UAVs did not report their state".to_owned(),
     };
-    anstream::eprintln!("error: {}: {reason} (within {} s)", args.endpoint, args.time.as_secs_f64());
+    terminal::error(format_args!("{}: {reason} (within {} s)", args.endpoint, args.time.as_secs_f64()), None);
     Status::Unreadable
 }
 

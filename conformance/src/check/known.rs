@@ -60,6 +60,7 @@ use self::pattern::Pattern;
 pub(crate) use self::run::{excuse_findings, rule_outcomes, unread_outcome};
 pub(crate) use self::stale::{Checked, Name, Outcome, Scope, Stale, StaleReason};
 use crate::model::{Excuse, Reason, Rule};
+use crate::text::terminal;
 
 /// The maximum size of a list, in bytes. Several thousand entries fit.
 const MAX_LEN: u64 = 1 << 20;
@@ -118,7 +119,7 @@ impl std::error::Error for ListError {}
 impl fmt::Display for ListError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unreadable(path, error) => write!(formatter, "error: {}: {error}", path.display()),
+            Self::Unreadable(path, error) => write!(formatter, "error: {}: {error}", terminal::path(path)),
             Self::Mistaken(findings, sources) => {
                 formatter.write_str(render::findings(findings, sources, false).trim_end())
             }
@@ -136,7 +137,7 @@ impl Lists {
             // Two paths may lead to the same file.
             let file = fs::canonicalize(path).map_err(unreadable)?;
             if !files.contains(&file) {
-                texts.push((path.display().to_string(), bytes(&file).map_err(unreadable)?));
+                texts.push((terminal::path(path), bytes(&file).map_err(unreadable)?));
                 files.push(file);
             }
         }

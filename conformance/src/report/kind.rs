@@ -1,6 +1,7 @@
 //! The formats of reports.
 
 use clap::ValueEnum;
+use uavspec_codegen::terminal::guarded;
 
 use super::{Report, html, json, junit, markdown, sarif, short, text};
 
@@ -25,15 +26,20 @@ pub enum Kind {
 
 impl Report {
     /// Renders the report. [`Kind::Text`] contains terminal colours, which `anstream` can remove.
+    ///
+    /// The formats escape all text of the input. The guard escapes hidden characters that a format misses.
     pub fn to_text(&self, kind: Kind) -> String {
-        match kind {
-            Kind::Text => text::write(self),
+        let text = match kind {
+            // The guard of the terminal knows colours.
+            Kind::Text => return text::write(self),
+            // JSON escapes hidden characters without loss.
+            Kind::Json => return json::write(self),
+            Kind::Sarif => return sarif::write(self),
             Kind::Short => short::write(self),
-            Kind::Json => json::write(self),
             Kind::Junit => junit::write(self),
-            Kind::Sarif => sarif::write(self),
             Kind::Html => html::write(self),
             Kind::Markdown => markdown::write(self),
-        }
+        };
+        guarded(&text).into_owned()
     }
 }

@@ -1,7 +1,7 @@
 //! Renders reports as Markdown, short enough for pull requests and CI summaries. Text from the input is escaped.
 
 use uavspec_codegen::emit::docs::markdown::{
-    Page, Table, code, inline, link, number_column, plural, text_column, thousands, with_code,
+    Page, Table, code, link, number_column, plural, text_column, thousands, untrusted as text, with_code,
 };
 
 use super::by_rule::{ByRule, Group, Listed};
@@ -70,11 +70,6 @@ fn mark(outcome: OutcomeKind) -> &'static str {
         OutcomeKind::Nothing | OutcomeKind::Stale | OutcomeKind::Incomplete => "⚠️",
         OutcomeKind::DoesNotConform | OutcomeKind::Failed => "❌",
     }
-}
-
-/// Escapes text from the input, and puts it on one line.
-fn text(text: &str) -> String {
-    inline(&shown(text))
 }
 
 fn list(page: &mut Page, items: &[String]) {

@@ -7,6 +7,7 @@ mod text;
 use std::collections::BTreeSet;
 
 use serde::Serialize;
+use uavspec_codegen::json_text;
 use uavspec_codegen::report::rule_url;
 
 #[cfg(test)]
@@ -62,7 +63,7 @@ pub(crate) fn to_json(rules: &[&'static Rule]) -> String {
         mutants: mutants_of(rule).map(|mutant| mutant.name).collect(),
         url: rule_url(rule.id),
     };
-    json(&rules.iter().map(entry).collect::<Vec<_>>())
+    json_text::pretty(&rules.iter().map(entry).collect::<Vec<_>>())
 }
 
 /// Formats the matrix as a JSON list.
@@ -73,12 +74,7 @@ pub(crate) fn matrix_json(rows: &[Row]) -> String {
         violated: row.violated.as_ref(),
         expected: row.expected(),
     });
-    json(&entries.collect::<Vec<_>>())
-}
-
-fn json(value: &impl Serialize) -> String {
-    // Serialization of these types can't fail.
-    serde_json::to_string_pretty(value).map_or_else(|_| String::new(), |text| text + "\n")
+    json_text::pretty(&entries.collect::<Vec<_>>())
 }
 
 /// The contradiction in the specification, for a disputed rule.

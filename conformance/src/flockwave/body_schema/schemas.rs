@@ -14,6 +14,7 @@ use walkdir::WalkDir;
 
 use super::{Deviation, Mismatch};
 use crate::json::Tree;
+use crate::text::terminal;
 
 /// The maximum size of a file, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
@@ -57,7 +58,7 @@ pub struct SchemaError {
 impl fmt::Display for SchemaError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let location = if self.location.is_empty() { String::new() } else { format!(":{}", self.location) };
-        write!(formatter, "{}{location}: {}", self.path.display(), self.problem)
+        write!(formatter, "{}{location}: {}", terminal::path(&self.path), self.problem)
     }
 }
 
@@ -112,7 +113,7 @@ impl Schemas {
             let problem = format!(
                 "{} is also a schema for the body{direction} of {type_name}: remove one of the files, or add the \
                  direction to their names",
-                other.file.display()
+                terminal::path(&other.file)
             );
             return Err(SchemaError { path: schema.file, location: String::new(), problem });
         }
@@ -151,8 +152,11 @@ impl Schema {
             let more = if short.len() < text.len() { "…" } else { "" };
             format!(": {short}{more}")
         });
-        let expected =
-            format!("a value that matches {} at {at}{}", self.file.display(), demand.unwrap_or_default());
+        let expected = format!(
+            "a value that matches {} at {at}{}",
+            terminal::path(&self.file),
+            demand.unwrap_or_default()
+        );
         let text = error.instance().to_string();
         let actual = Tree::read(&text).map_or_else(|_| "another value".to_owned(), |found| found.to_string());
         let path = format!("/body{}", error.instance_path());

@@ -13,6 +13,7 @@ use ureq::tls::{Certificate, RootCerts, TlsConfig};
 
 use super::verifier::AcceptAll;
 use crate::net::timed::Timed;
+use crate::text::terminal;
 
 /// The certificates that a client trusts: those of the operating system, and those of a file.
 #[derive(Clone, Default)]
@@ -85,7 +86,7 @@ impl fmt::Debug for Trust {
 
 /// Reads the certificates of a PEM file.
 fn read(path: &Path) -> Result<Vec<CertificateDer<'static>>, String> {
-    let shown = path.display();
+    let shown = terminal::path(path);
     let text =
         std::fs::read(path).map_err(|error| format!("{shown}: can't read the certificates: {error}"))?;
     let certificates: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(&text).collect();

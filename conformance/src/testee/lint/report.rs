@@ -4,8 +4,10 @@ use std::fmt::{self, Write as _};
 
 use anstyle::{AnsiColor, Style};
 use serde_json::{Value, json};
+use uavspec_codegen::json_text;
 
 use super::{CheckOutcome, LintResult};
+use crate::text::shown;
 
 /// The version of the JSON form. The version increases if a member is removed or changes its meaning.
 const VERSION: u32 = 1;
@@ -24,7 +26,7 @@ pub(crate) fn to_text(found: &LintResult) -> String {
 
 fn write_text(found: &LintResult, text: &mut String) -> fmt::Result {
     if let Some(hello) = &found.hello {
-        writeln!(text, "{hello}\n")?;
+        writeln!(text, "{}\n", shown(&hello.to_string()))?;
     }
     for (check, outcome) in &found.outcomes {
         let (style, word) = match outcome {
@@ -51,12 +53,6 @@ fn write_text(found: &LintResult, text: &mut String) -> fmt::Result {
     }
 }
 
-/// A line with its control characters escaped, since it may contain output from the testee.
-fn shown(line: &str) -> String {
-    let escape = |it: char| if it.is_control() { it.escape_debug().to_string() } else { it.to_string() };
-    line.chars().map(escape).collect()
-}
-
 /// The result as JSON.
 pub(crate) fn to_json(found: &LintResult) -> String {
     let checks = found.outcomes.iter().map(|(check, outcome)| {
@@ -70,6 +66,5 @@ pub(crate) fn to_json(found: &LintResult) -> String {
         "testee": found.hello.as_ref().map(|hello| json!({ "name": hello.name, "version": hello.version })),
         "checks": checks.collect::<Vec<Value>>(),
     });
-    // Serializing a JSON value can't fail.
-    serde_json::to_string_pretty(&report).map_or_else(|_| String::new(), |text| text + "\n")
+    json_text::pretty(&report)
 }
