@@ -18,6 +18,7 @@
 
 mod access;
 mod check;
+mod interrupt;
 mod known;
 mod outcome;
 mod outputs;

@@ -31,27 +31,35 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+mod altitude;
+mod commanded;
 mod commands;
 mod connections;
 mod coverage;
+mod landing;
 mod selection;
 mod session;
+mod stop;
 mod survey;
 mod tape;
 mod trials;
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::thread;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use uavspec_codegen::emit::docs::markdown::plural;
 
+use self::altitude::Altitude;
+pub use self::commanded::{AtRisk, Effect};
 use self::connections::PAUSE;
 use self::coverage::Coverage;
 pub use self::coverage::RequestType;
 pub use self::selection::Selection;
 use self::session::Session;
+pub use self::stop::Stop;
 use self::tape::Tape;
 use crate::check::CaptureResult;
 use crate::definitions::Definitions;
@@ -61,7 +69,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::base64;
 use crate::model::Rule;
 use crate::net::tls::Trust;
-use crate::rules::flockwave::trial::Request;
+use crate::rules::flockwave::trial::{Attempt, Request};
 use crate::rules::flockwave::{FlockwaveRule, env_07, sio_01, udp_02};
 
 /// The time limit of a probe without commands, excluding the listening period.
@@ -88,8 +96,14 @@ const RESEND_INTERVAL: Duration = Duration::from_millis(100);
 /// The maximum number of notes.
 const MAX_NOTES: usize = 50;
 
+/// The maximum number of panics after which the probe still tries to land UAVs.
+const MAX_PANICS: u32 = 3;
+
 /// The reason for requests that were not sent because the time limit was reached.
 const OUT_OF_TIME: &str = "out of time";
+
+/// The reason for requests that were not sent because the probe was asked to stop.
+const INTERRUPTED: &str = "interrupted";
 
 /// Options of a probe.
 #[derive(Clone, Debug)]
@@ -104,18 +118,31 @@ pub struct Options {
     pub limit: Duration,
     /// The time that a request may stay unanswered. A shorter wait proves nothing, so it never causes a finding.
     pub timeout: Duration,
+    /// The time to make the UAVs safe that received commands, excluding all other limits.
+    pub landing_limit: Duration,
     /// The certificates to trust in connections over TLS.
     pub trust: Trust,
     /// The rules, trials and message types to use.
     pub selection: Selection,
+    /// Ends the probe early.
+    pub stop: Stop,
 }
 
 impl Options {
     /// Options with the default time limit.
     pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
         let limit = if uavs.is_empty() { TIME_LIMIT } else { TIME_LIMIT + commands::EXTRA_TIME };
-        let (trust, selection) = (Trust::default(), Selection::default());
-        Self { observe, login, uavs, limit, timeout: TIMEOUT, trust, selection }
+        Self {
+            observe,
+            login,
+            uavs,
+            limit,
+            timeout: TIMEOUT,
+            landing_limit: landing::LANDING_LIMIT,
+            trust: Trust::default(),
+            selection: Selection::default(),
+            stop: Stop::default(),
+        }
     }
 }
 
@@ -134,6 +161,8 @@ pub struct Probed {
     pub cut_short: Option<String>,
     /// The reason why the recording is incomplete.
     pub unrecorded: Option<io::Error>,
+    /// The UAVs that received commands and may be unsafe, with the reason.
+    pub danger: Option<String>,
 }
 
 /// Probes a server. The session is also written to `record`. `on_progress` receives the number of finished steps and
@@ -150,6 +179,7 @@ pub fn probe<'d>(
     let mut probe = Probe {
         endpoint,
         options,
+        stop: options.stop.clone(),
         access: Access::new(options.login.clone(), options.trust.clone()),
         tape: Tape::new(definitions, record),
         coverage: Coverage::new(definitions),
@@ -163,6 +193,8 @@ pub fn probe<'d>(
         stops: 0,
         slowest: Duration::ZERO,
         end: Instant::now() + options.limit + options.observe,
+        ground: BTreeMap::new(),
+        danger: None,
         notes: Vec::new(),
         failure: None,
         cut_short: None,
@@ -172,15 +204,23 @@ pub fn probe<'d>(
         is_ending: false,
         is_exclusive: false,
         is_bare: false,
+        has_survey: false,
         steps: (0, survey::STEPS + commands + attempts.len()),
         on_progress,
     };
-    if probe.begin() {
-        probe.survey();
-        probe.leave();
-        probe.steps.0 = survey::STEPS + commands;
-        probe.run_trials(&attempts);
+    probe.guard(|probe| {
+        if probe.begin() {
+            probe.survey();
+            probe.has_survey = true;
+        }
+    });
+    // Nothing may prevent the landing.
+    for _ in 0..MAX_PANICS {
+        if probe.guard(Probe::make_safe) {
+            break;
+        }
     }
+    probe.guard(|probe| probe.complete(&attempts, survey::STEPS + commands));
     probe.finish()
 }
 
@@ -189,6 +229,7 @@ pub fn probe<'d>(
 struct Probe<'p, 'd> {
     endpoint: &'p Endpoint,
     options: &'p Options,
+    stop: Stop,
     access: Access,
     tape: Tape<'d>,
     coverage: Coverage,
@@ -209,6 +250,10 @@ struct Probe<'p, 'd> {
     slowest: Duration,
     /// The time after which no further requests are sent.
     end: Instant,
+    /// The altitudes of UAVs before they took off.
+    ground: BTreeMap<String, Altitude>,
+    /// The reason why some UAVs aren't known to be safe.
+    danger: Option<String>,
     notes: Vec<String>,
     failure: Option<String>,
     cut_short: Option<String>,
@@ -224,11 +269,40 @@ struct Probe<'p, 'd> {
     is_exclusive: bool,
     /// True if answers have no envelope.
     is_bare: bool,
+    /// True if the survey came to its end.
+    has_survey: bool,
     steps: (usize, usize),
     on_progress: &'p dyn Fn(usize, usize),
 }
 
 impl Probe<'_, '_> {
+    /// Runs a part of the probe. After a panic, the probe continues with the next part, because UAVs may have to land.
+    /// Returns false if the part panicked.
+    fn guard(&mut self, part: impl FnOnce(&mut Self)) -> bool {
+        let Err(panic) = catch_unwind(AssertUnwindSafe(|| part(self))) else { return true };
+        let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+        let text = text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default();
+        self.failure = Some(format!("internal error of uavspec: {text}"));
+        self.tape.stop_checking();
+        false
+    }
+
+    /// Runs the trials. They may stop a server, so they follow only if no UAV needs the server.
+    fn complete(&mut self, attempts: &[(&'static Rule, Attempt)], steps: usize) {
+        if let Some(danger) = self.danger() {
+            // This matters more than any other reason.
+            self.cut_short = Some(format!("{danger}; check the UAVs"));
+        }
+        if self.stop.is_requested() || self.failure.is_some() {
+            self.cancel_operations();
+        }
+        self.leave();
+        self.steps.0 = steps;
+        if self.has_survey {
+            self.run_trials(attempts);
+        }
+    }
+
     /// Connects to the server, and waits for its first answer. Returns false if this isn't a Flockwave server.
     fn begin(&mut self) -> bool {
         let tested = match self.endpoint {
@@ -243,7 +317,9 @@ impl Probe<'_, '_> {
                 Ok(session) => self.session = Some(session),
                 Err(error) => {
                     self.refused(None, &error, None);
-                    self.failure = Some(format!("can't connect: {error}"));
+                    if !self.stop.is_due() {
+                        self.failure = Some(format!("can't connect: {error}"));
+                    }
                     return false;
                 }
             }
@@ -251,13 +327,16 @@ impl Probe<'_, '_> {
                 return true;
             }
             // The server may be starting.
+            if self.stop.is_due() {
+                return false;
+            }
             let is_over = self.session.as_ref().is_none_or(Session::is_over);
             if !is_over || self.tape.is_heard() || Instant::now() + PAUSE >= until {
                 break;
             }
             self.leave();
             self.tape.forget();
-            thread::sleep(PAUSE);
+            self.stop.sleep(PAUSE);
         }
         self.failure = Some(if self.tape.is_identified() {
             "the server doesn't answer".to_owned()
@@ -288,20 +367,27 @@ impl Probe<'_, '_> {
         if let Some(witness) = self.witness.take() {
             self.close(witness);
         }
-        while !self.lingering.is_empty() {
+        while !self.lingering.is_empty() && !self.stop.is_due() {
             self.catch_up();
         }
+        for session in std::mem::take(&mut self.lingering) {
+            session.close(&mut self.tape);
+        }
+        let reason = if self.stop.is_requested() { INTERRUPTED } else { OUT_OF_TIME };
         if self.unsent != (0, 0) {
             let (requests, trials) = self.unsent;
             let unsent = format!("{} and {}", plural(requests, "request"), plural(trials as u64, "trial"));
-            self.cut_short(format!("{OUT_OF_TIME}: {unsent} were not sent"));
+            self.cut_short.get_or_insert(format!("{reason}: {unsent} were not sent"));
+        } else if self.stop.is_requested() {
+            self.cut_short.get_or_insert(reason.to_owned());
         }
+        let danger = self.danger();
         let (mut result, unrecorded) = self.tape.finish();
         result.findings.retain(|rule| self.options.selection.has_rule(rule));
         let rest = self.cut_short.as_deref().or(self.failure.as_deref()).unwrap_or("not selected");
         let requests = self.coverage.finish(rest);
         let (notes, failure, cut_short) = (self.notes, self.failure, self.cut_short);
-        Probed { result, requests, notes, failure, cut_short, unrecorded }
+        Probed { result, requests, notes, failure, cut_short, unrecorded, danger }
     }
 
     /// Sends a request on the survey's connection, and waits for the answer. A missing answer violates a rule.
@@ -327,8 +413,8 @@ impl Probe<'_, '_> {
         }
         let Request { how, body, member, is_repeated } = request;
         let type_name = body["type"].as_str().unwrap_or_default().to_owned();
-        if self.is_late() {
-            self.coverage.not_sent(&[&type_name], OUT_OF_TIME);
+        if let Some(reason) = self.must_stop() {
+            self.coverage.not_sent(&[&type_name], reason);
             self.unsent.0 += 1;
             return None;
         }
@@ -357,7 +443,13 @@ impl Probe<'_, '_> {
     fn unanswered(&mut self, type_name: &str) {
         self.silences += 1;
         let is_open = self.session.as_ref().is_some_and(|session| !session.is_over());
-        if !is_open || self.post(&json!({ "type": "SYS-VER" }), None, self.patience()).is_some() {
+        if !is_open
+            || self.stop.is_due()
+            || self.post(&json!({ "type": "SYS-VER" }), None, self.patience()).is_some()
+        {
+            return;
+        }
+        if self.stop.is_due() {
             return;
         }
         self.note(format!("a connection stopped answering after {type_name}; the probe connected again"));
@@ -379,11 +471,12 @@ impl Probe<'_, '_> {
         trial: Option<Trial<'_>>,
         patience: Duration,
     ) -> Option<Value> {
+        let body = &message["body"];
+        self.stop.commanded().sent(body, &self.options.uavs);
         let session = self.session.as_mut()?;
         let (text, end) = (message.to_string(), Instant::now() + patience);
         // A command that arrives twice, or late, may have an effect twice.
-        let is_command =
-            message["body"]["type"].as_str().is_some_and(|name| commands::COMMANDS.contains(&name));
+        let is_command = body["type"].as_str().is_some_and(|name| commands::COMMANDS.contains(&name));
         let is_resent = matches!(self.endpoint, Endpoint::Udp(_)) && !is_command;
         let resends = if is_resent { MAX_RESENDS } else { 0 };
         for left in (0..=resends).rev() {
@@ -393,6 +486,7 @@ impl Probe<'_, '_> {
                 if left == 0 { end } else { end.min(sent_at + RESEND_INTERVAL.max(self.slowest * 3)) };
             if let Some(answer) = session.answer(&mut self.tape, id, until) {
                 self.slowest = self.slowest.max(sent_at.elapsed());
+                self.stop.commanded().answered(body, &answer);
                 return Some(answer);
             }
         }
@@ -432,6 +526,15 @@ impl Probe<'_, '_> {
         self.options.timeout
     }
 
+    /// The reason why no further request may be sent, if there is one.
+    fn must_stop(&self) -> Option<&'static str> {
+        match () {
+            () if self.stop.is_due() => Some(INTERRUPTED),
+            () if self.is_late() => Some(OUT_OF_TIME),
+            () => None,
+        }
+    }
+
     fn is_late(&self) -> bool {
         Instant::now() >= self.end
     }
@@ -442,13 +545,16 @@ impl Probe<'_, '_> {
     }
 
     fn note(&mut self, text: String) {
-        if self.notes.len() < MAX_NOTES {
+        if self.notes.len() < MAX_NOTES && !self.stop.is_due() {
             self.notes.push(text);
         }
     }
 
+    /// Ends the probe early. An interruption is no fault of the server, so it isn't the reason.
     fn cut_short(&mut self, why: String) {
-        self.cut_short.get_or_insert(why);
+        if !self.stop.is_due() {
+            self.cut_short.get_or_insert(why);
+        }
     }
 }
 

@@ -1,14 +1,15 @@
 //! `uavspec probe`.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{LineWriter, Write};
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 
 use super::access::AccessArgs;
-use super::known::KnownArgs;
+use super::interrupt::{self, Danger};
+use super::known::{Known, KnownArgs};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
@@ -18,7 +19,8 @@ use super::test::seconds;
 use super::{Status, deliver, outcome_statuses};
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
-use crate::probe::{Options, Selection, probe};
+use crate::model::Rule;
+use crate::probe::{Options, Probed, Selection, probe};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 use crate::text::terminal;
 
@@ -79,6 +81,12 @@ pub(super) struct ProbeArgs {
     /// The probe goes on with other requests meanwhile.
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = timeout)]
     timeout: Duration,
+    /// Time to land the UAVs, stop their motors and wake them after everything else (default: 120).
+    ///
+    /// The probe does this even if it is interrupted, the time limit is reached or the connection is lost. It connects
+    /// again as often as necessary.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]
+    landing_limit: Option<Duration>,
     /// Record the session to this file.
     ///
     /// `uavspec check` reports the same findings for the recorded session.
@@ -118,36 +126,55 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
     check_outputs(args)?;
-    let mut known = args.known.read()?;
+    let known = args.known.read()?;
     let options = options(args, &definitions)?;
     let record = recording(args)?;
-    let path = args.endpoint.to_string();
+    interrupt::install(&options)?;
     let progress = Progress::steps("steps");
     let started = Instant::now();
-    let probed = probe(&args.endpoint, &options, &definitions, record, &|done, all| progress.set(done, all));
+    let mut probed =
+        probe(&args.endpoint, &options, &definitions, record, &|done, all| progress.set(done, all));
+    let elapsed = started.elapsed().as_millis();
     drop(progress);
+    // The last line, even if reporting fails.
+    let danger = Danger::new(probed.danger.take());
+    let mut settings = args.outcome.settings();
+    settings.allows_incomplete &= !options.stop.is_requested() && !danger.is_any();
+    Ok(report(args, probed, &definitions, &required, known, settings, elapsed))
+}
+
+/// Prints and writes the reports.
+fn report(
+    args: &ProbeArgs,
+    probed: Probed,
+    definitions: &Definitions,
+    required: &[&'static Rule],
+    mut known: Known,
+    settings: Settings,
+    elapsed: u128,
+) -> Status {
+    let path = args.endpoint.to_string();
     let unreadable: Vec<Unreadable> =
         probed.failure.into_iter().map(|message| Unreadable { path: path.clone(), message }).collect();
     for unreadable in &unreadable {
         terminal::error(format_args!("{path}: {}", unreadable.message), None);
     }
     let cut_short = probed.cut_short.into_iter().collect();
-    let (result, elapsed) = (probed.result, started.elapsed().as_millis());
-    let (notes, requests) = (probed.notes, probed.requests);
+    let (result, notes, requests) = (probed.result, probed.notes, probed.requests);
     // If nothing came from the server, the failure says everything.
     let is_silent = !unreadable.is_empty() && result.records == 0;
     let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed };
     let mut checked: Vec<CheckedCapture> = if is_silent { Vec::new() } else { vec![checked] };
     let known_status = known.finish_captures(&mut checked, &unreadable);
-    let (is_unrecorded, command) = (args.record.is_none(), Some(super::command()));
-    let settings = Settings { is_unrecorded, command, ..args.outcome.settings() };
+    let settings =
+        Settings { is_unrecorded: args.record.is_none(), command: Some(super::command()), ..settings };
     let subjects: Vec<Subject> =
-        checked.into_iter().map(|checked| Subject::from_capture(checked, &definitions, &settings)).collect();
+        checked.into_iter().map(|checked| Subject::from_capture(checked, definitions, &settings)).collect();
     for subject in &subjects {
         args.report.print_subject(subject);
     }
-    let reasons = uncovered(&required, &subjects);
-    let report = Report::new(Action::Probe, super::command(), &definitions, subjects, unreadable, reasons);
+    let reasons = uncovered(required, &subjects);
+    let report = Report::new(Action::Probe, super::command(), definitions, subjects, unreadable, reasons);
     let report = report.with_stale(known.stale);
     let status = deliver(&args.report, &report).max(known_status).max(args.known.init(&report));
     match (probed.unrecorded, &args.record) {
@@ -156,9 +183,9 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
                 format_args!("{}: can't write the recording: {error}", terminal::path(path)),
                 None,
             );
-            Ok(status.max(Status::Unreadable))
+            status.max(Status::Unreadable)
         }
-        _ => Ok(status),
+        _ => status,
     }
 }
 
@@ -187,6 +214,7 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
     Ok(Options {
         limit: args.limit.unwrap_or(options.limit),
         timeout: args.timeout,
+        landing_limit: args.landing_limit.unwrap_or(options.landing_limit),
         trust,
         selection,
         ..options
@@ -207,5 +235,6 @@ fn recording(args: &ProbeArgs) -> Result<Option<Box<dyn Write>>, Status> {
         terminal::error(format_args!("{}: can't write the recording: {error}", terminal::path(path)), None);
         Status::Unreadable
     })?;
-    Ok(Some(Box::new(BufWriter::new(file))))
+    // Each line is written immediately, in case the probe is killed.
+    Ok(Some(Box::new(LineWriter::new(file))))
 }

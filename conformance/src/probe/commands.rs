@@ -1,12 +1,12 @@
 //! Sends commands to the UAVs that the caller named, in the order of a flight: tests on the ground, takeoff, flight,
 //! return and landing. `UAV-HALT` and `UAV-RST` follow only after the UAVs were seen on the ground.
 
-use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
 use super::Probe;
+use super::altitude::{AIRBORNE, Altitude};
 use super::survey::{ids, with_unknown_id};
 use crate::json::base64;
 use crate::rules::flockwave::trial::UNKNOWN_ID;
@@ -19,7 +19,7 @@ pub(super) const STEPS: usize = 55;
 pub(super) const EXTRA_TIME: Duration = Duration::from_secs(60);
 
 /// The time limit for an operation to progress or end.
-const PROGRESS_TIMEOUT: Duration = Duration::from_secs(11);
+pub(super) const PROGRESS_TIMEOUT: Duration = Duration::from_secs(11);
 
 /// The time limit of a short operation.
 const SHORT_TIMEOUT: Duration = Duration::from_secs(20);
@@ -27,12 +27,11 @@ const SHORT_TIMEOUT: Duration = Duration::from_secs(20);
 /// The time for which a suspended operation is observed.
 const SUSPENSION_TIMEOUT: Duration = Duration::from_millis(1_500);
 
-/// The time limits for the UAVs to leave the ground, and to be on the ground again.
+/// The time limit for the UAVs to leave the ground.
 const TAKEOFF_TIMEOUT: Duration = Duration::from_secs(15);
-const LANDING_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// The interval between requests for the altitude.
-const ALTITUDE_INTERVAL: Duration = Duration::from_millis(500);
+pub(super) const ALTITUDE_INTERVAL: Duration = Duration::from_millis(500);
 
 /// The duration of each activity in flight.
 const FLIGHT: Duration = Duration::from_secs(2);
@@ -40,37 +39,9 @@ const FLIGHT: Duration = Duration::from_secs(2);
 /// The flight altitude in mm above home.
 const HEIGHT: i64 = 10_000;
 
-/// The height in mm above which a UAV is in the air, and the height below which it is on the ground. The altitude of a
-/// UAV on the ground varies.
-const AIRBORNE: i64 = 1_500;
-const LANDED: i64 = 700;
-
-/// The change of the altitude in mm, in [`ALTITUDE_INTERVAL`], below which a UAV isn't descending.
-const STILL: i64 = 50;
-
-/// The number of times that a command to land is sent.
-const MAX_ATTEMPTS: u32 = 4;
-
 /// The commands of a flight.
 const FLIGHT_COMMANDS: [&str; 8] =
     ["UAV-TAKEOFF", "UAV-HOVER", "UAV-FLY", "UAV-RTH", "UAV-LAND", "UAV-HALT", "UAV-RST", "SHOW-CRTH-START"];
-
-/// The altitude of a UAV, in mm.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Altitude {
-    AboveHome(i64),
-    AboveSea(i64),
-}
-
-/// The heights of UAVs above earlier altitudes, in mm. `None` if the altitudes have different references.
-fn heights(now: &[Altitude], before: &[Altitude]) -> Option<Vec<i64>> {
-    let height = |(now, before): (&Altitude, &Altitude)| match (now, before) {
-        (Altitude::AboveHome(now), Altitude::AboveHome(before))
-        | (Altitude::AboveSea(now), Altitude::AboveSea(before)) => Some(now - before),
-        _ => None,
-    };
-    now.iter().zip(before).map(height).collect()
-}
 
 /// The types that are sent only with the permission of the user.
 pub(super) const COMMANDS: [&str; 28] = [
@@ -127,8 +98,11 @@ impl Probe<'_, '_> {
         self.store(&known, &first);
         self.configure();
         self.sleep(&known);
-        self.test(&known);
-        let is_on_ground = self.fly(&known, &first);
+        // A UAV that isn't in its usual state must not take off.
+        if self.is_safe() {
+            self.test(&known);
+        }
+        let is_on_ground = self.is_safe() && self.fly(&known, &first);
         self.restart(&known, is_on_ground);
     }
 
@@ -191,20 +165,17 @@ impl Probe<'_, '_> {
 
     /// Makes UAVs sleep. Sleeping UAVs don't respond, which the server must report.
     fn sleep(&mut self, uavs: &[String]) {
-        let sent_before = self.requests;
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-SLEEP", "ids": uavs }));
-        let is_asleep = self.requests > sent_before;
         self.operate(
             &env_07::RULE,
             PROGRESS_TIMEOUT,
             json!({ "type": "UAV-SIGNAL", "ids": uavs, "signals": ["light"], "duration": 500 }),
         );
-        let wake_up = json!({ "type": "UAV-WAKEUP", "ids": uavs });
-        if is_asleep {
-            self.undo(wake_up);
-        } else {
+        if self.is_safe() {
+            let wake_up = json!({ "type": "UAV-WAKEUP", "ids": uavs });
             self.operate(&env_07::RULE, PROGRESS_TIMEOUT, wake_up);
         }
+        self.make_safe();
     }
 
     /// Tests UAVs on the ground.
@@ -214,22 +185,9 @@ impl Probe<'_, '_> {
         self.operate(&asy_10::RULE, SHORT_TIMEOUT, test);
         self.query(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
         self.query(json!({ "type": "OBJ-CMD", "ids": ids, "command": "probe-none" }));
-        let motors = |is_start: bool| json!({ "type": "UAV-MOTOR", "ids": ids, "start": is_start });
-        let sent_before = self.requests;
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, motors(true));
-        if self.requests > sent_before {
-            self.undo(motors(false));
-        }
-    }
-
-    /// Sends the command that undoes an earlier one, whatever the user selected, and even if the time limit is reached.
-    #[allow(clippy::needless_pass_by_value)] // callers build the body in the call
-    fn undo(&mut self, body: Value) {
-        let end = std::mem::replace(&mut self.end, Instant::now() + PROGRESS_TIMEOUT);
-        if let Some(receipt) = receipt(self.insist(&body).as_ref()) {
-            self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
-        }
-        self.end = end;
+        let start = json!({ "type": "UAV-MOTOR", "ids": ids, "start": true });
+        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, start);
+        self.make_safe();
     }
 
     /// Makes a short flight. Returns true if all UAVs took off and were seen on the ground afterwards.
@@ -245,24 +203,20 @@ impl Probe<'_, '_> {
             self.coverage.not_sent(&FLIGHT_COMMANDS, "a UAV is in the air");
             return false;
         }
-        let sent_before = self.requests;
+        self.ground = uavs.iter().cloned().zip(ground).collect();
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
-        let has_taken_off = self.requests > sent_before;
-        let is_in_air =
-            |now: &[Altitude]| heights(now, &ground).is_some_and(|all| all.iter().all(|up| *up > AIRBORNE));
-        let was_in_air = has_taken_off && self.wait_for_altitudes(TAKEOFF_TIMEOUT, uavs, is_in_air);
+        let has_taken_off = !self.is_safe();
+        let was_in_air = has_taken_off && self.wait_for_takeoff(uavs);
         self.query(json!({ "type": "UAV-HOVER", "ids": ids }));
         self.fly_up(first);
-        if !has_taken_off {
-            self.query(json!({ "type": "UAV-RTH", "ids": ids }));
+        self.query(json!({ "type": "UAV-RTH", "ids": ids }));
+        if self.is_safe() {
             self.query(json!({ "type": "UAV-LAND", "ids": ids }));
             return false;
         }
-        let is_landed = self.land(uavs, &ground);
-        if !is_landed {
-            self.cut_short(format!("these UAVs were not seen to land, check them: {}", uavs.join(", ")));
-        }
-        was_in_air && is_landed
+        self.listen(FLIGHT);
+        self.make_safe();
+        was_in_air && self.is_safe()
     }
 
     /// Makes a UAV fly to a point above its position.
@@ -278,48 +232,6 @@ impl Probe<'_, '_> {
         self.listen(FLIGHT);
     }
 
-    /// Returns and lands UAVs, whatever the user selected, and even if the time limit is reached or a connection fails.
-    /// Returns true if all UAVs were seen on the ground.
-    fn land(&mut self, uavs: &[String], ground: &[Altitude]) -> bool {
-        let ids = with_unknown_id(uavs);
-        let end = std::mem::replace(&mut self.end, Instant::now() + LANDING_TIMEOUT);
-        let cut_short = self.cut_short.take();
-        self.insist(&json!({ "type": "UAV-RTH", "ids": ids }));
-        self.listen(FLIGHT);
-        self.end = Instant::now() + LANDING_TIMEOUT;
-        if let Some(receipt) = receipt(self.insist(&json!({ "type": "UAV-LAND", "ids": ids })).as_ref()) {
-            self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
-        }
-        let is_down =
-            |now: &[Altitude]| heights(now, ground).is_some_and(|all| all.iter().all(|up| *up < LANDED));
-        // A UAV that only passes this height is lower a moment later.
-        let mut before: Option<Vec<Altitude>> = None;
-        let is_still = |now: &[Altitude]| {
-            let moved = before.replace(now.to_vec()).and_then(|before| heights(now, &before));
-            is_down(now) && moved.is_some_and(|all| all.iter().all(|moved| moved.abs() < STILL))
-        };
-        let is_landed = self.wait_for_altitudes(LANDING_TIMEOUT, uavs, is_still);
-        self.end = end;
-        if let Some(reason) = cut_short {
-            self.cut_short(reason);
-        }
-        is_landed
-    }
-
-    /// Sends a request until the server answers it, whatever the user selected. Connects again if necessary.
-    fn insist(&mut self, body: &Value) -> Option<Value> {
-        for _ in 0..MAX_ATTEMPTS {
-            self.reconnects = 0;
-            if let Some(answer) = self.discover(body.clone()) {
-                return Some(answer);
-            }
-            // The UAV matters more than the reason to stop.
-            self.cut_short = None;
-            thread::sleep(ALTITUDE_INTERVAL);
-        }
-        None
-    }
-
     /// Sends the commands that would make a flying UAV fall.
     fn restart(&mut self, uavs: &[String], is_on_ground: bool) {
         if !is_on_ground {
@@ -329,8 +241,12 @@ impl Probe<'_, '_> {
         let all = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
         if !all.is_empty() && all.iter().all(|id| uavs.contains(id)) {
             self.query(json!({ "type": "SHOW-CRTH-START" }));
+            self.make_safe();
         } else {
             self.coverage.not_sent(&["SHOW-CRTH-START"], "could move UAVs that --uav doesn't name");
+        }
+        if !self.is_safe() {
+            return;
         }
         for kind in ["UAV-HALT", "UAV-RST"] {
             self.operate(
@@ -341,26 +257,24 @@ impl Probe<'_, '_> {
         }
     }
 
-    /// Waits until the altitudes of all UAVs are as wanted. Returns false if they never are, or if an altitude is
-    /// unknown.
-    fn wait_for_altitudes(
-        &mut self,
-        time: Duration,
-        uavs: &[String],
-        mut is_wanted: impl FnMut(&[Altitude]) -> bool,
-    ) -> bool {
-        let until = (Instant::now() + time).min(self.end);
+    /// Waits until all UAVs have left the ground. Returns false if one of them doesn't, or if an altitude is unknown.
+    fn wait_for_takeoff(&mut self, uavs: &[String]) -> bool {
+        let until = (Instant::now() + TAKEOFF_TIMEOUT).min(self.end);
         loop {
-            if self.altitudes(uavs).is_some_and(|altitudes| is_wanted(&altitudes)) {
+            let heights = self.altitudes(uavs).map(|altitudes| {
+                let above = |(uav, altitude): (&String, Altitude)| altitude.above(*self.ground.get(uav)?);
+                uavs.iter().zip(altitudes).map(above).collect::<Vec<_>>()
+            });
+            if heights.is_some_and(|all| all.iter().all(|up| up.is_some_and(|up| up > AIRBORNE))) {
                 return true;
             }
-            if Instant::now() >= until {
+            if Instant::now() >= until || self.stop.is_due() {
                 return false;
             }
             if self.session.is_some() {
                 self.listen(ALTITUDE_INTERVAL);
             } else {
-                thread::sleep(ALTITUDE_INTERVAL);
+                self.stop.sleep(ALTITUDE_INTERVAL);
             }
         }
     }
@@ -368,12 +282,7 @@ impl Probe<'_, '_> {
     /// The altitudes of UAVs. `None` if one of them is unknown.
     fn altitudes(&mut self, uavs: &[String]) -> Option<Vec<Altitude>> {
         let answer = self.discover(json!({ "type": "UAV-INF", "ids": uavs }))?;
-        let altitude = |id: &String| {
-            let position = &answer["body"]["status"][id]["position"];
-            let above_home = position[3].as_i64().map(Altitude::AboveHome);
-            above_home.or_else(|| position[2].as_i64().map(Altitude::AboveSea))
-        };
-        uavs.iter().map(altitude).collect()
+        uavs.iter().map(|id| Altitude::of(&answer["body"]["status"][id.as_str()])).collect()
     }
 
     /// Sends a command, and waits for the end of its first operation.
@@ -400,7 +309,7 @@ fn receipt(answer: Option<&Value>) -> Option<String> {
 }
 
 /// True if a message reports the end of an operation.
-fn is_end(message: &Value, receipt: &str) -> bool {
+pub(super) fn is_end(message: &Value, receipt: &str) -> bool {
     let body = &message["body"];
     match body["type"].as_str() {
         Some("ASYNC-RESP") => body["id"] == receipt,

@@ -1,7 +1,6 @@
 //! Opens and closes the connections of a probe, and finds out whether the server still serves them.
 
 use std::io;
-use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
@@ -38,8 +37,13 @@ impl Probe<'_, '_> {
         let limit = if matches!(endpoint, Endpoint::Http { .. }) { timeout } else { CONNECT_TIMEOUT };
         self.connections += 1;
         loop {
-            match Session::open(endpoint, self.connections, &mut self.tape, &self.access, [limit, timeout]) {
-                Err(error) if is_temporary(&error) && Instant::now() + PAUSE < until => thread::sleep(PAUSE),
+            let times = [limit, timeout];
+            match Session::open(endpoint, self.connections, &mut self.tape, &self.access, times, &self.stop) {
+                Err(error)
+                    if is_temporary(&error) && Instant::now() + PAUSE < until && !self.stop.is_due() =>
+                {
+                    self.stop.sleep(PAUSE);
+                }
                 opened => return opened,
             }
         }
@@ -52,6 +56,10 @@ impl Probe<'_, '_> {
         error: &io::Error,
         trial: Option<Trial<'_>>,
     ) {
+        // An attempt that was interrupted proves nothing.
+        if self.stop.is_due() {
+            return;
+        }
         let name = session::name(endpoint.unwrap_or(self.endpoint), self.connections);
         self.tape.refused(&name, &error.to_string(), trial);
     }
@@ -64,26 +72,35 @@ impl Probe<'_, '_> {
         if self.failure.is_some() || self.cut_short.is_some() {
             return false;
         }
-        let why = self.session.as_ref().map(Session::why_over);
-        self.leave();
         if self.reconnects >= MAX_RECONNECTS {
+            self.leave();
             self.cut_short(format!("the server closed {MAX_RECONNECTS} connections"));
             return false;
         }
         self.reconnects += 1;
+        if let Err(why) = self.reconnect() {
+            self.cut_short(why);
+            return false;
+        }
+        true
+    }
+
+    /// Replaces the survey's connection, and logs in.
+    pub(super) fn reconnect(&mut self) -> Result<(), String> {
+        let why = self.session.as_ref().map(Session::why_over);
+        self.leave();
         match self.connect(None) {
             Ok(session) => self.session = Some(session),
             Err(error) => {
                 self.refused(None, &error, None);
-                self.cut_short(format!("can't reconnect: {error}"));
-                return false;
+                return Err(format!("can't reconnect: {error}"));
             }
         }
         if let Some(why) = why {
             self.note(format!("{why}; the probe connected again"));
         }
         self.log_in();
-        true
+        Ok(())
     }
 
     /// Ends the survey's connection.
@@ -98,7 +115,7 @@ impl Probe<'_, '_> {
     /// Closes a connection, but keeps it open while answers may still arrive.
     pub(super) fn close(&mut self, session: Session) {
         self.is_ending |= session.is_announced();
-        if !session.is_pending() {
+        if !session.is_pending() || self.stop.is_due() {
             return session.close(&mut self.tape);
         }
         self.lingering.push(session);
@@ -139,8 +156,8 @@ impl Probe<'_, '_> {
         self.stops += 1;
         let (stopped_at, until) =
             (Instant::now(), (Instant::now() + self.patience() * RESTART_TIMEOUTS).min(self.end));
-        while self.stops < MAX_STOPS && Instant::now() < until {
-            thread::sleep(PAUSE);
+        while self.stops < MAX_STOPS && Instant::now() < until && !self.stop.is_due() {
+            self.stop.sleep(PAUSE);
             if self.serves(None, PACE) {
                 let seconds = (stopped_at.elapsed() + self.patience()).as_secs();
                 self.note(format!("the server stopped serving {after}; it served again after {seconds} s"));

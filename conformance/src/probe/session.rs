@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 use serde_json::value::RawValue;
 use serde_json::{Value, json};
 
+use super::INTERRUPTED;
+use super::stop::{NOTICE_TIME, Stop};
 use super::tape::Tape;
 use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::access::Access;
@@ -47,7 +49,10 @@ pub(super) struct Session {
     kind: Kind,
     /// The time that a request may stay unanswered.
     patience: Duration,
-    client: Box<dyn Client>,
+    /// `None` after a call that was interrupted.
+    client: Option<Box<dyn Client>>,
+    /// Ends waiting early.
+    stop: Stop,
     /// The requests without an answer, by id, each with the time when it was sent.
     waiting: BTreeMap<String, Instant>,
     /// The ids of the HTTP requests whose responses have not been read, in order. A message without an id has `None`.
@@ -75,8 +80,12 @@ impl Session {
         tape: &mut Tape<'_>,
         access: &Access,
         [limit, patience]: [Duration; 2],
+        stop: &Stop,
     ) -> io::Result<Self> {
-        let client = connect_with(endpoint, access, Instant::now() + limit)?;
+        let client = {
+            let (endpoint, access, until) = (endpoint.clone(), access.clone(), Instant::now() + limit);
+            stop.run(move || connect_with(&endpoint, &access, until)).unwrap_or_else(|| Err(interrupted()))?
+        };
         let name = name(endpoint, number);
         tape.connected(&name, &endpoint.to_string());
         let kind = match endpoint {
@@ -89,7 +98,8 @@ impl Session {
             name,
             kind,
             patience,
-            client,
+            client: Some(client),
+            stop: stop.clone(),
             waiting: BTreeMap::new(),
             unread: VecDeque::new(),
             bare: 0,
@@ -181,7 +191,9 @@ impl Session {
         trial: Option<Trial<'_>>,
     ) {
         self.note(tape, text, id, trial);
-        match self.client.send(text) {
+        let message = text.to_vec();
+        let sent = self.call(move |client| client.send(&message));
+        match sent {
             // Each HTTP request fails on its own.
             Err(error)
                 if self.is_one_shot()
@@ -217,14 +229,40 @@ impl Session {
 
     /// Sends bytes without recording them.
     pub(super) fn send_raw(&mut self, tape: &mut Tape<'_>, bytes: &[u8]) {
-        let sent = self.client.send_raw(bytes);
+        let bytes = bytes.to_vec();
+        let sent = self.call(move |client| client.send_raw(&bytes));
         self.handle_send(tape, sent);
+    }
+
+    /// Calls the client, which may block. If the probe must stop meanwhile, the connection ends, unless the call
+    /// commands UAVs: the command could arrive later, after the command that undoes it.
+    fn call(
+        &mut self,
+        work: impl FnOnce(&mut dyn Client) -> io::Result<()> + Send + 'static,
+    ) -> io::Result<()> {
+        let mut client = self.client.take().ok_or_else(interrupted)?;
+        if !self.stop.commanded().is_safe() {
+            let done = work(client.as_mut());
+            self.client = Some(client);
+            return done;
+        }
+        let done = self.stop.run(move || {
+            let done = work(client.as_mut());
+            (client, done)
+        });
+        let (client, done) = done.ok_or_else(interrupted)?;
+        self.client = Some(client);
+        done
     }
 
     /// Waits for the next JSON message.
     pub(super) fn receive(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
-        while !self.is_over() {
-            match self.client.receive(until) {
+        while let Some(client) = self.client.as_mut().filter(|_| self.end.is_none()) {
+            // Even a server that never stops sending can't delay the end.
+            if self.stop.is_due() {
+                return None;
+            }
+            match client.receive(until.min(Instant::now() + NOTICE_TIME)) {
                 Ok(Received::Message(bytes)) => match self.enveloped(bytes) {
                     Ok(bytes) => {
                         tape.message(&self.name, Direction::In, &bytes, None);
@@ -237,7 +275,7 @@ impl Session {
                 },
                 Ok(Received::OtherEvent(bytes)) => tape.other_event(&self.name, &bytes),
                 Ok(Received::TooLong) => tape.too_long(&self.name),
-                Ok(Received::Silence) => return None,
+                Ok(Received::Silence) => {}
                 Ok(Received::End) => self.end(tape, CLOSED),
                 Err(error) => self.fail(tape, &error),
             }
@@ -287,9 +325,11 @@ impl Session {
         None
     }
 
-    /// Ends the connection.
+    /// Ends the connection. The end isn't recorded if an answer may still arrive, so its absence violates no rule.
     pub(super) fn close(mut self, tape: &mut Tape<'_>) {
-        self.end(tape, "client");
+        if !self.is_pending() {
+            self.end(tape, "client");
+        }
     }
 
     /// Adds an envelope to an HTTP answer that has none. The specification doesn't define this transport, and some
@@ -307,6 +347,7 @@ impl Session {
     /// Processes a message: marks its request as answered, or answers a ping from the server.
     fn take(&mut self, tape: &mut Tape<'_>, message: &Value) {
         self.is_announced |= message["body"]["type"] == "SYS-CLOSE";
+        self.stop.commanded().received(&message["body"]);
         if let Some(refs) = message["refs"].as_str() {
             self.waiting.remove(refs);
         } else if message["body"]["type"] == "SYS-PING"
@@ -322,7 +363,10 @@ impl Session {
 
     fn handle_send(&mut self, tape: &mut Tape<'_>, sent: io::Result<()>) {
         let Err(error) = sent else { return };
-        if is_end(&error) {
+        if self.stop.is_due() {
+            // Messages that have already arrived are not read, so the end proves nothing.
+            self.end.get_or_insert_with(|| error.to_string());
+        } else if is_end(&error) {
             // Messages sent before the end of the connection still count.
             self.is_draining = true;
             let until = Instant::now() + DRAIN_TIMEOUT;
@@ -367,6 +411,11 @@ fn is_end(error: &io::Error) -> bool {
             | ErrorKind::NotConnected
             | ErrorKind::UnexpectedEof
     )
+}
+
+/// The error of a call that was interrupted because the probe must stop.
+fn interrupted() -> io::Error {
+    io::Error::other(INTERRUPTED)
 }
 
 fn short(id: &str) -> String {

@@ -81,14 +81,19 @@ impl Probe<'_, '_> {
         self.query(json!({ "type": "SYS-PORTS" }));
         let refusal = self.query(json!({ "type": UNKNOWN_TYPE }));
         self.unknown_type = refusal.as_ref().and_then(|answer| reason(answer, UNKNOWN_TYPE));
-        self.cut_short.is_none() && self.failure.is_none()
+        self.cut_short.is_none() && self.failure.is_none() && !self.stop.is_due()
     }
 
     /// Requests the UAVs, their states, and other objects.
     fn fleet(&mut self) -> Vec<String> {
         let began = Instant::now();
         let mut uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
-        while uavs.is_empty() && began.elapsed() < UAV_TIMEOUT && !self.is_late() && self.ensure_connected() {
+        while uavs.is_empty()
+            && began.elapsed() < UAV_TIMEOUT
+            && !self.is_late()
+            && !self.stop.is_due()
+            && self.ensure_connected()
+        {
             self.listen(POLL_INTERVAL);
             uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
         }
@@ -185,7 +190,7 @@ impl Probe<'_, '_> {
     /// Listens for notifications.
     fn observe(&mut self) {
         let until = (Instant::now() + self.options.observe).min(self.end);
-        while Instant::now() < until && self.ensure_connected() {
+        while Instant::now() < until && !self.stop.is_due() && self.ensure_connected() {
             self.listen(until.saturating_duration_since(Instant::now()).min(POLL_INTERVAL));
         }
         self.step();

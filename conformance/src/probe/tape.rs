@@ -28,7 +28,10 @@ const MAX_UNKNOWN: usize = 60;
 
 /// A recording in progress.
 pub(super) struct Tape<'d> {
+    definitions: &'d Definitions,
     checker: FlockwaveChecker<'d>,
+    /// False after a panic, which may have left the checker in an invalid state.
+    is_checking: bool,
     /// The lines before the first Flockwave message; `None` after it.
     kept: Option<Kept>,
     file: Option<Box<dyn Write + 'd>>,
@@ -51,13 +54,20 @@ impl<'d> Tape<'d> {
     /// Starts a recording, which is also written to `file`.
     pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
         Self {
+            definitions,
             checker: FlockwaveChecker::new(definitions),
+            is_checking: true,
             kept: Some(Kept::default()),
             file,
             failure: None,
             lines: 0,
             bytes: 0,
         }
+    }
+
+    /// Drops all findings, and only records from now on.
+    pub(super) fn stop_checking(&mut self) {
+        (self.is_checking, self.checker) = (false, FlockwaveChecker::new(self.definitions));
     }
 
     /// Records a message.
@@ -145,7 +155,9 @@ impl<'d> Tape<'d> {
     fn write(&mut self, line: &str) {
         self.lines += 1;
         self.bytes += line.len() as u64 + 1;
-        self.checker.line(line.as_bytes(), self.lines, false);
+        if self.is_checking {
+            self.checker.line(line.as_bytes(), self.lines, false);
+        }
         if let Some(file) = &mut self.file
             && let Err(error) = writeln!(file, "{line}")
         {

@@ -1,11 +1,11 @@
 //! Runs trials, each on a separate connection, so that they don't influence each other.
 
-use std::thread;
 use std::time::{Duration, Instant};
 
 use super::Probe;
 use super::selection::Selection;
 use super::session::Session;
+use super::stop::Stop;
 use super::tape::Tape;
 use crate::flockwave::record::Trial;
 use crate::flockwave::transport::endpoint::Endpoint;
@@ -31,12 +31,14 @@ impl Probe<'_, '_> {
         if attempts.is_empty() {
             return;
         }
-        self.test_witness();
+        if self.must_stop().is_none() {
+            self.test_witness();
+        }
         for (at, (rule, attempt)) in attempts.iter().enumerate() {
             if self.failure.is_some() || self.cut_short.is_some() {
                 return;
             }
-            if self.is_late() {
+            if self.must_stop().is_some() {
                 self.unsent.1 = attempts.len() - at;
                 return;
             }
@@ -68,7 +70,7 @@ impl Probe<'_, '_> {
         let is_served = self.carry_out(&mut session, steps, trial);
         self.close(session);
         // If the server has crashed, further trials are meaningless.
-        if !is_served {
+        if !is_served && !self.stop.is_due() {
             let colon = if how.is_empty() { "" } else { ", " };
             self.recover(&format!("after a trial: {}{colon}{how}", rule.id));
         }
@@ -78,13 +80,16 @@ impl Probe<'_, '_> {
     fn carry_out(&mut self, session: &mut Session, steps: &[Step], trial: Trial<'_>) -> bool {
         let grace = LATE_ANSWER_TIME.max(self.slowest * 4);
         for (at, step) in steps.iter().enumerate() {
+            if self.stop.is_due() {
+                return true;
+            }
             // The server should process and answer each step before the next message arrives.
             match at {
                 0 => {}
                 _ if session.is_waiting() => session.settle(&mut self.tape, Instant::now() + grace),
-                _ => thread::sleep(SEND_INTERVAL),
+                _ => self.stop.sleep(SEND_INTERVAL),
             }
-            perform(session, &mut self.tape, step, trial);
+            perform(session, &mut self.tape, step, trial, &self.stop);
         }
         let ids: Vec<&str> = steps.iter().filter_map(Step::id).collect();
         // Over UDP, some of the requests or answers may be lost.
@@ -109,7 +114,7 @@ fn trial_of<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
     sent.id().is_some().then_some(trial)
 }
 
-fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
+fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>, stop: &Stop) {
     // A finding already reports that an earlier message has no answer.
     if session.is_over() {
         return;
@@ -135,7 +140,7 @@ fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial
             let line = [&sent.text[..], b"\n"].concat();
             for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
                 if at > 0 {
-                    thread::sleep(*pause);
+                    stop.sleep(*pause);
                 }
                 session.send_raw(tape, piece);
             }

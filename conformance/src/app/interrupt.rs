@@ -1,0 +1,101 @@
+//! Ends a probe after a signal. UAVs that received commands must not stay in the air.
+
+use std::io::{IsTerminal as _, Write as _};
+
+use anstyle::AnsiColor;
+
+use super::Status;
+use crate::probe::{AtRisk, Options, Stop};
+
+/// The exit status after a second interrupt: 128 plus the number of SIGINT.
+const INTERRUPTED: i32 = 130;
+
+/// Handles the signals that end programs, and those that suspend them if the probe may send commands.
+pub(super) fn install(options: &Options) -> Result<(), Status> {
+    let (stop, limit) = (options.stop.clone(), options.landing_limit.as_secs());
+    // New threads inherit the blocked signals.
+    #[cfg(unix)]
+    if !options.uavs.is_empty() {
+        suspension::prevent(&stop, limit);
+    }
+    ctrlc::set_handler(move || end(&stop, limit)).map_err(|error| {
+        anstream::eprintln!("error: can't handle signals: {error}");
+        Status::Unreadable
+    })
+}
+
+/// Asks the probe to stop. At the second time, ends the program.
+fn end(stop: &Stop, limit: u64) {
+    let is_first = stop.request();
+    let at_risk: Vec<String> = stop.at_risk().iter().map(AtRisk::to_string).collect();
+    let at_risk = at_risk.join("; ");
+    if is_first {
+        let state = if at_risk.is_empty() {
+            "interrupted: the probe ends".to_owned()
+        } else {
+            format!("interrupted: the probe first makes the UAVs safe, for up to {limit} s ({at_risk})")
+        };
+        print(&format!("{state}. Press Ctrl-C again to leave immediately."));
+        return;
+    }
+    let danger = Danger::new((!at_risk.is_empty()).then_some(at_risk));
+    drop(danger);
+    std::process::exit(INTERRUPTED);
+}
+
+/// Prints a line to standard error. The terminal may be gone.
+fn print(line: &str) {
+    // The signal may arrive while a progress bar is shown.
+    let start = if std::io::stderr().is_terminal() { "\n" } else { "" };
+    let _ = writeln!(anstream::stderr(), "{start}{line}");
+}
+
+/// The UAVs that may be unsafe. They are printed when this value is dropped.
+pub(super) struct Danger(Option<String>);
+
+impl Danger {
+    pub(super) fn new(at_risk: Option<String>) -> Self {
+        Self(at_risk)
+    }
+
+    /// True if there are such UAVs.
+    pub(super) fn is_any(&self) -> bool {
+        self.0.is_some()
+    }
+}
+
+impl Drop for Danger {
+    fn drop(&mut self) {
+        let Some(at_risk) = &self.0 else { return };
+        let red = AnsiColor::Red.on_default().bold();
+        print(&format!("{red}error: {at_risk}. Take control of them by other means now.{red:#}"));
+    }
+}
+
+#[cfg(unix)]
+mod suspension {
+    use std::thread;
+
+    use nix::sys::signal::{SigSet, Signal};
+
+    use super::{Stop, end, print};
+
+    /// Blocks Ctrl-Z, which would suspend the probe while UAVs fly. SIGQUIT ends the probe like Ctrl-C.
+    pub(super) fn prevent(stop: &Stop, limit: u64) {
+        let mut signals = SigSet::empty();
+        signals.add(Signal::SIGTSTP);
+        signals.add(Signal::SIGQUIT);
+        if signals.thread_block().is_err() {
+            return;
+        }
+        let stop = stop.clone();
+        thread::spawn(move || {
+            while let Ok(signal) = signals.wait() {
+                match signal {
+                    Signal::SIGTSTP => print("A probe that may send commands can't be suspended."),
+                    _ => end(&stop, limit),
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,147 @@
+//! Altitudes of UAVs, and the decision that a UAV is on the ground.
+
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// The height in mm above which a UAV is in the air, and the height below which it is on the ground. The altitude of a
+/// UAV on the ground varies.
+pub(super) const AIRBORNE: i64 = 1_500;
+const LANDED: i64 = 700;
+
+/// The time for which a UAV must be still, and the change of its altitude in mm, below which it is.
+const STILL_TIME: Duration = Duration::from_secs(2);
+const STILL: i64 = 200;
+
+/// The altitude of a UAV, in mm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Altitude {
+    AboveHome(i64),
+    AboveSea(i64),
+}
+
+impl Altitude {
+    /// The altitude in the status of a UAV, if it is known.
+    pub(super) fn of(status: &Value) -> Option<Self> {
+        let position = &status["position"];
+        let above_home = position[3].as_i64().map(Self::AboveHome);
+        above_home.or_else(|| position[2].as_i64().map(Self::AboveSea))
+    }
+
+    /// The height above another altitude, in mm. `None` if the altitudes have different references.
+    pub(super) fn above(self, other: Self) -> Option<i64> {
+        match (self, other) {
+            (Self::AboveHome(now), Self::AboveHome(before))
+            | (Self::AboveSea(now), Self::AboveSea(before)) => now.checked_sub(before),
+            _ => None,
+        }
+    }
+}
+
+/// Decides from consecutive states of a UAV that it is on the ground. A UAV that only passes this height, or that stopped
+/// reporting, isn't known to be on the ground.
+#[derive(Debug)]
+pub(super) struct Touchdown {
+    ground: Option<Altitude>,
+    /// The first of the states near the ground between which the UAV was still.
+    since: Option<(Instant, i64, Value)>,
+}
+
+impl Touchdown {
+    /// A UAV whose altitude on the ground is `ground`, if it is known.
+    pub(super) fn new(ground: Option<Altitude>) -> Self {
+        Self { ground, since: None }
+    }
+
+    /// Takes the status of the UAV. Returns the reason why the UAV isn't known to be on the ground.
+    pub(super) fn see(&mut self, status: &Value, now: Instant) -> Result<(), String> {
+        let height = Altitude::of(status).zip(self.ground).and_then(|(now, ground)| now.above(ground));
+        let Some(height) = height else {
+            self.since = None;
+            return Err("its altitude is unknown".to_owned());
+        };
+        if height >= LANDED {
+            self.since = None;
+            return Err(format!("its altitude is {height} mm above the ground"));
+        }
+        let timestamp = &status["timestamp"];
+        match &self.since {
+            Some((since, before, reported)) if (height - before).abs() < STILL => {
+                if now.saturating_duration_since(*since) < STILL_TIME {
+                    Err("it may be moving".to_owned())
+                } else if timestamp == reported {
+                    Err("it doesn't report its altitude any more".to_owned())
+                } else {
+                    Ok(())
+                }
+            }
+            _ => {
+                self.since = Some((now, height, timestamp.clone()));
+                Err("it may be moving".to_owned())
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    /// The states of a UAV whose altitude at takeoff was 3 m: seconds, altitude in mm, and timestamp.
+    fn last(states: &[(u64, Value, u64)]) -> Result<(), String> {
+        let (mut touchdown, start) = (Touchdown::new(Some(Altitude::AboveHome(3_000))), Instant::now());
+        let mut result = Err("no state".to_owned());
+        for (seconds, altitude, timestamp) in states {
+            let status = json!({ "timestamp": timestamp, "position": [1, 2, 900_000, altitude] });
+            result = touchdown.see(&status, start + Duration::from_secs(*seconds));
+        }
+        result
+    }
+
+    #[test]
+    fn a_uav_that_is_still_near_the_ground_has_landed() {
+        assert_eq!(last(&[(0, json!(3_050), 1), (1, json!(3_150), 2), (2, json!(3_000), 3)]), Ok(()));
+        // The altitude may drop below that at takeoff.
+        assert_eq!(last(&[(0, json!(9_000), 1), (5, json!(2_900), 5), (7, json!(2_950), 7)]), Ok(()));
+    }
+
+    #[test]
+    fn a_uav_that_passes_hovers_or_bounces_has_not_landed() {
+        for (states, reason) in [
+            (vec![(0, json!(3_000), 1)], "moving"),
+            (vec![(0, json!(3_600), 1), (2, json!(3_000), 3)], "moving"),
+            (vec![(0, json!(3_000), 1), (1, json!(3_000), 2)], "moving"),
+            (vec![(0, json!(3_000), 1), (1, json!(8_000), 2), (2, json!(3_000), 3)], "moving"),
+            (vec![(0, json!(3_800), 1), (9, json!(3_800), 9)], "800 mm above the ground"),
+        ] {
+            let error = last(&states).expect_err(reason);
+            assert!(error.contains(reason), "{states:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_uav_whose_altitude_is_unknown_or_old_has_not_landed() {
+        let old = last(&[(0, json!(3_000), 1), (9, json!(3_000), 1)]).expect_err("old");
+        assert!(old.contains("doesn't report"), "{old}");
+        // The other altitude has another reference.
+        let unknown = last(&[(0, json!(3_000), 1), (9, Value::Null, 9)]).expect_err("unknown");
+        assert_eq!(unknown, "its altitude is unknown");
+        let (mut touchdown, now) = (Touchdown::new(None), Instant::now());
+        let status = json!({ "timestamp": 1, "position": [1, 2, 900_000, 0] });
+        assert_eq!(touchdown.see(&status, now).expect_err("unknown"), "its altitude is unknown");
+        let status = json!({ "error": "lost" });
+        assert!(touchdown.see(&status, now).is_err());
+    }
+
+    #[test]
+    fn altitudes_prefer_the_height_above_home() {
+        let altitude = |position: Value| Altitude::of(&json!({ "position": position }));
+        assert_eq!(altitude(json!([1, 2, 900, 5])), Some(Altitude::AboveHome(5)));
+        assert_eq!(altitude(json!([1, 2, 900])), Some(Altitude::AboveSea(900)));
+        assert_eq!(altitude(json!([1, 2])), None);
+        assert_eq!(Altitude::AboveSea(9).above(Altitude::AboveHome(1)), None);
+        assert_eq!(Altitude::AboveSea(i64::MAX).above(Altitude::AboveSea(-1)), None);
+    }
+}

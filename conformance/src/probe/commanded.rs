@@ -1,0 +1,282 @@
+//! The commands that a probe has sent and not yet undone.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+use serde_json::{Value, json};
+
+use crate::rules::flockwave::trial::UNKNOWN_ID;
+
+/// A state of a UAV that the probe must undo. The order is the order in which states are undone: a sleeping UAV obeys
+/// no command, and stopped motors would make a flying UAV fall.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Effect {
+    /// The UAV may be asleep.
+    Asleep,
+    /// The UAV may be in the air.
+    Airborne,
+    /// The motors may run on the ground.
+    MotorsOn,
+}
+
+impl Effect {
+    /// All effects, in the order in which they are undone.
+    pub(super) const ALL: [Self; 3] = [Self::Asleep, Self::Airborne, Self::MotorsOn];
+
+    /// The effect that a request may have on its UAVs.
+    fn of(body: &Value) -> Option<Self> {
+        match body["type"].as_str()? {
+            "UAV-SLEEP" => Some(Self::Asleep),
+            "UAV-TAKEOFF" | "UAV-FLY" | "UAV-HOVER" | "UAV-RTH" | "SHOW-CRTH-START" => Some(Self::Airborne),
+            // A motor may start unless the request says otherwise.
+            "UAV-MOTOR" if body["start"] != false => Some(Self::MotorsOn),
+            _ => None,
+        }
+    }
+
+    /// The request that undoes the effect. It names only UAVs that exist, because a server might refuse the whole
+    /// request for an unknown id.
+    pub(super) fn undo(self, uavs: &[String]) -> Value {
+        match self {
+            Self::Asleep => json!({ "type": "UAV-WAKEUP", "ids": uavs }),
+            Self::Airborne => json!({ "type": "UAV-LAND", "ids": uavs }),
+            Self::MotorsOn => json!({ "type": "UAV-MOTOR", "ids": uavs, "start": false }),
+        }
+    }
+}
+
+/// A UAV that may be unsafe. The text form is a clause, such as `UAV 07 may still fly`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AtRisk {
+    /// The id of the UAV.
+    pub uav: String,
+    /// The possible state of the UAV.
+    pub effect: Effect,
+}
+
+impl fmt::Display for AtRisk {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let uav = crate::text::shown(&self.uav);
+        match self.effect {
+            Effect::Asleep => write!(f, "UAV {uav} may still be asleep"),
+            Effect::Airborne => write!(f, "UAV {uav} may still fly"),
+            Effect::MotorsOn => write!(f, "the motors of UAV {uav} may still run"),
+        }
+    }
+}
+
+/// The commands that were not undone yet.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Commanded {
+    /// The effects and their UAVs, each with a mark that is true if the server refused the command.
+    effects: BTreeMap<(Effect, String), bool>,
+    /// The receipts of calibrations and tests that haven't ended.
+    operations: BTreeSet<String>,
+}
+
+impl Commanded {
+    /// Notes a request that is about to be sent. A request may have an effect even if it is never answered. `all` are
+    /// the UAVs of requests without ids.
+    pub(super) fn sent(&mut self, body: &Value, all: &[String]) {
+        let Some(effect) = Effect::of(body) else { return };
+        for uav in uavs(body, all) {
+            self.effects.insert((effect, uav), false);
+        }
+    }
+
+    /// Notes the answer to a request.
+    pub(super) fn answered(&mut self, body: &Value, answer: &Value) {
+        if matches!(body["type"].as_str(), Some("UAV-CALIB" | "UAV-TEST")) {
+            self.operations.extend(receipts(answer));
+        }
+        let Some(effect) = Effect::of(body) else { return };
+        for uav in uavs(body, &[]) {
+            let is_refused = matches!(Reply::new(answer, &uav), Reply::Refusal(_));
+            if let Some(was_refused) = self.effects.get_mut(&(effect, uav)) {
+                *was_refused = is_refused;
+            }
+        }
+    }
+
+    /// Notes a notification: operations may have ended.
+    pub(super) fn received(&mut self, body: &Value) {
+        match body["type"].as_str() {
+            Some("ASYNC-RESP") => self.operations.retain(|receipt| body["id"] != receipt.as_str()),
+            Some("ASYNC-TIMEOUT") => {
+                let ended = body["ids"].as_array().map_or(&[][..], Vec::as_slice);
+                self.operations.retain(|receipt| !ended.iter().any(|other| other == receipt));
+            }
+            _ => {}
+        }
+    }
+
+    /// Notes that a UAV isn't in this state any more.
+    pub(super) fn undone(&mut self, effect: Effect, uav: &str) {
+        self.effects.remove(&(effect, uav.to_owned()));
+    }
+
+    /// True if the server refused the command with this effect, so the UAV may never have been in the state.
+    pub(super) fn is_refused(&self, effect: Effect, uav: &str) -> bool {
+        self.effects.get(&(effect, uav.to_owned())) == Some(&true)
+    }
+
+    /// The UAVs that may be in this state.
+    pub(super) fn uavs(&self, effect: Effect) -> Vec<String> {
+        self.effects.keys().filter(|(other, _)| *other == effect).map(|(_, uav)| uav.clone()).collect()
+    }
+
+    /// True if all UAVs are safe.
+    pub(super) fn is_safe(&self) -> bool {
+        self.effects.is_empty()
+    }
+
+    /// Takes the receipts of the operations that haven't ended.
+    pub(super) fn take_operations(&mut self) -> BTreeSet<String> {
+        std::mem::take(&mut self.operations)
+    }
+
+    /// The UAVs that may be unsafe.
+    pub(super) fn at_risk(&self) -> Vec<AtRisk> {
+        self.effects.keys().map(|(effect, uav)| AtRisk { uav: uav.clone(), effect: *effect }).collect()
+    }
+}
+
+/// The UAVs that a command names.
+fn uavs(body: &Value, all: &[String]) -> Vec<String> {
+    let Some(ids) = body["ids"].as_array() else { return all.to_vec() };
+    let known = ids.iter().filter_map(Value::as_str).filter(|id| *id != UNKNOWN_ID);
+    known.map(str::to_owned).collect()
+}
+
+/// The receipts in an answer.
+fn receipts(answer: &Value) -> Vec<String> {
+    match &answer["body"]["receipt"] {
+        Value::String(receipt) => vec![receipt.clone()],
+        Value::Object(all) => all.values().filter_map(Value::as_str).map(str::to_owned).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// An answer to a command, for one UAV.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Reply {
+    /// The UAV executed the command.
+    Success,
+    /// The UAV executes the command; this is the receipt of the operation.
+    Receipt(String),
+    /// The command was refused, for this reason.
+    Refusal(String),
+}
+
+impl Reply {
+    pub(super) fn new(answer: &Value, uav: &str) -> Self {
+        let body = &answer["body"];
+        if body["type"] == "ACK-NAK" {
+            return Self::Refusal(text(&body["reason"]));
+        }
+        let receipt = body["receipt"].as_str().or_else(|| body["receipt"][uav].as_str());
+        match (receipt, &body["error"][uav], &body["result"][uav]) {
+            (_, error, _) if !error.is_null() => Self::Refusal(text(error)),
+            (Some(receipt), ..) => Self::Receipt(receipt.to_owned()),
+            (None, _, Value::Bool(false)) => Self::Refusal("the command failed".to_owned()),
+            (None, _, Value::Null) => Self::Refusal("the answer doesn't mention the UAV".to_owned()),
+            (None, ..) => Self::Success,
+        }
+    }
+}
+
+fn text(reason: &Value) -> String {
+    reason.as_str().map_or_else(|| reason.to_string(), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn risks(commanded: &Commanded) -> Vec<String> {
+        commanded.at_risk().iter().map(AtRisk::to_string).collect()
+    }
+
+    #[test]
+    fn remembers_each_command_that_changes_a_uav() {
+        let ids = ["07", UNKNOWN_ID];
+        for (kind, risk) in [
+            ("UAV-TAKEOFF", Some("UAV 07 may still fly")),
+            ("UAV-FLY", Some("UAV 07 may still fly")),
+            ("UAV-HOVER", Some("UAV 07 may still fly")),
+            ("UAV-RTH", Some("UAV 07 may still fly")),
+            ("UAV-SLEEP", Some("UAV 07 may still be asleep")),
+            ("UAV-MOTOR", Some("the motors of UAV 07 may still run")),
+            ("UAV-LAND", None),
+            ("UAV-WAKEUP", None),
+            ("UAV-INF", None),
+        ] {
+            let mut commanded = Commanded::default();
+            commanded.sent(&json!({ "type": kind, "ids": ids }), &[]);
+            let expected: Vec<String> = risk.into_iter().map(str::to_owned).collect();
+            assert_eq!(risks(&commanded), expected, "{kind}");
+            assert_eq!(commanded.is_safe(), risk.is_none());
+        }
+        let mut commanded = Commanded::default();
+        commanded.sent(&json!({ "type": "UAV-MOTOR", "ids": ["07"], "start": false }), &[]);
+        assert!(commanded.is_safe());
+        commanded.sent(&json!({ "type": "SHOW-CRTH-START" }), &["07".to_owned(), "08".to_owned()]);
+        assert_eq!(commanded.uavs(Effect::Airborne), ["07", "08"]);
+    }
+
+    #[test]
+    fn wakes_uavs_before_it_lands_them_and_stops_motors_last() {
+        let mut commanded = Commanded::default();
+        for kind in ["UAV-MOTOR", "UAV-TAKEOFF", "UAV-SLEEP"] {
+            commanded.sent(&json!({ "type": kind, "ids": ["07"] }), &[]);
+        }
+        let order: Vec<Effect> = commanded.at_risk().iter().map(|risk| risk.effect).collect();
+        assert_eq!(order, [Effect::Asleep, Effect::Airborne, Effect::MotorsOn]);
+    }
+
+    #[test]
+    fn a_refused_command_may_have_had_an_effect() {
+        let mut commanded = Commanded::default();
+        let body = json!({ "type": "UAV-MOTOR", "ids": ["07", "08"], "start": true });
+        commanded.sent(&body, &[]);
+        let answer =
+            json!({ "body": { "type": "UAV-MOTOR", "result": { "07": true }, "error": { "08": "no" } } });
+        commanded.answered(&body, &answer);
+        assert!(!commanded.is_refused(Effect::MotorsOn, "07"));
+        assert!(commanded.is_refused(Effect::MotorsOn, "08"));
+        assert_eq!(commanded.uavs(Effect::MotorsOn), ["07", "08"]);
+        commanded.undone(Effect::MotorsOn, "07");
+        assert_eq!(commanded.uavs(Effect::MotorsOn), ["08"]);
+    }
+
+    #[test]
+    fn forgets_operations_that_ended() {
+        let mut commanded = Commanded::default();
+        let body = json!({ "type": "UAV-TEST", "ids": ["1", "2", "3"] });
+        let receipts = json!({ "1": "a", "2": "b", "3": "c" });
+        commanded.answered(&body, &json!({ "body": { "type": "UAV-TEST", "receipt": receipts } }));
+        commanded.received(&json!({ "type": "ASYNC-RESP", "id": "a", "result": true }));
+        commanded.received(&json!({ "type": "ASYNC-TIMEOUT", "ids": ["c", 7] }));
+        assert_eq!(commanded.take_operations(), BTreeSet::from(["b".to_owned()]));
+        assert_eq!(commanded.take_operations(), BTreeSet::new());
+    }
+
+    #[test]
+    fn understands_all_answers_to_commands() {
+        let reply = |body: Value| Reply::new(&json!({ "body": body }), "07");
+        let refusal = |reason: &str| Reply::Refusal(reason.to_owned());
+        assert_eq!(reply(json!({ "type": "ACK-NAK", "reason": "busy" })), refusal("busy"));
+        assert_eq!(reply(json!({ "type": "UAV-LAND", "error": { "07": "lost" } })), refusal("lost"));
+        assert_eq!(
+            reply(json!({ "type": "UAV-LAND", "result": { "07": false } })),
+            refusal("the command failed")
+        );
+        assert_eq!(reply(json!({ "type": "UAV-LAND", "result": { "07": true } })), Reply::Success);
+        assert_eq!(
+            reply(json!({ "type": "UAV-LAND", "receipt": { "07": "r" } })),
+            Reply::Receipt("r".to_owned())
+        );
+        let other = reply(json!({ "type": "UAV-LAND", "result": { "08": true } }));
+        assert_eq!(other, refusal("the answer doesn't mention the UAV"));
+    }
+}
