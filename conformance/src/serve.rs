@@ -34,7 +34,6 @@ mod hub;
 mod listen;
 mod message;
 mod operation;
-mod outbox;
 mod random;
 mod request;
 #[cfg(test)]
@@ -46,10 +45,12 @@ use std::fmt;
 use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
-use std::thread::JoinHandle;
+use std::thread::{self, JoinHandle};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use self::listen::Shared;
+pub(crate) use self::listen::limits::raise_open_files;
+pub use self::listen::statistics::{Reason, Statistics};
+use self::listen::{Bound, Control, Reactor};
 use crate::rules::flockwave::FlockwaveRule;
 
 /// The transports, named as in the protocol's reference server.
@@ -156,28 +157,33 @@ pub fn loss(text: &str) -> Result<(String, Duration), String> {
 
 /// A running server. The server ends when it is dropped, or when [`end`](Self::end) is called.
 pub struct Server {
-    shared: Arc<Shared>,
-    threads: Vec<JoinHandle<()>>,
+    control: Arc<Control>,
+    thread: Option<JoinHandle<()>>,
     listening: Vec<Listening>,
 }
 
 impl Server {
     /// Listens on these addresses, and serves all clients. Port 0 selects a free port.
     pub fn start(options: Options, addresses: &[(Transport, SocketAddr)]) -> io::Result<Self> {
-        let mut bound = Vec::new();
-        for (transport, address) in addresses {
-            bound.push(listen::Bound::bind(*transport, *address)?);
-        }
-        let listening: Vec<Listening> = bound.iter().map(listen::Bound::listening).collect();
-        let shared = Arc::new(Shared::new(options, &listening));
-        let mut threads = vec![listen::start_simulation(&shared)];
-        threads.extend(bound.into_iter().map(|bound| bound.serve(&shared)));
-        Ok(Self { shared, threads, listening })
+        let bound = addresses.iter().map(|(transport, address)| Bound::bind(*transport, *address));
+        let mut bound: Vec<Bound> = bound.collect::<io::Result<_>>()?;
+        let listening: Vec<Listening> = bound.iter().map(Bound::listening).collect();
+        let poll = mio::Poll::new()?;
+        Reactor::register(&poll, &mut bound)?;
+        let control = Arc::<Control>::default();
+        let (of_thread, locations) = (Arc::clone(&control), listening.clone());
+        let thread = thread::spawn(move || Reactor::new(poll, bound, options, &locations).run(&of_thread));
+        Ok(Self { control, thread: Some(thread), listening })
     }
 
     /// The addresses of the server, in the requested order.
     pub fn listening(&self) -> &[Listening] {
         &self.listening
+    }
+
+    /// The counts of served, refused and disconnected clients.
+    pub fn statistics(&self) -> Statistics {
+        self.control.statistics()
     }
 
     /// Sends SYS-CLOSE to all clients, and ends the server.
@@ -188,11 +194,10 @@ impl Server {
 
 impl Drop for Server {
     fn drop(&mut self) {
-        self.shared.end();
-        for thread in self.threads.drain(..) {
+        self.control.end();
+        if let Some(thread) = self.thread.take() {
             // A thread that panicked has ended as well.
             let _ = thread.join();
         }
-        self.shared.wait_for_connections();
     }
 }

@@ -12,7 +12,7 @@ use serde_json::json;
 use super::Status;
 use super::test::seconds;
 use crate::rules::flockwave::{self, FlockwaveRule};
-use crate::serve::{Options, Server, Transport, error, loss};
+use crate::serve::{Options, Server, Transport, error, loss, raise_open_files};
 use crate::text::terminal;
 
 /// The default address, with the port that Flockwave clients try first.
@@ -29,6 +29,18 @@ const EXAMPLES: &str = "Examples:
   uavspec serve --bug FW-UST-HEADING
   uavspec serve --list-bugs";
 
+const LIMITS: &str = "Limits:
+  connections       8192, 1024 per address, and fewer than the process may open files
+  Socket.IO         2048 sessions, 512 per address
+  UDP               1024 clients, 256 per address, 4 MiB of notifications per received datagram
+  requests          1 MiB, 30 seconds to send one, 10,000 elements per list
+  memory            4 MiB per client and 48 MiB in all of messages to send,
+                    32 MiB in all of incomplete requests
+  operations        1000 pending per client, 20,000 in all
+  subscriptions     10,000 per client, 50,000 paths in all
+If the server is full, new clients replace clients that never sent a request, then idle clients, and then clients of the
+busiest address. Clients that don't read for 10 seconds are disconnected.";
+
 const STATUS: &str = "Exit status:
   0  normal exit
   2  invalid usage
@@ -36,7 +48,7 @@ const STATUS: &str = "Exit status:
 
 /// Arguments of `serve`.
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{LIMITS}\n\n{STATUS}"))]
 pub(super) struct ServeArgs {
     /// Serve TCP: one message per line.
     ///
@@ -127,6 +139,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
         );
         return Status::Usage;
     }
+    raise_open_files();
     let server = match Server::start(options(args), &addresses(args)) {
         Ok(server) => server,
         Err(error) => {
@@ -159,7 +172,11 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
         Some(time) => ending.recv_timeout(time).ok(),
         None => ending.recv().ok(),
     };
+    let statistics = server.statistics().to_string();
     server.end();
+    if !statistics.is_empty() {
+        anstream::eprintln!("{statistics}");
+    }
     Status::Conforms
 }
 

@@ -2,7 +2,7 @@
 //! sockets nor the system time. The caller passes the elapsed time, so the same calls always produce the same messages.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::rc::Rc;
 use std::time::Duration;
 
 use serde::Serialize;
@@ -34,11 +34,18 @@ const UAVS_AT_ONCE: usize = 50;
 /// The maximum number of pending operations per connection.
 const OPERATION_LIMIT: usize = 1000;
 
+/// The maximum number of pending operations of all connections. Beyond this number, each connection may still have
+/// [`RESERVED_OPERATIONS`].
+const TOTAL_OPERATIONS: usize = 20_000;
+
+/// The number of pending operations that a connection may have at any time.
+const RESERVED_OPERATIONS: usize = 4;
+
 /// The number of ids to store for the FW-ENV-19 bug.
 const ANSWERED_LIMIT: usize = 1000;
 
 /// The sending side of a connection.
-pub(super) trait Sink: Send + Sync {
+pub(super) trait Sink {
     /// Sends a message.
     fn send(&self, text: &str);
 
@@ -63,13 +70,13 @@ pub(super) type SessionId = u64;
 /// The state of a connection.
 pub(super) struct Session {
     pub(super) kind: ConnectionKind,
-    sink: Arc<dyn Sink>,
+    sink: Rc<dyn Sink>,
     /// The logged-in user.
     pub(super) user: Option<String>,
     /// Subscribed paths of the device tree, with the number of subscriptions.
     pub(super) subscriptions: BTreeMap<String, usize>,
     /// The values last sent to the client, by path.
-    pub(super) last_sent: BTreeMap<String, Value>,
+    pub(super) last_sent: BTreeMap<String, Rc<Value>>,
     operations: Vec<Operation>,
     /// The time from the start of the server to the opening of the connection.
     since: Duration,
@@ -98,6 +105,10 @@ pub(super) struct Hub {
     sessions: BTreeMap<SessionId, Session>,
     next_session: SessionId,
     next_receipt: u64,
+    /// The number of pending operations of all connections.
+    pending: usize,
+    /// The number of subscribed paths of all connections.
+    pub(super) subscribed: usize,
     simulated: f64,
     notified: Duration,
     /// UAVs that are lost but still listed; used only with the FW-OBJ-DEL-02 bug.
@@ -120,6 +131,8 @@ impl Hub {
             sessions: BTreeMap::new(),
             next_session: 1,
             next_receipt: 1,
+            pending: 0,
+            subscribed: 0,
             simulated: 0.0,
             notified: Duration::ZERO,
             ghosts: Vec::new(),
@@ -149,7 +162,7 @@ impl Hub {
     }
 
     /// Registers a new connection.
-    pub(super) fn open(&mut self, kind: ConnectionKind, sink: Arc<dyn Sink>) -> SessionId {
+    pub(super) fn open(&mut self, kind: ConnectionKind, sink: Rc<dyn Sink>) -> SessionId {
         let id = self.next_session;
         self.next_session += 1;
         let session = Session {
@@ -172,7 +185,15 @@ impl Hub {
 
     /// Removes a connection.
     pub(super) fn close(&mut self, id: SessionId) {
-        self.sessions.remove(&id);
+        if let Some(session) = self.sessions.remove(&id) {
+            self.pending = self.pending.saturating_sub(session.operations.len());
+        }
+    }
+
+    /// Sends a SYS-CLOSE with the reason, and closes the connection.
+    pub(super) fn dismiss(&mut self, id: SessionId, reason: &str) {
+        self.notify(id, &farewell(reason));
+        self.disconnect(id);
     }
 
     /// Sends a SYS-MSG that describes the server.
@@ -188,18 +209,20 @@ impl Hub {
         }
     }
 
-    /// Processes bytes that arrive from a client at the time `elapsed` after the start of the server.
-    pub(super) fn receive(&mut self, id: SessionId, bytes: &[u8], elapsed: Duration) {
+    /// Processes bytes that arrive from a client at the time `elapsed` after the start of the server. Returns true if
+    /// the bytes are a valid request.
+    pub(super) fn receive(&mut self, id: SessionId, bytes: &[u8], elapsed: Duration) -> bool {
         self.elapsed = self.elapsed.max(elapsed);
         self.is_stuck |= bytes == b"{}" && self.has_bug(&env_27::RULE);
         if self.is_stuck {
-            return;
+            return true;
         }
-        self.take(id, Incoming::parse(bytes));
+        self.take(id, Incoming::parse(bytes))
     }
 
-    /// Processes a parsed message.
-    pub(super) fn take(&mut self, id: SessionId, incoming: Incoming) {
+    /// Processes a parsed message. Returns true if it is a valid request.
+    pub(super) fn take(&mut self, id: SessionId, incoming: Incoming) -> bool {
+        let is_request = matches!(incoming, Incoming::Request { .. });
         match incoming {
             Incoming::Request { id: request, kind, body } => {
                 let answer = self.answer(id, &request, &body).unwrap_or_else(refusal);
@@ -217,6 +240,7 @@ impl Hub {
             }
             Incoming::Ignored => {}
         }
+        is_request
     }
 
     /// Advances the simulation to the time `elapsed` after the start of the server.
@@ -306,8 +330,7 @@ impl Hub {
             }
             // Prevents a second notification. The connection closes after all queued messages have been sent.
             session.since = Duration::MAX;
-            self.notify(id, &farewell("the maximum connection time was reached"));
-            self.disconnect(id);
+            self.dismiss(id, "the maximum connection time was reached");
         }
     }
 
@@ -324,10 +347,13 @@ impl Hub {
             "r1".clone_into(&mut receipt);
         }
         let session = self.sessions.get_mut(&session).ok_or("the connection has ended")?;
-        if session.operations.len() >= OPERATION_LIMIT {
+        let is_full = self.pending >= TOTAL_OPERATIONS;
+        let limit = if is_full { RESERVED_OPERATIONS } else { OPERATION_LIMIT };
+        if session.operations.len() >= limit {
             return Err("too many pending operations".to_owned());
         }
         session.operations.push(operation(receipt.clone()));
+        self.pending += 1;
         self.next_receipt += 1;
         Ok(receipt)
     }
@@ -406,6 +432,7 @@ impl Hub {
     fn advance_operations(&mut self, seconds: f64) {
         let is_overrunning = self.has_bug(&asy_14::RULE);
         let mut reports = Vec::new();
+        (self.pending, self.subscribed) = (0, 0);
         for (id, session) in &mut self.sessions {
             session.operations.retain_mut(|operation| {
                 if is_overrunning && operation.is_suspended() {
@@ -416,6 +443,8 @@ impl Hub {
                 reports.push((*id, operation.receipt.clone(), report));
                 !is_last
             });
+            self.pending += session.operations.len();
+            self.subscribed += session.subscriptions.len();
         }
         for (id, receipt, report) in reports {
             self.notify(id, &report_body(&receipt, report));
@@ -436,14 +465,19 @@ impl Hub {
     }
 
     fn notify_of_devices(&mut self) {
+        // Clients usually subscribe to the same paths, so each value is determined only once.
+        let mut values: BTreeMap<String, Option<Rc<Value>>> = BTreeMap::new();
         for id in self.listeners() {
             let Some(session) = self.sessions.get_mut(&id) else { continue };
             let mut changed = BTreeMap::new();
             for path in session.subscriptions.keys() {
-                let Ok(value) = self.world.values_at(path) else { continue };
-                if session.last_sent.get(path) != Some(&value) {
-                    session.last_sent.insert(path.clone(), value.clone());
-                    changed.insert(path.clone(), value);
+                if !values.contains_key(path) {
+                    values.insert(path.clone(), self.world.values_at(path).ok().map(Rc::new));
+                }
+                let Some(Some(value)) = values.get(path) else { continue };
+                if session.last_sent.get(path) != Some(value) {
+                    session.last_sent.insert(path.clone(), Rc::clone(value));
+                    changed.insert(path.clone(), Value::clone(value));
                 }
             }
             if !changed.is_empty() {

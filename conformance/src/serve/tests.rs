@@ -1,6 +1,7 @@
 //! Tests of the hub with a simulated clock, without bugs and with each bug.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::rc::Rc;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use proptest::prelude::*;
@@ -49,7 +50,7 @@ impl Sink for RecordingSink {
 struct TestSession {
     hub: Hub,
     session: SessionId,
-    received: Arc<RecordingSink>,
+    received: Rc<RecordingSink>,
     time: Duration,
 }
 
@@ -61,8 +62,8 @@ impl TestSession {
             family::answer,
         );
         hub.ports = [("tcp", 5001), ("udp", 5001)].into();
-        let received = Arc::new(RecordingSink::default());
-        let session = hub.open(ConnectionKind::Persistent, Arc::<RecordingSink>::clone(&received));
+        let received = Rc::new(RecordingSink::default());
+        let session = hub.open(ConnectionKind::Persistent, Rc::<RecordingSink>::clone(&received));
         Self { hub, session, received, time: Duration::ZERO }
     }
 

@@ -1,25 +1,12 @@
 //! The server side of HTTP/1.1.
 
-use std::io::{self, Read as _, Write as _};
-use std::net::TcpStream;
-use std::time::{Duration, Instant};
-
-use super::MESSAGE_LIMIT;
+use std::io;
 
 /// The maximum size of a request head, in bytes. Browsers send one or two kilobytes.
 const HEAD_LIMIT: usize = 32 << 10;
 
 /// The maximum number of header lines.
 const HEADER_LIMIT: usize = 100;
-
-/// The maximum time between requests.
-const IDLE_LIMIT: Duration = Duration::from_secs(60);
-
-/// The maximum time from the first to the last byte of a request.
-const REQUEST_LIMIT: Duration = Duration::from_secs(30);
-
-/// The interval at which a waiting connection checks whether it is still needed.
-const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// A request.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,7 +20,8 @@ pub(crate) struct Request {
     headers: Vec<(String, String)>,
     /// The body.
     pub body: Vec<u8>,
-    is_last: bool,
+    /// True if the connection ends after the response.
+    pub is_last: bool,
 }
 
 impl Request {
@@ -78,6 +66,27 @@ impl Response {
         Self::new(status, "text/plain; charset=utf-8", format!("{}\n", reason.into()))
     }
 
+    /// The bytes to send as the response to a request.
+    pub(crate) fn to_bytes(&self, request: Option<&Request>) -> Vec<u8> {
+        let mut text = format!("HTTP/1.1 {}\r\n", self.status);
+        for (name, value) in &self.headers {
+            text += &format!("{name}: {value}\r\n");
+        }
+        let is_last = request.is_none_or(|request| request.is_last);
+        let connection = if is_last { "close" } else { "keep-alive" };
+        text += &format!("Content-Length: {}\r\nConnection: {connection}\r\n\r\n", self.body.len());
+        let mut bytes = text.into_bytes();
+        if request.is_none_or(|request| request.method != "HEAD") {
+            bytes.extend(&self.body);
+        }
+        bytes
+    }
+
+    /// True if the status reports a success.
+    pub(crate) fn is_success(&self) -> bool {
+        self.status.starts_with('2')
+    }
+
     /// Adds a header.
     #[must_use]
     pub(crate) fn with(mut self, name: &'static str, value: impl Into<String>) -> Self {
@@ -86,114 +95,81 @@ impl Response {
     }
 }
 
-/// The result of waiting for a request.
+/// A result of parsing received bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Incoming {
     /// A request.
     Request(Request),
+    /// The head of a request whose client waits for a `100 Continue` before it sends the body.
+    Expectation,
     /// An error response to an invalid request. The connection must be closed, since the start of the next request is
     /// unknown.
     Refused(Response),
-    /// No request: the connection was closed, is no longer needed, or was idle for too long.
-    Nothing,
 }
 
-/// The server side of a connection.
+/// Splits a stream into requests.
 #[derive(Debug)]
-pub(crate) struct Connection {
-    stream: TcpStream,
+pub(crate) struct Requests {
+    /// The maximum length of a body.
+    limit: usize,
     buffer: Vec<u8>,
+    /// The head of the next request, the length of the head, and the length of the body.
+    head: Option<(Request, usize, usize)>,
 }
 
-impl Connection {
-    /// Creates a connection from an accepted stream.
-    pub(crate) fn new(stream: TcpStream) -> io::Result<Self> {
-        stream.set_nodelay(true)?;
-        stream.set_write_timeout(Some(REQUEST_LIMIT))?;
-        Ok(Self { stream, buffer: Vec::new() })
+impl Requests {
+    /// Creates an empty buffer for requests with bodies up to this length.
+    pub(crate) fn new(limit: usize) -> Self {
+        Self { limit, buffer: Vec::new(), head: None }
     }
 
-    /// Waits for the next request as long as `is_wanted` returns true.
-    pub(crate) fn next(&mut self, is_wanted: &dyn Fn() -> bool) -> io::Result<Incoming> {
-        let mut until = Instant::now() + IDLE_LIMIT;
-        if self.buffer.is_empty() && !self.read_more(until, is_wanted)? {
-            return Ok(Incoming::Nothing);
-        }
-        until = Instant::now() + REQUEST_LIMIT;
-        let (mut request, head, length) = loop {
-            match parse_head(&self.buffer) {
-                Head::Whole(request, head, length) => break (request, head, length),
-                Head::Refused(response) => return Ok(Incoming::Refused(response)),
-                Head::Partial => {}
-            }
-            if self.buffer.len() > HEAD_LIMIT {
-                let reason = format!("the request head is longer than {HEAD_LIMIT} bytes");
-                return Ok(Incoming::Refused(Response::refusal(
-                    "431 Request Header Fields Too Large",
-                    reason,
-                )));
-            }
-            if !self.read_more(until, is_wanted)? {
-                return Ok(Incoming::Nothing);
-            }
-        };
-        if request.has_word("expect", "100-continue") && self.buffer.len() < head + length {
-            self.stream.write_all(b"HTTP/1.1 100 Continue\r\n\r\n")?;
-        }
-        while self.buffer.len() < head + length {
-            if !self.read_more(until, is_wanted)? {
-                return Ok(Incoming::Nothing);
+    /// Adds received bytes.
+    pub(crate) fn feed(&mut self, bytes: &[u8]) {
+        self.buffer.extend_from_slice(bytes);
+    }
+
+    /// The next complete request.
+    pub(crate) fn take(&mut self) -> Option<Incoming> {
+        if self.head.is_none() {
+            let (request, head, length) = match parse_head(&self.buffer, self.limit) {
+                Head::Whole(request, head, length) => (request, head, length),
+                Head::Refused(response) => return Some(Incoming::Refused(response)),
+                Head::Partial => return self.long_head(),
+            };
+            let is_expecting =
+                request.has_word("expect", "100-continue") && self.buffer.len() < head + length;
+            self.head = Some((request, head, length));
+            if is_expecting {
+                return Some(Incoming::Expectation);
             }
         }
+        let (mut request, head, length) =
+            self.head.take_if(|(_, head, length)| self.buffer.len() >= *head + *length)?;
         let rest = self.buffer.split_off(head + length);
         request.body = std::mem::replace(&mut self.buffer, rest).split_off(head);
-        Ok(Incoming::Request(request))
+        Some(Incoming::Request(request))
     }
 
-    /// Sends the response to a request. Returns true if the connection stays open.
-    pub(crate) fn respond(&mut self, request: Option<&Request>, response: &Response) -> io::Result<bool> {
-        let is_last = request.is_none_or(|request| request.is_last);
-        let mut text = format!("HTTP/1.1 {}\r\n", response.status).into_bytes();
-        for (name, value) in &response.headers {
-            text.extend(format!("{name}: {value}\r\n").into_bytes());
-        }
-        let connection = if is_last { "close" } else { "keep-alive" };
-        text.extend(
-            format!("Content-Length: {}\r\nConnection: {connection}\r\n\r\n", response.body.len())
-                .into_bytes(),
-        );
-        let has_body = request.is_none_or(|request| request.method != "HEAD");
-        if has_body {
-            text.extend(&response.body);
-        }
-        self.stream.write_all(&text)?;
-        Ok(!is_last)
+    /// The refusal of a head that is too long.
+    fn long_head(&self) -> Option<Incoming> {
+        let reason = || format!("the request head is longer than {HEAD_LIMIT} bytes");
+        let refusal = || Response::refusal("431 Request Header Fields Too Large", reason());
+        (self.buffer.len() > HEAD_LIMIT).then(|| Incoming::Refused(refusal()))
     }
 
-    /// The stream and the bytes after the last request, to continue with another protocol.
-    pub(crate) fn into_stream(self) -> (TcpStream, Vec<u8>) {
-        (self.stream, self.buffer)
+    /// True if there is an incomplete request.
+    pub(crate) fn has_rest(&self) -> bool {
+        !self.buffer.is_empty()
     }
 
-    /// Reads more bytes. Returns false if none arrive in time.
-    fn read_more(&mut self, until: Instant, is_wanted: &dyn Fn() -> bool) -> io::Result<bool> {
-        let mut piece = [0; 16 << 10];
-        loop {
-            let left = until.saturating_duration_since(Instant::now()).min(POLL_INTERVAL);
-            if left.is_zero() || !is_wanted() {
-                return Ok(false);
-            }
-            self.stream.set_read_timeout(Some(left))?;
-            match self.stream.read(&mut piece) {
-                Ok(0) => return Ok(false),
-                Ok(length) => {
-                    self.buffer.extend_from_slice(&piece[..length]);
-                    return Ok(true);
-                }
-                Err(error) if is_silence(&error) => {}
-                Err(error) => return Err(error),
-            }
-        }
+    /// The memory of the buffer, in bytes.
+    pub(crate) fn capacity(&self) -> usize {
+        self.buffer.capacity()
+    }
+
+    /// The bytes after the last request, to continue with another protocol.
+    pub(crate) fn into_rest(self) -> Vec<u8> {
+        self.buffer
     }
 }
 
@@ -209,7 +185,7 @@ enum Head {
 }
 
 /// Parses the head of a request. Returns the request and the lengths of its head and body.
-fn parse_head(bytes: &[u8]) -> Head {
+fn parse_head(bytes: &[u8], limit: usize) -> Head {
     let mut headers = [httparse::EMPTY_HEADER; HEADER_LIMIT];
     let mut parsed = httparse::Request::new(&mut headers);
     let head = match parsed.parse(bytes) {
@@ -237,13 +213,13 @@ fn parse_head(bytes: &[u8]) -> Head {
     };
     request.is_last = request.has_word("connection", "close")
         || parsed.version == Some(0) && !request.has_word("connection", "keep-alive");
-    match body_length(&request) {
+    match body_length(&request, limit) {
         Ok(length) => Head::Whole(request, head, length),
         Err(response) => Head::Refused(response),
     }
 }
 
-fn body_length(request: &Request) -> Result<usize, Response> {
+fn body_length(request: &Request, limit: usize) -> Result<usize, Response> {
     if request.header("transfer-encoding").is_some() {
         return Err(Response::refusal("411 Length Required", "the request must have a Content-Length"));
     }
@@ -255,44 +231,32 @@ fn body_length(request: &Request) -> Result<usize, Response> {
     if !is_number || lengths.any(|other| other != length) {
         return Err(Response::refusal("400 Bad Request", "the Content-Length isn't a single number"));
     }
-    length.parse().ok().filter(|length| *length <= MESSAGE_LIMIT).ok_or_else(|| {
-        let reason = format!("the body is longer than {MESSAGE_LIMIT} bytes");
+    length.parse().ok().filter(|length| *length <= limit).ok_or_else(|| {
+        let reason = format!("the body is longer than {limit} bytes");
         Response::refusal("413 Content Too Large", reason)
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use std::net::TcpListener;
-    use std::thread;
-
     use super::*;
 
-    /// The server-side results for a client that sends these pieces and then closes its side.
-    fn received(pieces: &'static [&'static [u8]]) -> Vec<Incoming> {
-        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-        let address = listener.local_addr().expect("an address");
-        let client = thread::spawn(move || {
-            let mut stream = TcpStream::connect(address).expect("a connection");
-            for piece in pieces {
-                let _ = stream.write_all(piece);
-            }
-            // The server may close its side first.
-            let _ = stream.shutdown(std::net::Shutdown::Write);
-            let _ = stream.read_to_end(&mut Vec::new());
-        });
-        let mut connection = Connection::new(listener.accept().expect("a client").0).expect("a connection");
+    const LIMIT: usize = 1 << 20;
+
+    /// The results for these pieces.
+    fn received(pieces: &[&[u8]]) -> Vec<Incoming> {
+        let mut requests = Requests::new(LIMIT);
         let mut all = Vec::new();
-        loop {
-            let incoming = connection.next(&|| true).expect("a result");
-            let is_end = !matches!(incoming, Incoming::Request(_));
-            all.push(incoming);
-            if is_end {
-                break;
+        for piece in pieces {
+            requests.feed(piece);
+            while let Some(incoming) = requests.take() {
+                let is_refused = matches!(incoming, Incoming::Refused(_));
+                all.push(incoming);
+                if is_refused {
+                    return all;
+                }
             }
         }
-        drop(connection);
-        client.join().expect("the client ends");
         all
     }
 
@@ -303,9 +267,7 @@ mod tests {
             b"ngth: 4\r\n\r\nwi",
             b"ndGET / HTTP/1.1\r\nConnection: Upgrade, close\r\n\r\n",
         ]);
-        let [Incoming::Request(first), Incoming::Request(second), Incoming::Nothing] = &all[..] else {
-            panic!("{all:?}")
-        };
+        let [Incoming::Request(first), Incoming::Request(second)] = &all[..] else { panic!("{all:?}") };
         assert_eq!(
             (first.method.as_str(), first.path.as_str(), &first.body[..]),
             ("POST", "/api/v1", &b"wind"[..])
@@ -321,7 +283,7 @@ mod tests {
             (&[b"POST / HTTP/1.1\r\nContent-Length: -1\r\n\r\n"], "400"),
             (&[b"POST / HTTP/1.1\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\nxx"], "400"),
             (&[b"POST / HTTP/1.1\r\nContent-Length: 99999999999999999999\r\n\r\n"], "413"),
-            (&[b"POST / HTTP/1.1\r\nContent-Length: 16777217\r\n\r\n"], "413"),
+            (&[b"POST / HTTP/1.1\r\nContent-Length: 1048577\r\n\r\n"], "413"),
             (&[b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"], "411"),
             (&[b"GET / HTTP/1.1\r\nX: ", &[b'x'; 40 << 10]], "431"),
         ];
@@ -330,6 +292,16 @@ mod tests {
             let Some(Incoming::Refused(response)) = all.last() else { panic!("{all:?}") };
             assert!(response.status.starts_with(status), "{response:?}");
         }
-        assert_eq!(received(&[b"POST / HTTP/1.1\r\nContent-Length: 4\r\n\r\nwi"]), [Incoming::Nothing]);
+        assert_eq!(received(&[b"POST / HTTP/1.1\r\nContent-Length: 4\r\n\r\nwi"]), []);
+    }
+
+    #[test]
+    fn announces_clients_that_wait_before_they_send_the_body() {
+        let head = b"POST / HTTP/1.1\r\nExpect: 100-continue\r\nContent-Length: 2\r\n\r\n";
+        assert_eq!(received(&[head]), [Incoming::Expectation]);
+        let all = received(&[head, b"hi"]);
+        assert!(matches!(&all[..], [Incoming::Expectation, Incoming::Request(_)]), "{all:?}");
+        let all = received(&[&[&head[..], b"hi"].concat()]);
+        assert!(matches!(&all[..], [Incoming::Request(_)]), "{all:?}");
     }
 }

@@ -2,20 +2,20 @@
 
 use memchr::memchr;
 
-use super::MESSAGE_LIMIT;
-
 /// A line of a stream.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Line {
     /// A line without its line end (a line feed, or a carriage return and a line feed).
     Whole(Vec<u8>),
-    /// A line longer than [`MESSAGE_LIMIT`], which was dropped.
+    /// A line that was longer than the limit, and was dropped.
     TooLong,
 }
 
 /// A buffer that splits received pieces into lines.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Lines {
+    /// The maximum length of a line.
+    limit: usize,
     buffer: Vec<u8>,
     /// The start of the first line that hasn't been returned yet.
     start: usize,
@@ -26,6 +26,11 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
+    /// Creates an empty buffer for lines up to this length.
+    pub(crate) fn new(limit: usize) -> Self {
+        Self { limit, buffer: Vec::new(), start: 0, searched: 0, is_skipping: false }
+    }
+
     /// Adds received bytes.
     pub(crate) fn feed(&mut self, bytes: &[u8]) {
         if self.start > 0 {
@@ -40,11 +45,14 @@ impl Lines {
     pub(crate) fn take(&mut self) -> Option<Line> {
         let Some(found) = memchr(b'\n', &self.buffer[self.searched..]) else {
             self.searched = self.buffer.len();
+            if self.start == self.buffer.len() {
+                self.release();
+            }
             return self.drop_excess();
         };
         let end = self.searched + found;
         let line = &self.buffer[self.start..end];
-        let is_too_long = line.len() > MESSAGE_LIMIT;
+        let is_too_long = line.len() > self.limit;
         let line = Line::Whole(line.strip_suffix(b"\r").unwrap_or(line).to_vec());
         (self.start, self.searched) = (end + 1, end + 1);
         if std::mem::take(&mut self.is_skipping) {
@@ -58,26 +66,36 @@ impl Lines {
         std::iter::from_fn(|| self.take()).collect()
     }
 
+    /// The memory of the buffer, in bytes.
+    pub(crate) fn capacity(&self) -> usize {
+        self.buffer.capacity()
+    }
+
     /// True if there is an incomplete line.
-    #[cfg(test)]
     pub(crate) fn has_rest(&self) -> bool {
         self.is_skipping || self.start < self.buffer.len()
     }
 
     /// Drops an incomplete line.
     pub(crate) fn drop_rest(&mut self) {
-        *self = Self::default();
+        *self = Self::new(self.limit);
+    }
+
+    /// Releases the memory of the buffer, whose lines have all been returned.
+    fn release(&mut self) {
+        self.buffer = Vec::new();
+        (self.start, self.searched) = (0, 0);
     }
 
     fn drop_excess(&mut self) -> Option<Line> {
         if self.is_skipping {
-            *self = Self { is_skipping: true, ..Self::default() };
+            *self = Self { is_skipping: true, ..Self::new(self.limit) };
             return None;
         }
-        if self.buffer.len() - self.start <= MESSAGE_LIMIT {
+        if self.buffer.len() - self.start <= self.limit {
             return None;
         }
-        *self = Self { is_skipping: true, ..Self::default() };
+        *self = Self { is_skipping: true, ..Self::new(self.limit) };
         Some(Line::TooLong)
     }
 }
@@ -87,6 +105,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::flockwave::transport::MESSAGE_LIMIT;
 
     fn whole(text: &str) -> Line {
         Line::Whole(text.as_bytes().to_vec())
@@ -94,7 +113,7 @@ mod tests {
 
     #[test]
     fn accepts_both_line_ends_and_keeps_incomplete_lines() {
-        let mut lines = Lines::default();
+        let mut lines = Lines::new(MESSAGE_LIMIT);
         lines.feed(b"one\r\n\ntw");
         assert_eq!(lines.taken(), [whole("one"), whole("")]);
         assert!(lines.has_rest());
@@ -105,7 +124,7 @@ mod tests {
 
     #[test]
     fn drops_an_endless_line() {
-        let mut lines = Lines::default();
+        let mut lines = Lines::new(MESSAGE_LIMIT);
         let piece = vec![b'x'; 1 << 20];
         let mut found = Vec::new();
         for _ in 0..40 {
@@ -120,7 +139,7 @@ mod tests {
 
     #[test]
     fn limits_lines_within_a_single_piece() {
-        let mut lines = Lines::default();
+        let mut lines = Lines::new(MESSAGE_LIMIT);
         let mut text = vec![b'x'; MESSAGE_LIMIT + 1];
         text.extend(b"\nnext\n");
         lines.feed(&text);
@@ -133,10 +152,10 @@ mod tests {
             pieces in prop::collection::vec(prop::collection::vec(prop_oneof![Just(b'\n'), any::<u8>()], 0..20), 0..20)
         ) {
             let whole = pieces.concat();
-            let mut in_one_piece = Lines::default();
+            let mut in_one_piece = Lines::new(MESSAGE_LIMIT);
             in_one_piece.feed(&whole);
             let expected = in_one_piece.taken();
-            let mut lines = Lines::default();
+            let mut lines = Lines::new(MESSAGE_LIMIT);
             let mut found = Vec::new();
             for piece in &pieces {
                 lines.feed(piece);

@@ -15,6 +15,13 @@ use crate::serve::request::each_once;
 /// The maximum number of subscriptions per client.
 const SUBSCRIPTION_LIMIT: usize = 10_000;
 
+/// The maximum number of subscribed paths of all clients. Beyond this number, each client may still have
+/// [`RESERVED_PATHS`].
+const TOTAL_PATHS: usize = 50_000;
+
+/// The number of paths to which a client may subscribe at any time.
+const RESERVED_PATHS: usize = 8;
+
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
     match request {
         Request::DevInf(request) => {
@@ -81,11 +88,14 @@ fn named(nodes: [(&str, DeviceTreeNode); 2]) -> BTreeMap<String, DeviceTreeNode>
 
 fn subscribe(hub: &mut Hub, session: SessionId, path: &str) -> Result<(), String> {
     hub.world.values_at(path)?;
+    let is_full = hub.subscribed >= TOTAL_PATHS;
     let session = hub.session(session).ok_or("the connection has ended")?;
-    if session.subscriptions.values().sum::<usize>() >= SUBSCRIPTION_LIMIT {
+    let is_exceeding = is_full && session.subscriptions.len() >= RESERVED_PATHS;
+    if is_exceeding || session.subscriptions.values().sum::<usize>() >= SUBSCRIPTION_LIMIT {
         return Err("too many subscriptions".to_owned());
     }
     *session.subscriptions.entry(path.to_owned()).or_default() += 1;
+    hub.subscribed += 1;
     Ok(())
 }
 

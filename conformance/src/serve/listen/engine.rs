@@ -3,8 +3,9 @@
 mod session;
 
 use std::collections::BTreeMap;
-use std::io::{self, Write as _};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::io::{self, Read, Write};
+use std::net::IpAddr;
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use tungstenite::handshake::derive_accept_key;
@@ -12,15 +13,16 @@ use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};
 
 use self::session::Session;
-use super::{POLL_INTERVAL, SEND_LIMIT, Shared};
-use crate::flockwave::transport::MESSAGE_LIMIT;
+use super::Shared;
+use super::connection::{Peer, Protocol, Step};
+use super::limits::{IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT, SESSION_LIMIT, SESSIONS_PER_ADDRESS};
+use super::outbox::{Outbox, Taken};
+use super::seats::{Admission, SeatLimits, Seats};
+use super::statistics::Reason;
+use super::web::Reply;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
-use crate::flockwave::transport::http::{Connection, Request, Response, is_silence};
+use crate::flockwave::transport::http::{Request, Response, is_silence};
 use crate::rules::flockwave::sio_02;
-use crate::serve::outbox::Taken;
-
-/// The maximum number of concurrent sessions.
-const SESSION_LIMIT: usize = 1024;
 
 /// The maximum number of packets per poll response. Some clients accept only this many.
 const PACKETS_AT_ONCE: usize = 16;
@@ -28,52 +30,69 @@ const PACKETS_AT_ONCE: usize = 16;
 /// The maximum duration of a poll without packets. Pings are more frequent.
 const POLL_LIMIT: Duration = Duration::from_secs(60);
 
-/// The read timeout of a WebSocket, after which queued packets are sent.
-const READ_TIMEOUT: Duration = Duration::from_millis(10);
+/// The size of the buffer in which a WebSocket stores received bytes.
+const READ_BUFFER: usize = 4 << 10;
 
 /// All sessions, by id.
-#[derive(Default)]
-pub(super) struct Sessions(Mutex<BTreeMap<String, Arc<Session>>>);
+pub(super) struct Sessions {
+    all: BTreeMap<String, Rc<Session>>,
+    seats: Seats<String>,
+}
+
+impl Default for Sessions {
+    fn default() -> Self {
+        let limits =
+            SeatLimits { total: SESSION_LIMIT, per_address: SESSIONS_PER_ADDRESS, idle_time: IDLE_TIME };
+        Self { all: BTreeMap::new(), seats: Seats::new(limits) }
+    }
+}
+
+/// Sends pings, and ends sessions that didn't respond to them.
+pub(super) fn tend(shared: &mut Shared) {
+    let (alive, expired): (Vec<_>, Vec<_>) =
+        shared.sessions.all.values().cloned().partition(|session| session.is_alive());
+    for session in alive {
+        session.ping_if_due();
+    }
+    for session in expired {
+        session.end(shared);
+    }
+}
 
 impl Sessions {
-    fn all(&self) -> MutexGuard<'_, BTreeMap<String, Arc<Session>>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn find(&self, sid: &str) -> Option<Arc<Session>> {
-        self.all().get(sid).cloned()
-    }
-
-    /// Sends pings, and ends sessions that didn't respond to them.
-    pub(super) fn tend(&self, shared: &Shared) {
-        let mut expired = Vec::new();
-        self.all().retain(|_, session| {
-            let is_alive = session.tend();
-            if !is_alive {
-                expired.push(Arc::clone(session));
-            }
-            is_alive
-        });
-        for session in expired {
-            session.end(shared);
-        }
-    }
-
-    /// Closes all outboxes, including those of clients that joined no namespace.
+    /// Closes all sessions, including those of clients that joined no namespace.
     pub(super) fn end(&self) {
-        for session in self.all().values() {
-            session.outbox().close();
+        for session in self.all.values() {
+            session.close();
         }
     }
 
-    fn open(&self, shared: &Shared, revision: Revision) -> Option<(String, Arc<Session>)> {
-        if self.all().len() >= SESSION_LIMIT {
+    fn remove(&mut self, sid: &String) {
+        self.all.remove(sid);
+        self.seats.remove(sid);
+    }
+}
+
+/// Opens a session. If there are too many, an idle session gives way.
+fn open(shared: &mut Shared, address: IpAddr, revision: Revision) -> Option<Rc<Session>> {
+    let now = Instant::now();
+    match shared.sessions.seats.admit(address, now) {
+        Admission::Free => {}
+        Admission::Evict(sid) => {
+            shared.statistics.count(Reason::Replaced);
+            if let Some(session) = shared.sessions.all.get(&sid).cloned() {
+                session.dismiss(shared, Reason::Replaced);
+            }
+        }
+        Admission::Refused => {
+            shared.statistics.refused += 1;
             return None;
         }
-        let (sid, session) = Session::open(shared, revision);
-        self.all().insert(sid.clone(), Arc::clone(&session));
-        Some((sid, session))
     }
+    let session = Session::open(shared, revision);
+    shared.sessions.seats.insert(session.sid().clone(), address, now);
+    shared.sessions.all.insert(session.sid().clone(), Rc::clone(&session));
+    Some(session)
 }
 
 fn refused(reason: &str) -> Response {
@@ -81,65 +100,93 @@ fn refused(reason: &str) -> Response {
 }
 
 /// The session of a request. If the request has no session id, a session is created.
-fn session(shared: &Shared, request: &Request) -> Result<Arc<Session>, Response> {
+fn session(shared: &mut Shared, address: IpAddr, request: &Request) -> Result<Rc<Session>, Response> {
     let revision = request.field("EIO").and_then(Revision::from_number);
     let revision = revision.ok_or_else(|| refused("EIO must be 3 or 4"))?;
     match request.field("sid") {
         Some(sid) => {
-            let session = shared.sessions.find(sid).ok_or_else(|| refused("unknown session"))?;
+            let session = shared.sessions.all.get(sid).ok_or_else(|| refused("unknown session"))?;
             let is_same = session.revision() == revision;
-            if is_same { Ok(session) } else { Err(refused("the session was opened with a different EIO")) }
+            if is_same {
+                Ok(Rc::clone(session))
+            } else {
+                Err(refused("the session was opened with a different EIO"))
+            }
         }
-        None if request.method == "GET" => {
-            let opened = shared.sessions.open(shared, revision);
-            opened
-                .map(|(_, session)| session)
-                .ok_or_else(|| Response::refusal("503 Service Unavailable", "too many sessions"))
-        }
+        None if request.method == "GET" => open(shared, address, revision)
+            .ok_or_else(|| Response::refusal("503 Service Unavailable", "too many sessions")),
         None => Err(refused("use GET to open a session")),
     }
 }
 
-/// Answers a long-polling request.
-pub(super) fn by_polling(shared: &Shared, request: &Request) -> Response {
+/// Handles a long-polling request.
+pub(super) fn by_polling(shared: &mut Shared, address: IpAddr, request: &Request) -> Reply {
     if request.field("transport") != Some("polling") {
-        return refused("transport must be polling or websocket");
+        return Reply::Now(refused("transport must be polling or websocket"));
     }
     if request.field("j").is_some() {
-        return refused("JSONP isn't supported");
+        return Reply::Now(refused("JSONP isn't supported"));
     }
     if shared.has_bug(&sio_02::RULE) {
-        return refused("long polling isn't supported");
+        return Reply::Now(refused("long polling isn't supported"));
     }
-    let session = match session(shared, request) {
+    let session = match session(shared, address, request) {
         Ok(session) => session,
-        Err(response) => return response,
+        Err(response) => return Reply::Now(response),
     };
     if session.is_upgraded() {
-        return refused("the session has been upgraded to a WebSocket");
+        return Reply::Now(refused("the session has been upgraded to a WebSocket"));
     }
     match request.method.as_str() {
-        "GET" => poll(&session),
-        "POST" => take(shared, &session, &request.body),
-        _ => Response::refusal("405 Method Not Allowed", "use GET or POST").with("Allow", "GET, POST"),
+        // Two concurrent polls would divide the packets between them.
+        "GET" => Poll::start(session)
+            .map_or_else(|| Reply::Now(refused("another poll of this session is pending")), Reply::Poll),
+        "POST" => Reply::Now(take(shared, &session, &request.body)),
+        _ => {
+            let refusal = Response::refusal("405 Method Not Allowed", "use GET or POST");
+            Reply::Now(refusal.with("Allow", "GET, POST"))
+        }
     }
 }
 
-fn poll(session: &Session) -> Response {
-    let Some(_polling) = session.start_poll() else {
-        // Two concurrent polls would divide the packets between them.
-        return refused("another poll of this session is pending");
-    };
-    let texts = match session.outbox().take(PACKETS_AT_ONCE, Instant::now() + POLL_LIMIT) {
-        Taken::Texts(texts) => texts,
-        Taken::Nothing => vec![Packet::new(Kind::Noop, "").to_text()],
-        Taken::End => return refused("the session has ended"),
-    };
-    let packets: Vec<Packet> = texts.iter().filter_map(|text| Packet::parse(text)).collect();
-    Response::new("200 OK", "text/plain; charset=UTF-8", encode(session.revision(), &packets))
+/// A request that waits for packets. Dropping it allows the next poll.
+pub(super) struct Poll {
+    session: Rc<Session>,
+    until: Instant,
 }
 
-fn take(shared: &Shared, session: &Session, payload: &[u8]) -> Response {
+impl Poll {
+    /// Starts a poll, unless another poll of the session is pending.
+    fn start(session: Rc<Session>) -> Option<Self> {
+        session.start_poll().then(|| Self { session, until: Instant::now() + POLL_LIMIT })
+    }
+
+    /// True if there are packets or the time is over.
+    pub(super) fn is_due(&self) -> bool {
+        self.session.queue().is_ready() || Instant::now() >= self.until
+    }
+
+    /// The response, if there are packets or the time is over.
+    pub(super) fn response(&self) -> Option<Response> {
+        let texts = match self.session.queue().take(PACKETS_AT_ONCE) {
+            Taken::Texts(texts) => texts,
+            Taken::Nothing if Instant::now() < self.until => return None,
+            Taken::Nothing => vec![Packet::new(Kind::Noop, "").to_text()],
+            Taken::End => return Some(refused("the session has ended")),
+        };
+        let packets: Vec<Packet> = texts.iter().filter_map(|text| Packet::parse(text)).collect();
+        let payload = encode(self.session.revision(), &packets);
+        Some(Response::new("200 OK", "text/plain; charset=UTF-8", payload))
+    }
+}
+
+impl Drop for Poll {
+    fn drop(&mut self) {
+        self.session.end_poll();
+    }
+}
+
+fn take(shared: &mut Shared, session: &Session, payload: &[u8]) -> Response {
     let packets = match decode(session.revision(), payload) {
         Ok(packets) => packets,
         Err(error) => return refused(&error),
@@ -150,112 +197,153 @@ fn take(shared: &Shared, session: &Session, payload: &[u8]) -> Response {
     Response::new("200 OK", "text/html", "ok")
 }
 
-/// Serves a connection after its upgrade to a WebSocket.
+/// Answers the request for an upgrade to a WebSocket. `rest` are the bytes after the request.
 pub(super) fn over_web_socket(
-    shared: &Shared,
-    mut connection: Connection,
+    shared: &mut Shared,
+    peer: &Peer,
     request: &Request,
-) -> io::Result<()> {
+    rest: &[u8],
+) -> Result<WebSocketClient, Response> {
     let key =
         request.header("sec-websocket-key").filter(|_| request.header("sec-websocket-version") == Some("13"));
-    let session = match key {
-        Some(_) if request.field("transport") == Some("websocket") => session(shared, request),
-        _ => Err(refused("expected WebSocket version 13 and transport=websocket")),
-    };
-    let (key, session) = match (key, session) {
-        (Some(key), Ok(session)) => (key, session),
-        (_, Err(response)) => return connection.respond(None, &response).map(|_| ()),
-        (None, Ok(_)) => return Ok(()),
-    };
-    let accept = derive_accept_key(key.as_bytes());
-    let (mut stream, rest) = connection.into_stream();
-    stream.write_all(
+    let key = key
+        .filter(|_| request.field("transport") == Some("websocket"))
+        .ok_or_else(|| refused("expected WebSocket version 13 and transport=websocket"))?;
+    let session = session(shared, peer.address, request)?;
+    peer.outbox.push(
         format!(
             "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
-             Sec-WebSocket-Accept: {accept}\r\n\r\n"
+             Sec-WebSocket-Accept: {}\r\n\r\n",
+            derive_accept_key(key.as_bytes())
         )
         .as_bytes(),
-    )?;
-    stream.set_read_timeout(Some(READ_TIMEOUT))?;
-    stream.set_write_timeout(Some(SEND_LIMIT))?;
-    let limit = MESSAGE_LIMIT + 1024;
-    let config = WebSocketConfig::default().max_message_size(Some(limit)).max_frame_size(Some(limit));
-    let socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
+    );
     if request.field("sid").is_none() {
-        session.upgrade();
+        session.upgrade(&peer.outbox);
     }
-    let ending = serve_connection(shared, &session, socket);
-    if session.is_upgraded() {
-        session.end(shared);
-    }
-    match ending {
-        Err(Error::Io(error)) => Err(error),
-        _ => Ok(()),
+    let config = WebSocketConfig::default()
+        .read_buffer_size(READ_BUFFER)
+        .max_message_size(Some(REQUEST_LIMIT))
+        .max_frame_size(Some(REQUEST_LIMIT));
+    let pipe = Pipe { received: Vec::new(), start: 0, outbox: Rc::clone(&peer.outbox) };
+    let mut client = WebSocketClient {
+        session,
+        socket: WebSocket::from_raw_socket(pipe, Role::Server, Some(config)),
+        incomplete: 0,
+    };
+    client.feed(rest);
+    Ok(client)
+}
+
+/// The stream below a WebSocket: received bytes, and the queue of bytes to send.
+struct Pipe {
+    received: Vec<u8>,
+    /// The number of bytes that were read.
+    start: usize,
+    outbox: Rc<Outbox>,
+}
+
+impl Read for Pipe {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let length = (&self.received[self.start..]).read(buffer)?;
+        if length == 0 {
+            return Err(io::ErrorKind::WouldBlock.into());
+        }
+        self.start += length;
+        Ok(length)
     }
 }
 
-/// Reads and writes alternately, until either side ends.
-fn serve_connection(
-    shared: &Shared,
-    session: &Session,
-    mut socket: WebSocket<std::net::TcpStream>,
-) -> Result<(), Error> {
-    let upgrade_deadline = Instant::now() + SEND_LIMIT;
-    loop {
-        if session.is_upgraded() {
-            match session.outbox().take(PACKETS_AT_ONCE, Instant::now()) {
-                Taken::Texts(texts) => {
-                    for text in texts {
-                        socket.send(Message::text(text))?;
-                    }
-                    set_read_timeout(&mut socket, Duration::from_millis(1))?;
-                }
-                Taken::Nothing => set_read_timeout(&mut socket, READ_TIMEOUT)?,
-                Taken::End => {
-                    socket.close(None)?;
-                    return await_close(&mut socket);
-                }
-            }
-        } else if Instant::now() > upgrade_deadline || shared.is_ending() {
-            return Ok(());
-        }
-        let text = match socket.read() {
-            Ok(Message::Text(text)) => text,
-            // The library has answered the close frame; the client closes the connection.
-            Ok(Message::Close(_)) => return Ok(()),
-            Ok(_) => continue,
-            Err(Error::Io(error)) if is_silence(&error) => continue,
-            Err(error) => return Err(error),
-        };
-        let Some(packet) = Packet::parse(&text) else { return Ok(()) };
-        match (packet.kind, session.is_upgraded()) {
+impl Write for Pipe {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.outbox.push(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// A client over a WebSocket.
+pub(super) struct WebSocketClient {
+    session: Rc<Session>,
+    socket: WebSocket<Pipe>,
+    /// The number of bytes since the last complete message.
+    incomplete: usize,
+}
+
+impl WebSocketClient {
+    fn take(&mut self, shared: &mut Shared, peer: &Peer, text: &str) -> Step {
+        let Some(packet) = Packet::parse(text) else { return Step::End };
+        match (packet.kind, self.session.is_upgraded()) {
             (Kind::Ping, false) => {
-                socket.send(Message::text(Packet::new(Kind::Pong, packet.data).to_text()))?;
-                session.release_poll();
+                peer.outbox.push_text(&Packet::new(Kind::Pong, packet.data).to_text());
+                self.session.release_poll();
             }
-            (Kind::Upgrade, false) => session.upgrade(),
-            (_, false) => return Ok(()),
-            (_, true) => session.take(shared, packet),
+            (Kind::Upgrade, false) => self.session.upgrade(&peer.outbox),
+            (_, false) => return Step::End,
+            (_, true) => {
+                return Step::Handled { is_request: self.session.take(shared, packet) };
+            }
         }
+        Step::Handled { is_request: false }
     }
 }
 
-/// Sets the timeout of the next read.
-fn set_read_timeout(socket: &mut WebSocket<std::net::TcpStream>, wait: Duration) -> Result<(), Error> {
-    Ok(socket.get_ref().set_read_timeout(Some(wait))?)
-}
+impl Protocol for WebSocketClient {
+    fn feed(&mut self, bytes: &[u8]) {
+        let pipe = self.socket.get_mut();
+        pipe.received.drain(..pipe.start);
+        pipe.start = 0;
+        pipe.received.extend_from_slice(bytes);
+        self.incomplete += bytes.len();
+    }
 
-/// Waits briefly for the client to close the connection as well.
-fn await_close(socket: &mut WebSocket<std::net::TcpStream>) -> Result<(), Error> {
-    set_read_timeout(socket, POLL_INTERVAL)?;
-    let until = Instant::now() + POLL_INTERVAL * 5;
-    while Instant::now() < until {
-        match socket.read() {
-            Ok(_) => {}
-            Err(Error::Io(error)) if is_silence(&error) => {}
-            Err(Error::ConnectionClosed) => return Ok(()),
-            Err(error) => return Err(error),
+    fn step(&mut self, shared: &mut Shared, peer: &Peer) -> Step {
+        let message = match self.socket.read() {
+            Err(Error::Io(error)) if is_silence(&error) => {
+                // The WebSocket has read everything.
+                let pipe = self.socket.get_mut();
+                (pipe.received, pipe.start) = (Vec::new(), 0);
+                return Step::Starved;
+            }
+            Err(_) => return Step::End,
+            Ok(message) => message,
+        };
+        let pipe = self.socket.get_ref();
+        self.incomplete = pipe.received.len() - pipe.start;
+        match message {
+            Message::Text(text) => self.take(shared, peer, &text),
+            Message::Close(_) => {
+                // Sends the answer to the close frame.
+                let _ = self.socket.flush();
+                Step::End
+            }
+            _ => Step::Handled { is_request: false },
         }
     }
-    Ok(())
+
+    fn has_rest(&self) -> bool {
+        self.incomplete > 0
+    }
+
+    fn capacity(&self) -> usize {
+        self.incomplete + READ_BUFFER
+    }
+
+    fn idle_limit(&self) -> Option<Duration> {
+        // A session that has been upgraded has its own pings.
+        (!self.session.is_upgraded()).then_some(SEND_LIMIT)
+    }
+
+    fn dismiss(&mut self, shared: &mut Shared, reason: Reason) {
+        self.session.dismiss(shared, reason);
+    }
+
+    fn end(&mut self, shared: &mut Shared) {
+        if self.session.is_upgraded() {
+            self.session.end(shared);
+        }
+    }
 }

@@ -5,28 +5,33 @@
 //! envelope if the request has one, so that rules on envelopes can be tested over HTTP as well.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 use uavspec::flockwave::json as flockwave;
 
 use super::Shared;
+use super::limits::Share;
+use super::outbox::{Taken, TextQueue};
+use super::web::Reply;
 use crate::flockwave::transport::http::{Request, Response};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::message::{envelope, value};
-use crate::serve::outbox::{Outbox, Taken};
 use crate::serve::request::Incoming;
 
 /// The maximum time to wait for operations.
 const OPERATION_TIMEOUT: Duration = Duration::from_secs(20);
 
+/// The memory of an answer as text and as parsed JSON, in multiples of its length.
+const PARSED_SIZE: usize = 8;
+
 /// The id of requests without an envelope.
 const DEFAULT_ID: &str = "http";
 
-struct BoxSink(Arc<Outbox>);
+struct QueueSink(Rc<TextQueue>);
 
-impl Sink for BoxSink {
+impl Sink for QueueSink {
     fn send(&self, text: &str) {
         self.0.push(text.to_owned());
     }
@@ -36,67 +41,79 @@ impl Sink for BoxSink {
     }
 }
 
-/// Answers a request.
-pub(super) fn answer(shared: &Shared, request: &Request) -> Response {
+/// Handles a request.
+pub(super) fn answer(shared: &mut Shared, request: &Request) -> Reply {
     let kind =
         request.header("content-type").and_then(|kind| kind.split(';').next()).unwrap_or_default().trim();
     if !kind.eq_ignore_ascii_case("application/json") {
-        return Response::refusal("415 Unsupported Media Type", "the Content-Type must be application/json");
+        return refused("415 Unsupported Media Type", "the Content-Type must be application/json");
     }
     let message: Value = match serde_json::from_slice(&request.body) {
         Ok(message) => message,
-        Err(error) => {
-            return Response::refusal("400 Bad Request", format!("the body is not valid JSON: {error}"));
-        }
+        Err(error) => return refused("400 Bad Request", format!("the body is not valid JSON: {error}")),
     };
     let has_envelope = message.get("body").is_some() || message.get("$fw.version").is_some();
     let message = if has_envelope { message } else { envelope(DEFAULT_ID, None, message) };
-    let outbox = Arc::new(Outbox::default());
-    let session = shared.open(ConnectionKind::OneShot, Arc::new(BoxSink(Arc::clone(&outbox))));
-    let response = exchange(shared, request, session, &outbox, message, has_envelope);
-    shared.close(session);
-    response
+    let queue = Rc::new(TextQueue::new(&shared.queued));
+    let session = shared.hub.open(ConnectionKind::OneShot, Rc::new(QueueSink(Rc::clone(&queue))));
+    match exchange(shared, request, session, &queue, message, has_envelope) {
+        Ok(exchange) => Reply::Exchange(Box::new(exchange)),
+        Err(refusal) => {
+            shared.hub.close(session);
+            refusal
+        }
+    }
+}
+
+fn refused(status: &'static str, reason: impl Into<String>) -> Reply {
+    Reply::Now(Response::refusal(status, reason))
 }
 
 fn exchange(
-    shared: &Shared,
+    shared: &mut Shared,
     request: &Request,
     session: SessionId,
-    outbox: &Outbox,
+    queue: &Rc<TextQueue>,
     message: Value,
     has_envelope: bool,
-) -> Response {
+) -> Result<Exchange, Reply> {
     if let Some(credentials) = request.header("authorization")
-        && !is_logged_in(shared, session, outbox, credentials)
+        && !is_logged_in(shared, session, queue, credentials)
     {
-        return Response::refusal("403 Forbidden", "wrong name or password");
+        return Err(refused("403 Forbidden", "wrong name or password"));
     }
     let incoming = Incoming::from_value(message);
     if incoming == Incoming::Ignored {
-        return Response::refusal("400 Bad Request", "the body must be an object whose id is a string");
+        return Err(refused("400 Bad Request", "the body must be an object whose id is a string"));
     }
-    let is_open = shared.hub().options.login.is_none() || request.header("authorization").is_some();
-    shared.hub().take(session, incoming);
-    let Some(mut answer) = next(outbox, Instant::now()) else {
-        return Response::refusal("500 Internal Server Error", "no answer");
-    };
-    await_operations(outbox, &mut answer);
-    let text = if has_envelope { answer.text() } else { answer.message["body"].to_string() };
-    if is_open || answer.message["body"]["type"] != "ACK-NAK" {
-        return Response::new("200 OK", "application/json", text);
+    let is_open = shared.hub.options.login.is_none() || request.header("authorization").is_some();
+    shared.hub.take(session, incoming);
+    let answer = next(queue).ok_or_else(|| refused("500 Internal Server Error", "no answer"))?;
+    let (pending, share) = (receipts(&answer), Share::new(&shared.queued));
+    if !pending.is_empty() && share.set(answer.written.len() * PARSED_SIZE).is_err() {
+        return Err(refused("503 Service Unavailable", "too many requests are waiting for operations"));
     }
-    Response::new("401 Unauthorized", "application/json", text).with("WWW-Authenticate", "Basic")
+    Ok(Exchange {
+        session,
+        queue: Rc::clone(queue),
+        pending,
+        answer,
+        _share: share,
+        until: Instant::now() + OPERATION_TIMEOUT,
+        has_envelope,
+        is_open,
+    })
 }
 
-fn is_logged_in(shared: &Shared, session: SessionId, outbox: &Outbox, credentials: &str) -> bool {
+fn is_logged_in(shared: &mut Shared, session: SessionId, queue: &TextQueue, credentials: &str) -> bool {
     let Some(data) = credentials.strip_prefix("Basic ") else { return false };
     let request = flockwave::Request::from(flockwave::auth_req::Request {
         method: flockwave::AuthenticationMethod::Basic,
         data: data.trim().to_owned(),
         session: None,
     });
-    shared.hub().take(session, Incoming::from_value(envelope("login", None, value(&request))));
-    next(outbox, Instant::now()).is_some_and(|answer| answer.message["body"]["result"] == json!(true))
+    shared.hub.take(session, Incoming::from_value(envelope("login", None, value(&request))));
+    next(queue).is_some_and(|answer| answer.message["body"]["result"] == json!(true))
 }
 
 /// An answer, as text and as parsed JSON.
@@ -113,64 +130,109 @@ impl ParsedAnswer {
     }
 }
 
-fn next(outbox: &Outbox, until: Instant) -> Option<ParsedAnswer> {
-    let Taken::Texts(texts) = outbox.take(1, until) else { return None };
+fn next(queue: &TextQueue) -> Option<ParsedAnswer> {
+    let Taken::Texts(texts) = queue.take(1) else { return None };
     let written = texts.into_iter().next()?;
     let message = serde_json::from_str(&written).unwrap_or(Value::Null);
     Some(ParsedAnswer { written, message, has_changed: false })
 }
 
-/// Waits for operations, and adds their results to the answer as if the results had been available immediately.
-fn await_operations(outbox: &Outbox, answer: &mut ParsedAnswer) {
-    let mut pending: BTreeMap<String, Option<String>> = match answer.message["body"].get("receipt") {
+/// The receipts in an answer, each with the id of its UAV if the answer has several receipts.
+fn receipts(answer: &ParsedAnswer) -> BTreeMap<String, Option<String>> {
+    match answer.message["body"].get("receipt") {
         Some(Value::String(receipt)) => BTreeMap::from([(receipt.clone(), None)]),
         Some(Value::Object(receipts)) => {
             let text = |receipt: &Value| receipt.as_str().unwrap_or_default().to_owned();
             receipts.iter().map(|(id, receipt)| (text(receipt), Some(id.clone()))).collect()
         }
-        _ => return,
-    };
-    let until = Instant::now() + OPERATION_TIMEOUT;
-    let body = &mut answer.message["body"];
-    let mut settle = |pending: &mut BTreeMap<String, Option<String>>,
-                      receipt: &str,
-                      name: &str,
-                      value: Value| match pending.remove(receipt) {
-        Some(Some(id)) => body[name][id] = value,
-        Some(None) => body[name] = value,
-        None => {}
-    };
-    while !pending.is_empty() {
-        let Some(notification) = next(outbox, until) else { break };
-        let notification = &notification.message["body"];
+        _ => BTreeMap::new(),
+    }
+}
+
+/// A request whose operations may continue.
+pub(super) struct Exchange {
+    session: SessionId,
+    queue: Rc<TextQueue>,
+    answer: ParsedAnswer,
+    /// The receipts of operations that continue.
+    pending: BTreeMap<String, Option<String>>,
+    /// The memory of the answer.
+    _share: Share,
+    until: Instant,
+    has_envelope: bool,
+    is_open: bool,
+}
+
+impl Exchange {
+    /// The response, if all operations have ended. Their results become part of the answer, as if they had been
+    /// available immediately.
+    pub(super) fn response(&mut self, shared: &mut Shared) -> Option<Response> {
+        while !self.pending.is_empty() {
+            match next(&self.queue) {
+                Some(notification) => self.take(&notification.message["body"]),
+                None if self.queue.is_closed() || Instant::now() >= self.until => {
+                    for receipt in self.pending.clone().into_keys() {
+                        self.settle(&receipt, "error", json!("timeout"));
+                    }
+                }
+                None => return None,
+            }
+        }
+        shared.hub.close(self.session);
+        let text =
+            if self.has_envelope { self.answer.text() } else { self.answer.message["body"].to_string() };
+        if self.is_open || self.answer.message["body"]["type"] != "ACK-NAK" {
+            return Some(Response::new("200 OK", "application/json", text));
+        }
+        let response = Response::new("401 Unauthorized", "application/json", text);
+        Some(response.with("WWW-Authenticate", "Basic"))
+    }
+
+    /// True if an operation has progressed or the time is over.
+    pub(super) fn is_due(&self) -> bool {
+        self.queue.is_ready() || Instant::now() >= self.until
+    }
+
+    /// Ends a request whose client has disconnected.
+    pub(super) fn end(&self, shared: &mut Shared) {
+        shared.hub.close(self.session);
+    }
+
+    /// Processes a notification.
+    fn take(&mut self, notification: &Value) {
         let receipt = notification["id"].as_str().unwrap_or_default();
         match notification["type"].as_str().unwrap_or_default() {
             "ASYNC-RESP" => {
                 let name = if notification.get("result").is_some() { "result" } else { "error" };
-                settle(&mut pending, receipt, name, notification[name].clone());
+                self.settle(receipt, name, notification[name].clone());
             }
             "ASYNC-ST" if notification["suspended"] == json!(true) => {
-                settle(
-                    &mut pending,
-                    receipt,
-                    "error",
-                    json!("the operation is waiting for the client; connect over TCP to resume it"),
-                );
+                let reason = "the operation is waiting for the client; connect over TCP to resume it";
+                self.settle(receipt, "error", json!(reason));
             }
             "ASYNC-TIMEOUT" => {
                 for receipt in notification["ids"].as_array().into_iter().flatten().filter_map(Value::as_str)
                 {
-                    settle(&mut pending, receipt, "error", json!("the UAV doesn't respond"));
+                    self.settle(receipt, "error", json!("the UAV doesn't respond"));
                 }
             }
             _ => {}
         }
     }
-    for receipt in pending.clone().into_keys() {
-        settle(&mut pending, &receipt, "error", json!("timeout"));
+
+    /// Adds the result of an operation to the answer.
+    fn settle(&mut self, receipt: &str, name: &str, value: Value) {
+        let body = &mut self.answer.message["body"];
+        match self.pending.remove(receipt) {
+            Some(Some(id)) => body[name][id] = value,
+            Some(None) => body[name] = value,
+            None => return,
+        }
+        self.answer.has_changed = true;
+        if self.pending.is_empty()
+            && let Some(body) = body.as_object_mut()
+        {
+            body.remove("receipt");
+        }
     }
-    if let Some(body) = answer.message["body"].as_object_mut() {
-        body.remove("receipt");
-    }
-    answer.has_changed = true;
 }

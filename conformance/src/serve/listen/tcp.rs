@@ -1,27 +1,23 @@
 //! TCP: one message per line.
 
-use std::io::{self, Read as _, Write as _};
-use std::net::{Shutdown, TcpStream};
-use std::sync::Arc;
-use std::thread;
-use std::time::Instant;
+use std::collections::VecDeque;
+use std::rc::Rc;
 
 use serde::de::IgnoredAny;
 use serde_json::Value;
 
-use super::{POLL_INTERVAL, SEND_LIMIT, Shared};
-use crate::flockwave::transport::http::is_silence;
+use super::Shared;
+use super::connection::{Peer, Protocol, Step};
+use super::limits::REQUEST_LIMIT;
+use super::outbox::Outbox;
+use super::statistics::Reason;
 use crate::flockwave::transport::lines::{Line, Lines};
 use crate::rules::flockwave::{env_25, tcp_01, tcp_02, tcp_03, tcp_04};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
-use crate::serve::outbox::{Outbox, Taken};
-
-/// The maximum number of messages per write.
-const BATCH: usize = 64;
 
 /// Sends messages as lines.
 struct LineSink {
-    outbox: Arc<Outbox>,
+    outbox: Rc<Outbox>,
     /// True with the FW-TCP-01 bug, which splits notifications into several lines.
     is_spread: bool,
 }
@@ -29,7 +25,7 @@ struct LineSink {
 impl Sink for LineSink {
     fn send(&self, text: &str) {
         let spread = if self.is_spread { spread(text) } else { None };
-        self.outbox.push(spread.unwrap_or_else(|| text.to_owned()) + "\n");
+        self.outbox.push((spread.unwrap_or_else(|| text.to_owned()) + "\n").as_bytes());
     }
 
     fn close(&self) {
@@ -43,77 +39,74 @@ fn spread(text: &str) -> Option<String> {
     if message.get("refs").is_some() { None } else { serde_json::to_string_pretty(&message).ok() }
 }
 
-/// Serves a connection until it ends.
-pub(super) fn serve_connection(shared: &Arc<Shared>, mut stream: TcpStream) -> io::Result<()> {
-    stream.set_nodelay(true)?;
-    stream.set_read_timeout(Some(POLL_INTERVAL))?;
-    stream.set_write_timeout(Some(SEND_LIMIT))?;
-    let outbox = Arc::new(Outbox::default());
-    let output = stream.try_clone()?;
-    let queue = Arc::clone(&outbox);
-    let writer = thread::spawn(move || write(output, &queue));
-    let sink = LineSink { outbox: Arc::clone(&outbox), is_spread: shared.has_bug(&tcp_01::RULE) };
-    let id = shared.open(ConnectionKind::Persistent, Arc::new(sink));
-    let ending = read(shared, id, &mut stream, &writer);
-    shared.close(id);
-    // Requests that precede the end of the input still get responses.
-    outbox.close();
-    let _ = writer.join();
-    ending
+/// A client over TCP.
+pub(super) struct LineClient {
+    session: SessionId,
+    lines: Lines,
+    /// Lines in another order than received; used only with bugs.
+    reordered: VecDeque<Line>,
 }
 
-/// Writes messages until the outbox is closed and empty, and then closes the connection.
-fn write(mut stream: TcpStream, outbox: &Outbox) {
-    loop {
-        match outbox.take(BATCH, Instant::now() + SEND_LIMIT) {
-            Taken::Texts(texts) => {
-                if stream.write_all(texts.concat().as_bytes()).is_err() {
-                    break;
-                }
-            }
-            Taken::Nothing => {}
-            Taken::End => break,
-        }
+impl LineClient {
+    pub(super) fn new(shared: &mut Shared, outbox: &Rc<Outbox>) -> Self {
+        let sink = LineSink { outbox: Rc::clone(outbox), is_spread: shared.has_bug(&tcp_01::RULE) };
+        let session = shared.hub.open(ConnectionKind::Persistent, Rc::new(sink));
+        Self { session, lines: Lines::new(REQUEST_LIMIT), reordered: VecDeque::new() }
     }
-    outbox.close();
-    // The connection may be closed already.
-    let _ = stream.shutdown(Shutdown::Both);
+
+    /// The next line. Some bugs affect all lines that arrived together.
+    fn next(&mut self, shared: &Shared) -> Option<Line> {
+        let (is_reversing, is_dropping) = (shared.has_bug(&env_25::RULE), shared.has_bug(&tcp_02::RULE));
+        if !is_reversing && !is_dropping {
+            return self.lines.take();
+        }
+        if self.reordered.is_empty() {
+            let mut taken = self.lines.taken();
+            if is_reversing {
+                taken.reverse();
+            }
+            if is_dropping {
+                taken.truncate(1);
+            }
+            self.reordered = taken.into();
+        }
+        self.reordered.pop_front()
+    }
 }
 
-/// Reads until the client closes the connection, or until nothing more can be sent to the client.
-fn read(
-    shared: &Shared,
-    id: SessionId,
-    stream: &mut TcpStream,
-    writer: &thread::JoinHandle<()>,
-) -> io::Result<()> {
-    let (mut lines, mut piece) = (Lines::default(), [0; 16 << 10]);
-    while !writer.is_finished() {
-        let length = match stream.read(&mut piece) {
-            Ok(0) => return Ok(()),
-            Ok(length) => length,
-            Err(error) if is_silence(&error) => continue,
-            Err(error) => return Err(error),
+impl Protocol for LineClient {
+    fn feed(&mut self, bytes: &[u8]) {
+        self.lines.feed(bytes);
+    }
+
+    fn step(&mut self, shared: &mut Shared, _: &Peer) -> Step {
+        let Some(line) = self.next(shared) else {
+            if shared.has_bug(&tcp_04::RULE) {
+                self.lines.drop_rest();
+            }
+            return Step::Starved;
         };
-        lines.feed(&piece[..length]);
-        let mut taken = lines.taken();
-        if shared.has_bug(&env_25::RULE) {
-            taken.reverse();
+        // A line over the length limit is dropped, because its request is unknown.
+        let Line::Whole(line) = line else { return Step::Handled { is_request: false } };
+        if shared.has_bug(&tcp_03::RULE) && serde_json::from_slice::<IgnoredAny>(&line).is_err() {
+            return Step::End;
         }
-        for line in taken {
-            // A line over the length limit is dropped, because its request is unknown.
-            let Line::Whole(line) = line else { continue };
-            if shared.has_bug(&tcp_03::RULE) && serde_json::from_slice::<IgnoredAny>(&line).is_err() {
-                return Ok(());
-            }
-            shared.receive(id, &line);
-            if shared.has_bug(&tcp_02::RULE) {
-                break;
-            }
-        }
-        if shared.has_bug(&tcp_04::RULE) {
-            lines.drop_rest();
-        }
+        Step::Handled { is_request: shared.receive(self.session, &line) }
     }
-    Ok(())
+
+    fn has_rest(&self) -> bool {
+        self.lines.has_rest()
+    }
+
+    fn capacity(&self) -> usize {
+        self.lines.capacity()
+    }
+
+    fn dismiss(&mut self, shared: &mut Shared, reason: Reason) {
+        shared.hub.dismiss(self.session, reason.text());
+    }
+
+    fn end(&mut self, shared: &mut Shared) {
+        shared.hub.close(self.session);
+    }
 }

@@ -1,17 +1,20 @@
 //! UDP: one message per datagram. A client receives notifications for a minute after its last datagram.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io;
-use std::net::{SocketAddr, UdpSocket};
-use std::sync::Arc;
-use std::thread;
+use std::net::SocketAddr;
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
+use mio::net::UdpSocket;
 use serde::de::IgnoredAny;
 use serde_json::Value;
 
-use super::{POLL_INTERVAL, Shared};
-use crate::flockwave::transport::http::is_silence;
+use super::limits::{DATAGRAM_BUDGET, PEER_LIMIT, PEERS_PER_ADDRESS};
+use super::seats::{Admission, SeatLimits, Seats};
+use super::statistics::Reason;
+use super::{SLICE, Shared};
 use crate::rules::flockwave::{udp_01, udp_02, udp_03};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::message::{enveloped, refusal, text};
@@ -22,15 +25,14 @@ const DATAGRAM_LIMIT: usize = 65_507;
 /// The time after which a silent client counts as disconnected, as the specification recommends.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(60);
 
-/// The maximum number of concurrent clients.
-const CLIENT_LIMIT: usize = 1024;
-
 /// Sends datagrams to a client.
 struct DatagramSink {
-    socket: UdpSocket,
+    socket: Rc<UdpSocket>,
     client: SocketAddr,
     /// True with the FW-UDP-01 bug, which sends each notification twice in one datagram.
     is_doubling: bool,
+    /// The number of bytes that may be sent before the client sends another datagram.
+    budget: Cell<usize>,
 }
 
 impl Sink for DatagramSink {
@@ -39,7 +41,10 @@ impl Sink for DatagramSink {
             self.is_doubling && serde_json::from_str(text).is_ok_and(|m: Value| m.get("refs").is_none());
         let text = if is_doubled { format!("{text}\n{text}") } else { text.to_owned() };
         let text = if text.len() <= DATAGRAM_LIMIT { Some(text) } else { shortened(&text) };
-        if let Some(text) = text {
+        if let Some(text) = text
+            && let Some(left) = self.budget.get().checked_sub(text.len())
+        {
+            self.budget.set(left);
             // Datagrams may get lost anyway.
             let _ = self.socket.send_to(text.as_bytes(), self.client);
         }
@@ -57,69 +62,122 @@ fn shortened(long: &str) -> Option<String> {
     Some(answer).filter(|text| text.len() <= DATAGRAM_LIMIT)
 }
 
-struct Peer {
-    session: SessionId,
-    last_received: Instant,
+/// True if an error is not about the datagrams that wait to be received.
+fn is_about_earlier(error: &io::Error) -> bool {
+    use io::ErrorKind::{ConnectionRefused, ConnectionReset, Interrupted};
+    matches!(error.kind(), ConnectionRefused | ConnectionReset | Interrupted)
 }
 
-/// Serves all clients until the server ends.
-pub(super) fn serve(shared: &Arc<Shared>, socket: &UdpSocket) {
-    let mut peers: BTreeMap<SocketAddr, Peer> = BTreeMap::new();
-    let mut first = None;
-    let mut datagram = vec![0; DATAGRAM_LIMIT + 1];
-    while !shared.is_ending() {
-        let received =
-            socket.set_read_timeout(Some(POLL_INTERVAL)).and_then(|()| socket.recv_from(&mut datagram));
-        close_expired(shared, &mut peers);
-        let (length, client) = match received {
-            Ok(received) => received,
-            // Some systems report here that an earlier datagram was not delivered.
-            Err(error) if is_silence(&error) || error.kind() == io::ErrorKind::ConnectionReset => continue,
-            Err(_) => {
-                thread::sleep(POLL_INTERVAL);
-                continue;
+struct Client {
+    session: SessionId,
+    sink: Rc<DatagramSink>,
+}
+
+/// A socket and its clients.
+pub(super) struct Datagrams {
+    /// `None` after the socket was closed because of the FW-UDP-03 bug.
+    socket: Option<Rc<UdpSocket>>,
+    clients: BTreeMap<SocketAddr, Client>,
+    seats: Seats<SocketAddr>,
+    /// The first client; used only with the FW-UDP-02 bug.
+    first: Option<SocketAddr>,
+    buffer: Vec<u8>,
+}
+
+impl Datagrams {
+    pub(super) fn new(socket: UdpSocket) -> Self {
+        // Active clients give way as well, because a client over UDP can always return.
+        let limits =
+            SeatLimits { total: PEER_LIMIT, per_address: PEERS_PER_ADDRESS, idle_time: Duration::ZERO };
+        Self {
+            socket: Some(Rc::new(socket)),
+            clients: BTreeMap::new(),
+            seats: Seats::new(limits),
+            first: None,
+            buffer: vec![0; DATAGRAM_LIMIT + 1],
+        }
+    }
+
+    /// Processes waiting datagrams for a limited time. Returns true if more datagrams may be waiting.
+    pub(super) fn receive(&mut self, shared: &mut Shared) -> bool {
+        let started = Instant::now();
+        while started.elapsed() < SLICE {
+            let Some(socket) = &self.socket else { return false };
+            let (length, address) = match socket.recv_from(&mut self.buffer) {
+                Ok(received) => received,
+                // Some systems report here that an earlier datagram was not delivered.
+                Err(error) if is_about_earlier(&error) => continue,
+                Err(_) => return false,
+            };
+            let datagram = self.buffer[..length].to_vec();
+            if shared.has_bug(&udp_03::RULE) && serde_json::from_slice::<IgnoredAny>(&datagram).is_err() {
+                self.close(shared);
+                return false;
             }
-        };
-        let datagram = &datagram[..length];
-        if shared.has_bug(&udp_03::RULE) && serde_json::from_slice::<IgnoredAny>(datagram).is_err() {
+            self.take(shared, address, &datagram);
+        }
+        true
+    }
+
+    /// Processes a datagram. Only valid requests register a client.
+    fn take(&mut self, shared: &mut Shared, address: SocketAddr, datagram: &[u8]) {
+        let now = Instant::now();
+        let first = *self.first.get_or_insert(address);
+        if let Some(client) = self.clients.get(&address) {
+            client.sink.budget.set(DATAGRAM_BUDGET);
+            shared.receive(client.session, datagram);
+            self.seats.touch(&address, true, now);
             return;
         }
-        let first = *first.get_or_insert(client);
-        let answered = if shared.has_bug(&udp_02::RULE) { first } else { client };
-        if let Some(session) = session(shared, socket, &mut peers, client, answered) {
-            shared.receive(session, datagram);
+        let Some(socket) = &self.socket else { return };
+        let sink = Rc::new(DatagramSink {
+            socket: Rc::clone(socket),
+            client: if shared.has_bug(&udp_02::RULE) { first } else { address },
+            is_doubling: shared.has_bug(&udp_01::RULE),
+            budget: Cell::new(DATAGRAM_BUDGET),
+        });
+        let session = shared.hub.open(ConnectionKind::Datagrams, Rc::<DatagramSink>::clone(&sink));
+        if !shared.receive(session, datagram) || !self.make_room(shared, address, now) {
+            shared.hub.close(session);
+            return;
+        }
+        self.clients.insert(address, Client { session, sink });
+        self.seats.insert(address, address.ip(), now);
+        self.seats.touch(&address, true, now);
+    }
+
+    /// Removes the client that gives way to a newcomer. Returns true if there is room.
+    fn make_room(&mut self, shared: &mut Shared, address: SocketAddr, now: Instant) -> bool {
+        match self.seats.admit(address.ip(), now) {
+            Admission::Free => true,
+            Admission::Evict(evicted) => {
+                self.remove(shared, evicted);
+                shared.statistics.count(Reason::Replaced);
+                true
+            }
+            Admission::Refused => false,
         }
     }
-}
 
-/// The session of a client, created if the client is new or its session has expired. Answers go to `answered`.
-fn session(
-    shared: &Shared,
-    socket: &UdpSocket,
-    peers: &mut BTreeMap<SocketAddr, Peer>,
-    client: SocketAddr,
-    answered: SocketAddr,
-) -> Option<SessionId> {
-    if let Some(peer) = peers.get_mut(&client) {
-        peer.last_received = Instant::now();
-        return Some(peer.session);
-    }
-    if peers.len() >= CLIENT_LIMIT {
-        return None;
-    }
-    let is_doubling = shared.has_bug(&udp_01::RULE);
-    let sink = DatagramSink { socket: socket.try_clone().ok()?, client: answered, is_doubling };
-    let session = shared.open(ConnectionKind::Datagrams, Arc::new(sink));
-    peers.insert(client, Peer { session, last_received: Instant::now() });
-    Some(session)
-}
-
-fn close_expired(shared: &Shared, peers: &mut BTreeMap<SocketAddr, Peer>) {
-    peers.retain(|_, peer| {
-        let is_active = peer.last_received.elapsed() < CLIENT_TIMEOUT;
-        if !is_active {
-            shared.close(peer.session);
+    /// Removes clients that have been silent for too long.
+    pub(super) fn close_expired(&mut self, shared: &mut Shared) {
+        for address in self.seats.inactive(CLIENT_TIMEOUT, Instant::now()) {
+            self.remove(shared, address);
         }
-        is_active
-    });
+    }
+
+    fn remove(&mut self, shared: &mut Shared, address: SocketAddr) {
+        self.seats.remove(&address);
+        if let Some(client) = self.clients.remove(&address) {
+            shared.hub.close(client.session);
+        }
+    }
+
+    /// Closes the socket, which the sinks of all clients share.
+    fn close(&mut self, shared: &mut Shared) {
+        for client in std::mem::take(&mut self.clients).into_values() {
+            shared.hub.close(client.session);
+        }
+        self.socket = None;
+    }
 }

@@ -1,46 +1,147 @@
 //! HTTP: dispatches requests by path, and adds CORS headers for browsers.
 
-use std::io;
-use std::net::TcpStream;
-use std::sync::Arc;
+use std::net::IpAddr;
+use std::time::Duration;
 
+use super::connection::{Peer, Protocol, Step};
+use super::engine::Poll;
+use super::limits::{HTTP_IDLE_LIMIT, REQUEST_LIMIT};
+use super::one_shot::Exchange;
 use super::{Shared, engine, one_shot};
-use crate::flockwave::transport::http::{Connection, Incoming, Request, Response};
+use crate::flockwave::transport::http::{Incoming, Request, Requests, Response};
 use crate::flockwave::transport::{ONE_SHOT_PATH, SOCKET_IO_PATH};
 
-/// Serves a connection. One-shot requests and Socket.IO share a port, as clients expect.
-pub(super) fn serve_connection(shared: &Arc<Shared>, stream: TcpStream) -> io::Result<()> {
-    let mut connection = Connection::new(stream)?;
-    let is_wanted = || !shared.is_drained();
-    loop {
-        let request = match connection.next(&is_wanted)? {
-            Incoming::Request(request) => request,
-            Incoming::Refused(response) => {
-                connection.respond(None, &response)?;
-                return Ok(());
-            }
-            Incoming::Nothing => return Ok(()),
-        };
-        let is_socket_io = is_at(&request, SOCKET_IO_PATH);
-        if is_socket_io && request.has_word("upgrade", "websocket") {
-            return engine::over_web_socket(shared, connection, &request);
+/// A response, or the event for which it waits.
+pub(super) enum Reply {
+    Now(Response),
+    /// The response follows when a session has packets.
+    Poll(Poll),
+    /// The response follows when all operations have ended.
+    Exchange(Box<Exchange>),
+}
+
+impl Reply {
+    /// True if the response may be available.
+    fn is_due(&self) -> bool {
+        match self {
+            Self::Now(_) => true,
+            Self::Poll(poll) => poll.is_due(),
+            Self::Exchange(exchange) => exchange.is_due(),
         }
-        let response = match request.method.as_str() {
-            // A CORS preflight request.
-            "OPTIONS" => Response::new("200 OK", "text/plain", ""),
-            _ if is_socket_io => engine::by_polling(shared, &request),
-            "POST" if is_at(&request, ONE_SHOT_PATH) => one_shot::answer(shared, &request),
-            _ if is_at(&request, ONE_SHOT_PATH) => {
-                Response::refusal("405 Method Not Allowed", "send messages with POST").with("Allow", "POST")
-            }
-            _ => {
-                let location =
-                    format!("send messages to {ONE_SHOT_PATH}, or use Socket.IO at {SOCKET_IO_PATH}");
-                Response::refusal("404 Not Found", location)
-            }
+    }
+
+    /// The response, if it is available.
+    fn response(&mut self, shared: &mut Shared) -> Option<Response> {
+        match self {
+            Self::Now(response) => Some(response.clone()),
+            Self::Poll(poll) => poll.response(),
+            Self::Exchange(exchange) => exchange.response(shared),
+        }
+    }
+}
+
+/// An HTTP client. One-shot requests and Socket.IO share a port, as clients expect.
+pub(super) struct WebClient {
+    requests: Requests,
+    /// The request that hasn't been answered yet.
+    pending: Option<(Request, Reply)>,
+}
+
+impl WebClient {
+    pub(super) fn new() -> Self {
+        Self { requests: Requests::new(REQUEST_LIMIT), pending: None }
+    }
+
+    /// Answers the pending request, if possible.
+    fn answer(&mut self, shared: &mut Shared, peer: &Peer, request: Request, mut reply: Reply) -> Step {
+        let Some(response) = reply.response(shared) else {
+            self.pending = Some((request, reply));
+            return Step::Waiting;
         };
-        if !connection.respond(Some(&request), &with_cors_headers(&request, response))? {
-            return Ok(());
+        let is_request = response.is_success();
+        peer.outbox.push(&with_cors_headers(&request, response).to_bytes(Some(&request)));
+        if request.is_last { Step::End } else { Step::Handled { is_request } }
+    }
+
+    fn upgrade(&mut self, shared: &mut Shared, peer: &Peer, request: &Request) -> Step {
+        let requests = std::mem::replace(&mut self.requests, Requests::new(0));
+        match engine::over_web_socket(shared, peer, request, &requests.into_rest()) {
+            Ok(client) => Step::Upgrade(Box::new(client)),
+            Err(response) => {
+                peer.outbox.push(&response.to_bytes(None));
+                Step::End
+            }
+        }
+    }
+}
+
+impl Protocol for WebClient {
+    fn feed(&mut self, bytes: &[u8]) {
+        self.requests.feed(bytes);
+    }
+
+    fn step(&mut self, shared: &mut Shared, peer: &Peer) -> Step {
+        if let Some((request, reply)) = self.pending.take() {
+            return self.answer(shared, peer, request, reply);
+        }
+        match self.requests.take() {
+            None => Step::Starved,
+            Some(Incoming::Expectation) => {
+                peer.outbox.push(b"HTTP/1.1 100 Continue\r\n\r\n");
+                Step::Handled { is_request: false }
+            }
+            Some(Incoming::Refused(response)) => {
+                peer.outbox.push(&response.to_bytes(None));
+                Step::End
+            }
+            Some(Incoming::Request(mut request)) => {
+                if is_at(&request, SOCKET_IO_PATH) && request.has_word("upgrade", "websocket") {
+                    return self.upgrade(shared, peer, &request);
+                }
+                let reply = reply(shared, peer.address, &request);
+                request.body = Vec::new();
+                self.answer(shared, peer, request, reply)
+            }
+        }
+    }
+
+    fn is_due(&self) -> bool {
+        self.pending.as_ref().is_none_or(|(_, reply)| reply.is_due())
+    }
+
+    fn has_rest(&self) -> bool {
+        self.pending.is_none() && self.requests.has_rest()
+    }
+
+    fn capacity(&self) -> usize {
+        self.requests.capacity()
+    }
+
+    fn idle_limit(&self) -> Option<Duration> {
+        self.pending.is_none().then_some(HTTP_IDLE_LIMIT)
+    }
+
+    fn end(&mut self, shared: &mut Shared) {
+        if let Some((_, Reply::Exchange(exchange))) = self.pending.take() {
+            exchange.end(shared);
+        }
+    }
+}
+
+/// Handles a request.
+fn reply(shared: &mut Shared, address: IpAddr, request: &Request) -> Reply {
+    match request.method.as_str() {
+        // A CORS preflight request.
+        "OPTIONS" => Reply::Now(Response::new("200 OK", "text/plain", "")),
+        _ if is_at(request, SOCKET_IO_PATH) => engine::by_polling(shared, address, request),
+        "POST" if is_at(request, ONE_SHOT_PATH) => one_shot::answer(shared, request),
+        _ if is_at(request, ONE_SHOT_PATH) => {
+            let refusal = Response::refusal("405 Method Not Allowed", "send messages with POST");
+            Reply::Now(refusal.with("Allow", "POST"))
+        }
+        _ => {
+            let location = format!("send messages to {ONE_SHOT_PATH}, or use Socket.IO at {SOCKET_IO_PATH}");
+            Reply::Now(Response::refusal("404 Not Found", location))
         }
     }
 }

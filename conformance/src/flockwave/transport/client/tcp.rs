@@ -4,6 +4,7 @@ use std::io::{self, Read as _, Write as _};
 use std::time::{Duration, Instant};
 
 use super::{Client, Received, invalid};
+use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::ServerAddress;
 use crate::flockwave::transport::http::is_silence;
@@ -22,7 +23,7 @@ pub(super) struct Tcp {
 impl Tcp {
     pub(super) fn connect(address: &ServerAddress, access: &Access, until: Instant) -> io::Result<Self> {
         let stream = Stream::open(&address.address(), access.trust(address.is_encrypted), until)?;
-        Ok(Self { stream, lines: Lines::default(), has_received: false })
+        Ok(Self { stream, lines: Lines::new(MESSAGE_LIMIT), has_received: false })
     }
 
     /// Stores received bytes. Fails if they are a TLS message, with which TLS servers refuse clients without TLS.

@@ -1,18 +1,21 @@
 //! An Engine.IO session of a Socket.IO client.
 
+use std::cell::{Cell, RefCell};
 use std::hash::{BuildHasher as _, RandomState};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
+use tungstenite::protocol::frame::Frame;
 
 use crate::flockwave::transport::engine::{Kind, Packet, Revision};
-use crate::flockwave::transport::{MESSAGE_LIMIT, socketio};
+use crate::flockwave::transport::socketio;
 use crate::rules::flockwave::{sio_01, sio_03};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::listen::Shared;
-use crate::serve::outbox::Outbox;
+use crate::serve::listen::limits::REQUEST_LIMIT;
+use crate::serve::listen::outbox::{Outbox, Taken, TextQueue};
+use crate::serve::listen::statistics::Reason;
 
 /// The ping interval, as in the Socket.IO libraries.
 const PING_INTERVAL: Duration = Duration::from_secs(25);
@@ -24,183 +27,220 @@ const PING_TIMEOUT: Duration = Duration::from_secs(20);
 pub(super) struct Session {
     revision: Revision,
     sid: String,
-    outbox: Arc<Outbox>,
-    is_upgraded: AtomicBool,
-    is_polled: AtomicBool,
-    state: Mutex<State>,
+    carrier: Rc<Carrier>,
+    is_polled: Cell<bool>,
+    /// The session in the hub, after the client has joined the namespace.
+    joined: Cell<Option<SessionId>>,
+    /// True after the FW-SIO-03 bug has occurred. The session then ignores further messages.
+    has_stopped_reading: Cell<bool>,
+    last_received: Cell<Instant>,
+    last_ping: Cell<Instant>,
 }
 
-struct State {
-    /// The session in the hub, after the client has joined the namespace.
-    joined: Option<SessionId>,
-    /// True after the FW-SIO-03 bug has occurred. The session then ignores further messages.
-    has_stopped_reading: bool,
-    last_received: Instant,
-    last_ping: Instant,
+/// The packets for the client: queued for polls, or sent over a WebSocket.
+struct Carrier {
+    queue: TextQueue,
+    web_socket: RefCell<Option<Rc<Outbox>>>,
+}
+
+impl Carrier {
+    fn push(&self, kind: Kind, data: impl Into<String>) {
+        let text = Packet::new(kind, data).to_text();
+        match &*self.web_socket.borrow() {
+            Some(outbox) => outbox.push_text(&text),
+            None => self.queue.push(text),
+        }
+    }
+
+    /// Sends all further packets over a WebSocket.
+    fn upgrade(&self, outbox: &Rc<Outbox>) {
+        while let Taken::Texts(texts) = self.queue.take(usize::MAX) {
+            for text in texts {
+                outbox.push_text(&text);
+            }
+        }
+        let is_closed = self.queue.is_closed();
+        self.web_socket.replace(Some(Rc::clone(outbox)));
+        if is_closed {
+            self.close();
+        }
+    }
+
+    /// Ends the session after the packets have been sent.
+    fn close(&self) {
+        self.queue.close();
+        if let Some(outbox) = &*self.web_socket.borrow() {
+            outbox.push_frame(Frame::close(None));
+            outbox.close();
+        }
+    }
 }
 
 /// Sends messages as packets.
 struct PacketSink {
-    outbox: Arc<Outbox>,
+    carrier: Rc<Carrier>,
     event: &'static str,
 }
 
 impl Sink for PacketSink {
     fn send(&self, text: &str) {
-        push(&self.outbox, Kind::Message, socketio::message_as(self.event, text));
+        self.carrier.push(Kind::Message, socketio::message_as(self.event, text));
     }
 
     fn close(&self) {
-        push(&self.outbox, Kind::Message, "1".to_owned());
-        push(&self.outbox, Kind::Close, String::new());
-        self.outbox.close();
-    }
-}
-
-fn push(outbox: &Outbox, kind: Kind, data: String) {
-    outbox.push(Packet::new(kind, data).to_text());
-}
-
-/// A pending poll. Dropping it allows the next poll.
-pub(super) struct Poll<'s>(&'s Session);
-
-impl Drop for Poll<'_> {
-    fn drop(&mut self) {
-        self.0.is_polled.store(false, Ordering::Release);
-        // A client can't send anything else while it waits for a poll.
-        self.0.state().last_received = Instant::now();
+        self.carrier.push(Kind::Message, "1");
+        self.carrier.push(Kind::Close, "");
+        self.carrier.close();
     }
 }
 
 impl Session {
-    /// Opens a session. Returns its id and the session.
-    pub(super) fn open(shared: &Shared, revision: Revision) -> (String, Arc<Self>) {
+    /// Opens a session.
+    pub(super) fn open(shared: &mut Shared, revision: Revision) -> Rc<Self> {
         // `RandomState` has random keys.
         let sid = format!("{:016x}{:016x}", RandomState::new().hash_one(0), RandomState::new().hash_one(1));
         let now = Instant::now();
         let session = Self {
             revision,
             sid: sid.clone(),
-            outbox: Arc::default(),
-            is_upgraded: AtomicBool::new(false),
-            is_polled: AtomicBool::new(false),
-            state: Mutex::new(State {
-                joined: None,
-                has_stopped_reading: false,
-                last_received: now,
-                last_ping: now,
+            carrier: Rc::new(Carrier {
+                queue: TextQueue::new(&shared.queued),
+                web_socket: RefCell::default(),
             }),
+            is_polled: Cell::new(false),
+            joined: Cell::new(None),
+            has_stopped_reading: Cell::new(false),
+            last_received: Cell::new(now),
+            last_ping: Cell::new(now),
         };
         let opening = json!({
             "sid": sid,
             "upgrades": ["websocket"],
             "pingInterval": PING_INTERVAL.as_millis(),
             "pingTimeout": PING_TIMEOUT.as_millis(),
-            "maxPayload": MESSAGE_LIMIT,
+            "maxPayload": REQUEST_LIMIT,
         });
-        push(&session.outbox, Kind::Open, opening.to_string());
+        session.carrier.push(Kind::Open, opening.to_string());
         if revision == Revision::Three {
             // In this revision, clients join the default namespace automatically.
-            push(&session.outbox, Kind::Message, "0".to_owned());
+            session.carrier.push(Kind::Message, "0");
             session.join(shared);
         }
-        (sid, Arc::new(session))
+        Rc::new(session)
+    }
+
+    pub(super) fn sid(&self) -> &String {
+        &self.sid
     }
 
     pub(super) fn revision(&self) -> Revision {
         self.revision
     }
 
-    pub(super) fn outbox(&self) -> &Outbox {
-        &self.outbox
+    /// The packets for polls.
+    pub(super) fn queue(&self) -> &TextQueue {
+        &self.carrier.queue
     }
 
     /// True if packets are sent over a WebSocket.
     pub(super) fn is_upgraded(&self) -> bool {
-        self.is_upgraded.load(Ordering::Acquire)
+        self.carrier.web_socket.borrow().is_some()
     }
 
     /// Switches to a WebSocket.
-    pub(super) fn upgrade(&self) {
-        self.is_upgraded.store(true, Ordering::Release);
+    pub(super) fn upgrade(&self, outbox: &Rc<Outbox>) {
+        self.carrier.upgrade(outbox);
     }
 
-    /// Registers a poll. Returns `None` if another poll is pending.
-    pub(super) fn start_poll(&self) -> Option<Poll<'_>> {
-        self.state().last_received = Instant::now();
-        (!self.is_polled.swap(true, Ordering::AcqRel)).then(|| Poll(self))
+    /// Registers a poll. Returns false if another poll is pending.
+    pub(super) fn start_poll(&self) -> bool {
+        self.last_received.set(Instant::now());
+        !self.is_polled.replace(true)
+    }
+
+    /// Allows the next poll.
+    pub(super) fn end_poll(&self) {
+        self.is_polled.set(false);
+        // A client can't send anything else while it waits for a poll.
+        self.last_received.set(Instant::now());
     }
 
     /// Ends the pending poll, so that the client can switch to a WebSocket.
     pub(super) fn release_poll(&self) {
-        push(&self.outbox, Kind::Noop, String::new());
+        self.carrier.push(Kind::Noop, "");
     }
 
-    /// Sends a ping if it is due. Returns true if the client has responded in time.
-    pub(super) fn tend(&self) -> bool {
-        let mut state = self.state();
-        if self.revision == Revision::Four && state.last_ping.elapsed() >= PING_INTERVAL {
-            state.last_ping = Instant::now();
-            push(&self.outbox, Kind::Ping, String::new());
+    /// True if the client has responded to pings in time, and reads fast enough.
+    pub(super) fn is_alive(&self) -> bool {
+        !self.queue().has_overflowed() && self.last_received.get().elapsed() < PING_INTERVAL + PING_TIMEOUT
+    }
+
+    /// Sends a ping if it is due.
+    pub(super) fn ping_if_due(&self) {
+        if self.revision == Revision::Four && self.last_ping.get().elapsed() >= PING_INTERVAL {
+            self.last_ping.set(Instant::now());
+            self.carrier.push(Kind::Ping, "");
         }
-        state.last_received.elapsed() < PING_INTERVAL + PING_TIMEOUT
     }
 
-    /// Processes a packet from the client.
-    pub(super) fn take(&self, shared: &Shared, packet: Packet) {
-        self.state().last_received = Instant::now();
-        match packet.kind {
-            Kind::Ping => push(&self.outbox, Kind::Pong, packet.data),
-            Kind::Close => self.end(shared),
+    /// Ends the session after the waiting packets have been sent.
+    pub(super) fn close(&self) {
+        self.carrier.close();
+    }
+
+    /// Processes a packet from the client. Returns true if it is a valid request.
+    pub(super) fn take(&self, shared: &mut Shared, packet: Packet) -> bool {
+        let now = Instant::now();
+        self.last_received.set(now);
+        let is_request = match packet.kind {
             Kind::Message => self.take_message(shared, &packet.data),
-            Kind::Open | Kind::Pong | Kind::Upgrade | Kind::Noop => {}
-        }
+            Kind::Ping => {
+                self.carrier.push(Kind::Pong, packet.data);
+                false
+            }
+            Kind::Close => {
+                self.end(shared);
+                false
+            }
+            Kind::Open | Kind::Pong | Kind::Upgrade | Kind::Noop => false,
+        };
+        shared.sessions.seats.touch(&self.sid, is_request, now);
+        is_request
     }
 
     /// Ends the session.
-    pub(super) fn end(&self, shared: &Shared) {
-        let joined = self.state().joined.take();
-        if let Some(joined) = joined {
-            shared.close(joined);
+    pub(super) fn end(&self, shared: &mut Shared) {
+        if let Some(joined) = self.joined.take() {
+            shared.hub.close(joined);
         }
-        shared.sessions.all().remove(&self.sid);
-        push(&self.outbox, Kind::Close, String::new());
-        self.outbox.close();
+        shared.sessions.remove(&self.sid);
+        self.carrier.push(Kind::Close, "");
+        self.carrier.close();
     }
 
-    fn take_message(&self, shared: &Shared, text: &str) {
+    /// Tells the client the reason, and ends the session.
+    pub(super) fn dismiss(&self, shared: &mut Shared, reason: Reason) {
+        if let Some(joined) = self.joined.get() {
+            shared.hub.dismiss(joined, reason.text());
+        }
+        self.end(shared);
+    }
+
+    fn take_message(&self, shared: &mut Shared, text: &str) -> bool {
         let packet = socketio::Packet::parse(text);
         if shared.has_bug(&sio_03::RULE)
             && matches!(packet, None | Some(socketio::Packet::Other | socketio::Packet::OtherEvent { .. }))
         {
-            self.state().has_stopped_reading = true;
+            self.has_stopped_reading.set(true);
         }
         match packet {
-            Some(socketio::Packet::Connect { namespace }) if namespace == "/" => {
-                let answer = match self.revision {
-                    Revision::Three => "0".to_owned(),
-                    // Send a new id, since the session id must stay secret.
-                    Revision::Four => {
-                        format!("0{}", json!({ "sid": format!("{:016x}", RandomState::new().hash_one(2)) }))
-                    }
-                };
-                push(&self.outbox, Kind::Message, answer);
-                self.join(shared);
-            }
-            Some(socketio::Packet::Connect { namespace }) => {
-                let reason = match self.revision {
-                    Revision::Three => json!("Invalid namespace"),
-                    Revision::Four => json!({ "message": "Invalid namespace" }),
-                };
-                push(&self.outbox, Kind::Message, format!("4{namespace},{reason}"));
-            }
+            Some(socketio::Packet::Connect { namespace }) => self.connect(shared, &namespace),
             Some(socketio::Packet::Message { text, receipt }) => {
                 if let Some(number) = receipt {
-                    push(&self.outbox, Kind::Message, socketio::receipt(number));
+                    self.carrier.push(Kind::Message, socketio::receipt(number));
                 }
-                let State { joined, has_stopped_reading, .. } = *self.state();
-                if let Some(joined) = joined.filter(|_| !has_stopped_reading) {
-                    shared.receive(joined, text.as_bytes());
+                if let Some(joined) = self.joined.get().filter(|_| !self.has_stopped_reading.get()) {
+                    return shared.receive(joined, text.as_bytes());
                 }
             }
             Some(socketio::Packet::Disconnect) => self.end(shared),
@@ -209,19 +249,33 @@ impl Session {
             )
             | None => {}
         }
+        false
     }
 
-    /// Opens a session in the hub, if there is none.
-    fn join(&self, shared: &Shared) {
-        let mut state = self.state();
-        if state.joined.is_none() {
-            let event = if shared.has_bug(&sio_01::RULE) { "flockwave" } else { socketio::EVENT };
-            let sink = PacketSink { outbox: Arc::clone(&self.outbox), event };
-            state.joined = Some(shared.open(ConnectionKind::Persistent, Arc::new(sink)));
+    /// Answers the request to join a namespace. Only the default namespace exists.
+    fn connect(&self, shared: &mut Shared, namespace: &str) {
+        let is_known = namespace == "/";
+        let answer = match self.revision {
+            Revision::Three if is_known => "0".to_owned(),
+            // Send a new id, since the session id must stay secret.
+            Revision::Four if is_known => {
+                format!("0{}", json!({ "sid": format!("{:016x}", RandomState::new().hash_one(2)) }))
+            }
+            Revision::Three => format!("4{namespace},{}", json!("Invalid namespace")),
+            Revision::Four => format!("4{namespace},{}", json!({ "message": "Invalid namespace" })),
+        };
+        self.carrier.push(Kind::Message, answer);
+        if is_known {
+            self.join(shared);
         }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Opens a session in the hub, if there is none.
+    fn join(&self, shared: &mut Shared) {
+        if self.joined.get().is_none() {
+            let event = if shared.has_bug(&sio_01::RULE) { "flockwave" } else { socketio::EVENT };
+            let sink = PacketSink { carrier: Rc::clone(&self.carrier), event };
+            self.joined.set(Some(shared.hub.open(ConnectionKind::Persistent, Rc::new(sink))));
+        }
     }
 }
