@@ -8,6 +8,7 @@ pub(crate) mod limits;
 mod one_shot;
 mod outbox;
 mod reactor;
+mod reply;
 mod seats;
 pub(super) mod statistics;
 mod tcp;

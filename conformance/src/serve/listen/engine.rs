@@ -17,9 +17,9 @@ use super::Shared;
 use super::connection::{Peer, Protocol, Step};
 use super::limits::{IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT, SESSION_LIMIT, SESSIONS_PER_ADDRESS};
 use super::outbox::{Outbox, Taken};
+use super::reply::{Pending, Reply};
 use super::seats::{Admission, SeatLimits, Seats};
 use super::statistics::Reason;
-use super::web::Reply;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use crate::flockwave::transport::http::{Request, Response, is_silence};
 use crate::rules::flockwave::sio_02;
@@ -139,8 +139,10 @@ pub(super) fn by_polling(shared: &mut Shared, address: IpAddr, request: &Request
     }
     match request.method.as_str() {
         // Two concurrent polls would divide the packets between them.
-        "GET" => Poll::start(session)
-            .map_or_else(|| Reply::Now(refused("another poll of this session is pending")), Reply::Poll),
+        "GET" => match Poll::start(session) {
+            Some(poll) => Reply::Later(Box::new(poll)),
+            None => Reply::Now(refused("another poll of this session is pending")),
+        },
         "POST" => Reply::Now(take(shared, &session, &request.body)),
         _ => {
             let refusal = Response::refusal("405 Method Not Allowed", "use GET or POST");
@@ -150,7 +152,7 @@ pub(super) fn by_polling(shared: &mut Shared, address: IpAddr, request: &Request
 }
 
 /// A request that waits for packets. Dropping it allows the next poll.
-pub(super) struct Poll {
+struct Poll {
     session: Rc<Session>,
     until: Instant,
 }
@@ -160,14 +162,14 @@ impl Poll {
     fn start(session: Rc<Session>) -> Option<Self> {
         session.start_poll().then(|| Self { session, until: Instant::now() + POLL_LIMIT })
     }
+}
 
-    /// True if there are packets or the time is over.
-    pub(super) fn is_due(&self) -> bool {
+impl Pending for Poll {
+    fn is_due(&self) -> bool {
         self.session.queue().is_ready() || Instant::now() >= self.until
     }
 
-    /// The response, if there are packets or the time is over.
-    pub(super) fn response(&self) -> Option<Response> {
+    fn response(&mut self, _: &mut Shared) -> Option<Response> {
         let texts = match self.session.queue().take(PACKETS_AT_ONCE) {
             Taken::Texts(texts) => texts,
             Taken::Nothing if Instant::now() < self.until => return None,

@@ -14,7 +14,7 @@ use uavspec::flockwave::json as flockwave;
 use super::Shared;
 use super::limits::Share;
 use super::outbox::{Taken, TextQueue};
-use super::web::Reply;
+use super::reply::{Pending, Reply};
 use crate::flockwave::transport::http::{Request, Response};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::message::{envelope, value};
@@ -57,7 +57,7 @@ pub(super) fn answer(shared: &mut Shared, request: &Request) -> Reply {
     let queue = Rc::new(TextQueue::new(&shared.queued));
     let session = shared.hub.open(ConnectionKind::OneShot, Rc::new(QueueSink(Rc::clone(&queue))));
     match exchange(shared, request, session, &queue, message, has_envelope) {
-        Ok(exchange) => Reply::Exchange(Box::new(exchange)),
+        Ok(exchange) => Reply::Later(Box::new(exchange)),
         Err(refusal) => {
             shared.hub.close(session);
             refusal
@@ -150,7 +150,7 @@ fn receipts(answer: &ParsedAnswer) -> BTreeMap<String, Option<String>> {
 }
 
 /// A request whose operations may continue.
-pub(super) struct Exchange {
+struct Exchange {
     session: SessionId,
     queue: Rc<TextQueue>,
     answer: ParsedAnswer,
@@ -163,10 +163,10 @@ pub(super) struct Exchange {
     is_open: bool,
 }
 
-impl Exchange {
-    /// The response, if all operations have ended. Their results become part of the answer, as if they had been
+impl Pending for Exchange {
+    /// Returns the response if all operations have ended. Their results become part of the answer, as if they had been
     /// available immediately.
-    pub(super) fn response(&mut self, shared: &mut Shared) -> Option<Response> {
+    fn response(&mut self, shared: &mut Shared) -> Option<Response> {
         while !self.pending.is_empty() {
             match next(&self.queue) {
                 Some(notification) => self.take(&notification.message["body"]),
@@ -188,16 +188,16 @@ impl Exchange {
         Some(response.with("WWW-Authenticate", "Basic"))
     }
 
-    /// True if an operation has progressed or the time is over.
-    pub(super) fn is_due(&self) -> bool {
+    fn is_due(&self) -> bool {
         self.queue.is_ready() || Instant::now() >= self.until
     }
 
-    /// Ends a request whose client has disconnected.
-    pub(super) fn end(&self, shared: &mut Shared) {
+    fn end(&mut self, shared: &mut Shared) {
         shared.hub.close(self.session);
     }
+}
 
+impl Exchange {
     /// Processes a notification.
     fn take(&mut self, notification: &Value) {
         let receipt = notification["id"].as_str().unwrap_or_default();

@@ -4,47 +4,17 @@ use std::net::IpAddr;
 use std::time::Duration;
 
 use super::connection::{Peer, Protocol, Step};
-use super::engine::Poll;
 use super::limits::{HTTP_IDLE_LIMIT, REQUEST_LIMIT};
-use super::one_shot::Exchange;
+use super::reply::{Pending, Reply};
 use super::{Shared, engine, one_shot};
 use crate::flockwave::transport::http::{Incoming, Request, Requests, Response};
 use crate::flockwave::transport::{ONE_SHOT_PATH, SOCKET_IO_PATH};
-
-/// A response, or the event for which it waits.
-pub(super) enum Reply {
-    Now(Response),
-    /// The response follows when a session has packets.
-    Poll(Poll),
-    /// The response follows when all operations have ended.
-    Exchange(Box<Exchange>),
-}
-
-impl Reply {
-    /// True if the response may be available.
-    fn is_due(&self) -> bool {
-        match self {
-            Self::Now(_) => true,
-            Self::Poll(poll) => poll.is_due(),
-            Self::Exchange(exchange) => exchange.is_due(),
-        }
-    }
-
-    /// The response, if it is available.
-    fn response(&mut self, shared: &mut Shared) -> Option<Response> {
-        match self {
-            Self::Now(response) => Some(response.clone()),
-            Self::Poll(poll) => poll.response(),
-            Self::Exchange(exchange) => exchange.response(shared),
-        }
-    }
-}
 
 /// An HTTP client. One-shot requests and Socket.IO share a port, as clients expect.
 pub(super) struct WebClient {
     requests: Requests,
     /// The request that hasn't been answered yet.
-    pending: Option<(Request, Reply)>,
+    pending: Option<(Request, Box<dyn Pending>)>,
 }
 
 impl WebClient {
@@ -52,11 +22,17 @@ impl WebClient {
         Self { requests: Requests::new(REQUEST_LIMIT), pending: None }
     }
 
-    /// Answers the pending request, if possible.
-    fn answer(&mut self, shared: &mut Shared, peer: &Peer, request: Request, mut reply: Reply) -> Step {
-        let Some(response) = reply.response(shared) else {
-            self.pending = Some((request, reply));
-            return Step::Waiting;
+    /// Sends the response to a request, if it is available.
+    fn answer(&mut self, shared: &mut Shared, peer: &Peer, request: Request, reply: Reply) -> Step {
+        let response = match reply {
+            Reply::Now(response) => response,
+            Reply::Later(mut pending) => {
+                let Some(response) = pending.response(shared) else {
+                    self.pending = Some((request, pending));
+                    return Step::Waiting;
+                };
+                response
+            }
         };
         let is_request = response.is_success();
         peer.outbox.push(&with_cors_headers(&request, response).to_bytes(Some(&request)));
@@ -81,8 +57,8 @@ impl Protocol for WebClient {
     }
 
     fn step(&mut self, shared: &mut Shared, peer: &Peer) -> Step {
-        if let Some((request, reply)) = self.pending.take() {
-            return self.answer(shared, peer, request, reply);
+        if let Some((request, pending)) = self.pending.take() {
+            return self.answer(shared, peer, request, Reply::Later(pending));
         }
         match self.requests.take() {
             None => Step::Starved,
@@ -106,7 +82,7 @@ impl Protocol for WebClient {
     }
 
     fn is_due(&self) -> bool {
-        self.pending.as_ref().is_none_or(|(_, reply)| reply.is_due())
+        self.pending.as_ref().is_none_or(|(_, pending)| pending.is_due())
     }
 
     fn has_rest(&self) -> bool {
@@ -122,8 +98,8 @@ impl Protocol for WebClient {
     }
 
     fn end(&mut self, shared: &mut Shared) {
-        if let Some((_, Reply::Exchange(exchange))) = self.pending.take() {
-            exchange.end(shared);
+        if let Some((_, mut pending)) = self.pending.take() {
+            pending.end(shared);
         }
     }
 }
