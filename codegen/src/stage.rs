@@ -22,6 +22,8 @@ use std::path::{Path, PathBuf};
 use fs4::{FileExt, TryLockError};
 use same_file::Handle;
 
+use crate::terminal;
+
 /// The start of the names of temporary folders.
 const PREFIX: &str = ".uavspec-";
 
@@ -81,7 +83,7 @@ impl Stage {
     fn claim(path: PathBuf) -> io::Result<Option<Self>> {
         // A link could lead to any other folder.
         if !fs::symlink_metadata(&path).map_or(true, |metadata| metadata.is_dir()) {
-            return Err(io::Error::other(format!("{} is not a folder", path.display())));
+            return Err(io::Error::other(format!("{} is not a folder", terminal::path(path))));
         }
         let Some(lock) = open_lock(&path)? else { return Ok(None) };
         match FileExt::lock(&lock) {
@@ -123,7 +125,7 @@ fn existing_lock(path: &Path) -> io::Result<File> {
     if fs::symlink_metadata(&lock)?.is_file() {
         return OpenOptions::new().write(true).open(lock);
     }
-    Err(io::Error::other(format!("{} is not a file", lock.display())))
+    Err(io::Error::other(format!("{} is not a file", terminal::path(lock))))
 }
 
 /// True if an open lock file is still the one in the folder.
@@ -175,7 +177,7 @@ fn remove_files(path: &Path) {
 }
 
 fn contended(folder: &Path) -> io::Error {
-    io::Error::other(format!("other runs keep removing temporary folders in {}", folder.display()))
+    io::Error::other(format!("other runs keep removing temporary folders in {}", terminal::path(folder)))
 }
 
 #[cfg(test)]

@@ -383,7 +383,8 @@ impl<'d> CheckRun<'d> {
     /// Extends the time span to include a timestamp in µs. The first message of a topic may be older than the log: its
     /// publisher sent it before logging began.
     fn include_timestamp(&mut self, timestamp: Option<u64>) {
-        let is_logged = |timestamp: &u64| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start);
+        let is_logged =
+            |timestamp: &u64| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start);
         if let Some(timestamp) = timestamp.filter(is_logged) {
             self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
             self.last = self.last.max(timestamp);

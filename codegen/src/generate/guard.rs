@@ -11,6 +11,7 @@ use crate::name::file_problem;
 use crate::render;
 use crate::schema::{Package, Schema};
 use crate::source::{SourceMap, Span};
+use crate::terminal;
 
 /// The start of the names of uavspec's own files in output folders.
 const OWN: &str = ".uavspec-";
@@ -58,7 +59,7 @@ pub(super) fn check_paths(folder: &Path, files: &[OutputFile]) -> Result<(), Fai
                     let other = entry.get().0;
                     let message = format!(
                         "the outputs `{other}` and `{path}` in {} have the same path on some systems",
-                        folder.display()
+                        terminal::path(folder)
                     );
                     return Err(Failure::new(message).with_hint("rename one of the two definitions"));
                 }
@@ -75,7 +76,7 @@ fn check_path(folder: &Path, path: &str) -> Result<(), Failure> {
     let message = format!(
         "the output `{}` can't be written to {}: `{}` {problem}",
         path.escape_debug(),
-        folder.display(),
+        terminal::path(folder),
         part.escape_debug()
     );
     Err(Failure::new(message)

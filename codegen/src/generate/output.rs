@@ -128,7 +128,7 @@ fn stages(folders: &[Folder]) -> Result<Vec<(&Path, Stage)>, Failure> {
 }
 
 fn shared(folder: &Path) -> Failure {
-    Failure::new(format!("two outputs share the folder {}", folder.display()))
+    Failure::new(format!("two outputs share the folder {}", terminal::path(folder)))
         .with_hint("give each output a separate folder")
 }
 
@@ -239,7 +239,7 @@ fn reject_inputs<'p>(
     // An absent folder contains no inputs.
     let Ok(real) = fs::canonicalize(folder) else { return Ok(()) };
     let Some(input) = files.find(|path| inputs.contains(&real.join(path))) else { return Ok(()) };
-    let message = format!("the output {} would replace an input", folder.join(input).display());
+    let message = format!("the output {} would replace an input", terminal::path(folder.join(input)));
     Err(Failure::new(message).with_hint("choose another folder for the output"))
 }
 
@@ -249,8 +249,10 @@ fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
     for part in relative.parent().into_iter().flat_map(Path::components) {
         at.push(part);
         if at.is_symlink() {
-            let message =
-                format!("{} is a symbolic link, which may lead outside the output folder", terminal::path(at));
+            let message = format!(
+                "{} is a symbolic link, which may lead outside the output folder",
+                terminal::path(at)
+            );
             return Err(Failure::new(message).with_hint("replace it with a folder"));
         }
     }

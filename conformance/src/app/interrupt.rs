@@ -6,6 +6,7 @@ use anstyle::AnsiColor;
 
 use super::Status;
 use crate::probe::{AtRisk, Options, Stop};
+use crate::text::terminal;
 
 /// The exit status after a second interrupt: 128 plus the number of SIGINT.
 const INTERRUPTED: i32 = 130;
@@ -19,7 +20,7 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
         suspension::prevent(&stop, limit);
     }
     ctrlc::set_handler(move || end(&stop, limit)).map_err(|error| {
-        anstream::eprintln!("error: can't handle signals: {error}");
+        terminal::error(format_args!("can't handle signals: {error}"), None);
         Status::Unreadable
     })
 }
@@ -47,7 +48,7 @@ fn end(stop: &Stop, limit: u64) {
 fn print(line: &str) {
     // The signal may arrive while a progress bar is shown.
     let start = if std::io::stderr().is_terminal() { "\n" } else { "" };
-    let _ = writeln!(anstream::stderr(), "{start}{line}");
+    let _ = writeln!(terminal::stderr(), "{start}{line}");
 }
 
 /// The UAVs that may be unsafe. They are printed when this value is dropped.

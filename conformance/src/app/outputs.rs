@@ -13,6 +13,7 @@ use uavspec_codegen::load::definition_files;
 use walkdir::WalkDir;
 
 use super::Status;
+use crate::text::terminal;
 
 /// The path that means standard input or standard output.
 const STANDARD: &str = "-";
@@ -42,7 +43,7 @@ pub(super) struct Output<'a> {
 impl<'a> Output<'a> {
     /// The file that an option names.
     pub(super) fn new(option: &str, path: &'a Path) -> Self {
-        Self { name: format!("{option} {}", path.display()), path }
+        Self { name: format!("{option} {}", terminal::path(path)), path }
     }
 }
 
@@ -58,7 +59,7 @@ struct Target {
 /// Returns an error if an output is an input, or the same file as another output. Errors are printed.
 pub(super) fn check(inputs: &Inputs<'_>, outputs: &[Output<'_>]) -> Result<(), Status> {
     problem(inputs, outputs).map_or(Ok(()), |problem| {
-        anstream::eprintln!("error: {problem}\n  help: choose another file for the output");
+        terminal::error(&problem, Some("choose another file for the output"));
         Err(Status::Usage)
     })
 }
@@ -89,7 +90,7 @@ fn overwritten(inputs: &Inputs<'_>, targets: &[Target]) -> Option<String> {
     let mut files = inputs.files.iter().map(|path| path.to_path_buf()).chain(found);
     files.find_map(|path| {
         let target = targets.iter().find(|target| target.is_input(&path))?;
-        let path = path.display();
+        let path = terminal::path(&path);
         Some(format!("{} would overwrite the input {path}", target.name))
     })
 }
