@@ -2,6 +2,10 @@
 //!
 //! No test depends on speed: expected messages have generous time limits.
 
+mod limits;
+#[cfg(target_os = "linux")]
+mod siege;
+
 use std::collections::BTreeSet;
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream, UdpSocket};

@@ -35,6 +35,12 @@ use crate::rules::flockwave::FlockwaveRule;
 /// completed.
 const SLICE: Duration = Duration::from_millis(1);
 
+/// The maximum number of connections that wait to be accepted.
+const BACKLOG: i32 = 1024;
+
+/// The size of the system's buffer for received datagrams, in bytes.
+const RECEIVE_BUFFER: usize = 1 << 20;
+
 /// The state that all connections share.
 struct Shared {
     hub: Hub,
@@ -95,15 +101,41 @@ impl Bound {
         let explain = |error: io::Error| {
             io::Error::new(error.kind(), format!("can't listen on {}://{address}: {error}", transport.name()))
         };
-        if transport == Transport::Udp {
-            let socket = UdpSocket::bind(address).map_err(explain)?;
-            return Ok(Self { transport, address: socket.local_addr()?, socket: Socket::Datagram(socket) });
-        }
-        let listener = TcpListener::bind(address).map_err(explain)?;
-        Ok(Self { transport, address: listener.local_addr()?, socket: Socket::Stream(listener) })
+        let socket = bind(transport, address).map_err(explain)?;
+        Ok(match transport {
+            Transport::Udp => {
+                let socket = UdpSocket::from_std(socket.into());
+                Self { transport, address: socket.local_addr()?, socket: Socket::Datagram(socket) }
+            }
+            _ => {
+                let listener = TcpListener::from_std(socket.into());
+                Self { transport, address: listener.local_addr()?, socket: Socket::Stream(listener) }
+            }
+        })
     }
 
     pub(super) fn listening(&self) -> Listening {
         Listening { transport: self.transport, address: self.address }
     }
+}
+
+/// Opens a socket, with longer queues than those of the standard library. Floods fill short queues, and the clients
+/// behind them retry only after a second.
+fn bind(transport: Transport, address: SocketAddr) -> io::Result<socket2::Socket> {
+    let is_stream = transport != Transport::Udp;
+    let kind = if is_stream { socket2::Type::STREAM } else { socket2::Type::DGRAM };
+    let socket = socket2::Socket::new(socket2::Domain::for_address(address), kind, None)?;
+    // As in the standard library: on Windows, this option would allow other programs to use the same port.
+    if is_stream && cfg!(not(windows)) {
+        socket.set_reuse_address(true)?;
+    }
+    socket.bind(&address.into())?;
+    socket.set_nonblocking(true)?;
+    if is_stream {
+        socket.listen(BACKLOG)?;
+    } else {
+        // Systems may limit the size.
+        let _ = socket.set_recv_buffer_size(RECEIVE_BUFFER);
+    }
+    Ok(socket)
 }

@@ -30,8 +30,8 @@ const SWEEP: Duration = Duration::from_millis(200);
 /// The maximum time for which connections are visited before new events are read.
 const ROUND: Duration = Duration::from_millis(5);
 
-/// The maximum number of connections to accept in a round, so that accepting doesn't delay connected clients.
-const ACCEPT_AT_ONCE: usize = 16;
+/// The maximum time for which connections are accepted in a round, so that accepting doesn't delay connected clients.
+const ACCEPT_TIME: Duration = Duration::from_millis(2);
 
 /// The time during which polling clients can still fetch the last messages. The next poll usually follows immediately.
 const LAST_POLL: Duration = Duration::from_millis(500);
@@ -281,7 +281,8 @@ impl Reactor {
         }
         let tokens: Vec<Token> = self.doors.keys().copied().collect();
         for token in tokens {
-            for _ in 0..ACCEPT_AT_ONCE {
+            let started = Instant::now();
+            while started.elapsed() < ACCEPT_TIME {
                 let Some((stream, address, transport)) = self.accept_one(token) else { break };
                 self.admit(stream, address.ip(), transport);
             }

@@ -1,0 +1,113 @@
+//! Tests of the server's limits. Each of them is reached by one bad client, or by a few.
+
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::net::{TcpStream, UdpSocket};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+use uavspec_conformance::serve::{Options, Reason, Transport};
+use uavspec_conformance::transport::Received;
+
+use super::{ENDPOINTS, QUIET_TIME, TIMEOUT, address, client, request, request_body, serve};
+
+#[test]
+fn disconnects_clients_that_never_read() {
+    // Each notification is about half a megabyte.
+    let server = serve(Options { uavs: 1000, rate: 50.0, ..Options::default() });
+    let idle = TcpStream::connect(address(&server, Transport::Tcp)).expect("a connection");
+    let end = Instant::now() + TIMEOUT;
+    while server.statistics().disconnected(Reason::TooSlow) == 0 {
+        assert!(Instant::now() < end, "{:?}", server.statistics());
+        thread::sleep(Duration::from_millis(10));
+    }
+    drop(idle);
+    request_body(&mut *client(&server, ENDPOINTS[0]), "a", &json!({ "type": "SYS-PING" }));
+}
+
+#[test]
+fn stops_reading_requests_of_clients_that_read_no_answers() {
+    let server = serve(Options { uavs: 100, rate: 0.0, ..Options::default() });
+    let mut idle = TcpStream::connect(address(&server, Transport::Tcp)).expect("a connection");
+    idle.set_write_timeout(Some(QUIET_TIME)).expect("a limit");
+    let ids: Vec<String> = (1..=100).map(|number| format!("glider-{number}")).collect();
+    let text = (request("a", &json!({ "type": "UAV-INF", "ids": ids })) + "\n").repeat(100);
+    // Before the limits, the server accepted this much, and stored 64 MB of answers.
+    let is_blocked = (0..200).any(|_| idle.write_all(text.as_bytes()).is_err());
+    assert!(is_blocked);
+    assert_eq!(server.statistics().disconnected(Reason::TooSlow), 0, "the client may still read");
+}
+
+#[test]
+fn serves_newcomers_over_udp_after_datagrams_from_many_ports() {
+    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let text = request("a", &json!({ "type": "SYS-PING" }));
+    for _ in 0..1100 {
+        let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
+        socket.set_read_timeout(Some(TIMEOUT)).expect("a limit");
+        socket.send_to(text.as_bytes(), address(&server, Transport::Udp)).expect("sent");
+        socket.recv(&mut [0; 1000]).expect("an answer");
+    }
+    assert!(server.statistics().disconnected(Reason::Replaced) > 0);
+}
+
+#[test]
+fn datagrams_that_are_no_requests_register_no_client() {
+    let server = serve(Options { rate: 20.0, ..Options::default() });
+    let mut client = client(&server, ENDPOINTS[1]);
+    client.send(b"{}").expect("sent");
+    let received = client.receive(Instant::now() + QUIET_TIME).expect("an open socket");
+    assert_eq!(received, Received::Silence);
+}
+
+#[test]
+fn idle_connections_give_way_to_newcomers() {
+    let server = serve(Options { rate: 0.0, ..Options::default() });
+    for transport in [Transport::Tcp, Transport::Http, Transport::SocketIo] {
+        let location = address(&server, transport);
+        let mut active = client(&server, ENDPOINTS[0]);
+        request_body(&mut *active, "a", &json!({ "type": "SYS-PING" }));
+        let _idle: Vec<TcpStream> =
+            (0..1100).map(|_| TcpStream::connect(location).expect("a connection")).collect();
+        for endpoint in ENDPOINTS {
+            request_body(&mut *client(&server, endpoint), "a", &json!({ "type": "SYS-PING" }));
+        }
+        request_body(&mut *active, "b", &json!({ "type": "SYS-PING" }));
+    }
+    assert!(server.statistics().disconnected(Reason::Replaced) > 0);
+}
+
+#[test]
+fn abandoned_polling_sessions_give_way_to_newcomers() {
+    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let location = address(&server, Transport::SocketIo);
+    let mut stream = TcpStream::connect(location).expect("a connection");
+    stream.set_read_timeout(Some(TIMEOUT)).expect("a limit");
+    let mut reader = BufReader::new(stream.try_clone().expect("a second handle"));
+    for _ in 0..600 {
+        stream.write_all(b"GET /socket.io/?EIO=4&transport=polling HTTP/1.1\r\n\r\n").expect("sent");
+        let mut response = Vec::new();
+        // The response ends with the object that describes the session.
+        reader.read_until(b'}', &mut response).expect("a response");
+        assert!(String::from_utf8_lossy(&response).contains("\"sid\""));
+    }
+    for endpoint in &ENDPOINTS[3..] {
+        request_body(&mut *client(&server, *endpoint), "a", &json!({ "type": "SYS-PING" }));
+    }
+    assert!(server.statistics().disconnected(Reason::Replaced) > 0);
+}
+
+#[test]
+fn limits_operations_of_all_clients() {
+    let server = serve(Options { uavs: 1000, rate: 0.0, speed: 0.01, ..Options::default() });
+    let ids: Vec<String> = (1..=1000).map(|number| format!("glider-{number}")).collect();
+    let start = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
+    let mut clients: Vec<_> = (0..21).map(|_| client(&server, ENDPOINTS[0])).collect();
+    let mut started: Vec<usize> = Vec::new();
+    for client in &mut clients {
+        let body = request_body(&mut **client, "a", &start);
+        started.push(body["receipt"].as_object().map_or(0, serde_json::Map::len));
+    }
+    assert_eq!(started[..20], [1000; 20]);
+    assert_eq!(started[20], 4, "each client may start some operations at any time");
+}
