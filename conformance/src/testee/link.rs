@@ -19,7 +19,7 @@ use crate::net::Connection;
 
 /// The maximum number of queued lines. Each line may be as long as the line limit. If the queue is full, the testee has
 /// to wait.
-const MAX_QUEUED_LINES: usize = 8;
+const MAX_QUEUED_LINES: usize = 2;
 
 /// The interval between checks of whether a silent process has ended.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);

@@ -2,12 +2,13 @@
 
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{TcpStream, UdpSocket};
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 use uavspec_conformance::serve::{Options, Reason, Transport};
-use uavspec_conformance::transport::Received;
+use uavspec_conformance::transport::{Received, connect};
 
 use super::{ENDPOINTS, QUIET_TIME, TIMEOUT, address, client, request, request_body, serve};
 
@@ -110,4 +111,29 @@ fn limits_operations_of_all_clients() {
     }
     assert_eq!(started[..20], [1000; 20]);
     assert_eq!(started[20], 4, "each client may start some operations at any time");
+}
+
+/// Runs the program with few file descriptors, which idle connections use up.
+#[cfg(unix)]
+#[test]
+fn serves_newcomers_with_few_file_descriptors() {
+    let script = format!(
+        "ulimit -n 64; exec {} serve --tcp 127.0.0.1:0 --until-stdin-closes",
+        env!("CARGO_BIN_EXE_uavspec")
+    );
+    let mut command = Command::new("sh");
+    command.args(["-c", &script]).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("a shell");
+    let mut line = String::new();
+    BufReader::new(child.stdout.as_mut().expect("its output")).read_line(&mut line).expect("a line");
+    let location = line.trim().strip_prefix("tcp://").expect("an address");
+    let _idle: Vec<TcpStream> =
+        (0..200).map(|_| TcpStream::connect(location).expect("a connection")).collect();
+    let mut newcomer =
+        connect(&line.trim().parse().expect("an endpoint"), Instant::now() + TIMEOUT).expect("a connection");
+    request_body(&mut *newcomer, "a", &json!({ "type": "SYS-PING" }));
+    drop(child.stdin.take());
+    let output = child.wait_with_output().expect("the end");
+    let messages = String::from_utf8_lossy(&output.stderr);
+    assert!(messages.contains("× the server is full"), "{messages}");
 }

@@ -6,6 +6,13 @@ use std::fmt::Write as _;
 /// The packet separator in revision 4 payloads.
 const SEPARATOR: char = '\u{1e}';
 
+/// The maximum number of packets in a payload. Servers and clients send far fewer. Without a limit, a payload of empty
+/// packets would use much more memory than its length.
+const PACKET_LIMIT: usize = 1000;
+
+/// The error for a payload with too many packets.
+const TOO_MANY: &str = "a payload has too many packets";
+
 /// The supported revisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Revision {
@@ -124,8 +131,14 @@ pub(crate) fn decode(revision: Revision, payload: &[u8]) -> Result<Vec<Packet>, 
             // JavaScript clients count UTF-16 code units, and Python clients count code points.
             text_lengths(text, |_| 1).or_else(|_| text_lengths(text, char::len_utf16))?
         }
-        Revision::Four => utf8(payload)?.split(SEPARATOR).map(str::to_owned).collect(),
+        Revision::Four => {
+            let texts = utf8(payload)?.split(SEPARATOR);
+            texts.take(PACKET_LIMIT + 1).map(str::to_owned).collect()
+        }
     };
+    if texts.len() > PACKET_LIMIT {
+        return Err(TOO_MANY.to_owned());
+    }
     let packets = texts
         .iter()
         .map(|text| Packet::parse(text).ok_or_else(|| "a packet is binary or of an unknown kind".to_owned()));
@@ -157,7 +170,7 @@ fn to_ascii(json: &str) -> String {
 /// Splits packets that are each preceded by a length and a colon.
 fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<String>, String> {
     let mut packets = Vec::new();
-    while !text.is_empty() {
+    while !text.is_empty() && packets.len() <= PACKET_LIMIT {
         let (length, rest) = text.split_once(':').ok_or("a packet has no length")?;
         let mut left: usize =
             length.parse().map_err(|_| "the length of a packet isn't a number".to_owned())?;
@@ -185,7 +198,9 @@ fn text_lengths(mut text: &str, length_of: fn(char) -> usize) -> Result<Vec<Stri
 /// per digit), and a 255 byte.
 fn binary_lengths(mut payload: &[u8]) -> Result<Vec<String>, String> {
     let mut packets = Vec::new();
-    while let Some((kind, rest)) = payload.split_first() {
+    while packets.len() <= PACKET_LIMIT
+        && let Some((kind, rest)) = payload.split_first()
+    {
         if *kind != 0 {
             return Err("a packet is binary".to_owned());
         }
@@ -207,6 +222,18 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    #[test]
+    fn limits_the_packets_of_a_payload() {
+        for revision in [Revision::Three, Revision::Four] {
+            let packets = vec![Packet::new(Kind::Noop, ""); PACKET_LIMIT + 1];
+            let longest = encode(revision, &packets[1..]);
+            assert_eq!(decode(revision, longest.as_bytes()).map(|packets| packets.len()), Ok(PACKET_LIMIT));
+            assert_eq!(decode(revision, encode(revision, &packets).as_bytes()), Err(TOO_MANY.to_owned()));
+        }
+        let binary = [0, 1, 255, b'6'].repeat(PACKET_LIMIT + 1);
+        assert_eq!(decode(Revision::Three, &binary), Err(TOO_MANY.to_owned()));
+    }
 
     #[test]
     fn encodes_payloads_for_each_revision() {

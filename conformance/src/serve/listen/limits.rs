@@ -55,7 +55,7 @@ pub(super) const MESSAGE_TIME: Duration = Duration::from_secs(30);
 pub(super) const SEND_LIMIT: Duration = Duration::from_secs(10);
 
 /// The number of files that the process needs in addition to connections.
-const OTHER_FILES: u64 = 64;
+const OTHER_FILES: u64 = 32;
 
 /// The maximum number of connections of this process.
 pub(super) fn connections() -> usize {

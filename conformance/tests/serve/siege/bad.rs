@@ -99,7 +99,7 @@ const BEHAVIOURS: [(usize, Behaviour); 26] = [
     (0, Flood(|_| requests(20, &json!({ "type": "UAV-INF", "ids": fleet() })))),
     (0, Once(|_| b"{\"$fw.version\":\"1.0\",\"id\":\"half".repeat(200))),
     (0, Exchange(|_| requests(50, &json!({ "type": "SYS-PING" })))),
-    (0, Exchange(|_| requests(20, &json!({ "type": "RTK-SOURCE", "id": null })))),
+    (0, Exchange(|_| presets(5))),
     (0, Exchange(|_| requests(5, &json!({ "type": "UAV-TEST", "ids": fleet() })))),
     (
         0,
@@ -169,6 +169,12 @@ fn fleet() -> Vec<String> {
 /// Requests in lines.
 fn requests(count: usize, body: &serde_json::Value) -> Vec<u8> {
     (request("a", body) + "\n").repeat(count).into_bytes()
+}
+
+/// Requests that each cause a notification of all clients.
+fn presets(count: usize) -> Vec<u8> {
+    let [select, deselect] = [json!("base"), json!(null)].map(|id| json!({ "type": "RTK-SOURCE", "id": id }));
+    [requests(1, &select), requests(1, &deselect)].concat().repeat(count)
 }
 
 /// Requests over HTTP.

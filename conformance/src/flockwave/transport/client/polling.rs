@@ -14,7 +14,7 @@ use super::{Client, Received, invalid, text_of, timed_out};
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::ServerAddress;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
-use crate::flockwave::transport::{SOCKET_IO_PATH, socketio};
+use crate::flockwave::transport::{MESSAGE_LIMIT, SOCKET_IO_PATH, socketio};
 
 /// The maximum duration of a poll. Servers end a poll after their ping interval, usually 25 s.
 const POLL_LIMIT: Duration = Duration::from_secs(90);
@@ -22,11 +22,15 @@ const POLL_LIMIT: Duration = Duration::from_secs(90);
 /// The maximum time to close a session.
 const CLOSE_LIMIT: Duration = Duration::from_secs(2);
 
-/// The maximum number of payloads in the queue. Polling pauses when the queue is full.
-const WAITING_LIMIT: usize = 16;
+/// The maximum number of payloads in the queue. Polling pauses when the queue is full. A payload may be as long as two
+/// messages.
+const WAITING_LIMIT: usize = 1;
 
 /// The maximum number of packets received before the namespace is joined. Some servers send messages early.
 const EARLY_LIMIT: usize = 1000;
+
+/// The maximum size of these packets, in bytes.
+const EARLY_BYTES: usize = MESSAGE_LIMIT;
 
 /// The default interval between pings.
 const USUAL_INTERVAL: Duration = Duration::from_secs(25);
@@ -92,6 +96,12 @@ impl Opening {
         self.is_done
     }
 
+    /// True if a packet may be stored.
+    fn has_room(&self, packet: &Packet) -> bool {
+        let bytes: usize = self.early.iter().map(|early| early.data.len()).sum();
+        self.early.len() < EARLY_LIMIT && bytes + packet.data.len() <= EARLY_BYTES
+    }
+
     /// Handles a packet from the server. Returns the packet to send, if there is one.
     pub(super) fn take(&mut self, packet: &Packet, heartbeat: &mut Heartbeat) -> io::Result<Option<Packet>> {
         match packet.kind {
@@ -111,7 +121,7 @@ impl Opening {
                 Some(socketio::Packet::Refusal(reason)) => {
                     Err(invalid(format!("the server refused the namespace: {reason}")))
                 }
-                _ if self.early.len() < EARLY_LIMIT => {
+                _ if self.has_room(packet) => {
                     self.early.push_back(packet.clone());
                     Ok(None)
                 }
@@ -329,6 +339,9 @@ mod tests {
         let mut flood = vec![session];
         flood.resize(EARLY_LIMIT + 2, "42[\"fw\",{}]");
         assert!(opened(Revision::Four, &flood).is_err());
+        let long = format!("42[\"fw\",\"{}\"]", "x".repeat(EARLY_BYTES / 3));
+        assert!(opened(Revision::Four, &[session, &long, &long]).is_ok());
+        assert!(opened(Revision::Four, &[session, &long, &long, &long]).is_err());
     }
 
     #[test]
