@@ -126,6 +126,8 @@ pub struct Options {
     pub selection: Selection,
     /// Ends the probe early.
     pub stop: Stop,
+    /// Receives warnings about UAVs that are not safe yet.
+    pub warn: fn(&str),
 }
 
 impl Options {
@@ -142,6 +144,7 @@ impl Options {
             trust: Trust::default(),
             selection: Selection::default(),
             stop: Stop::default(),
+            warn: |_| {},
         }
     }
 }
@@ -472,7 +475,7 @@ impl Probe<'_, '_> {
         patience: Duration,
     ) -> Option<Value> {
         let body = &message["body"];
-        self.stop.commanded().sent(body, &self.options.uavs);
+        self.stop.commanded().sent(body, self.ground.keys());
         let session = self.session.as_mut()?;
         let (text, end) = (message.to_string(), Instant::now() + patience);
         // A command that arrives twice, or late, may have an effect twice.

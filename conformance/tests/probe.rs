@@ -2,6 +2,7 @@
 //!
 //! No test depends on speed, but a probe may have a time limit.
 
+mod flight;
 mod proxied;
 
 use std::collections::{BTreeMap, BTreeSet};

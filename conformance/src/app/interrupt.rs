@@ -45,7 +45,7 @@ fn end(stop: &Stop, limit: u64) {
 }
 
 /// Prints a line to standard error. The terminal may be gone.
-fn print(line: &str) {
+pub(super) fn print(line: &str) {
     // The signal may arrive while a progress bar is shown.
     let start = if std::io::stderr().is_terminal() { "\n" } else { "" };
     let _ = writeln!(terminal::stderr(), "{start}{line}");

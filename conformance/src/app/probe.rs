@@ -217,6 +217,7 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
         landing_limit: args.landing_limit.unwrap_or(options.landing_limit),
         trust,
         selection,
+        warn: interrupt::print,
         ..options
     })
 }

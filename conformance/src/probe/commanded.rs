@@ -77,11 +77,10 @@ pub(super) struct Commanded {
 impl Commanded {
     /// Notes a request that is about to be sent. A request may have an effect even if it is never answered. `all` are
     /// the UAVs of requests without ids.
-    pub(super) fn sent(&mut self, body: &Value, all: &[String]) {
+    pub(super) fn sent<'u>(&mut self, body: &Value, all: impl Iterator<Item = &'u String>) {
         let Some(effect) = Effect::of(body) else { return };
-        for uav in uavs(body, all) {
-            self.effects.insert((effect, uav), false);
-        }
+        let uavs = uavs(body).unwrap_or_else(|| all.cloned().collect());
+        self.effects.extend(uavs.into_iter().map(|uav| ((effect, uav), false)));
     }
 
     /// Notes the answer to a request.
@@ -90,7 +89,7 @@ impl Commanded {
             self.operations.extend(receipts(answer));
         }
         let Some(effect) = Effect::of(body) else { return };
-        for uav in uavs(body, &[]) {
+        for uav in uavs(body).unwrap_or_default() {
             let is_refused = matches!(Reply::new(answer, &uav), Reply::Refusal(_));
             if let Some(was_refused) = self.effects.get_mut(&(effect, uav)) {
                 *was_refused = is_refused;
@@ -141,11 +140,10 @@ impl Commanded {
     }
 }
 
-/// The UAVs that a command names.
-fn uavs(body: &Value, all: &[String]) -> Vec<String> {
-    let Some(ids) = body["ids"].as_array() else { return all.to_vec() };
-    let known = ids.iter().filter_map(Value::as_str).filter(|id| *id != UNKNOWN_ID);
-    known.map(str::to_owned).collect()
+/// The UAVs that a command names. `None` if it has no ids.
+fn uavs(body: &Value) -> Option<Vec<String>> {
+    let ids = body["ids"].as_array()?.iter().filter_map(Value::as_str);
+    Some(ids.filter(|id| *id != UNKNOWN_ID).map(str::to_owned).collect())
 }
 
 /// The receipts in an answer.
@@ -212,15 +210,15 @@ mod tests {
             ("UAV-INF", None),
         ] {
             let mut commanded = Commanded::default();
-            commanded.sent(&json!({ "type": kind, "ids": ids }), &[]);
+            commanded.sent(&json!({ "type": kind, "ids": ids }), [].iter());
             let expected: Vec<String> = risk.into_iter().map(str::to_owned).collect();
             assert_eq!(risks(&commanded), expected, "{kind}");
             assert_eq!(commanded.is_safe(), risk.is_none());
         }
         let mut commanded = Commanded::default();
-        commanded.sent(&json!({ "type": "UAV-MOTOR", "ids": ["07"], "start": false }), &[]);
+        commanded.sent(&json!({ "type": "UAV-MOTOR", "ids": ["07"], "start": false }), [].iter());
         assert!(commanded.is_safe());
-        commanded.sent(&json!({ "type": "SHOW-CRTH-START" }), &["07".to_owned(), "08".to_owned()]);
+        commanded.sent(&json!({ "type": "SHOW-CRTH-START" }), ["07".to_owned(), "08".to_owned()].iter());
         assert_eq!(commanded.uavs(Effect::Airborne), ["07", "08"]);
     }
 
@@ -228,7 +226,7 @@ mod tests {
     fn wakes_uavs_before_it_lands_them_and_stops_motors_last() {
         let mut commanded = Commanded::default();
         for kind in ["UAV-MOTOR", "UAV-TAKEOFF", "UAV-SLEEP"] {
-            commanded.sent(&json!({ "type": kind, "ids": ["07"] }), &[]);
+            commanded.sent(&json!({ "type": kind, "ids": ["07"] }), [].iter());
         }
         let order: Vec<Effect> = commanded.at_risk().iter().map(|risk| risk.effect).collect();
         assert_eq!(order, [Effect::Asleep, Effect::Airborne, Effect::MotorsOn]);
@@ -238,7 +236,7 @@ mod tests {
     fn a_refused_command_may_have_had_an_effect() {
         let mut commanded = Commanded::default();
         let body = json!({ "type": "UAV-MOTOR", "ids": ["07", "08"], "start": true });
-        commanded.sent(&body, &[]);
+        commanded.sent(&body, [].iter());
         let answer =
             json!({ "body": { "type": "UAV-MOTOR", "result": { "07": true }, "error": { "08": "no" } } });
         commanded.answered(&body, &answer);

@@ -317,3 +317,37 @@ pub(super) fn is_end(message: &Value, receipt: &str) -> bool {
         _ => false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::rules::flockwave::trial::{self, Step};
+
+    /// Trials run without the permission to send commands, and nothing would undo their commands.
+    #[test]
+    fn trials_send_no_commands() {
+        let uavs = ["07".to_owned(), "08".to_owned()];
+        let mut texts: Vec<String> =
+            trial::requests(&uavs).into_iter().map(|(_, request)| request.body.to_string()).collect();
+        for url in ["tcp://a:1", "udp://a:1", "http://a:1", "socketio://a:1"] {
+            let endpoint = url.parse().expect("a URL");
+            for step in trial::attempts(&endpoint).into_iter().flat_map(|(_, attempt)| attempt.steps) {
+                match step {
+                    Step::Send(sent) | Step::Pieces(sent, ..) => {
+                        texts.push(String::from_utf8_lossy(&sent.text).into())
+                    }
+                    Step::Together(all) => {
+                        texts.extend(all.iter().map(|sent| String::from_utf8_lossy(&sent.text).into_owned()));
+                    }
+                    Step::Packet(text) => texts.push(text),
+                }
+            }
+        }
+        assert!(texts.len() > 100, "{}", texts.len());
+        let is_sent = |name: &&&str| texts.iter().any(|text| text.contains(&format!("\"{name}\"")));
+        let sent: BTreeSet<&&str> = COMMANDS.iter().filter(is_sent).collect();
+        assert_eq!(sent, BTreeSet::new());
+    }
+}

@@ -42,9 +42,13 @@ impl Probe<'_, '_> {
         loop {
             // If a UAV can't be woken, others must still land.
             let attempts = Effect::ALL.map(|effect| self.undo(effect, until));
-            self.danger = attempts.into_iter().find_map(Result::err);
+            let before = std::mem::replace(&mut self.danger, attempts.into_iter().find_map(Result::err));
             if self.is_safe() || Instant::now() + RETRY_INTERVAL >= until {
                 return;
+            }
+            if let Some(danger) = self.danger().filter(|_| self.danger != before) {
+                let left = until.saturating_duration_since(Instant::now()).as_secs();
+                (self.options.warn)(&format!("{danger}. The probe tries to change that for {left} s."));
             }
             self.stop.sleep(RETRY_INTERVAL);
         }

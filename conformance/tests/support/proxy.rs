@@ -1,4 +1,4 @@
-//! A proxy between a client and a server, with delays, packet loss, redirects, logins and TLS.
+//! A proxy between a client and a server, with delays, packet loss, redirects, logins, TLS and lost connections.
 //!
 //! ```ignore
 //! let (server, address) = serve(Options::default(), Transport::Http);
@@ -26,6 +26,19 @@ const TURN: Duration = Duration::from_millis(2);
 /// The prefix of redirected paths on the same host. The proxy removes it before it forwards a request.
 pub(crate) const MOVED: &str = "/moved";
 
+/// The decision about bytes from a client.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pass {
+    Forward,
+    /// The bytes are lost.
+    Lose,
+    /// The connection is closed, and the bytes are lost.
+    Cut,
+}
+
+/// Sees all bytes from clients before they are forwarded. It may block.
+pub(crate) type Watch = Arc<dyn Fn(&[u8]) -> Pass + Send + Sync>;
+
 /// Options of a proxy. The default forwards everything unchanged.
 #[derive(Clone, Default)]
 pub(crate) struct Proxy {
@@ -42,6 +55,8 @@ pub(crate) struct Proxy {
     pub(crate) answer: Option<(&'static str, &'static str)>,
     /// Accepts only TLS connections. The connection to the server has no TLS.
     pub(crate) tls: Option<Arc<ServerConfig>>,
+    /// Decides which bytes from clients are forwarded.
+    pub(crate) watch: Option<Watch>,
 }
 
 impl Proxy {
@@ -78,7 +93,7 @@ impl Proxy {
         loop {
             if let Some((length, from)) = quiet(front.recv_from(&mut datagram))? {
                 client = Some(from);
-                if random.below(100) >= self.loss {
+                if random.below(100) >= self.loss && self.pass(&datagram[..length]) == Pass::Forward {
                     to_server.push(&datagram[..length]);
                 }
             }
@@ -139,7 +154,11 @@ impl Proxy {
                             is_answered = true;
                         }
                     },
-                    Some(length) => to_server.push(&piece[..length]),
+                    Some(length) => match self.pass(&piece[..length]) {
+                        Pass::Forward => to_server.push(&piece[..length]),
+                        Pass::Lose => {}
+                        Pass::Cut => return Ok(()),
+                    },
                     None => {}
                 }
             }
@@ -162,6 +181,10 @@ impl Proxy {
             is_open &= !is_answered;
         }
         Ok(())
+    }
+
+    fn pass(&self, bytes: &[u8]) -> Pass {
+        self.watch.as_ref().map_or(Pass::Forward, |watch| watch(bytes))
     }
 
     fn is_http(&self) -> bool {

@@ -1,0 +1,625 @@
+//! Probes that are interrupted while UAVs obey their commands. A proxy records all requests and interrupts the probe at
+//! a certain request, so no test depends on speed.
+
+use std::path::Path;
+use std::process::{Child, Stdio};
+use std::sync::Condvar;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use uavspec_conformance::probe::Stop;
+use uavspec_conformance::transport::{Received, Trust, connect};
+
+use super::*;
+use crate::support::proxy::{Pass, Proxy, Watch, certified};
+
+const UAV: &str = "glider-2";
+
+/// The time limit of events that certainly happen.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// The error codes of a UAV on the ground, with running motors, and asleep.
+const GROUND: u64 = 1;
+const MOTORS: u64 = 8;
+const SLEEP: u64 = 9;
+
+/// A signal of one thread to another.
+#[derive(Clone, Default)]
+struct Flag(Arc<(Mutex<bool>, Condvar)>);
+
+impl Flag {
+    fn raise(&self) {
+        *self.0.0.lock().unwrap_or_else(PoisonError::into_inner) = true;
+        self.0.1.notify_all();
+    }
+
+    fn wait(&self) {
+        let raised = self.0.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let waited = self.0.1.wait_timeout_while(raised, PATIENCE, |raised| !*raised);
+        assert!(*waited.unwrap_or_else(PoisonError::into_inner).0, "nothing happened");
+    }
+}
+
+/// The requests that passed a proxy, in order.
+#[derive(Clone, Default)]
+struct Requests(Arc<Mutex<Vec<Value>>>);
+
+impl Requests {
+    /// Records the requests in a segment, and returns their types.
+    fn take(&self, bytes: &[u8]) -> Vec<String> {
+        let text = String::from_utf8_lossy(bytes);
+        let starts = text.match_indices(r#"{"$fw.version""#).map(|(at, _)| at);
+        let mut types = Vec::new();
+        for start in starts {
+            let mut values = serde_json::Deserializer::from_str(&text[start..]).into_iter::<Value>();
+            let Some(Ok(message)) = values.next() else { continue };
+            types.extend(message["body"]["type"].as_str().map(str::to_owned));
+            self.0.lock().unwrap_or_else(PoisonError::into_inner).push(message["body"].clone());
+        }
+        types
+    }
+
+    fn all(&self) -> Vec<Value> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn types(&self) -> Vec<String> {
+        self.all().iter().filter_map(|body| body["type"].as_str().map(str::to_owned)).collect()
+    }
+
+    /// The types after the first request of this type.
+    fn after(&self, type_name: &str) -> Vec<String> {
+        let types = self.types();
+        let first = types.iter().position(|name| name == type_name).expect(type_name);
+        types[first + 1..].to_vec()
+    }
+}
+
+/// A proxy that records all requests, and calls a function at each request.
+fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + Sync + 'static) -> Watch {
+    let requests = requests.clone();
+    Arc::new(move |bytes| {
+        let passes: Vec<Pass> = requests.take(bytes).iter().map(|name| at(name)).collect();
+        passes.into_iter().find(|pass| *pass != Pass::Forward).unwrap_or(Pass::Forward)
+    })
+}
+
+/// The state of the UAV on the server: its height above home in mm, and its error codes.
+fn state(server: &Server) -> (i64, Vec<u64>) {
+    state_after(server, None)
+}
+
+/// Like [`state`], after another request.
+fn state_after(server: &Server, before: Option<Value>) -> (i64, Vec<u64>) {
+    let url = server.listening()[0].to_string();
+    let endpoint: Endpoint = url.parse().expect("an endpoint");
+    let mut client = connect(&endpoint, Instant::now() + PATIENCE).expect("a connection");
+    let body = json!({ "type": "UAV-INF", "ids": [UAV] });
+    for (id, body) in before.map(|body| ("before", body)).into_iter().chain([("state", body)]) {
+        let request = json!({ "$fw.version": "1.0", "id": id, "body": body });
+        client.send(request.to_string().as_bytes()).expect("sent");
+    }
+    loop {
+        let received = client.receive(Instant::now() + PATIENCE).expect("an open connection");
+        let Received::Message(text) = received else { panic!("{received:?}") };
+        let message: Value = serde_json::from_slice(&text).expect("JSON");
+        if message["refs"] == "state" {
+            let status = &message["body"]["status"][UAV];
+            let codes = status["errors"].as_array().into_iter().flatten().filter_map(Value::as_u64);
+            return (status["position"][3].as_i64().expect("an altitude"), codes.collect());
+        }
+    }
+}
+
+/// Fails unless the UAV is on the ground with stopped motors, and awake.
+fn assert_safe(server: &Server, context: &str) {
+    let (height, codes) = state(server);
+    assert_eq!((height, codes.contains(&GROUND)), (0, true), "{context}: {codes:?}");
+    assert!(!codes.contains(&MOTORS) && !codes.contains(&SLEEP), "{context}: {codes:?}");
+}
+
+/// A probe in a child process.
+struct Running {
+    child: Child,
+    /// Standard error, as it is printed.
+    errors: Arc<Mutex<String>>,
+    reader: thread::JoinHandle<()>,
+    /// Raised when the first interrupt was noticed.
+    noticed: Flag,
+}
+
+impl Running {
+    /// Starts a probe that may send commands.
+    fn flying(url: &str, more: &[&str]) -> Self {
+        Self::start(&[&["--allow-commands", "--uav", UAV, url], more].concat())
+    }
+
+    fn start(arguments: &[&str]) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_uavspec"))
+            .args(["probe", "--observe", "0.1", "--no-trials"])
+            .args(arguments)
+            .env("CLICOLOR_FORCE", "1")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("it starts");
+        let (errors, noticed) = (Arc::new(Mutex::new(String::new())), Flag::default());
+        let mut stderr = BufReader::new(child.stderr.take().expect("a pipe"));
+        let (shared, flag) = (Arc::clone(&errors), noticed.clone());
+        let reader = thread::spawn(move || {
+            let mut line = String::new();
+            while stderr.read_line(&mut line).is_ok_and(|length| length > 0) {
+                shared.lock().unwrap_or_else(PoisonError::into_inner).push_str(&line);
+                if line.contains("interrupted") {
+                    flag.raise();
+                }
+                line.clear();
+            }
+        });
+        Self { child, errors, reader, noticed }
+    }
+
+    /// Returns the exit status, standard output and standard error.
+    fn wait(self) -> (Option<i32>, String, String) {
+        let output = self.child.wait_with_output().expect("it ends");
+        self.reader.join().expect("it reads to the end");
+        let errors = self.errors.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        (output.status.code(), String::from_utf8(output.stdout).expect("UTF-8"), errors)
+    }
+}
+
+/// A function that can be set after the proxy that calls it has started.
+type Hook = Arc<Mutex<Option<Box<dyn Fn() + Send>>>>;
+
+fn call(hook: &Hook) {
+    if let Some(act) = &*hook.lock().unwrap_or_else(PoisonError::into_inner) {
+        act();
+    }
+}
+
+#[cfg(unix)]
+fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
+    let process = nix::unistd::Pid::from_raw(process.cast_signed());
+    nix::sys::signal::kill(process, signal).expect("the process runs");
+}
+
+/// The options that select a flight.
+const FLIGHT: [&str; 12] = [
+    "--only",
+    "UAV-TAKEOFF",
+    "--only",
+    "UAV-HOVER",
+    "--only",
+    "UAV-INF",
+    "--only",
+    "UAV-FLY",
+    "--only",
+    "UAV-RTH",
+    "--only",
+    "UAV-LAND",
+];
+
+/// The files that a probe writes.
+fn outputs(folder: &Path) -> (String, String) {
+    let path = |name: &str| folder.join(name).to_str().expect("UTF-8").to_owned();
+    (path("run.jsonl"), path("report.json"))
+}
+
+/// Interrupts a probe at the first request of a type that follows another one. The request is forwarded after the probe
+/// was interrupted. Returns the requests.
+#[cfg(unix)]
+fn interrupted_at(
+    point: &'static str,
+    after: &'static str,
+    only: &[&str],
+    signal: nix::sys::signal::Signal,
+) -> Requests {
+    let (server, _) = reference_server(None);
+    let (requests, hook) = (Requests::default(), Hook::default());
+    let is_interrupted = Mutex::new(false);
+    let watch = {
+        let (requests, hook) = (requests.clone(), Arc::clone(&hook));
+        recording(&requests.clone(), move |name| {
+            let is_after = after.is_empty() || requests.types().iter().any(|name| name == after);
+            let mut is_interrupted = is_interrupted.lock().unwrap_or_else(PoisonError::into_inner);
+            if name == point && is_after && !std::mem::replace(&mut *is_interrupted, true) {
+                call(&hook);
+            }
+            Pass::Forward
+        })
+    };
+    let proxy = Proxy { watch: Some(watch), ..Proxy::default() }.start(server.listening()[0].address);
+    let folder = tempfile::tempdir().expect("a folder");
+    let (record, report) = outputs(folder.path());
+    let target = format!("json={report}");
+    let arguments = [only, &["--record", &record, "--report", &target]].concat();
+    let held = hook.lock().unwrap_or_else(PoisonError::into_inner);
+    let running = Running::flying(&format!("tcp://{proxy}"), &arguments);
+    let (process, noticed) = (running.child.id(), running.noticed.clone());
+    let mut held = held;
+    *held = Some(Box::new(move || {
+        send_signal(process, signal);
+        noticed.wait();
+    }));
+    drop(held);
+    let (status, printed, errors) = running.wait();
+    let context = format!("{point} after {after:?}, {signal}: {:?}\n{errors}{printed}", requests.types());
+    assert_safe(&server, &context);
+    assert_eq!(status, Some(6), "{context}");
+    assert!(!errors.contains("may still") || errors.contains("first makes the UAVs safe"), "{context}");
+    assert!(!errors.contains("error:"), "{context}");
+    let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
+    assert_eq!(report["conclusion"]["status"], 6, "{context}");
+    let recording = std::fs::read(record).expect("a recording");
+    let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
+    assert_eq!(replayed.corruption, vec![], "{context}");
+    assert_eq!(replayed.findings.groups().count(), 0, "{context}");
+    requests
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_probe_makes_uavs_safe_at_each_point() {
+    use nix::sys::signal::Signal::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+    thread::scope(|scope| {
+        // Each point with the request that must follow.
+        for (point, after, signal, expected) in [
+            ("UAV-TAKEOFF", "", SIGINT, "UAV-LAND"),
+            ("UAV-TAKEOFF", "", SIGTERM, "UAV-LAND"),
+            ("UAV-INF", "UAV-TAKEOFF", SIGTERM, "UAV-LAND"),
+            ("UAV-HOVER", "", SIGINT, "UAV-LAND"),
+            ("UAV-FLY", "", SIGHUP, "UAV-LAND"),
+            ("UAV-RTH", "", SIGTERM, "UAV-LAND"),
+            ("UAV-LAND", "", SIGINT, "UAV-INF"),
+            ("UAV-INF", "UAV-LAND", SIGQUIT, "UAV-INF"),
+        ] {
+            scope.spawn(move || {
+                let requests = interrupted_at(point, after, &FLIGHT, signal);
+                let sent = requests.after(point);
+                assert!(sent.iter().any(|name| name == expected), "{point}: {sent:?}");
+            });
+        }
+        scope.spawn(|| {
+            let requests = interrupted_at("UAV-MOTOR", "", &["--only", "UAV-MOTOR"], SIGINT);
+            let motors: Vec<Value> =
+                requests.all().into_iter().filter(|body| body["type"] == "UAV-MOTOR").collect();
+            assert_eq!(motors.last().expect("a request")["start"], false, "{motors:?}");
+        });
+        scope.spawn(|| {
+            let requests = interrupted_at("UAV-SLEEP", "", &["--only", "UAV-SLEEP"], SIGTERM);
+            assert!(requests.after("UAV-SLEEP").contains(&"UAV-WAKEUP".to_owned()));
+        });
+        scope.spawn(|| {
+            let only = ["--only", "UAV-CALIB", "--only", "ASYNC-RESUME", "--only", "UAV-TAKEOFF"];
+            let requests = interrupted_at("ASYNC-RESUME", "UAV-CALIB", &only, SIGINT);
+            let types = requests.types();
+            assert!(types.contains(&"ASYNC-CANCEL".to_owned()), "{types:?}");
+            assert!(!types.contains(&"UAV-TAKEOFF".to_owned()), "{types:?}");
+        });
+        // The last request before the takeoff asks for the altitude.
+        scope.spawn(|| {
+            let types = interrupted_at("UAV-INF", "", &["--only", "UAV-TAKEOFF"], SIGINT).types();
+            assert!(!types.iter().any(|name| name == "UAV-TAKEOFF" || name == "UAV-LAND"), "{types:?}");
+        });
+    });
+}
+
+/// Without commands, nothing has to be undone.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_probe_without_commands_reports_what_it_has_seen() {
+    use nix::sys::signal::Signal::SIGINT;
+    // A server that never answers one request.
+    let reached = Flag::default();
+    let flag = reached.clone();
+    let url = serve(move |mut stream, _| {
+        let reader = BufReader::new(stream.try_clone().expect("a stream"));
+        let mut number = 0;
+        for line in reader.lines().map_while(Result::ok) {
+            if line.contains("SYS-PORTS") {
+                flag.raise();
+                continue;
+            }
+            let Some(answer) = answer(line.as_bytes(), &mut number) else { continue };
+            if stream.write_all(answer.as_bytes()).is_err() {
+                return;
+            }
+        }
+    });
+    let running = Running::start(&[&url, "--timeout", "60", "--limit", "300", "--format", "json"]);
+    reached.wait();
+    send_signal(running.child.id(), SIGINT);
+    let began = Instant::now();
+    let (status, printed, errors) = running.wait();
+    assert!(began.elapsed() < Duration::from_secs(60), "it waits for the answer");
+    assert!(errors.contains("interrupted"), "{errors}");
+    let report: Value = serde_json::from_str(&printed).expect("JSON");
+    let reasons = report["subjects"][0]["incomplete"].to_string();
+    assert!(reasons.contains("interrupted: "), "{reasons}");
+    // A response that the probe didn't wait for is not missing.
+    assert!(!printed.contains("no response to `SYS-PORTS`"), "{printed}");
+    assert!(matches!(status, Some(1 | 6)), "{status:?}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_second_interrupt_leaves_immediately_and_warns() {
+    use nix::sys::signal::Signal::{SIGINT, SIGTERM};
+    let (server, _) = reference_server(None);
+    let (requests, hook) = (Requests::default(), Hook::default());
+    let called = Arc::clone(&hook);
+    let watch = recording(&requests, move |name| {
+        if matches!(name, "UAV-FLY" | "UAV-LAND") {
+            call(&called);
+        }
+        // The UAV can't land.
+        if name == "UAV-LAND" { Pass::Lose } else { Pass::Forward }
+    });
+    let proxy = Proxy { watch: Some(watch), ..Proxy::default() }.start(server.listening()[0].address);
+    let mut held = hook.lock().unwrap_or_else(PoisonError::into_inner);
+    let running = Running::flying(&format!("tcp://{proxy}"), &FLIGHT);
+    let (process, noticed, count) = (running.child.id(), running.noticed.clone(), AtomicUsize::new(0));
+    *held = Some(Box::new(move || match count.fetch_add(1, Ordering::SeqCst) {
+        0 => {
+            send_signal(process, SIGINT);
+            noticed.wait();
+        }
+        1 => send_signal(process, SIGTERM),
+        _ => {}
+    }));
+    drop(held);
+    let (status, printed, errors) = running.wait();
+    assert_eq!((status, printed.as_str()), (Some(130), ""), "{errors}");
+    let last = errors.lines().last().expect("a line");
+    assert!(last.starts_with("\u{1b}[1m\u{1b}[31merror: UAV glider-2 may still fly"), "{last:?}");
+    assert!(state(&server).0 > 0, "the proxy lost the command to land");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_probe_with_commands_can_not_be_suspended() {
+    use nix::sys::signal::Signal::{SIGINT, SIGTSTP};
+    let requests = {
+        let (server, _) = reference_server(None);
+        let (requests, hook) = (Requests::default(), Hook::default());
+        let called = Arc::clone(&hook);
+        let watch = recording(&requests, move |name| {
+            if name == "UAV-FLY" {
+                call(&called);
+            }
+            Pass::Forward
+        });
+        let proxy = Proxy { watch: Some(watch), ..Proxy::default() }.start(server.listening()[0].address);
+        let mut held = hook.lock().unwrap_or_else(PoisonError::into_inner);
+        let running = Running::flying(&format!("tcp://{proxy}"), &FLIGHT);
+        let (process, noticed) = (running.child.id(), running.noticed.clone());
+        *held = Some(Box::new(move || {
+            send_signal(process, SIGTSTP);
+            send_signal(process, SIGINT);
+            noticed.wait();
+        }));
+        drop(held);
+        let (status, _, errors) = running.wait();
+        assert_eq!(status, Some(6), "{errors}");
+        assert!(errors.contains("can't be suspended"), "{errors}");
+        assert_safe(&server, &errors);
+        requests
+    };
+    assert!(requests.after("UAV-FLY").contains(&"UAV-LAND".to_owned()));
+}
+
+/// The server is gone while the UAV flies.
+#[test]
+fn the_last_line_names_uavs_that_may_still_fly() {
+    let (server, _) = reference_server(None);
+    let address = server.listening()[0].address;
+    let (requests, server) = (Requests::default(), Mutex::new(Some(server)));
+    let watch = recording(&requests, move |name| {
+        if name == "UAV-HOVER" {
+            drop(server.lock().unwrap_or_else(PoisonError::into_inner).take());
+            return Pass::Cut;
+        }
+        Pass::Forward
+    });
+    let proxy = Proxy { watch: Some(watch), ..Proxy::default() }.start(address);
+    let folder = tempfile::tempdir().expect("a folder");
+    let (record, report) = outputs(folder.path());
+    let target = format!("json={report}");
+    let more = [
+        "--landing-limit",
+        "1",
+        "--timeout",
+        "1",
+        "--allow-incomplete",
+        "--record",
+        &record,
+        "--report",
+        &target,
+    ];
+    let running = Running::flying(&format!("tcp://{proxy}"), &[&FLIGHT[..], &more].concat());
+    let (status, printed, errors) = running.wait();
+    let last = errors.lines().last().expect("a line");
+    assert!(last.starts_with("\u{1b}[1m\u{1b}[31merror: UAV glider-2 may still fly ("), "{errors:?}");
+    assert!(matches!(status, Some(1 | 6)), "{status:?}: {errors}");
+    assert!(printed.contains("UAV glider-2 may still fly"), "{printed}");
+    let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
+    assert!(report["subjects"][0]["incomplete"].to_string().contains("may still fly"), "{report}");
+}
+
+/// The options of a short probe that flies.
+fn flight_options(endpoint: &Endpoint) -> Options {
+    let only = FLIGHT.iter().filter(|name| name.starts_with("UAV")).map(|name| (*name).to_owned()).collect();
+    let selection = Selection::new(only, Vec::new(), &DEFINITIONS, endpoint).expect("known types");
+    Options {
+        selection: selection.without_trials(),
+        ..Options::new(Duration::ZERO, None, vec![UAV.to_owned()])
+    }
+}
+
+/// A probe through a proxy, in this process.
+fn flown(server: &Server, watch: Watch, change: impl FnOnce(Options) -> Options) -> Probed {
+    let proxy = Proxy { watch: Some(watch), ..Proxy::default() }.start(server.listening()[0].address);
+    let endpoint: Endpoint = format!("tcp://{proxy}").parse().expect("an endpoint");
+    probe(&endpoint, &change(flight_options(&endpoint)), &DEFINITIONS, None, &|_, _| {})
+}
+
+#[test]
+fn lands_uavs_on_a_new_connection_and_logs_in_again() {
+    let login = ("pilot".to_owned(), "secret".to_owned());
+    for points in [&["UAV-HOVER"][..], &["UAV-RTH", "UAV-LAND"], &["UAV-LAND"]] {
+        let (server, _) = reference_server(Some(login.clone()));
+        let requests = Requests::default();
+        let left = Mutex::new(points.to_vec());
+        let watch = recording(&requests, move |name| {
+            let mut left = left.lock().unwrap_or_else(PoisonError::into_inner);
+            match left.iter().position(|point| *point == name) {
+                Some(at) => {
+                    left.remove(at);
+                    Pass::Cut
+                }
+                None => Pass::Forward,
+            }
+        });
+        let probed = flown(&server, watch, |options| Options { login: Some(login.clone()), ..options });
+        assert_eq!(probed.danger, None, "{points:?}: {:?}", requests.types());
+        let after = requests.after(points[0]);
+        let position = |name: &str| after.iter().position(|sent| sent == name).expect(name);
+        assert!(
+            position("AUTH-REQ") < position("UAV-LAND") || points == ["UAV-LAND"],
+            "{points:?}: {after:?}"
+        );
+        let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6c2VjcmV0" });
+        let (height, codes) = state_after(&server, Some(login));
+        assert_eq!((height, codes.contains(&GROUND)), (0, true), "{points:?}: {after:?}");
+    }
+}
+
+#[test]
+fn lands_uavs_after_the_time_limit() {
+    let (server, _) = reference_server(None);
+    let (requests, began) = (Requests::default(), Instant::now());
+    let limit = Duration::from_secs(6);
+    let watch = recording(&requests, move |name| {
+        if name == "UAV-HOVER" {
+            thread::sleep((began + limit).saturating_duration_since(Instant::now()));
+        }
+        Pass::Forward
+    });
+    let probed = flown(&server, watch, |options| Options { limit, ..options });
+    assert_eq!(probed.danger, None);
+    assert!(probed.cut_short.expect("a reason").starts_with("out of time"));
+    assert!(requests.after("UAV-HOVER").contains(&"UAV-LAND".to_owned()));
+    assert!(!requests.types().contains(&"UAV-FLY".to_owned()));
+    assert_safe(&server, "after the time limit");
+}
+
+/// Panics when certain text is recorded.
+struct Panicking {
+    left: Vec<&'static str>,
+    tape: Shared,
+}
+
+impl std::io::Write for Panicking {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let text = String::from_utf8_lossy(bytes);
+        if let Some(at) = self.left.iter().position(|point| text.contains(point)) {
+            self.left.remove(at);
+            panic!("expected by this test");
+        }
+        self.tape.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn lands_uavs_after_a_panic() {
+    for points in [&["UAV-TAKEOFF"][..], &["UAV-HOVER"], &["UAV-LAND"], &["UAV-FLY", "UAV-LAND", "UAV-INF"]] {
+        let (server, url) = reference_server(None);
+        let endpoint: Endpoint = url.parse().expect("an endpoint");
+        let tape = Shared::default();
+        let record = Panicking { left: points.to_vec(), tape: tape.clone() };
+        let options = flight_options(&endpoint);
+        let probed = probe(&endpoint, &options, &DEFINITIONS, Some(Box::new(record)), &|_, _| {});
+        assert_eq!(probed.danger, None, "{points:?}");
+        assert_eq!(probed.failure.as_deref(), Some("internal error of uavspec: expected by this test"));
+        assert_safe(&server, points[0]);
+    }
+}
+
+/// A UAV whose altitude is unknown can't be confirmed.
+#[test]
+fn a_uav_that_is_lost_in_flight_is_not_safe() {
+    let options = serve::Options {
+        losses: vec![(UAV.to_owned(), Duration::from_secs(4))],
+        ..serve::Options::default()
+    };
+    let free = SocketAddr::from(([127, 0, 0, 1], 0));
+    let server = Server::start(options, &[(Transport::Tcp, free)]).expect("it starts");
+    let began = Instant::now();
+    let requests = Requests::default();
+    let watch = recording(&requests, move |name| {
+        if name == "UAV-HOVER" {
+            thread::sleep((began + Duration::from_secs(5)).saturating_duration_since(Instant::now()));
+        }
+        Pass::Forward
+    });
+    let limit = Duration::from_secs(4);
+    let probed = flown(&server, watch, |options| Options { landing_limit: limit, ..options });
+    let danger = probed.danger.expect("a UAV");
+    assert!(danger.starts_with("UAV glider-2 may still fly ("), "{danger}");
+    let types = requests.types();
+    assert!(!types.contains(&"UAV-HALT".to_owned()), "{types:?}");
+}
+
+/// Interrupts a flight over a transport as soon as the UAV has taken off.
+fn interrupt_flight(transport: Transport, scheme: &str, query: &str, is_encrypted: bool) {
+    let options = serve::Options { speed: 10.0, ..serve::Options::default() };
+    let free = SocketAddr::from(([127, 0, 0, 1], 0));
+    let server = Server::start(options, &[(Transport::Tcp, free), (transport, free)]).expect("it starts");
+    let mut address = server.listening()[1].address;
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut trust = Trust::default();
+    if is_encrypted {
+        let (pem, config) = certified(&["127.0.0.1"]);
+        let path = folder.path().join("ca.pem");
+        std::fs::write(&path, pem).expect("a file");
+        trust = Trust::new(Some(&path), false).expect("a certificate");
+        address = Proxy { tls: Some(config), ..Proxy::default() }.start(address);
+    }
+    let endpoint: Endpoint = format!("{scheme}://{address}{query}").parse().expect("an endpoint");
+    let stop = Stop::default();
+    let options = Options { trust, stop: stop.clone(), ..flight_options(&endpoint) };
+    let probed = thread::scope(|scope| {
+        let probing = scope.spawn(|| probe(&endpoint, &options, &DEFINITIONS, None, &|_, _| {}));
+        while state(&server).0 < 2_000 && !probing.is_finished() {
+            thread::sleep(Duration::from_millis(20));
+        }
+        assert!(stop.request(), "{endpoint}");
+        probing.join().expect("no panic")
+    });
+    assert_eq!((&probed.danger, &probed.failure), (&None, &None), "{endpoint}");
+    let reason = probed.cut_short.as_deref().expect("a reason");
+    assert!(reason.starts_with("interrupted"), "{endpoint}: {reason}");
+    assert_eq!(rules(&probed), BTreeSet::new(), "{endpoint}");
+    assert_eq!(stop.at_risk(), []);
+    assert_safe(&server, &endpoint.to_string());
+}
+
+#[test]
+fn lands_uavs_over_each_transport() {
+    thread::scope(|scope| {
+        for (transport, scheme, query, is_encrypted) in [
+            (Transport::Tcp, "tcp", "", false),
+            (Transport::Tcp, "tcps", "", true),
+            (Transport::Udp, "udp", "", false),
+            (Transport::Http, "http", "/api/v1", false),
+            (Transport::Http, "https", "/api/v1", true),
+            (Transport::SocketIo, "socketio", "", false),
+            (Transport::SocketIo, "socketio", "?protocol=4&transport=polling", false),
+        ] {
+            scope.spawn(move || interrupt_flight(transport, scheme, query, is_encrypted));
+        }
+    });
+}
