@@ -108,6 +108,9 @@ enum Command {
     ///
     /// With --allow-commands, the given UAVs are calibrated and tested, put to sleep and woken up. They take off, fly
     /// at 10 m above home, return and land. After the landing, they are halted and restarted.
+    ///
+    /// Ctrl-C ends the probe. It first lands the UAVs that it commanded, stops their motors and wakes them, and then
+    /// writes its reports. A second Ctrl-C leaves immediately. UAVs that may still fly are the last line printed.
     Probe(probe::ProbeArgs),
     /// Run a reference Flockwave server with a simulated fleet.
     ///

@@ -52,7 +52,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use uavspec_codegen::emit::docs::markdown::plural;
 
-use self::altitude::Altitude;
+use self::altitude::Flight;
 pub use self::commanded::{AtRisk, Effect};
 use self::connections::PAUSE;
 use self::coverage::Coverage;
@@ -196,7 +196,7 @@ pub fn probe<'d>(
         stops: 0,
         slowest: Duration::ZERO,
         end: Instant::now() + options.limit + options.observe,
-        ground: BTreeMap::new(),
+        flights: BTreeMap::new(),
         danger: None,
         notes: Vec::new(),
         failure: None,
@@ -253,8 +253,8 @@ struct Probe<'p, 'd> {
     slowest: Duration,
     /// The time after which no further requests are sent.
     end: Instant,
-    /// The altitudes of UAVs before they took off.
-    ground: BTreeMap<String, Altitude>,
+    /// The flights of the UAVs that may take off.
+    flights: BTreeMap<String, Flight>,
     /// The reason why some UAVs aren't known to be safe.
     danger: Option<String>,
     notes: Vec<String>,
@@ -475,7 +475,7 @@ impl Probe<'_, '_> {
         patience: Duration,
     ) -> Option<Value> {
         let body = &message["body"];
-        self.stop.commanded().sent(body, self.ground.keys());
+        self.stop.commanded().sent(body, self.flights.keys());
         let session = self.session.as_mut()?;
         let (text, end) = (message.to_string(), Instant::now() + patience);
         // A command that arrives twice, or late, may have an effect twice.

@@ -69,7 +69,7 @@ impl Drop for Danger {
     fn drop(&mut self) {
         let Some(at_risk) = &self.0 else { return };
         let red = AnsiColor::Red.on_default().bold();
-        print(&format!("{red}error: {at_risk}. Take control of them by other means now.{red:#}"));
+        print(&format!("{red}error: {at_risk}. Take control by other means now.{red:#}"));
     }
 }
 

@@ -36,7 +36,9 @@ const EXAMPLES: &str = "Examples:
 const FAILURE: &str = "the server doesn't respond, or a file can't be written";
 
 /// The meaning of exit status 6.
-const INCOMPLETE: &str = "the probe was cut short, or too little was checked";
+const INCOMPLETE: &str = "the probe was cut short or interrupted, or too little was
+     checked
+130  interrupted twice";
 
 /// Arguments of `probe`.
 #[derive(Args, Debug)]

@@ -38,25 +38,47 @@ impl Altitude {
     }
 }
 
+/// The altitude of a UAV before a flight, and the state of the flight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Flight {
+    ground: Altitude,
+    /// True if the UAV was seen in the air.
+    was_in_air: bool,
+}
+
+impl Flight {
+    /// The flight of a UAV that is on the ground.
+    pub(super) fn new(ground: Altitude) -> Self {
+        Self { ground, was_in_air: false }
+    }
+
+    /// Takes an altitude of the UAV. Returns the height above the ground in mm, if it is known.
+    pub(super) fn see(&mut self, altitude: Altitude) -> Option<i64> {
+        let height = altitude.above(self.ground)?;
+        self.was_in_air |= height > AIRBORNE;
+        Some(height)
+    }
+}
+
 /// Decides from consecutive states of a UAV that it is on the ground. A UAV that only passes this height, or that stopped
 /// reporting, isn't known to be on the ground.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Touchdown {
-    ground: Option<Altitude>,
     /// The first of the states near the ground between which the UAV was still.
     since: Option<(Instant, i64, Value)>,
 }
 
 impl Touchdown {
-    /// A UAV whose altitude on the ground is `ground`, if it is known.
-    pub(super) fn new(ground: Option<Altitude>) -> Self {
-        Self { ground, since: None }
-    }
-
     /// Takes the status of the UAV. Returns the reason why the UAV isn't known to be on the ground.
-    pub(super) fn see(&mut self, status: &Value, now: Instant) -> Result<(), String> {
-        let height = Altitude::of(status).zip(self.ground).and_then(|(now, ground)| now.above(ground));
-        let Some(height) = height else {
+    pub(super) fn see(
+        &mut self,
+        flight: Option<&mut Flight>,
+        status: &Value,
+        now: Instant,
+    ) -> Result<(), String> {
+        let seen = flight.zip(Altitude::of(status));
+        let seen = seen.and_then(|(flight, altitude)| Some((flight.see(altitude)?, flight.was_in_air)));
+        let Some((height, was_in_air)) = seen else {
             self.since = None;
             return Err("its altitude is unknown".to_owned());
         };
@@ -69,7 +91,8 @@ impl Touchdown {
             Some((since, before, reported)) if (height - before).abs() < STILL => {
                 if now.saturating_duration_since(*since) < STILL_TIME {
                     Err("it may be moving".to_owned())
-                } else if timestamp == reported {
+                } else if timestamp == reported && !was_in_air {
+                    // Otherwise, the change of the altitude shows that the state is new.
                     Err("it doesn't report its altitude any more".to_owned())
                 } else {
                     Ok(())
@@ -91,11 +114,12 @@ mod tests {
 
     /// The states of a UAV whose altitude at takeoff was 3 m: seconds, altitude in mm, and timestamp.
     fn last(states: &[(u64, Value, u64)]) -> Result<(), String> {
-        let (mut touchdown, start) = (Touchdown::new(Some(Altitude::AboveHome(3_000))), Instant::now());
+        let (mut touchdown, start) = (Touchdown::default(), Instant::now());
+        let mut flight = Flight::new(Altitude::AboveHome(3_000));
         let mut result = Err("no state".to_owned());
         for (seconds, altitude, timestamp) in states {
             let status = json!({ "timestamp": timestamp, "position": [1, 2, 900_000, altitude] });
-            result = touchdown.see(&status, start + Duration::from_secs(*seconds));
+            result = touchdown.see(Some(&mut flight), &status, start + Duration::from_secs(*seconds));
         }
         result
     }
@@ -125,14 +149,16 @@ mod tests {
     fn a_uav_whose_altitude_is_unknown_or_old_has_not_landed() {
         let old = last(&[(0, json!(3_000), 1), (9, json!(3_000), 1)]).expect_err("old");
         assert!(old.contains("doesn't report"), "{old}");
+        // A server may set no timestamps, but the UAV has descended.
+        assert_eq!(last(&[(0, json!(9_000), 0), (5, json!(3_000), 0), (9, json!(3_000), 0)]), Ok(()));
         // The other altitude has another reference.
         let unknown = last(&[(0, json!(3_000), 1), (9, Value::Null, 9)]).expect_err("unknown");
         assert_eq!(unknown, "its altitude is unknown");
-        let (mut touchdown, now) = (Touchdown::new(None), Instant::now());
+        let (mut touchdown, now) = (Touchdown::default(), Instant::now());
         let status = json!({ "timestamp": 1, "position": [1, 2, 900_000, 0] });
-        assert_eq!(touchdown.see(&status, now).expect_err("unknown"), "its altitude is unknown");
-        let status = json!({ "error": "lost" });
-        assert!(touchdown.see(&status, now).is_err());
+        assert_eq!(touchdown.see(None, &status, now).expect_err("unknown"), "its altitude is unknown");
+        let mut flight = Flight::new(Altitude::AboveSea(0));
+        assert!(touchdown.see(Some(&mut flight), &Value::Null, now).is_err());
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::Probe;
-use super::altitude::{AIRBORNE, Altitude};
+use super::altitude::{AIRBORNE, Altitude, Flight};
 use super::survey::{ids, with_unknown_id};
 use crate::json::base64;
 use crate::rules::flockwave::trial::UNKNOWN_ID;
@@ -203,7 +203,7 @@ impl Probe<'_, '_> {
             self.coverage.not_sent(&FLIGHT_COMMANDS, "a UAV is in the air");
             return false;
         }
-        self.ground = uavs.iter().cloned().zip(ground).collect();
+        self.flights = uavs.iter().cloned().zip(ground.into_iter().map(Flight::new)).collect();
         self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
         let has_taken_off = !self.is_safe();
         let was_in_air = has_taken_off && self.wait_for_takeoff(uavs);
@@ -261,11 +261,13 @@ impl Probe<'_, '_> {
     fn wait_for_takeoff(&mut self, uavs: &[String]) -> bool {
         let until = (Instant::now() + TAKEOFF_TIMEOUT).min(self.end);
         loop {
-            let heights = self.altitudes(uavs).map(|altitudes| {
-                let above = |(uav, altitude): (&String, Altitude)| altitude.above(*self.ground.get(uav)?);
-                uavs.iter().zip(altitudes).map(above).collect::<Vec<_>>()
-            });
-            if heights.is_some_and(|all| all.iter().all(|up| up.is_some_and(|up| up > AIRBORNE))) {
+            let altitudes = self.altitudes(uavs).unwrap_or_default();
+            let heights: Vec<Option<i64>> = uavs
+                .iter()
+                .zip(altitudes)
+                .map(|(uav, altitude)| self.flights.get_mut(uav)?.see(altitude))
+                .collect();
+            if !heights.is_empty() && heights.iter().all(|up| up.is_some_and(|up| up > AIRBORNE)) {
                 return true;
             }
             if Instant::now() >= until || self.stop.is_due() {

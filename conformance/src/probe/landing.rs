@@ -180,9 +180,8 @@ impl Probe<'_, '_> {
 
     /// Waits until UAVs are seen on the ground. Returns the reason if one of them isn't.
     fn wait_on_ground(&mut self, uavs: &[String], until: Instant) -> Result<(), String> {
-        let ground = &self.ground;
         let mut waiting: BTreeMap<&String, Touchdown> =
-            uavs.iter().map(|uav| (uav, Touchdown::new(ground.get(uav).copied()))).collect();
+            uavs.iter().map(|uav| (uav, Touchdown::default())).collect();
         loop {
             // On a new connection, the UAVs must be told to land again.
             if let Some(session) = self.session.as_ref().filter(|session| session.is_over()) {
@@ -191,7 +190,9 @@ impl Probe<'_, '_> {
             let answer = self.urge(&json!({ "type": "UAV-INF", "ids": uavs }))?;
             let mut problem = None;
             waiting.retain(|uav, touchdown| {
-                match touchdown.see(&answer["body"]["status"][uav.as_str()], Instant::now()) {
+                let status = &answer["body"]["status"][uav.as_str()];
+                let seen = touchdown.see(self.flights.get_mut(*uav), status, Instant::now());
+                match seen {
                     Ok(()) => self.stop.commanded().undone(Effect::Airborne, uav),
                     Err(why) => {
                         problem.get_or_insert(why);
