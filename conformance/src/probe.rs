@@ -53,7 +53,6 @@ use serde_json::{Value, json};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use self::altitude::Flight;
-pub use self::commanded::{AtRisk, Effect};
 use self::connections::PAUSE;
 use self::coverage::Coverage;
 pub use self::coverage::RequestType;
@@ -198,6 +197,7 @@ pub fn probe<'d>(
         end: Instant::now() + options.limit + options.observe,
         flights: BTreeMap::new(),
         danger: None,
+        landing_end: None,
         notes: Vec::new(),
         failure: None,
         cut_short: None,
@@ -255,8 +255,9 @@ struct Probe<'p, 'd> {
     end: Instant,
     /// The flights of the UAVs that may take off.
     flights: BTreeMap<String, Flight>,
-    /// The reason why some UAVs aren't known to be safe.
+    /// The reason why some UAVs aren't known to be safe, and the time limit for making them safe.
     danger: Option<String>,
+    landing_end: Option<Instant>,
     notes: Vec<String>,
     failure: Option<String>,
     cut_short: Option<String>,

@@ -1,11 +1,11 @@
 //! Ends a probe after a signal. UAVs that received commands must not stay in the air.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::IsTerminal as _;
 
 use anstyle::AnsiColor;
 
 use super::Status;
-use crate::probe::{AtRisk, Options, Stop};
+use crate::probe::{Options, Stop};
 use crate::text::terminal;
 
 /// The exit status after a second interrupt: 128 plus the number of SIGINT.
@@ -28,42 +28,27 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
 /// Asks the probe to stop. At the second time, ends the program.
 fn end(stop: &Stop, limit: u64) {
     let is_first = stop.request();
-    let at_risk: Vec<String> = stop.at_risk().iter().map(AtRisk::to_string).collect();
-    let at_risk = at_risk.join("; ");
-    if is_first {
-        let state = if at_risk.is_empty() {
-            "interrupted: the probe ends".to_owned()
-        } else {
-            format!("interrupted: the probe first makes the UAVs safe, for up to {limit} s ({at_risk})")
-        };
-        print(&format!("{state}. Press Ctrl-C again to leave immediately."));
-        return;
+    let at_risk = stop.at_risk();
+    if !is_first {
+        drop(Danger(at_risk));
+        std::process::exit(INTERRUPTED);
     }
-    let danger = Danger::new((!at_risk.is_empty()).then_some(at_risk));
-    drop(danger);
-    std::process::exit(INTERRUPTED);
+    let state = at_risk.map_or_else(
+        || "interrupted: the probe ends".to_owned(),
+        |uavs| format!("interrupted: the probe first makes the UAVs safe, for up to {limit} s ({uavs})"),
+    );
+    print(&format!("{state}. Press Ctrl-C again to leave immediately."));
 }
 
 /// Prints a line to standard error. The terminal may be gone.
 pub(super) fn print(line: &str) {
     // The signal may arrive while a progress bar is shown.
     let start = if std::io::stderr().is_terminal() { "\n" } else { "" };
-    let _ = writeln!(terminal::stderr(), "{start}{line}");
+    terminal::print_error(format_args!("{start}{line}\n"));
 }
 
 /// The UAVs that may be unsafe. They are printed when this value is dropped.
-pub(super) struct Danger(Option<String>);
-
-impl Danger {
-    pub(super) fn new(at_risk: Option<String>) -> Self {
-        Self(at_risk)
-    }
-
-    /// True if there are such UAVs.
-    pub(super) fn is_any(&self) -> bool {
-        self.0.is_some()
-    }
-}
+pub(super) struct Danger(pub(super) Option<String>);
 
 impl Drop for Danger {
     fn drop(&mut self) {

@@ -139,9 +139,9 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     let elapsed = started.elapsed().as_millis();
     drop(progress);
     // The last line, even if reporting fails.
-    let danger = Danger::new(probed.danger.take());
+    let danger = Danger(probed.danger.take());
     let mut settings = args.outcome.settings();
-    settings.allows_incomplete &= !options.stop.is_requested() && !danger.is_any();
+    settings.allows_incomplete &= !options.stop.is_requested() && danger.0.is_none();
     Ok(report(args, probed, &definitions, &required, known, settings, elapsed))
 }
 

@@ -1,7 +1,6 @@
 //! The commands that a probe has sent and not yet undone.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 
 use serde_json::{Value, json};
 
@@ -10,7 +9,7 @@ use crate::rules::flockwave::trial::UNKNOWN_ID;
 /// A state of a UAV that the probe must undo. The order is the order in which states are undone: a sleeping UAV obeys
 /// no command, and stopped motors would make a flying UAV fall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Effect {
+pub(super) enum Effect {
     /// The UAV may be asleep.
     Asleep,
     /// The UAV may be in the air.
@@ -34,6 +33,16 @@ impl Effect {
         }
     }
 
+    /// A warning about a UAV that may be in this state.
+    fn warning(self, uav: &str) -> String {
+        let uav = crate::text::shown(uav);
+        match self {
+            Self::Asleep => format!("UAV {uav} may still be asleep"),
+            Self::Airborne => format!("UAV {uav} may still fly"),
+            Self::MotorsOn => format!("the motors of UAV {uav} may still run"),
+        }
+    }
+
     /// The request that undoes the effect. It names only UAVs that exist, because a server might refuse the whole
     /// request for an unknown id.
     pub(super) fn undo(self, uavs: &[String]) -> Value {
@@ -41,26 +50,6 @@ impl Effect {
             Self::Asleep => json!({ "type": "UAV-WAKEUP", "ids": uavs }),
             Self::Airborne => json!({ "type": "UAV-LAND", "ids": uavs }),
             Self::MotorsOn => json!({ "type": "UAV-MOTOR", "ids": uavs, "start": false }),
-        }
-    }
-}
-
-/// A UAV that may be unsafe. The text form is a clause, such as `UAV 07 may still fly`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AtRisk {
-    /// The id of the UAV.
-    pub uav: String,
-    /// The possible state of the UAV.
-    pub effect: Effect,
-}
-
-impl fmt::Display for AtRisk {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let uav = crate::text::shown(&self.uav);
-        match self.effect {
-            Effect::Asleep => write!(f, "UAV {uav} may still be asleep"),
-            Effect::Airborne => write!(f, "UAV {uav} may still fly"),
-            Effect::MotorsOn => write!(f, "the motors of UAV {uav} may still run"),
         }
     }
 }
@@ -134,9 +123,10 @@ impl Commanded {
         std::mem::take(&mut self.operations)
     }
 
-    /// The UAVs that may be unsafe.
-    pub(super) fn at_risk(&self) -> Vec<AtRisk> {
-        self.effects.keys().map(|(effect, uav)| AtRisk { uav: uav.clone(), effect: *effect }).collect()
+    /// The UAVs that may be unsafe, as clauses. `None` if all UAVs are safe.
+    pub(super) fn at_risk(&self) -> Option<String> {
+        let warnings: Vec<String> = self.effects.keys().map(|(effect, uav)| effect.warning(uav)).collect();
+        (!warnings.is_empty()).then(|| warnings.join("; "))
     }
 }
 
@@ -191,10 +181,6 @@ fn text(reason: &Value) -> String {
 mod tests {
     use super::*;
 
-    fn risks(commanded: &Commanded) -> Vec<String> {
-        commanded.at_risk().iter().map(AtRisk::to_string).collect()
-    }
-
     #[test]
     fn remembers_each_command_that_changes_a_uav() {
         let ids = ["07", UNKNOWN_ID];
@@ -211,8 +197,7 @@ mod tests {
         ] {
             let mut commanded = Commanded::default();
             commanded.sent(&json!({ "type": kind, "ids": ids }), [].iter());
-            let expected: Vec<String> = risk.into_iter().map(str::to_owned).collect();
-            assert_eq!(risks(&commanded), expected, "{kind}");
+            assert_eq!(commanded.at_risk().as_deref(), risk, "{kind}");
             assert_eq!(commanded.is_safe(), risk.is_none());
         }
         let mut commanded = Commanded::default();
@@ -228,8 +213,8 @@ mod tests {
         for kind in ["UAV-MOTOR", "UAV-TAKEOFF", "UAV-SLEEP"] {
             commanded.sent(&json!({ "type": kind, "ids": ["07"] }), [].iter());
         }
-        let order: Vec<Effect> = commanded.at_risk().iter().map(|risk| risk.effect).collect();
-        assert_eq!(order, [Effect::Asleep, Effect::Airborne, Effect::MotorsOn]);
+        let order: Vec<Effect> = commanded.effects.keys().map(|(effect, _)| *effect).collect();
+        assert_eq!(order, Effect::ALL);
     }
 
     #[test]

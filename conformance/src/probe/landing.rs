@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use uavspec::flockwave::ErrorCode;
 
 use super::altitude::Touchdown;
-use super::commanded::{AtRisk, Effect, Reply};
+use super::commanded::{Effect, Reply};
 use super::commands::{ALTITUDE_INTERVAL, PROGRESS_TIMEOUT, is_end};
 use super::session::Session;
 use super::{Probe, plain};
@@ -38,12 +38,18 @@ impl Probe<'_, '_> {
             return;
         }
         let _deferred = self.stop.defer();
-        let until = Instant::now() + self.options.landing_limit;
+        // After the time limit, there is one more attempt at the end of the survey.
+        let limit = self.options.landing_limit;
+        let until = *self.landing_end.get_or_insert_with(|| Instant::now() + limit);
         loop {
             // If a UAV can't be woken, others must still land.
             let attempts = Effect::ALL.map(|effect| self.undo(effect, until));
             let before = std::mem::replace(&mut self.danger, attempts.into_iter().find_map(Result::err));
-            if self.is_safe() || Instant::now() + RETRY_INTERVAL >= until {
+            if self.is_safe() {
+                (self.danger, self.landing_end) = (None, None);
+                return;
+            }
+            if Instant::now() + RETRY_INTERVAL >= until {
                 return;
             }
             if let Some(danger) = self.danger().filter(|_| self.danger != before) {
@@ -74,34 +80,34 @@ impl Probe<'_, '_> {
 
     /// The UAVs that aren't known to be safe, and the reason.
     pub(super) fn danger(&self) -> Option<String> {
-        let all: Vec<String> = self.stop.at_risk().iter().map(AtRisk::to_string).collect();
         let why = self.danger.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
-        (!all.is_empty()).then(|| all.join("; ") + &why)
+        self.stop.at_risk().map(|uavs| uavs + &why)
     }
 
     /// Undoes one kind of effect. Returns the reason if a UAV isn't known to be safe.
     fn undo(&mut self, effect: Effect, until: Instant) -> Result<(), String> {
         let mut uavs = self.stop.commanded().uavs(effect);
-        let airborne = self.stop.commanded().uavs(Effect::Airborne);
-        if effect == Effect::Airborne {
-            return self.land(&uavs, until);
+        if effect == Effect::MotorsOn {
+            // The motors of a flying UAV must not stop.
+            let airborne = self.stop.commanded().uavs(Effect::Airborne);
+            uavs.retain(|uav| !airborne.contains(uav));
         }
-        // The motors of a flying UAV must not stop.
-        uavs.retain(|uav| !airborne.contains(uav));
-        if uavs.is_empty() { Ok(()) } else { self.reverse(effect, &uavs) }
+        match effect {
+            _ if uavs.is_empty() => Ok(()),
+            Effect::Airborne => self.land(&uavs, until),
+            Effect::Asleep | Effect::MotorsOn => self.reverse(effect, &uavs),
+        }
     }
 
     /// Stops motors or wakes UAVs.
     fn reverse(&mut self, effect: Effect, uavs: &[String]) -> Result<(), String> {
         let answer = self.urge(&effect.undo(uavs))?;
         let mut problem = Ok(());
-        let mut receipts = BTreeMap::new();
+        let mut receipts = Vec::new();
         for uav in uavs {
             match Reply::new(&answer, uav) {
                 Reply::Success => self.stop.commanded().undone(effect, uav),
-                Reply::Receipt(receipt) => {
-                    receipts.insert(receipt, uav.clone());
-                }
+                Reply::Receipt(receipt) => receipts.push((receipt, uav.clone())),
                 // A UAV that refused both commands, or the first of them, was never in this state.
                 Reply::Refusal(_) if self.stop.commanded().is_refused(effect, uav) => {
                     self.stop.commanded().undone(effect, uav);
@@ -109,25 +115,25 @@ impl Probe<'_, '_> {
                 Reply::Refusal(why) => problem = Err(crate::text::shown(&why)),
             }
         }
-        for uav in self.succeeded(receipts) {
+        for uav in self.finish_operations(receipts)? {
             self.stop.commanded().undone(effect, &uav);
         }
-        self.see_at_rest(effect, uavs)?;
         problem
     }
 
-    /// Waits for the ends of operations. Returns the UAVs whose operation succeeded.
-    fn succeeded(&mut self, mut receipts: BTreeMap<String, String>) -> Vec<String> {
+    /// Waits for the ends of operations, each with its UAV. Returns the UAVs whose operation succeeded. UAVs may share an
+    /// operation.
+    fn finish_operations(&mut self, mut receipts: Vec<(String, String)>) -> Result<Vec<String>, String> {
         let until = Instant::now() + PROGRESS_TIMEOUT;
         let mut succeeded = Vec::new();
         while !receipts.is_empty() {
-            let is_wanted = |message: &Value| receipts.keys().any(|receipt| is_end(message, receipt));
+            let is_wanted = |message: &Value| receipts.iter().any(|(receipt, _)| is_end(message, receipt));
             let Some(session) = &mut self.session else { break };
             let Some(message) = session.find(&mut self.tape, until, is_wanted) else { break };
             let body = &message["body"];
             let has_succeeded =
                 body["type"] == "ASYNC-RESP" && body["error"].is_null() && body["result"] != false;
-            receipts.retain(|receipt, uav| {
+            receipts.retain(|(receipt, uav)| {
                 let is_ended = is_end(&message, receipt);
                 if is_ended && has_succeeded {
                     succeeded.push(uav.clone());
@@ -135,28 +141,18 @@ impl Probe<'_, '_> {
                 !is_ended
             });
         }
-        succeeded
-    }
-
-    /// Notes the UAVs whose status shows that they are awake on the ground with stopped motors. Over HTTP, for example,
-    /// the end of an operation isn't reported.
-    fn see_at_rest(&mut self, effect: Effect, uavs: &[String]) -> Result<(), String> {
-        let left = self.stop.commanded().uavs(effect);
-        if !left.iter().any(|uav| uavs.contains(uav)) {
-            return Ok(());
+        if receipts.is_empty() {
+            return Ok(succeeded);
         }
-        let states = self.urge(&json!({ "type": "UAV-INF", "ids": uavs }))?;
-        for uav in uavs.iter().filter(|uav| is_at_rest(&states["body"]["status"][uav.as_str()])) {
-            self.stop.commanded().undone(effect, uav);
-        }
-        Ok(())
+        // Over HTTP, for example, the end of an operation isn't reported.
+        let left: Vec<String> = receipts.into_iter().map(|(_, uav)| uav).collect();
+        let states = self.urge(&json!({ "type": "UAV-INF", "ids": left }))?;
+        succeeded.extend(left.into_iter().filter(|uav| is_at_rest(&states["body"]["status"][uav.as_str()])));
+        Ok(succeeded)
     }
 
     /// Lands UAVs, and waits until they are on the ground.
     fn land(&mut self, uavs: &[String], until: Instant) -> Result<(), String> {
-        if uavs.is_empty() {
-            return Ok(());
-        }
         let answer = self.urge(&Effect::Airborne.undo(uavs))?;
         let refusal = |uav: &String| match Reply::new(&answer, uav) {
             Reply::Refusal(why) => Some(why),

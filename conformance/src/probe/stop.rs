@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::commanded::{AtRisk, Commanded};
+use super::commanded::Commanded;
 
 /// The maximum time until a waiting probe notices a request to stop.
 pub(super) const NOTICE_TIME: Duration = Duration::from_millis(50);
@@ -35,8 +35,9 @@ impl Stop {
         self.0.is_requested.load(Ordering::SeqCst)
     }
 
-    /// The UAVs that the probe commanded and that aren't known to be safe at this moment.
-    pub fn at_risk(&self) -> Vec<AtRisk> {
+    /// The UAVs that the probe commanded and that aren't known to be safe at this moment, such as `UAV 07 may still
+    /// fly`. `None` if there are none.
+    pub fn at_risk(&self) -> Option<String> {
         self.commanded().at_risk()
     }
 

@@ -603,7 +603,7 @@ fn interrupt_flight(transport: Transport, scheme: &str, query: &str, is_encrypte
     let reason = probed.cut_short.as_deref().expect("a reason");
     assert!(reason.starts_with("interrupted"), "{endpoint}: {reason}");
     assert_eq!(rules(&probed), BTreeSet::new(), "{endpoint}");
-    assert_eq!(stop.at_risk(), []);
+    assert_eq!(stop.at_risk(), None);
     assert_safe(&server, &endpoint.to_string());
 }
 
