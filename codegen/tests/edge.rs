@@ -169,3 +169,45 @@ fn px4_definitions_match_the_generator_of_px4() {
 fn ros2_definitions_match_rosidl() {
     check(ros2_deviation, ROS2_DEVIATIONS);
 }
+
+/// Defaults of arrays, with the value that rosidl reads. The reference file has no such case; rosidl's parser splits
+/// lists of numbers at each comma, and skips a comma directly before the closing bracket of a list of strings.
+#[test]
+fn reads_commas_in_default_lists_as_rosidl_does() {
+    let default = |text: &str| {
+        let (message, _) = read_case(&format!("{text}\n"), Dialect::Ros2).ok()?;
+        Some(message["fields"][0]["default"].clone())
+    };
+    for (text, expected) in [
+        ("int32[] a [1, 2]", Some(json!([1, 2]))),
+        ("int32[] a [1, 2,]", None),
+        ("int32[] a [1, 2, ]", None),
+        ("int32[] a [1 , 2 ]", Some(json!([1, 2]))),
+        ("int32[<=3] a [1,2,]", None),
+        ("int32[2] a [1,2,]", None),
+        ("float32[] a [1.5,]", None),
+        ("bool[] a [true,]", None),
+        ("int32[] a [1,,2]", None),
+        ("int32[] a [,1]", None),
+        ("int32[] a [,]", None),
+        ("int32[] a []", Some(json!([]))),
+        ("int32[] a [ ]", None),
+        ("string[] a ['x', 'y',]", Some(json!(["x", "y"]))),
+        ("string[2] a ['x', 'y' ,]", Some(json!(["x", "y"]))),
+        ("string[] a [x,]", Some(json!(["x"]))),
+        ("string[] a ['x', ]", None),
+        ("string[] a ['x',,]", None),
+        ("string[] a [,]", None),
+        ("string[] a []", Some(json!([]))),
+        ("string[] a [ ]", None),
+    ] {
+        assert_eq!(default(text), expected, "{text}");
+    }
+}
+
+#[test]
+fn a_comma_after_the_last_default_is_an_error_with_a_hint() {
+    let error = read_case("int32[] a [1, 2,]  # text\n", Dialect::Ros2).expect_err("an error");
+    assert!(error.contains("`[1, 2,]` is not a value of type `array`"), "{error}");
+    assert!(error.contains("remove the comma after the last element"), "{error}");
+}

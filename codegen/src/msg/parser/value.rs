@@ -10,6 +10,9 @@ use crate::msg::literal::{self, LiteralError};
 use crate::source::Span;
 use crate::value::Value;
 
+/// The hint for text that is not a list.
+const LIST_HINT: &str = "write the elements in brackets: `[1, 2]`";
+
 impl<'s> LineParser<'s, '_> {
     /// Reads the value of a constant.
     pub(super) fn constant(&mut self, ty: &Type<'s>, name: Name<'s>) -> Result<Constant<'s>, Invalid> {
@@ -159,23 +162,31 @@ impl<'s> LineParser<'s, '_> {
         let start = self.at;
         let mut values = Vec::new();
         if !self.rest().starts_with('[') {
-            let text = self.word(|c| c != '#').trim_end().to_owned();
-            let span = self.span.part(start..start + text.len());
-            return Err(self.not_a_list(text, span));
+            self.word(|c| c != '#');
+            return Err(self.not_a_list(start, LIST_HINT));
         }
         self.at += 1;
-        self.skip_spaces();
+        self.skip_spaces_in_list(start, "write `[]` for an empty list; rosidl rejects the spaces")?;
         while !self.rest().starts_with(']') {
             if self.is_at_end() {
-                let text = self.line[start..self.at].trim_end().to_owned();
-                let span = self.span.part(start..self.at);
-                return Err(self.not_a_list(text, span));
+                return Err(self.not_a_list(start, LIST_HINT));
+            }
+            if self.rest().starts_with(',') {
+                self.at += 1;
+                return Err(self.not_a_list(start, "write a value before each comma"));
             }
             values.push(self.default_value(element, |c| !matches!(c, '#' | ',' | ']'))?);
             self.skip_spaces();
             if self.rest().starts_with(',') {
                 self.at += 1;
-                self.skip_spaces();
+                // rosidl splits a list at each comma, except a list of strings.
+                let is_string = matches!(element, Element::String { .. });
+                if !(is_string && self.rest().starts_with(']')) {
+                    self.skip_spaces_in_list(
+                        start,
+                        "remove the comma after the last element; rosidl rejects it",
+                    )?;
+                }
             } else if !self.rest().starts_with(']') {
                 self.expect_end()?;
             }
@@ -198,8 +209,23 @@ impl<'s> LineParser<'s, '_> {
         })
     }
 
-    fn not_a_list(&mut self, text: String, span: Span) -> Invalid {
+    /// Skips the spaces before an element of the list at `start`. Fails if the list ends there.
+    fn skip_spaces_in_list(&mut self, start: usize, hint: &str) -> Result<(), Invalid> {
+        let before = self.at;
+        self.skip_spaces();
+        let is_empty = before == start + 1 && self.at == before;
+        if is_empty || !self.rest().starts_with(']') {
+            return Ok(());
+        }
+        self.at += 1;
+        Err(self.not_a_list(start, hint))
+    }
+
+    /// Reports the text from `start` to the current position, which is not a list.
+    fn not_a_list(&mut self, start: usize, hint: &str) -> Invalid {
+        let text = self.line[start..self.at].trim_end().to_owned();
+        let span = self.span.part(start..start + text.len());
         let problem = Problem::InvalidLiteral { text, type_name: "array".to_owned() };
-        self.report_with(problem, span, "write the elements in brackets: `[1, 2]`")
+        self.report_with(problem, span, hint)
     }
 }
