@@ -36,11 +36,11 @@ pub struct Change {
 /// Replaces the files. All changes are staged first, so nothing changes if the disk is full.
 pub fn write(changes: &[Change]) -> Result<(), Failure> {
     let mut stages = BTreeMap::new();
-    let mut staged = Vec::with_capacity(changes.len());
+    let mut files = Vec::with_capacity(changes.len());
     for (index, change) in changes.iter().enumerate() {
-        staged.push(stage(change, index, &mut stages).map_err(|error| unwritable(change, &error))?);
+        files.push(stage(change, index, &mut stages).map_err(|error| unwritable(change, &error))?);
     }
-    for (change, file) in changes.iter().zip(staged) {
+    for (change, file) in changes.iter().zip(files) {
         fs::rename(file, &change.path).map_err(|error| unwritable(change, &error))?;
     }
     Ok(())

@@ -58,7 +58,7 @@ impl Stage {
     }
 
     /// Like [`Self::new`], but waits until no other run has an exclusive temporary folder in `folder`.
-    pub fn exclusive(folder: &Path) -> io::Result<Self> {
+    pub(crate) fn exclusive(folder: &Path) -> io::Result<Self> {
         for _ in 0..MAX_ATTEMPTS {
             let path = folder.join(EXCLUSIVE);
             match fs::create_dir(&path) {
@@ -91,7 +91,8 @@ impl Stage {
             Err(error) if error.kind() != ErrorKind::Unsupported => return Err(error),
             _ => {}
         }
-        Ok(is_current(&lock, &path).then_some(Self { path, _lock: lock }))
+        // A stage of a removed folder is never created: dropping it would remove the folder of the next owner.
+        Ok(is_current(&lock, &path).then(|| Self { path, _lock: lock }))
     }
 }
 
@@ -241,9 +242,11 @@ mod tests {
                 scope.spawn(|| {
                     for _ in 0..50 {
                         let stage = Stage::exclusive(folder.path()).expect("a stage");
-                        let mine =
-                            OpenOptions::new().write(true).create_new(true).open(stage.path().join("0"));
-                        assert!(mine.is_ok(), "another thread has the folder");
+                        let file = stage.path().join("0");
+                        let new = OpenOptions::new().write(true).create_new(true).open(&file);
+                        assert!(new.is_ok(), "another thread has the folder");
+                        thread::yield_now();
+                        fs::remove_file(&file).expect("no other thread removed the file");
                     }
                 });
             }

@@ -148,7 +148,7 @@ fn check(package: &str, root_file: &str, definitions: &[(String, &str)], heading
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
 
     #[test]
     fn no_name_leaves_the_output_folder(

@@ -142,6 +142,9 @@ fn conflicting_names(name: &str) -> Crate {
         "Text",
         "Core",
         "UavspecRuntime",
+        "Mod",
+        "Lib",
+        "Con_",
     ] {
         package.write(&format!("a/{name}.msg"), "uint64 timestamp\n");
     }
@@ -178,7 +181,9 @@ fn conflicting_names(name: &str) -> Crate {
     package.generate(&format!(
         "{PX4}include = [\"a/*\"]\n\n[[package]]\nname = \"b_msgs\"\ndialect = \"ros2\"\ninclude = [\"b/**/*\"]\n\n\
          [[package]]\nname = \"type\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n\n[[package]]\nname = \"core\"\ndialect = \"px4\"\ninclude = [\"a/Some.msg\"]\n\n\
-         [[package]]\nname = \"uavspec_runtime\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n"
+         [[package]]\nname = \"uavspec_runtime\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n\n\
+         [[package]]\nname = \"lib\"\ndialect = \"px4\"\ninclude = [\"a/Empty.msg\"]\n\n\
+         [[package]]\nname = \"mod\"\ndialect = \"px4\"\ninclude = [\"a/Mod.msg\"]\n"
     ));
     package
 }

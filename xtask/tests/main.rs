@@ -8,6 +8,7 @@ mod compile;
 mod downstream;
 mod lint;
 mod modules;
+mod outputs;
 mod packages;
 mod support;
 mod translate;

@@ -92,7 +92,7 @@ pub(crate) fn write(folders: &[Folder], inputs: &[PathBuf]) -> Result<Vec<Differ
     let stages = stages(folders)?;
     // Another run may have changed the files while this run waited for the folders.
     let changes = changes_of_all(folders, inputs)?;
-    let staged: Vec<_> = changes
+    let pending: Vec<_> = changes
         .iter()
         .filter(|change| change.is_any())
         .filter_map(|change| {
@@ -100,10 +100,10 @@ pub(crate) fn write(folders: &[Folder], inputs: &[PathBuf]) -> Result<Vec<Differ
         })
         .collect();
     // All files are staged first, so nothing changes if the disk is full.
-    in_parallel(&staged, |(change, path)| {
+    in_parallel(&pending, |(change, path)| {
         stage_files(change, path).map_err(|error| unwritable(change.folder, &error))
     })?;
-    in_parallel(&staged, |(change, path)| {
+    in_parallel(&pending, |(change, path)| {
         commit(change, path).map_err(|error| unwritable(change.folder, &error))
     })?;
     Ok(differences(&changes))
