@@ -32,7 +32,7 @@ impl DefinitionsArgs {
 /// A package given on the command line instead of a configuration file.
 #[derive(Args, Clone, Debug)]
 pub(super) struct PackageArgs {
-    /// Read this package instead of uavspec.toml
+    /// Read this package instead of uavspec.toml; the name is an identifier
     #[arg(long, value_name = "NAME", required = false, requires_all = ["dialect", "input"])]
     pub(super) package: String,
     /// Form of the package's definitions

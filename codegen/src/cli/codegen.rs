@@ -24,7 +24,8 @@ const EXAMPLES: &str = "Examples:
   cargo xtask codegen --package px4 --dialect px4 --input msg --out generated
 
 Without --package, the command reads the nearest uavspec.toml or definitions/uavspec.toml, in the current folder or a \
-parent folder. With --package, each emitter writes to the subfolder of --out named after the emitter.
+parent folder. With --package, each emitter writes to the subfolder of --out named after the emitter. Nothing is \
+written outside the output folders, and links inside them are not followed.
 
 Output options in uavspec.toml, as keys of the table [output.NAME]:";
 
