@@ -30,6 +30,7 @@ pub struct Generated {
 
 impl Generated {
     /// Tells Cargo to run the build script again when an input changes.
+    #[allow(clippy::disallowed_macros, reason = "Cargo reads the output, which has one path per line")]
     pub fn print_rerun_if_changed(&self) {
         for input in &self.inputs {
             println!("cargo::rerun-if-changed={}", watchable(input).to_string_lossy());

@@ -71,6 +71,8 @@
 //!
 //! The documentation of `uavspec-runtime` lists the compile times and the speed of the generated crate.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
+
 pub mod breaking;
 mod characters;
 #[cfg(feature = "cli")]

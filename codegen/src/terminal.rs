@@ -18,7 +18,7 @@ pub use self::guard::{Guard, guarded};
 #[cfg(feature = "print")]
 pub use self::parse::parse;
 #[cfg(feature = "print")]
-pub use self::print::{error, print, print_error, stderr, stdout};
+pub use self::print::{error, error_with_details, print, print_error, stderr, stdout};
 use crate::characters::is_hidden;
 
 #[cfg(feature = "print")]
@@ -58,7 +58,10 @@ fn shown_up_to(limit: usize, text: &str) -> String {
         let is_invisible = is_hidden(character)
             || matches!(character, '\u{200c}' | '\u{200d}')
             || character.is_whitespace() && character != ' ';
-        // An escaped line break doesn't start a line.
+        // A text may be wrapped at each space. An escaped line break doesn't start a line.
+        if character == ' ' {
+            command = Command::default();
+        }
         if is_invisible || command.is_completed_by(character) {
             escape(character, &mut shown);
         } else {
@@ -99,6 +102,7 @@ mod tests {
         for (text, expected) in [
             ("::error::x", r":\u{3a}error::x"),
             (" ::error::x", r" :\u{3a}error::x"),
+            ("a ::error::x", r"a :\u{3a}error::x"),
             ("a::b", "a::b"),
             ("x ##vso[task.complete]", r"x ##vso\u{5b}task.complete]"),
             ("###[error]", r"###\u{5b}error]"),

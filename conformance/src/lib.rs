@@ -12,6 +12,8 @@
 //! that checks message values is compiled only once. Rules that span several messages keep a small amount of state per
 //! channel.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
+
 #[cfg(test)]
 extern crate self as uavspec_conformance;
 

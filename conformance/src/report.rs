@@ -528,6 +528,6 @@ impl Definition {
 
 impl std::fmt::Display for Definition {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(formatter, "{}:{}", self.file, self.line)
+        write!(formatter, "{}:{}", shown(&self.file), self.line)
     }
 }

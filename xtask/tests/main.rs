@@ -12,3 +12,4 @@ mod outputs;
 mod packages;
 mod support;
 mod translate;
+mod untrusted;

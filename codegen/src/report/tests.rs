@@ -213,6 +213,50 @@ fn each_workflow_command_is_one_line() {
     assert_eq!(unescaped(message), format!("{shown}\n{shown}\n{url}"));
 }
 
+/// Text that starts commands or hides itself in a log.
+const LOGGED: [&str; 8] = [
+    "::error::x",
+    "a\n::error::x",
+    "##[error]x",
+    "a ##vso[task.complete]x",
+    "\u{1b}[31m\u{9b}2J\r",
+    "\u{202e}\u{2028}",
+    "\u{200b}\u{e0041}",
+    "\0\u{8}\u{ffff}",
+];
+
+#[test]
+fn text_of_any_field_is_harmless_in_a_log() {
+    for text in LOGGED {
+        let owned = || text.to_owned();
+        let entry = Entry {
+            rule: owned().into(),
+            category: Some("wire"),
+            level: Level::Error,
+            message: owned(),
+            help: owned(),
+            place: place(text, 1, 1, 2),
+            part: owned(),
+            facts: vec![("fact", owned())],
+            sides: Some((Some(place(text, 1, 1, 2)), None)),
+            related: vec![(place(text, 1, 1, 2), owned())],
+            is_fixable: false,
+            url: owned(),
+        };
+        let rule =
+            RuleInfo { id: owned().into(), purpose: owned().into(), level: Level::Error, url: owned() };
+        let report = Report { command: "lint", rules: vec![rule], entries: vec![entry] };
+        for format in [Format::Json, Format::Sarif, Format::Junit] {
+            let printed = report.to_text(format);
+            assert_eq!(guarded(&printed), printed, "{format:?}");
+        }
+        let printed = report.to_text(Format::Github);
+        let (command, rest) = printed.split_at("::error".len());
+        assert_eq!((command, printed.lines().count()), ("::error", 1));
+        assert_eq!(guarded(rest), rest);
+    }
+}
+
 #[test]
 fn json_preserves_texts() {
     let list: Value = serde_json::from_str(&hostile().to_text(Format::Json)).expect("JSON");

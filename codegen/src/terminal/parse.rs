@@ -1,6 +1,7 @@
 //! Command lines, with escaped error messages.
 
 use clap::Parser;
+use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
 
 use super::{print, print_error, shown};
@@ -27,6 +28,11 @@ fn escaped(mut error: clap::Error) -> clap::Error {
             ContextValue::String(text) => Some((kind, ContextValue::String(shown(text)))),
             ContextValue::Strings(texts) => {
                 Some((kind, ContextValue::Strings(texts.iter().map(|text| shown(text)).collect())))
+            }
+            // A suggestion that repeats the argument helps nobody if the argument can't be shown.
+            ContextValue::StyledStrs(texts) => {
+                let is_plain = |text: &&StyledStr| shown(&text.to_string()) == text.to_string();
+                Some((kind, ContextValue::StyledStrs(texts.iter().filter(is_plain).cloned().collect())))
             }
             _ => None,
         })

@@ -9,11 +9,13 @@ use super::{Guard, shown_up_to};
 const MAX_PROBLEM: usize = 20_000;
 
 /// Standard output, with colours if the terminal supports them.
+#[allow(clippy::disallowed_methods, reason = "it is guarded here")]
 pub fn stdout() -> Guard<anstream::AutoStream<io::Stdout>> {
     Guard::new(anstream::stdout())
 }
 
 /// Standard error, with colours if the terminal supports them.
+#[allow(clippy::disallowed_methods, reason = "it is guarded here")]
 pub fn stderr() -> Guard<anstream::AutoStream<io::Stderr>> {
     Guard::new(anstream::stderr())
 }
@@ -36,6 +38,20 @@ pub fn error(problem: impl Display, help: Option<&str>) {
         let _ = writeln!(text, "  help: {}", shown_up_to(MAX_PROBLEM, help));
     }
     print_error(format_args!("{text}"));
+}
+
+/// Prints a problem with help or with lines of untrusted text below it, which are marked.
+pub fn error_with_details(problem: impl Display) {
+    let problem = problem.to_string();
+    let lines = problem.lines().enumerate().map(|(index, line)| {
+        let start = match index {
+            0 => "error: ",
+            _ if line.starts_with("  help: ") => "",
+            _ => "  | ",
+        };
+        format!("{start}{}\n", shown_up_to(MAX_PROBLEM, line))
+    });
+    print_error(format_args!("{}", lines.collect::<String>()));
 }
 
 /// Like `std::println`, with a guarded output.

@@ -174,7 +174,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
         None => match run_cases(args, &cases, &selected, types) {
             Ok(outcome) => outcome,
             Err(error) => {
-                terminal::error(error, None);
+                terminal::error_with_details(error);
                 return Status::Unreadable;
             }
         },

@@ -107,7 +107,7 @@ fn lint_testee(args: &LintArgs) -> Status {
     let found = match found {
         Ok(found) => found,
         Err(error) => {
-            terminal::error(error, None);
+            terminal::error_with_details(error);
             return Status::Unreadable;
         }
     };

@@ -231,7 +231,7 @@ fn write_testee(page: &mut Page, testee: &Testee) {
         let counts = row.counts;
         let numbers =
             [counts.pass, counts.fail, counts.known, counts.unsupported, counts.not_run].map(thousands);
-        table.row([code(&row.op), code(&row.type_name)].into_iter().chain(numbers));
+        table.row([code(&shown(&row.op)), code(&shown(&row.type_name))].into_iter().chain(numbers));
     }
     page.table(&table);
     for line in testee.unsupported_lines() {

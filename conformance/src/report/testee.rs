@@ -11,6 +11,7 @@ use crate::definitions::Definitions;
 use crate::model::Extent;
 use crate::rules::rule;
 use crate::testee::{case, outcome};
+use crate::text::shown;
 
 /// A codec or validator under test, with its results.
 #[derive(Clone, Debug, Serialize)]
@@ -262,7 +263,7 @@ impl Testee {
     pub(super) fn unsupported_lines(&self) -> Vec<String> {
         let line = |(op, types): (&str, Vec<&str>)| {
             let number = plural(types.len() as u64, "type");
-            let of = if op.is_empty() { String::new() } else { format!("{op} of ") };
+            let of = if op.is_empty() { String::new() } else { format!("{} of ", shown(op)) };
             format!("{of}{number}: {}", names(types.into_iter()))
         };
         self.unsupported().into_iter().map(line).collect()

@@ -183,7 +183,7 @@ impl fmt::Display for Known {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.write_str(&shown(&self.reason))?;
         if let Some(date) = &self.expires {
-            write!(formatter, " (until {date})")?;
+            write!(formatter, " (until {})", shown(date))?;
         }
         self.link.as_ref().map_or(Ok(()), |link| write!(formatter, " {}", shown(link)))
     }

@@ -16,6 +16,7 @@ use super::process::Process;
 use super::protocol::Hello;
 use super::target::Target;
 use crate::net::Connection;
+use crate::text::shown;
 
 /// The maximum number of queued lines. Each line may be as long as the line limit. If the queue is full, the testee has
 /// to wait.
@@ -60,8 +61,9 @@ impl Link {
         let limit = options.line_limit;
         let peer = match &options.target {
             Target::Command(command) => {
-                let (process, input, output) = Process::start(command)
-                    .map_err(|error| format!("can't start {}: {error}", options.target))?;
+                let (process, input, output) = Process::start(command).map_err(|error| {
+                    format!("can't start {}: {error}", shown(&options.target.to_string()))
+                })?;
                 thread::spawn(move || write(input, &requests));
                 thread::spawn(move || read(output, &lines, limit));
                 Peer::Process(process)
@@ -74,10 +76,9 @@ impl Link {
                     thread::spawn(move || read(output, &lines, limit));
                     Ok(connection)
                 });
-                Peer::Connection(
-                    connected
-                        .map_err(|error| format!("can't connect to {address}: {error}{}", advice(&error)))?,
-                )
+                Peer::Connection(connected.map_err(|error| {
+                    format!("can't connect to {}: {error}{}", shown(&address.to_string()), advice(&error))
+                })?)
             }
         };
         Ok(Self { peer, to: Some(to), from })

@@ -3,7 +3,7 @@
 use quick_junit::{NonSuccessKind, TestCase, TestCaseStatus, TestSuite};
 
 use crate::report::model::Place;
-use crate::terminal::guarded;
+use crate::terminal::{guarded, path};
 
 /// A suite of cases.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,7 +95,7 @@ impl Case {
         }
         if let Some(place) = &self.place {
             // GitLab and others use this attribute to link to the file.
-            case.extra.insert("file".into(), visible(&place.path).into());
+            case.extra.insert("file".into(), path(&place.path).into());
             if let Some(line) = place.region.line() {
                 case.extra.insert("line".into(), line.to_string().into());
             }

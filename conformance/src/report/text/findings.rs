@@ -78,7 +78,8 @@ pub(super) fn write(merged: &Merged<'_>, subject: &Subject, text: &mut String) -
     let Merged { first: finding, example, subjects } = merged;
     let width =
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
-    let word = finding.known.as_ref().map_or(word(finding.verdict), |known| known.kind.as_str());
+    let word =
+        finding.known.as_ref().map_or_else(|| word(finding.verdict).to_owned(), |known| shown(&known.kind));
     let style = style(finding.verdict);
     let indent = width + 14;
     let content = match &subjects[..] {

@@ -23,7 +23,7 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
     }
     let known = || testee.cases.iter().filter_map(|case| Some((case, case.known.as_ref()?)));
     for (case, known) in known().take(MAX_SHOWN) {
-        writeln!(text, "{} {}: {known}", known.kind, shown(&case.name))?;
+        writeln!(text, "{} {}: {known}", shown(&known.kind), shown(&case.name))?;
     }
     let more = known().count().saturating_sub(MAX_SHOWN);
     if more > 0 {
@@ -56,7 +56,8 @@ fn table(testee: &Testee, text: &mut String) -> fmt::Result {
     }
     for row in testee.supported() {
         let Counts { pass, fail, known, unsupported, not_run } = row.counts;
-        writeln!(text, "{:<16} {:<32} {pass:>6} {fail:>6} {unsupported:>11}", row.op, row.type_name)?;
+        let (op, type_name) = (shown(&row.op), shown(&row.type_name));
+        writeln!(text, "{op:<16} {type_name:<32} {pass:>6} {fail:>6} {unsupported:>11}")?;
         if known + not_run > 0 {
             writeln!(text, "{:<16} {known} known, {not_run} not run", "")?;
         }
