@@ -67,7 +67,7 @@ impl Outbox {
         }
     }
 
-    /// Sends a text as a WebSocket message.
+    /// Sends a WebSocket frame.
     pub(super) fn push_frame(&self, frame: Frame) {
         let mut bytes = Vec::with_capacity(frame.len());
         // Writing to memory can't fail.
