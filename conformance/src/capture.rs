@@ -3,6 +3,7 @@
 pub(crate) mod input;
 pub(crate) mod json;
 pub(crate) mod mcap;
+pub(crate) mod rosbag;
 pub mod ulog;
 
 /// The first bytes of MCAP files.

@@ -16,13 +16,13 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+mod bag;
 mod clock;
 mod coverage;
 mod flockwave;
 mod json;
 pub(crate) mod known;
 mod log;
-mod mcap;
 #[doc(hidden)]
 pub mod parallel;
 mod summary;
@@ -31,6 +31,7 @@ mod topic;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io::{self, Read};
+use std::path::Path;
 
 use serde::Serialize;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
@@ -38,6 +39,9 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
 use uavspec_runtime::Scalar;
 
+#[cfg(test)]
+pub(crate) use self::bag::check_mcap;
+pub use self::bag::{BagChannel, BagSummary, Basis, CheckStatus, McapSummary};
 pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
@@ -49,11 +53,11 @@ pub use self::json::JsonSummary;
 #[doc(hidden)]
 pub use self::json::check_json_thoroughly;
 pub use self::log::LogSummary;
-pub use self::mcap::{Basis, CheckStatus, McapChannel, McapSummary};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 #[cfg(test)]
-pub(crate) use self::{json::check_json, log::check_ulog, mcap::check_mcap};
-use crate::capture::MCAP_MAGIC;
+pub(crate) use self::{json::check_json, log::check_ulog};
+use crate::capture::input;
+use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
@@ -64,7 +68,10 @@ use crate::rules::{RuleContext, px4};
 use crate::text::Grouped;
 
 /// The number of bytes used to detect the kind of a capture.
-const START: usize = MCAP_MAGIC.len();
+const START: usize = SQLITE_MAGIC.len();
+
+/// The number of bytes that messages about unknown files contain.
+const SHOWN: usize = 8;
 
 /// The minimum number of magic bytes by which a capture can be identified if it is cut off within its magic.
 const MIN_MAGIC: usize = 4;
@@ -79,11 +86,27 @@ struct Kind {
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
     /// Checks the readable part of a capture of this kind.
-    check: fn(&mut dyn Read, Option<MessageId>, &Definitions) -> CaptureResult,
+    check: fn(Source<'_>, Option<MessageId>, &Definitions) -> CaptureResult,
 }
 
+/// The bytes of a capture.
+struct Source<'s> {
+    bytes: &'s mut dyn Read,
+    /// The file that consists of these bytes, if there is one. Some formats aren't read from start to end.
+    file: Option<&'s Path>,
+}
+
+impl Read for Source<'_> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        self.bytes.read(out)
+    }
+}
+
+/// Wraps an input before it is read, for example to show the progress.
+type Reading<'r> = &'r dyn Fn(Box<dyn Read + Send>) -> Box<dyn Read + Send>;
+
 /// All kinds of captures, in the order of detection.
-static KINDS: [Kind; 4] = [log::ENCRYPTED, log::KIND, mcap::KIND, json::KIND];
+static KINDS: [Kind; 6] = [log::ENCRYPTED, log::KIND, bag::MCAP, bag::SQLITE, bag::ROS1, json::KIND];
 
 /// The summary of a capture, with a variant for each kind.
 #[derive(Clone, Debug, Serialize)]
@@ -97,6 +120,9 @@ pub enum Summary {
     Json(JsonSummary),
     /// An MCAP file.
     Mcap(McapSummary),
+    /// A rosbag2 bag: a SQLite file, or a folder with `metadata.yaml`.
+    #[serde(rename = "rosbag2")]
+    Bag(BagSummary),
     /// A recorded Flockwave session. Only messages from the server are counted.
     Flockwave(FlockwaveSummary),
     /// A file that isn't a capture, or a capture that can't be read.
@@ -128,6 +154,7 @@ impl Summary {
             Self::Log(summary) => summary,
             Self::Json(summary) => summary,
             Self::Mcap(summary) => summary,
+            Self::Bag(summary) => summary,
             Self::Flockwave(summary) => summary,
             Self::Unknown(summary) => summary,
         }
@@ -192,6 +219,35 @@ pub fn check_capture(
     message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> io::Result<CaptureResult> {
+    check_source(Source { bytes: &mut input, file: None }, message_id, definitions)
+}
+
+/// Like [`check_capture`], for a file, a folder of a bag or standard input. Fails if it can't be opened.
+pub(crate) fn check_path(
+    path: &Path,
+    message_id: Option<MessageId>,
+    definitions: &Definitions,
+    reading: Reading<'_>,
+) -> io::Result<CaptureResult> {
+    if let Some(folder) = metadata::folder_of(path) {
+        return bag::check_folder(folder, definitions, reading);
+    }
+    let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
+    let input = reading(input::open(path)?);
+    Ok(input::decompressed(input)
+        .and_then(|(mut bytes, is_plain)| {
+            let file = (is_plain && path.is_file()).then_some(path);
+            check_source(Source { bytes: &mut bytes, file }, message_id, definitions)
+        })
+        .unwrap_or_else(unreadable))
+}
+
+/// Checks the readable part of a capture.
+fn check_source(
+    mut input: Source<'_>,
+    message_id: Option<MessageId>,
+    definitions: &Definitions,
+) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
     if start.is_empty() {
@@ -200,7 +256,8 @@ pub fn check_capture(
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         return Ok(unknown_type(&start));
     };
-    let result = (kind.check)(&mut io::Cursor::new(&start).chain(input), message_id, definitions);
+    let source = Source { bytes: &mut io::Cursor::new(&start).chain(input.bytes), file: input.file };
+    let result = (kind.check)(source, message_id, definitions);
     // Other text looks like corrupt JSON until the end.
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
         && !json::starts_like_json(&start);
@@ -209,6 +266,7 @@ pub fn check_capture(
 
 /// The result for a file of an unknown type that starts with these bytes.
 fn unknown_type(start: &[u8]) -> CaptureResult {
+    let start = &start[..start.len().min(SHOWN)];
     let mut names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
     names.dedup();
     let last = names.pop().unwrap_or_default();
@@ -254,6 +312,17 @@ struct CheckRun<'d> {
     clock: Clock,
     /// The time of the current record in µs, if it isn't the timestamp of the message.
     record_time: Option<u64>,
+    /// The log time and the sequence number of the current record, if it is in a bag.
+    logged: Option<Logged>,
+}
+
+/// The facts that a bag states about a message.
+#[derive(Clone, Copy, Debug)]
+struct Logged {
+    /// The time at which the message was recorded, in ns.
+    time: u64,
+    /// The sequence number.
+    sequence: Option<u32>,
 }
 
 /// A corrupt part: its first location and the number of occurrences.
@@ -314,6 +383,7 @@ impl<'d> CheckRun<'d> {
             extent: Extent::Whole,
             clock: Clock::default(),
             record_time: None,
+            logged: None,
         }
     }
 
@@ -370,7 +440,12 @@ impl<'d> CheckRun<'d> {
     /// Adds the time to the findings in a message. `timestamp` is the timestamp of the message in µs.
     fn place(&mut self, location: Location, timestamp: Option<u64>) {
         let time = self.record_time.or(timestamp);
-        self.findings.complete(location, |detail| detail.time = time);
+        let logged = self.logged;
+        self.findings.complete(location, |detail| {
+            detail.time = time;
+            detail.log_time = logged.map(|logged| logged.time);
+            detail.sequence = logged.and_then(|logged| logged.sequence);
+        });
     }
 
     /// Sets the time of the current record, in µs since 1970.

@@ -299,6 +299,10 @@ pub struct Example {
     pub time_s: Option<f64>,
     /// The time of the record in UTC, if it is known.
     pub utc: Option<String>,
+    /// The log time of the record in nanoseconds, if it is in a bag.
+    pub log_time_ns: Option<u64>,
+    /// The sequence number that the bag states for the record.
+    pub sequence: Option<u32>,
     /// The connection of the record; empty if the capture isn't a session.
     pub connection: String,
     /// The request to which the record belongs, shortened; may be empty.
@@ -505,13 +509,20 @@ impl Example {
         if self.path == self.part { "" } else { &self.path }
     }
 
-    /// The time and the connection, such as `after 4.592 s (2026-11-23T02:32:41.593Z) on tcp#13`; may be empty.
+    /// The time, the connection and the log time, such as `after 4.592 s (2026-11-23T02:32:41.593Z) on tcp#13` or `after
+    /// 4.592 s, log time 1790000004.592000000, sequence 7`; may be empty.
     pub(crate) fn moment(&self) -> String {
         let after = self.time_s.map(|seconds| format!("after {seconds:.3} s"));
         let utc = self.utc.as_ref().map(|utc| format!("({utc})"));
         let connection = (!self.connection.is_empty()).then(|| format!("on {}", shown(&self.connection)));
         let parts: Vec<String> = [after, utc, connection].into_iter().flatten().collect();
-        parts.join(" ")
+        let log_time = self.log_time_ns.map(|time| {
+            let (seconds, nanoseconds) = (time / 1_000_000_000, time % 1_000_000_000);
+            format!("log time {seconds}.{nanoseconds:09}")
+        });
+        let sequence = self.sequence.map(|sequence| format!("sequence {sequence}"));
+        let moment = Some(parts.join(" ")).filter(|text| !text.is_empty());
+        [moment, log_time, sequence].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
     /// The message, preceded by the part that it refers to.

@@ -14,6 +14,8 @@ mod mutants;
 mod outcomes;
 mod report;
 mod reports;
+#[cfg(feature = "db3")]
+mod rosbag;
 mod rule_list;
 #[allow(dead_code, reason = "the tests of the program use the rest")]
 #[path = "../tests/support/mod.rs"]

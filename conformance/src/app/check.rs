@@ -17,7 +17,7 @@ use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
 use super::{Status, deliver, outcome_statuses, print_unknown};
 use crate::capture::input::{self, Files};
-use crate::check::{self, CaptureResult, parallel};
+use crate::check::{self, parallel};
 use crate::definitions::Definitions;
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 use crate::text::terminal;
@@ -244,10 +244,7 @@ fn check_file(
     progress: &Progress,
 ) -> io::Result<CheckedCapture> {
     let started = Instant::now();
-    let file = progress.reading(input::open(path)?);
-    let result = input::decompressed(file)
-        .and_then(|source| check::check_capture(source, message_id, definitions))
-        .unwrap_or_else(|error| CaptureResult::unknown(format!("the file can't be read: {error}")));
+    let result = check::check_path(path, message_id, definitions, &|input| progress.reading(input))?;
     Ok(CheckedCapture {
         path: path.to_string_lossy().into_owned(),
         result,

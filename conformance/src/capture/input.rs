@@ -1,5 +1,6 @@
 //! Finds capture files and opens them, decompressed if necessary.
 
+mod bags;
 mod search;
 pub(crate) mod zstd;
 
@@ -9,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
 use globset::{Glob, GlobBuilder, GlobMatcher};
+
+use crate::capture::rosbag::CONVERT_ROS1;
 
 use self::search::{DANGLING, Found, search};
 use self::zstd::Frames;
@@ -23,7 +26,10 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 const START: usize = 4;
 
 /// The file extensions that identify captures in a folder. A compression extension may follow.
-const EXTENSIONS: [&str; 6] = ["ulg", "ulge", "mcap", "json", "jsonl", "ndjson"];
+const EXTENSIONS: [&str; 7] = ["ulg", "ulge", "mcap", "db3", "json", "jsonl", "ndjson"];
+
+/// The file extension of ROS 1 bags.
+const ROS1_EXTENSION: &str = "bag";
 
 /// The extensions of compressed files. rosbag2 uses `zstd`.
 const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
@@ -47,7 +53,8 @@ pub(crate) struct Files {
     pub(crate) empty: Vec<(PathBuf, String)>,
 }
 
-/// The files that `paths` denote. A folder denotes the captures in it and its subfolders. A pattern such as
+/// The files that `paths` denote. A folder denotes the captures in it and its subfolders. A folder with the
+/// `metadata.yaml` of a bag is one capture. A pattern such as
 /// `logs/**/*.ulg` denotes the files that match it. The files of a folder or pattern are sorted.
 ///
 /// Symbolic links are followed. An unreadable folder doesn't end the search. Pipes, sockets and devices are captures
@@ -60,7 +67,9 @@ pub(crate) fn files(paths: &[PathBuf]) -> Result<Files, (PathBuf, String)> {
             files.captures.push(path.clone());
             String::new()
         } else if path.is_dir() {
+            let first = files.captures.len();
             search(path, usize::MAX, |found| files.take_from_folder(path, found));
+            bags::group(&mut files, first);
             let extensions = EXTENSIONS.join(", .");
             format!("no captures in this folder: expected files with the extension .{extensions}")
         } else if let (false, Some(pattern)) = (path.exists(), pattern(path)) {
@@ -85,6 +94,7 @@ impl Files {
     fn take_from_folder(&mut self, folder: &Path, found: Found) {
         let (path, reason) = match found {
             Found::File(path) if is_capture(&path) => return self.captures.push(path),
+            Found::File(path) if has_extension(&path, &[ROS1_EXTENSION]) => (path, CONVERT_ROS1),
             Found::File(path) => (path, NOT_A_CAPTURE),
             Found::Dangling(path) if is_capture(&path) => {
                 return self.unreadable.push((path, DANGLING.to_owned()));
@@ -141,12 +151,14 @@ fn depth_of(pattern: &Path, folder: &Path) -> usize {
 
 /// True if the file name has a capture extension.
 fn is_capture(path: &Path) -> bool {
-    let is = |path: &Path, extensions: &[&str]| {
-        let extension = path.extension().and_then(|extension| extension.to_str());
-        extension.is_some_and(|found| extensions.iter().any(|known| found.eq_ignore_ascii_case(known)))
-    };
-    let unpacked = if is(path, &PACKED) { path.with_extension("") } else { path.to_path_buf() };
-    is(&unpacked, &EXTENSIONS)
+    let unpacked = if has_extension(path, &PACKED) { path.with_extension("") } else { path.to_path_buf() };
+    has_extension(&unpacked, &EXTENSIONS)
+}
+
+/// True if the file name has one of these extensions.
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    extension.is_some_and(|found| extensions.iter().any(|known| found.eq_ignore_ascii_case(known)))
 }
 
 /// The raw bytes of a file or of standard input.
@@ -159,18 +171,20 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
 
 /// Decompresses `input` if it starts with the magic of gzip or zstd. Other input stays unchanged. Only the first bytes
 /// are read in advance. The input may contain several consecutive gzip members or zstd frames. Reading fails if other
-/// data follows them.
-pub(crate) fn decompressed(mut input: impl Read + Send + 'static) -> io::Result<Box<dyn Read + Send>> {
+/// data follows them. The flag is true if the input is unchanged.
+pub(crate) fn decompressed(
+    mut input: impl Read + Send + 'static,
+) -> io::Result<(Box<dyn Read + Send>, bool)> {
     let mut start = Vec::with_capacity(START);
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
     let (is_gzip, is_zstd) = (start.starts_with(&GZIP), zstd::is_frame(&start));
     let whole = Cursor::new(start).chain(input);
     Ok(if is_gzip {
-        Box::new(MultiGzDecoder::new(whole))
+        (Box::new(MultiGzDecoder::new(whole)), false)
     } else if is_zstd {
-        Box::new(Frames::new(BufReader::new(whole)))
+        (Box::new(Frames::new(BufReader::new(whole))), false)
     } else {
-        Box::new(whole)
+        (Box::new(whole), true)
     })
 }
 
@@ -187,7 +201,7 @@ mod tests {
 
     fn read(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
         let mut text = Vec::new();
-        decompressed(Cursor::new(bytes))?.read_to_end(&mut text)?;
+        decompressed(Cursor::new(bytes))?.0.read_to_end(&mut text)?;
         Ok(text)
     }
 

@@ -51,6 +51,8 @@ pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 pub(crate) struct Item<'r> {
     /// The offset in the file. For a record in a compressed chunk, this is the offset of the chunk.
     pub offset: u64,
+    /// True if the record is in a compressed chunk.
+    pub is_packed: bool,
     /// The content.
     pub event: Event<'r>,
 }
@@ -95,6 +97,8 @@ pub(crate) enum Event<'r> {
         channel: u16,
         /// The log time, in ns.
         time: u64,
+        /// The sequence number.
+        sequence: u32,
         /// The bytes.
         payload: &'r [u8],
     },

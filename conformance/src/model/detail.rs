@@ -29,6 +29,10 @@ pub struct Detail {
     pub excerpt: String,
     /// The time of the record in µs, by the clock of the capture.
     pub time: Option<u64>,
+    /// The log time of the record in ns, if it is in a bag.
+    pub log_time: Option<u64>,
+    /// The sequence number that the bag states for the record.
+    pub sequence: Option<u32>,
     /// The connection of the record; empty if the capture isn't a session.
     pub connection: String,
     /// The request to which the record belongs, shortened; may be empty.

@@ -17,6 +17,11 @@ pub enum Location {
     Byte(u64),
     /// A line number, from 1.
     Line(u64),
+    /// The number of a message in a bag, from 1, in the order of reading. Compressed chunks and databases have no byte
+    /// offset for a message.
+    Message(u64),
+    /// The id of a channel in a bag.
+    Channel(u64),
 }
 
 impl fmt::Display for Location {
@@ -24,6 +29,8 @@ impl fmt::Display for Location {
         match self {
             Self::Byte(offset) => write!(formatter, "byte {}", Grouped(*offset)),
             Self::Line(line) => write!(formatter, "line {}", Grouped(*line)),
+            Self::Message(number) => write!(formatter, "message {}", Grouped(*number)),
+            Self::Channel(id) => write!(formatter, "channel {id}"),
         }
     }
 }
@@ -84,6 +91,8 @@ mod tests {
     fn locations_have_grouped_digits() {
         assert_eq!(Location::Byte(401_220).to_string(), "byte 401,220");
         assert_eq!(Location::Line(7).to_string(), "line 7");
+        assert_eq!(Location::Message(1_234).to_string(), "message 1,234");
+        assert_eq!(Location::Channel(1_234).to_string(), "channel 1234");
         assert_eq!(Location::Byte(1_000_000).to_string(), "byte 1,000,000");
     }
 }

@@ -280,6 +280,8 @@ fn finding(
         excerpt: detail.excerpt.clone(),
         time_s: detail.time.and_then(|time| clock.seconds(time)),
         utc: detail.time.and_then(|time| clock.utc(time)),
+        log_time_ns: detail.log_time,
+        sequence: detail.sequence,
         connection: detail.connection.clone(),
         request: detail.request.clone(),
     };

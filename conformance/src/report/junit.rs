@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
 use uavspec_codegen::report::{Place, Region};
 
+use super::sarif::region;
 use super::{
     About, Action, Case, CaseVerdict, Finding, Report, RuleReport, RuleVerdict, Subject, Testee, Unreadable,
     Verdict,
@@ -124,11 +125,7 @@ fn rule_case(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit
     }
     if found.findings > 0 {
         let first = findings.first().and_then(|finding| finding.examples.first());
-        let region = match first.map(|example| example.location) {
-            Some(crate::model::Location::Line(line)) => Region::Line(line),
-            Some(crate::model::Location::Byte(offset)) => Region::Byte(offset),
-            None => Region::Whole,
-        };
+        let region = first.map_or(Region::Whole, |example| region(example.location));
         case.place = Some(Place { path: subject.path.clone(), region });
     }
     case

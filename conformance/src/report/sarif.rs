@@ -205,10 +205,11 @@ fn whole_file(path: &str) -> Place {
     Place { path: path.to_owned(), region: Region::Whole }
 }
 
-fn region(location: model::Location) -> Region {
+pub(super) fn region(location: model::Location) -> Region {
     match location {
         model::Location::Byte(offset) => Region::Byte(offset),
         model::Location::Line(line) => Region::Line(line),
+        model::Location::Message(_) | model::Location::Channel(_) => Region::Whole,
     }
 }
 

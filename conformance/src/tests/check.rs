@@ -154,7 +154,7 @@ fn run_check(log: &Writer) -> CaptureResult {
 fn as_log(result: &CaptureResult) -> &LogSummary {
     match &result.summary {
         Summary::Log(log) => log,
-        Summary::Json(_) | Summary::Mcap(_) | Summary::Flockwave(_) | Summary::Unknown(_) => panic!("a log"),
+        other => panic!("expected a log, found {other:?}"),
     }
 }
 

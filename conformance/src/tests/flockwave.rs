@@ -40,7 +40,7 @@ fn violated_by(session: &Session) -> Vec<(&'static str, u64)> {
 fn source(result: &CaptureResult) -> &FlockwaveSummary {
     match &result.summary {
         Summary::Flockwave(source) => source,
-        Summary::Log(_) | Summary::Json(_) | Summary::Mcap(_) | Summary::Unknown(_) => panic!("Flockwave"),
+        other => panic!("expected a session, found {other:?}"),
     }
 }
 

@@ -82,7 +82,7 @@ fn check_bare(text: &str) -> CaptureResult {
 fn source(result: &CaptureResult) -> &JsonSummary {
     match &result.summary {
         Summary::Json(source) => source,
-        Summary::Log(_) | Summary::Mcap(_) | Summary::Flockwave(_) | Summary::Unknown(_) => panic!("JSON"),
+        other => panic!("expected JSON, found {other:?}"),
     }
 }
 

@@ -167,7 +167,7 @@ fn checked(bytes: &[u8]) -> CaptureResult {
 fn source(result: &CaptureResult) -> &McapSummary {
     match &result.summary {
         Summary::Mcap(source) => source,
-        Summary::Log(_) | Summary::Json(_) | Summary::Flockwave(_) | Summary::Unknown(_) => panic!("MCAP"),
+        other => panic!("expected MCAP, found {other:?}"),
     }
 }
 

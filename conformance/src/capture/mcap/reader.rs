@@ -96,7 +96,7 @@ impl<R: Read> Reader<R> {
     pub(crate) fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         loop {
             if let Some((offset, problem)) = self.problems.pop_front() {
-                return Ok(Some(Item { offset, event: Event::Problem(problem) }));
+                return Ok(Some(Item { offset, is_packed: false, event: Event::Problem(problem) }));
             }
             let found = match (&self.chunk, self.stage) {
                 (Some(_), _) => self.in_chunk()?,
@@ -116,7 +116,6 @@ impl<R: Read> Reader<R> {
             Some(Chunk { records: Records::Packed(window, _), .. }) if is_packed => window.behind(length),
             _ => self.file.behind(length),
         };
-        let unreadable = Item { offset, event: Event::Problem(Problem::Unreadable { opcode }) };
         let event = match mcap::parse_record(opcode, body) {
             Ok(Record::Header(header)) => Event::Header { profile: header.profile, library: header.library },
             // The text of a schema is borrowed from the record.
@@ -134,11 +133,12 @@ impl<R: Read> Reader<R> {
                 }
             }
             Ok(Record::Message { header, data: std::borrow::Cow::Borrowed(payload) }) => {
-                Event::Message { channel: header.channel_id, time: header.log_time, payload }
+                let mcap::records::MessageHeader { channel_id, sequence, log_time, .. } = header;
+                Event::Message { channel: channel_id, time: log_time, sequence, payload }
             }
-            _ => return unreadable,
+            _ => Event::Problem(Problem::Unreadable { opcode }),
         };
-        Item { offset, event }
+        Item { offset, is_packed, event }
     }
 
     fn report(&mut self, offset: u64, problem: Problem) {

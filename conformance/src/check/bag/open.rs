@@ -12,9 +12,9 @@ use crate::model::{Channel, Findings, Location};
 use crate::px4::comparison::{Comparison, Differences};
 use crate::px4::json::Plans;
 
-/// A channel of a file.
+/// A channel of a bag.
 #[derive(Clone, Debug)]
-pub struct McapChannel {
+pub struct BagChannel {
     /// The topic.
     pub topic: String,
     /// The encoding of the channel's messages, e.g. `cdr`.
@@ -115,8 +115,6 @@ pub(super) struct Open {
     topic: String,
     encoding: String,
     pub(super) schema: Option<(String, String)>,
-    /// A hash of the channel's declaration, used to distinguish channels with the same id.
-    pub(super) digest: u64,
     pub(super) reading: Reading,
     pub(super) tally: Tally,
     /// The fields that the messages and the definition share, if the messages are read.
@@ -151,7 +149,6 @@ impl Open {
         schema: Option<(&str, &str)>,
         definition: Option<MessageId>,
         location: Location,
-        digest: u64,
         index: usize,
     ) -> Self {
         let is_known = matches!(declared.encoding.as_str(), "cdr" | "json");
@@ -167,7 +164,6 @@ impl Open {
             topic: escaped(&declared.topic),
             encoding: escaped(&declared.encoding),
             schema: schema.map(|(name, encoding)| (escaped(name), escaped(encoding))),
-            digest,
             reading: Reading::Skipped,
             tally: Tally::default(),
             fields: None,
@@ -187,7 +183,7 @@ impl Open {
         plans: Option<&Plans>,
         findings: &mut Findings,
         parts: &mut Parts,
-    ) -> McapChannel {
+    ) -> BagChannel {
         let Tally { records, checked, .. } = self.tally;
         let mut other_cdr = 0;
         match (self.reading, plans) {
@@ -200,7 +196,7 @@ impl Open {
             result = result.max(PartResult::Unsupported);
         }
         parts.add(&self.topic, result, self.tally, self.fields.unwrap_or_default().times(checked, records));
-        McapChannel {
+        BagChannel {
             topic: self.topic,
             encoding: self.encoding,
             schema: self.schema,

@@ -1,9 +1,9 @@
-//! The summary of an MCAP file.
+//! The summary of a bag.
 
 use serde::{Serialize, Serializer};
 use uavspec_codegen::emit::docs::markdown::plural;
 
-use super::open::{Basis, CheckStatus, McapChannel};
+use super::open::{BagChannel, Basis, CheckStatus};
 use crate::check::{Describe, Line, List, Totals};
 use crate::px4::comparison::Comparison;
 use crate::px4::json::Dialects;
@@ -20,12 +20,31 @@ pub struct McapSummary {
     /// The channels, by topic.
     #[serde(serialize_with = "rows")]
     #[cfg_attr(test, schemars(with = "Vec<Row>"))]
-    pub channels: Vec<McapChannel>,
+    pub channels: Vec<BagChannel>,
     /// The accepted deviations of JSON messages from the published schemas.
     pub dialects: Dialects,
 }
 
-/// An MCAP channel, with the result of comparing its schema with the definition.
+/// The summary of a rosbag2 bag: a SQLite file, or a folder with `metadata.yaml`.
+#[derive(Clone, Debug, Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Rosbag2"))]
+pub struct BagSummary {
+    /// The storage format: `sqlite3` or `mcap`.
+    pub storage: String,
+    /// The ROS distribution that recorded the bag; may be empty.
+    pub distribution: String,
+    /// The number of files.
+    #[serde(rename = "files")]
+    pub num_files: u64,
+    /// The channels, by topic.
+    #[serde(serialize_with = "rows")]
+    #[cfg_attr(test, schemars(with = "Vec<Row>"))]
+    pub channels: Vec<BagChannel>,
+    /// The accepted deviations of JSON messages from the published schemas.
+    pub dialects: Dialects,
+}
+
+/// A channel, with the result of comparing its schema with the definition.
 #[derive(Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "McapChannel"))]
 struct Row<'c> {
@@ -66,7 +85,7 @@ enum ChannelResult {
 }
 
 impl<'c> Row<'c> {
-    fn new(channel: &'c McapChannel) -> Self {
+    fn new(channel: &'c BagChannel) -> Self {
         let (result, message) = match &channel.status {
             CheckStatus::Checked(Basis::Compared(comparison)) => match &**comparison {
                 Comparison::Differs(differences) => {
@@ -106,7 +125,7 @@ impl<'c> Row<'c> {
     }
 }
 
-fn rows<S: Serializer>(channels: &[McapChannel], serializer: S) -> Result<S::Ok, S::Error> {
+fn rows<S: Serializer>(channels: &[BagChannel], serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_seq(channels.iter().map(Row::new))
 }
 
@@ -122,27 +141,55 @@ impl Describe for McapSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let rows: Vec<Row<'_>> = self.channels.iter().map(Row::new).collect();
-        let with_result = |wanted| rows.iter().filter(move |row| row.result == wanted);
-        let messages = |wanted| with_result(wanted).map(|row| (row.topic, shown(&row.message)));
-        let text = format!(
-            "{} of {} channels match, {} differ, {} without a comparable schema, {} unknown",
-            with_result(ChannelResult::Equal).count(),
-            rows.len(),
-            with_result(ChannelResult::Differs).count(),
-            with_result(ChannelResult::ByName).count(),
-            with_result(ChannelResult::Undefined).count(),
-        );
-        let schema = |row: &Row<'_>| row.schema.map_or_else(|| "no schema".to_owned(), shown);
-        let mut line = Line::new("definitions", text)
-            .list("differs", messages(ChannelResult::Differs))
-            .list("by name", messages(ChannelResult::ByName))
-            .list("not read", rows.iter().filter_map(|row| Some((row.topic, row.not_read()?))))
-            .list("undefined", with_result(ChannelResult::Undefined).map(|row| (row.topic, schema(row))));
-        line.lists.push(List {
-            label: "dialect",
-            items: self.dialects.iter().map(|one| one.to_string()).collect(),
-        });
-        vec![line]
+        lines(&self.channels, &self.dialects)
     }
+}
+
+impl Describe for BagSummary {
+    fn facts(&self, totals: Totals) -> Vec<String> {
+        let mut storage = vec![shown(&self.storage)];
+        if !self.distribution.is_empty() {
+            storage.push(shown(&self.distribution));
+        }
+        if self.num_files != 1 {
+            storage.push(plural(self.num_files, "file"));
+        }
+        vec![
+            format!("rosbag2 ({})", storage.join(", ")),
+            totals.duration(),
+            plural(self.channels.len() as u64, "channel"),
+            totals.messages(),
+        ]
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        lines(&self.channels, &self.dialects)
+    }
+
+    fn noun(&self) -> &'static str {
+        "bag"
+    }
+}
+
+/// The results of comparing the schemas of the channels with the definitions.
+fn lines(channels: &[BagChannel], dialects: &Dialects) -> Vec<Line> {
+    let rows: Vec<Row<'_>> = channels.iter().map(Row::new).collect();
+    let with_result = |wanted| rows.iter().filter(move |row| row.result == wanted);
+    let messages = |wanted| with_result(wanted).map(|row| (row.topic, shown(&row.message)));
+    let text = format!(
+        "{} of {} channels match, {} differ, {} without a comparable schema, {} unknown",
+        with_result(ChannelResult::Equal).count(),
+        rows.len(),
+        with_result(ChannelResult::Differs).count(),
+        with_result(ChannelResult::ByName).count(),
+        with_result(ChannelResult::Undefined).count(),
+    );
+    let schema = |row: &Row<'_>| row.schema.map_or_else(|| "no schema".to_owned(), shown);
+    let mut line = Line::new("definitions", text)
+        .list("differs", messages(ChannelResult::Differs))
+        .list("by name", messages(ChannelResult::ByName))
+        .list("not read", rows.iter().filter_map(|row| Some((row.topic, row.not_read()?))))
+        .list("undefined", with_result(ChannelResult::Undefined).map(|row| (row.topic, schema(row))));
+    line.lists.push(List { label: "dialect", items: dialects.iter().map(|one| one.to_string()).collect() });
+    vec![line]
 }

@@ -1,36 +1,42 @@
-//! Checks MCAP files: their CDR and JSON messages, and the schemas that they contain.
+//! Checks bags: their CDR and JSON messages, and the schemas that they contain. A bag is an MCAP file, a SQLite file of
+//! rosbag2, or a folder with such files and their `metadata.yaml`.
 //!
 //! A channel's definition is determined by its schema name, or otherwise by its topic. The schema in the file is
 //! compared with the definition. If the two differ, CDR messages are decoded with the schema in the file, and rules on
 //! values apply only to the fields that match.
 
 mod cdr;
+mod folder;
 mod json_schema;
+mod mcap;
 mod open;
 mod schemas;
+mod sqlite;
 mod stated;
 mod summary;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hasher as _};
-use std::io::Read;
 
 use uavspec_codegen::schema::MessageId;
 
 use self::cdr::{CdrChecker, decompressed};
-pub use self::open::{Basis, CheckStatus, McapChannel};
+pub(super) use self::folder::check_folder;
+pub(super) use self::mcap::KIND as MCAP;
+#[cfg(test)]
+pub(crate) use self::mcap::check_mcap;
+pub use self::open::{BagChannel, Basis, CheckStatus};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
+pub(super) use self::sqlite::{ROS1, SQLITE};
 use self::stated::Stated;
-pub use self::summary::McapSummary;
+pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Unit};
 use super::topic::{definition_of, is_same_type};
-use super::{CaptureResult, CheckRun, Kind, Summary, has_magic};
-use crate::capture::MCAP_MAGIC;
-use crate::capture::mcap::{Event, Reader};
+use super::{CaptureResult, CheckRun, Logged, Summary};
 use crate::definitions::Definitions;
 use crate::json::Tree;
-use crate::model::{Detail, Findings, Location, Message};
+use crate::model::{Detail, Extent, Findings, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
 
@@ -40,69 +46,46 @@ const MAX_NAME: usize = 256;
 /// The maximum total number of steps in the plans of all channels. A thousand PX4 topics need a quarter of this number.
 const MAX_STEPS: usize = 1 << 18;
 
+/// The maximum number of channels in a bag.
+const MAX_CHANNELS: usize = 1 << 16;
+
 /// The metadata key for the type hash of a channel, as written by `rosbag2`.
 const HASH: &str = "topic_type_hash";
 
 /// The prefix of the supported hashes.
 const HASH_VERSION: &str = "RIHS01_";
 
-pub(super) const KIND: Kind = Kind {
-    name: "MCAP",
-    detect: |start| has_magic(start, &MCAP_MAGIC),
-    check: |input, _, definitions| check_mcap(input, definitions),
-};
-
-/// Checks the readable part of an MCAP file.
-pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
-    let mut check = McapChecker::new(definitions);
-    let mut reader = Reader::new(input);
-    loop {
-        let item = match reader.next() {
-            Ok(Some(item)) => item,
-            Ok(None) => break,
-            // The findings up to here remain valid.
-            Err(error) => {
-                check.run.unreadable(Location::Byte(reader.bytes()), &error);
-                break;
-            }
-        };
-        let location = Location::Byte(item.offset);
-        match item.event {
-            Event::Header { profile, library } => {
-                (check.profile, check.library) = (shortened(&profile), shortened(&library));
-            }
-            Event::Schema { id, name, encoding, text } => {
-                if let Err(problem) = check.schemas.add(id, name, encoding, text) {
-                    check.run.gap(location, problem);
-                }
-            }
-            Event::Channel { id, schema, topic, encoding, metadata } => {
-                check.channel(id, &Declared { schema, topic, encoding, metadata }, location);
-            }
-            Event::Message { channel, time, payload } => check.message(channel, time, payload, location),
-            Event::Problem(problem) => check.run.corruption(location, problem.to_string(), problem.extent()),
-        }
-    }
-    check.finish(reader.bytes())
-}
-
 /// The declaration of a channel.
 #[derive(Hash)]
 struct Declared {
-    schema: u16,
+    /// The index of the schema.
+    schema: Option<usize>,
     topic: String,
     encoding: String,
     metadata: BTreeMap<String, String>,
 }
 
-struct McapChecker<'d> {
+/// A file of a bag.
+#[derive(Clone, Copy)]
+struct BagFile<'f> {
+    /// The name of the file in a bag of several files; otherwise, empty.
+    name: &'f str,
+    /// The encodings of the topics' messages that the bag's metadata states.
+    encodings: Option<&'f BTreeMap<String, String>>,
+}
+
+impl BagFile<'_> {
+    /// A file without metadata.
+    const SINGLE: Self = Self { name: "", encodings: None };
+}
+
+/// The channels of a bag, with their messages. The files of a bag are read one after the other.
+struct Channels<'d> {
     run: CheckRun<'d>,
-    profile: String,
-    library: String,
     schemas: Schemas,
-    channels: BTreeMap<u16, Open>,
-    /// The undeclared channels with messages, each reported once.
-    undeclared: BTreeSet<u16>,
+    open: Vec<Open>,
+    /// The indices of the channels in `open`, by the hash of their declaration.
+    by_digest: HashMap<u64, Vec<usize>>,
     /// The total number of steps in the plans of all channels.
     steps: usize,
     /// Created when the first JSON channel is opened.
@@ -112,15 +95,13 @@ struct McapChecker<'d> {
     values: Vec<u8>,
 }
 
-impl<'d> McapChecker<'d> {
+impl<'d> Channels<'d> {
     fn new(definitions: &'d Definitions) -> Self {
         Self {
             run: CheckRun::new(definitions),
-            profile: String::new(),
-            library: String::new(),
             schemas: Schemas::default(),
-            channels: BTreeMap::new(),
-            undeclared: BTreeSet::new(),
+            open: Vec::new(),
+            by_digest: HashMap::new(),
             steps: 0,
             plans: None,
             dialects: Dialects::default(),
@@ -128,34 +109,62 @@ impl<'d> McapChecker<'d> {
         }
     }
 
-    fn channel(&mut self, id: u16, declared: &Declared, location: Location) {
-        let digest = digest(declared);
-        if let Some(known) = self.channels.get(&id) {
-            if known.digest != digest {
-                let text = format!(
-                    "channel {id} is declared again with different content; the first declaration is used"
-                );
-                self.run.gap(location, text);
-            }
-            return;
-        }
+    /// Opens a channel, and returns its index. A channel that an earlier file declares continues. `claimed` contains
+    /// the channels of this file. An error describes the problem.
+    fn declare(
+        &mut self,
+        declared: &Declared,
+        location: Location,
+        claimed: &mut BTreeSet<usize>,
+    ) -> Result<usize, String> {
         if declared.topic.len() > MAX_NAME || declared.encoding.len() > MAX_NAME {
-            let text = format!("channel {id}: the topic or the encoding is longer than {MAX_NAME} bytes");
-            return self.run.gap(location, text);
+            return Err(format!("the topic or the encoding is longer than {MAX_NAME} bytes"));
         }
-        let schema = self.schemas.get(declared.schema);
-        if declared.schema != 0 && schema.is_none() {
-            let text =
-                format!("channel {id} refers to schema {}, which hasn't been declared yet", declared.schema);
-            self.run.gap(location, text);
+        let same = self.by_digest.entry(digest(declared)).or_default();
+        if let Some(index) = same.iter().find(|index| !claimed.contains(index)) {
+            claimed.insert(*index);
+            return Ok(*index);
         }
+        if self.open.len() >= MAX_CHANNELS {
+            return Err(format!("the bag has more than {MAX_CHANNELS} channels"));
+        }
+        same.push(self.open.len());
+        claimed.insert(self.open.len());
+        let schema = declared.schema.map(|schema| self.schemas.name(schema));
         let definitions = self.run.definitions;
         let definition = definition_of(&declared.topic, schema, definitions);
-        let mut open = Open::new(declared, schema, definition, location, digest, self.run.number_channel());
+        let mut open = Open::new(declared, schema, definition, location, self.run.number_channel());
         if let (Some(message_id), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
             self.read(&mut open, declared, message_id);
         }
-        self.channels.insert(id, open);
+        self.open.push(open);
+        Ok(self.open.len() - 1)
+    }
+
+    /// Counts a message, and returns its number. All calls until the next message concern this message.
+    fn begin(&mut self, logged: Logged) -> u64 {
+        self.run.records += 1;
+        self.run.record_at(logged.time / 1_000);
+        self.run.logged = Some(logged);
+        self.run.records
+    }
+
+    /// True if parts of the bag can't be read.
+    fn has_gaps(&self) -> bool {
+        self.run.extent != Extent::Whole
+    }
+
+    /// Counts a message of a channel whose payload can't be read.
+    fn lost(&mut self, index: usize) {
+        if let Some(open) = self.open.get_mut(index) {
+            open.tally.records += 1;
+        }
+    }
+
+    /// Reports a corrupt part. `file` is the name of a file in a bag of several files; otherwise, it is empty.
+    fn corruption(&mut self, file: &str, location: Location, text: &str, extent: Extent) {
+        let text = if file.is_empty() { text.to_owned() } else { format!("{file}: {text}") };
+        self.run.corruption(location, text, extent);
     }
 
     /// Opens a channel that has a definition, and chooses the reader for its messages.
@@ -250,17 +259,8 @@ impl<'d> McapChecker<'d> {
     }
 
     /// Checks a message. `time` is the log time in ns.
-    fn message(&mut self, id: u16, time: u64, payload: &[u8], location: Location) {
-        self.run.records += 1;
-        self.run.record_at(time / 1_000);
-        let Some(open) = self.channels.get_mut(&id) else {
-            if !self.undeclared.insert(id) {
-                return;
-            }
-            return self
-                .run
-                .gap(location, format!("a message refers to channel {id}, which hasn't been declared yet"));
-        };
+    fn message(&mut self, index: usize, time: u64, payload: &[u8], location: Location) {
+        let Some(open) = self.open.get_mut(index) else { return };
         open.tally.records += 1;
         open.tally.time(Some(time / 1_000));
         let channel = open.identity.channel();
@@ -311,15 +311,18 @@ impl<'d> McapChecker<'d> {
         }
     }
 
-    fn finish(mut self, bytes: u64) -> CaptureResult {
+    /// Finishes the check. `summarize` creates the summary from the channels and the dialects of JSON.
+    fn finish(
+        mut self,
+        bytes: u64,
+        summarize: impl FnOnce(Vec<BagChannel>, Dialects) -> Summary,
+    ) -> CaptureResult {
         let (mut channels, mut parts) = (Vec::new(), Parts::default());
-        for (_, open) in std::mem::take(&mut self.channels) {
+        for open in std::mem::take(&mut self.open) {
             channels.push(open.close(self.plans.as_ref(), &mut self.run.findings, &mut parts));
         }
         channels.sort_by(|left, right| left.topic.cmp(&right.topic));
-        let summary =
-            McapSummary { profile: self.profile, library: self.library, channels, dialects: self.dialects };
-        self.run.finish(bytes, Summary::Mcap(summary), Unit::Topic, parts)
+        self.run.finish(bytes, summarize(channels, self.dialects), Unit::Topic, parts)
     }
 }
 
@@ -342,11 +345,6 @@ fn check_message(
     let tree = Tree::read(text).map_err(|error| error.to_string())?;
     let dialects = plans.explain(origin, &tree, findings);
     Ok(Clean { timestamp: plans.timestamp(origin.id, &tree), dialects })
-}
-
-/// Text from the file in printable form, shortened if it is too long.
-fn shortened(text: &str) -> String {
-    text.chars().take(MAX_NAME).collect::<String>().escape_debug().to_string()
 }
 
 /// A hash of a declaration, used to distinguish declarations without storing them.

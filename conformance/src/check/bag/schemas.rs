@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use uavspec_codegen::schema::MessageId;
 
-use super::{Basis, MAX_NAME, Stated, digest, json_schema};
+use super::{Basis, MAX_CHANNELS, MAX_NAME, Stated, digest, json_schema};
 use crate::definitions::Definitions;
 use crate::px4::comparison::{Comparison, compare_declared};
 
@@ -21,10 +21,12 @@ const MAX_SCHEMA: usize = 1 << 20;
 /// needed to decode CDR. The third item is the message version that the schema states.
 type ComparedSchema = (Basis, Option<Rc<Stated>>, Option<u32>);
 
-/// The schemas of a file, by id.
+/// The schemas of a bag.
 #[derive(Default)]
 pub(super) struct Schemas {
-    by_id: HashMap<u16, Schema>,
+    all: Vec<Schema>,
+    /// The indices of the schemas, by their hash.
+    by_digest: HashMap<u64, usize>,
     /// The total size of the stored schemas, in bytes.
     num_bytes: usize,
 }
@@ -32,63 +34,67 @@ pub(super) struct Schemas {
 struct Schema {
     name: String,
     encoding: String,
-    /// The text; `None` if it is too long to store.
-    text: Option<Vec<u8>>,
-    /// A hash that distinguishes the schema from others with the same id.
+    /// The text; otherwise, the size of a text that is too long to store.
+    text: Result<Vec<u8>, usize>,
+    /// A hash that distinguishes the schema from others.
     digest: u64,
     /// The comparisons that channels requested, by definition. The flag is true for JSON messages.
     compared: BTreeMap<(MessageId, bool), ComparedSchema>,
 }
 
 impl Schemas {
-    /// Adds a schema. An error describes the problem.
-    pub(super) fn add(&mut self, id: u16, name: String, encoding: String, text: &[u8]) -> Result<(), String> {
-        if id == 0 {
-            return Err("a schema has the reserved id 0".to_owned());
-        }
+    /// Adds a schema, and returns its index. Files may repeat the schemas of other files. An error describes the
+    /// problem.
+    pub(super) fn add(&mut self, name: String, encoding: String, text: &[u8]) -> Result<usize, String> {
         let digest = digest(&(&name, &encoding, text));
-        match self.by_id.get(&id) {
-            // Summaries and chunks repeat schemas.
-            Some(known) if known.digest == digest => return Ok(()),
-            Some(_) => {
-                return Err(format!(
-                    "schema {id} is declared again with different content; the first declaration is used"
-                ));
-            }
-            None => {}
+        if let Some(known) = self.by_digest.get(&digest) {
+            return Ok(*known);
         }
         if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
-            return Err(format!("schema {id}: the name or the encoding is longer than {MAX_NAME} bytes"));
+            return Err(format!("the name or the encoding is longer than {MAX_NAME} bytes"));
+        }
+        if self.all.len() >= MAX_CHANNELS {
+            return Err(format!("the bag has more than {MAX_CHANNELS} schemas"));
         }
         let fits = text.len() <= MAX_SCHEMA && self.num_bytes + text.len() <= MAX_SCHEMAS;
-        let num_bytes = fits.then(|| text.to_vec());
-        self.num_bytes += num_bytes.as_ref().map_or(0, Vec::len);
-        self.by_id.insert(id, Schema { name, encoding, text: num_bytes, digest, compared: BTreeMap::new() });
-        if fits {
-            return Ok(());
-        }
-        Err(format!(
-            "schema {id} is too long to compare: it has {} bytes; the limit is {MAX_SCHEMA} bytes per \
-             schema and {MAX_SCHEMAS} bytes in total",
-            text.len()
+        let text = if fits { Ok(text.to_vec()) } else { Err(text.len()) };
+        self.num_bytes += text.as_ref().map_or(0, Vec::len);
+        self.by_digest.insert(digest, self.all.len());
+        self.all.push(Schema { name, encoding, text, digest, compared: BTreeMap::new() });
+        Ok(self.all.len() - 1)
+    }
+
+    /// The reason why a schema can't be compared, as a predicate.
+    pub(super) fn problem(&self, index: usize) -> Option<String> {
+        let length = self.all[index].text.as_ref().err()?;
+        Some(format!(
+            "is too long to compare: it has {length} bytes; the limit is {MAX_SCHEMA} bytes per schema and \
+             {MAX_SCHEMAS} bytes in total"
         ))
     }
 
+    /// True if a schema has this content.
+    pub(super) fn is(&self, index: usize, name: &str, encoding: &str, text: &[u8]) -> bool {
+        self.all[index].digest == digest(&(name, encoding, text))
+    }
+
     /// The name and the encoding of a schema.
-    pub(super) fn get(&self, id: u16) -> Option<(&str, &str)> {
-        self.by_id.get(&id).map(|schema| (schema.name.as_str(), schema.encoding.as_str()))
+    pub(super) fn name(&self, index: usize) -> (&str, &str) {
+        (&self.all[index].name, &self.all[index].encoding)
     }
 
     /// Compares a schema with a definition, for messages in CDR or JSON.
     pub(super) fn compared(
         &mut self,
-        id: u16,
+        index: Option<usize>,
         message_id: MessageId,
         is_json: bool,
         definitions: &Definitions,
     ) -> ComparedSchema {
-        let Some(schema) = self.by_id.get_mut(&id) else { return (Basis::NoSchema, None, None) };
-        let Some(text) = &schema.text else { return (Basis::TooLong, None, None) };
+        let Some(schema) = index.and_then(|index| self.all.get_mut(index)) else {
+            return (Basis::NoSchema, None, None);
+        };
+        let Ok(text) = &schema.text else { return (Basis::TooLong, None, None) };
         let compared = schema.compared.entry((message_id, is_json));
         let compared = compared.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
             // rosbag2 writes an empty schema for types whose definitions it can't find.

@@ -1,0 +1,77 @@
+//! Reads the folder of a bag: the files that its `metadata.yaml` lists, one after the other.
+
+use std::io::{self, Read as _};
+use std::path::Path;
+
+use super::mcap::McapFile;
+use super::sqlite::{self, SQLITE};
+use super::{BagFile, BagSummary, Channels, MCAP};
+use crate::capture::input;
+use crate::capture::rosbag::metadata::{FILE_NAME, Metadata};
+use crate::check::{CaptureResult, Reading, START, Source, Summary};
+use crate::definitions::Definitions;
+use crate::model::{Extent, Location};
+
+/// Checks the readable parts of a bag's files. Fails if `metadata.yaml` can't be read.
+pub(in crate::check) fn check_folder(
+    folder: &Path,
+    definitions: &Definitions,
+    reading: Reading<'_>,
+) -> io::Result<CaptureResult> {
+    let Some(metadata) = Metadata::read(folder)? else {
+        return Ok(CaptureResult::unknown(format!("its {FILE_NAME} isn't the metadata of a rosbag2 bag")));
+    };
+    let mut bag = Channels::new(definitions);
+    let mut summary = BagSummary {
+        storage: metadata.storage,
+        distribution: metadata.distribution,
+        num_files: metadata.files.len() as u64,
+        ..BagSummary::default()
+    };
+    let is_single = metadata.files.len() == 1;
+    let mut bytes = 0;
+    for file in &metadata.files {
+        let part = BagFile { name: if is_single { "" } else { file }, encodings: Some(&metadata.encodings) };
+        match check_file(&folder.join(file), part, &mut bag, &mut summary, reading) {
+            Ok(read) => bytes += read,
+            Err(error) => {
+                let text = format!("{file}, which {FILE_NAME} lists, can't be opened: {error}");
+                bag.corruption("", Location::Byte(0), &text, Extent::WithGaps);
+            }
+        }
+    }
+    let found = bag.run.records;
+    if let Some(expected) = metadata.message_count.filter(|expected| *expected > found && !bag.has_gaps()) {
+        let text = format!("{FILE_NAME} counts {expected} messages, but the files contain {found}");
+        bag.corruption("", Location::Message(found), &text, Extent::WithGaps);
+    }
+    Ok(bag.finish(bytes, |channels, dialects| Summary::Bag(BagSummary { channels, dialects, ..summary })))
+}
+
+/// Checks the readable part of a file. Returns the number of bytes read. Fails if the file can't be opened.
+fn check_file(
+    path: &Path,
+    file: BagFile<'_>,
+    bag: &mut Channels<'_>,
+    summary: &mut BagSummary,
+    reading: Reading<'_>,
+) -> io::Result<u64> {
+    let (mut input, is_plain) = input::decompressed(reading(input::open(path)?))?;
+    let mut start = Vec::new();
+    input.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let whole = &mut io::Cursor::new(&start).chain(input);
+    if (MCAP.detect)(&start) {
+        return Ok(McapFile::new(bag, file.name).read(whole));
+    }
+    if !(SQLITE.detect)(&start) {
+        bag.corruption(file.name, Location::Byte(0), "neither a SQLite nor an MCAP file", Extent::WithGaps);
+        return Ok(0);
+    }
+    let mut distribution = String::new();
+    let mut source = Source { bytes: whole, file: is_plain.then_some(path) };
+    let read = sqlite::read_source(&mut source, bag, file, &mut distribution);
+    if summary.distribution.is_empty() {
+        summary.distribution = distribution;
+    }
+    Ok(read)
+}

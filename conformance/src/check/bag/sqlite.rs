@@ -1,0 +1,202 @@
+//! Reads a SQLite file of rosbag2, and names ROS 1 bags.
+
+use std::io::Read as _;
+use std::path::Path;
+
+use super::{BagFile, BagSummary, Channels};
+use crate::capture::rosbag::{CONVERT_ROS1, ROS1_MAGIC, SQLITE_MAGIC};
+use crate::check::{CaptureResult, Kind, Source, Summary, has_magic};
+use crate::definitions::Definitions;
+use crate::model::{Extent, Location};
+
+/// The maximum size of a decompressed file, in bytes.
+const MAX_UNPACKED: u64 = 16 << 30;
+
+pub(in crate::check) const SQLITE: Kind = Kind {
+    name: "rosbag2",
+    detect: |start| has_magic(start, &SQLITE_MAGIC),
+    check: |source, _, definitions| check_sqlite(source, definitions),
+};
+
+/// The bags of ROS 1, which aren't supported.
+pub(in crate::check) const ROS1: Kind = Kind {
+    name: "rosbag2",
+    detect: |start| has_magic(start, &ROS1_MAGIC),
+    check: |_, _, _| CaptureResult::unknown(CONVERT_ROS1),
+};
+
+/// Checks the readable part of a SQLite file.
+fn check_sqlite(mut source: Source<'_>, definitions: &Definitions) -> CaptureResult {
+    let mut bag = Channels::new(definitions);
+    let mut summary = BagSummary { storage: "sqlite3".to_owned(), num_files: 1, ..BagSummary::default() };
+    let bytes = read_source(&mut source, &mut bag, BagFile::SINGLE, &mut summary.distribution);
+    bag.finish(bytes, |channels, dialects| Summary::Bag(BagSummary { channels, dialects, ..summary }))
+}
+
+/// Checks the readable part of a SQLite file. Returns the size of the file.
+pub(super) fn read_source(
+    source: &mut Source<'_>,
+    bag: &mut Channels<'_>,
+    file: BagFile<'_>,
+    distribution: &mut String,
+) -> u64 {
+    if let Some(path) = source.file {
+        return read(path, bag, file, distribution);
+    }
+    // SQLite reads its files in any order.
+    let copy = tempfile::NamedTempFile::new().and_then(|mut file| {
+        let copied = std::io::copy(&mut source.take(MAX_UNPACKED), &mut file);
+        Ok((file.into_temp_path(), copied))
+    });
+    let mut failed = |error: &std::io::Error| {
+        let text = format!("the rest is unreadable: {error}");
+        bag.corruption(file.name, Location::Byte(0), &text, Extent::Unreadable);
+    };
+    let path = match copy {
+        Ok((path, copied)) => {
+            if let Err(error) = copied {
+                failed(&error);
+            }
+            path
+        }
+        Err(error) => {
+            failed(&error);
+            return 0;
+        }
+    };
+    if source.read(&mut [0]).is_ok_and(|read| read > 0) {
+        let text = format!("the bag has more than {MAX_UNPACKED} bytes: decompress it first");
+        bag.corruption(file.name, Location::Byte(MAX_UNPACKED), &text, Extent::Unreadable);
+        return 0;
+    }
+    read(&path, bag, file, distribution)
+}
+
+#[cfg(not(feature = "db3"))]
+fn read(_: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, _: &mut String) -> u64 {
+    let text = "this build of uavspec can't read SQLite files: build it with the feature `db3`";
+    bag.corruption(file.name, Location::Byte(0), text, Extent::Unreadable);
+    0
+}
+
+#[cfg(feature = "db3")]
+fn read(path: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, distribution: &mut String) -> u64 {
+    use crate::capture::rosbag::sqlite::{Bag, Problem};
+
+    let report = |bag: &mut Channels<'_>, Problem { text, extent }: Problem| {
+        bag.corruption(file.name, Location::Byte(0), &text, extent);
+    };
+    match Bag::open(path) {
+        Ok((database, problems)) => {
+            problems.into_iter().for_each(|problem| report(bag, problem));
+            *distribution = database.distribution();
+            let mut reading = reading::SqliteFile::new(bag, file);
+            if let Err(problem) = reading.read(&database) {
+                report(bag, problem);
+            }
+        }
+        Err(problem) => report(bag, problem),
+    }
+    std::fs::metadata(path).map_or(0, |metadata| metadata.len())
+}
+
+#[cfg(feature = "db3")]
+mod reading {
+    //! Passes the content of a file to the checks of its channels.
+
+    use std::collections::{BTreeSet, HashMap};
+
+    use crate::capture::rosbag::sqlite::{Bag, Definition, Message, Problem, Topic};
+    use crate::check::Logged;
+    use crate::check::bag::{BagFile, Channels, Declared, HASH};
+    use crate::model::{Extent, Location};
+
+    /// A file that is being read.
+    pub(super) struct SqliteFile<'c, 'd> {
+        bag: &'c mut Channels<'d>,
+        file: BagFile<'c>,
+        /// The indices of the schemas, by type and type hash.
+        schemas: HashMap<(String, String), usize>,
+        /// The indices of the channels, by the id of their topic.
+        channels: HashMap<i64, usize>,
+        /// The indices in `channels`.
+        claimed: BTreeSet<usize>,
+        /// The undeclared topics with messages, each reported once.
+        undeclared: BTreeSet<i64>,
+    }
+
+    impl<'c, 'd> SqliteFile<'c, 'd> {
+        pub(super) fn new(bag: &'c mut Channels<'d>, file: BagFile<'c>) -> Self {
+            Self {
+                bag,
+                file,
+                schemas: HashMap::new(),
+                channels: HashMap::new(),
+                claimed: BTreeSet::new(),
+                undeclared: BTreeSet::new(),
+            }
+        }
+
+        /// Checks the readable part of the file.
+        pub(super) fn read(&mut self, database: &Bag) -> Result<(), Problem> {
+            database.definitions(|definition| self.definition(definition))?;
+            database.topics(|topic| self.topic(topic))?;
+            database.messages(|message| self.message(message))
+        }
+
+        fn definition(&mut self, Definition { ty, encoding, text, hash }: Definition) {
+            match self.bag.schemas.add(ty.clone(), encoding, text.as_bytes()) {
+                Ok(index) => {
+                    if let Some(problem) = self.bag.schemas.problem(index) {
+                        self.gap(Location::Byte(0), &format!("the schema of {ty} {problem}"));
+                    }
+                    self.schemas.insert((ty, hash), index);
+                }
+                Err(problem) => self.gap(Location::Byte(0), &format!("a schema: {problem}")),
+            }
+        }
+
+        fn topic(&mut self, Topic { id, name, ty, encoding, hash }: Topic) {
+            let location = Location::Channel(id.unsigned_abs());
+            // Files from before the type hashes, and some later ones, have no hash in one of the tables.
+            let keys = [(ty.clone(), hash.clone()), (ty.clone(), String::new())];
+            let schema = keys.iter().find_map(|key| self.schemas.get(key).copied());
+            // rosbag2 converts a type without a definition to an empty schema of an MCAP file.
+            let schema = schema.map_or_else(|| self.bag.schemas.add(ty, "ros2msg".to_owned(), b""), Ok);
+            let stated = self.file.encodings.and_then(|encodings| encodings.get(&name));
+            let encoding = stated.cloned().unwrap_or(encoding);
+            let declared = schema.and_then(|schema| {
+                let metadata = [(HASH.to_owned(), hash)].into();
+                let declared = Declared { schema: Some(schema), topic: name, encoding, metadata };
+                self.bag.declare(&declared, location, &mut self.claimed)
+            });
+            match declared {
+                Ok(channel) => _ = self.channels.insert(id, channel),
+                Err(problem) => self.gap(location, &format!("topic {id}: {problem}")),
+            }
+        }
+
+        fn message(&mut self, Message { topic, time, payload }: Message<'_>) {
+            let location = Location::Message(self.bag.begin(Logged { time, sequence: None }));
+            match (self.channels.get(&topic), payload) {
+                (Some(channel), Ok(payload)) => self.bag.message(*channel, time, payload, location),
+                (Some(channel), Err(problem)) => {
+                    self.bag.lost(*channel);
+                    self.gap(location, &problem);
+                }
+                (None, _) => {
+                    if self.undeclared.insert(topic) {
+                        self.gap(
+                            location,
+                            &format!("a message refers to topic {topic}, which the bag doesn't declare"),
+                        );
+                    }
+                }
+            }
+        }
+
+        fn gap(&mut self, location: Location, text: &str) {
+            self.bag.corruption(self.file.name, location, text, Extent::WithGaps);
+        }
+    }
+}

@@ -1,0 +1,227 @@
+//! Tests of rosbag2 bags: SQLite files have the same findings as MCAP files, and hostile files do no harm.
+
+mod file;
+mod folders;
+mod hostile;
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+use tempfile::TempDir;
+
+use crate::capture::MCAP_MAGIC;
+use crate::check::{BagSummary, CaptureResult, Summary, check_capture, check_path};
+use crate::definitions::Definitions;
+use crate::model::{Extent, Location};
+use crate::rules::mutants;
+use crate::rules::sample::Flight;
+use crate::tests::support::shared;
+
+use file::Content;
+
+/// Checks a file or a folder.
+fn checked(path: &Path, definitions: &Definitions) -> CaptureResult {
+    check_path(path, None, definitions, &|input| input).expect("the path can be opened")
+}
+
+fn checked_bytes(bytes: &[u8], definitions: &Definitions) -> CaptureResult {
+    check_capture(bytes, None, definitions).expect("bytes can be read")
+}
+
+fn summary(result: &CaptureResult) -> &BagSummary {
+    match &result.summary {
+        Summary::Bag(summary) => summary,
+        other => panic!("expected a bag, found {other:?}"),
+    }
+}
+
+/// The findings without their locations.
+fn violated(result: &CaptureResult) -> Vec<(&'static str, String, u64, Vec<String>)> {
+    let groups = result.findings.groups();
+    groups.map(|group| (group.rule.id, group.subject.clone(), group.count, group.messages())).collect()
+}
+
+fn corrupt(result: &CaptureResult) -> Vec<String> {
+    result.corruption.iter().map(|(location, text)| format!("{location}: {text}")).collect()
+}
+
+/// Asserts that two captures have the same findings, counts and coverage.
+fn assert_same(left: &CaptureResult, right: &CaptureResult, name: &str) {
+    assert_eq!(violated(left), violated(right), "{name}");
+    let counts = |result: &CaptureResult| {
+        let coverage = serde_json::to_value(&result.coverage).expect("JSON");
+        (result.records, result.checked, result.duration, result.extent, corrupt(result), coverage)
+    };
+    let without_times = |result: &CaptureResult| {
+        let (records, checked, duration, extent, corrupt, mut coverage) = counts(result);
+        for part in coverage["parts"].as_array_mut().expect("parts") {
+            for key in ["first_us", "last_us", "rate_hz"] {
+                part[key].take();
+            }
+        }
+        (records, checked, duration, extent, corrupt, coverage)
+    };
+    assert_eq!(without_times(left), without_times(right), "{name}");
+}
+
+/// A file in a folder of its own.
+fn file_with(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).expect("a file");
+    (folder, path)
+}
+
+/// The recording of a flight as a SQLite file.
+fn flight() -> (Definitions, Content) {
+    let definitions = Definitions::built_in();
+    let content = Content::of_mcap(&Flight::new(&definitions).bag().to_bytes());
+    (definitions, content)
+}
+
+#[test]
+fn sqlite_files_have_the_findings_of_mcap_files() {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let mutated = mutants().flat_map(|mutant| mutant.captures(&flight));
+    let captures = mutated.chain([("a conforming flight".to_owned(), flight.bag().to_bytes())]);
+    let mut num_files = 0;
+    for (name, bytes) in captures.filter(|(_, bytes)| bytes.starts_with(&MCAP_MAGIC)) {
+        num_files += 1;
+        let (_folder, path) = file_with("bag.db3", &Content::of_mcap(&bytes).to_bytes());
+        assert_same(&checked(&path, &definitions), &checked_bytes(&bytes, &definitions), &name);
+    }
+    assert!(num_files > 20, "{num_files} mutants");
+}
+
+#[test]
+fn the_summary_names_the_storage_and_the_distribution() {
+    let (definitions, content) = flight();
+    let result = checked_bytes(&content.to_bytes(), &definitions);
+    let found = summary(&result);
+    assert_eq!((&*found.storage, &*found.distribution, found.num_files), ("sqlite3", "jazzy", 1));
+    assert_eq!(found.channels.len(), content.topics.len());
+    assert_eq!((result.records, result.extent), (content.messages.len() as u64, Extent::Whole));
+}
+
+#[test]
+fn a_finding_names_the_message_and_its_log_time() {
+    let (definitions, mut content) = flight();
+    content.messages[7].2.push(0);
+    content.messages[7].2.extend([0; 8]);
+    let result = checked_bytes(&content.to_bytes(), &definitions);
+    let group = result.findings.groups().find(|group| group.rule.id == "PX-CDR-02").expect("a finding");
+    let (location, detail) = &group.examples[0];
+    let time = u64::try_from(content.messages[7].1).expect("a time");
+    assert_eq!((*location, detail.log_time, detail.sequence), (Location::Message(8), Some(time), None));
+}
+
+/// Files may be compressed as a whole, and rosbag2 can compress each message.
+#[test]
+fn compressed_files_and_messages_have_the_same_findings() {
+    let (definitions, content) = flight();
+    let bytes = content.to_bytes();
+    let plain = checked_bytes(&bytes, &definitions);
+    assert_eq!((plain.checked, plain.bytes), (plain.records, bytes.len() as u64));
+    let pack = |bytes: &[u8]| compress_to_vec(bytes, CompressionLevel::Fastest);
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
+    gzip.write_all(&bytes).expect("memory");
+    let mut packed_messages = content.clone();
+    packed_messages.messages.iter_mut().for_each(|(_, _, payload)| *payload = pack(payload));
+    for (name, bytes) in [
+        ("bag.db3", bytes.clone()),
+        ("bag.db3.zstd", pack(&bytes)),
+        ("bag.db3.gz", gzip.finish().expect("memory")),
+        ("messages.db3", packed_messages.to_bytes()),
+    ] {
+        let (_folder, path) = file_with(name, &bytes);
+        assert_same(&checked(&path, &definitions), &plain, name);
+    }
+    let (_folder, path) = file_with("cut.db3.zstd", &pack(&bytes)[..2_000]);
+    assert_eq!(checked(&path, &definitions).extent, Extent::Unreadable);
+}
+
+/// rosbag2 plays messages by time. With several writers, their rows are in another order.
+#[test]
+fn reads_messages_by_time_with_and_without_an_index() {
+    let (definitions, content) = flight();
+    let expected = checked_bytes(&content.to_bytes(), &definitions);
+    let mut reversed = content.clone();
+    reversed.messages.reverse();
+    for statement in ["", "DROP INDEX timestamp_idx"] {
+        let (_folder, path) = file_with("bag.db3", &reversed.to_bytes());
+        rusqlite::Connection::open(&path).and_then(|bag| bag.execute_batch(statement)).expect("a database");
+        let found = checked(&path, &definitions);
+        assert_same(&found, &expected, statement);
+    }
+}
+
+/// Files of early versions have neither hashes nor definitions.
+#[test]
+fn reads_files_of_early_versions() {
+    let (definitions, content) = flight();
+    let (_folder, path) = file_with("bag.db3", &content.to_bytes());
+    let bag = rusqlite::Connection::open(&path).expect("a database");
+    let statements = "DROP TABLE schema; DROP TABLE message_definitions;
+        ALTER TABLE topics DROP COLUMN type_description_hash; ALTER TABLE topics DROP COLUMN offered_qos_profiles;";
+    bag.execute_batch(statements).expect("a database");
+    drop(bag);
+    let result = checked(&path, &definitions);
+    assert_eq!((violated(&result), corrupt(&result)), (vec![], vec![]));
+    assert_eq!((result.checked, result.records), (result.records, content.messages.len() as u64));
+    assert!(summary(&result).distribution.is_empty());
+}
+
+#[test]
+fn ros_1_bags_are_named_with_the_way_to_convert_them() {
+    let result = checked_bytes(b"#ROSBAG V2.0\nE\0\0\0", &Definitions::built_in());
+    let Summary::Unknown(summary) = result.summary else { panic!("a ROS 1 bag can't be read") };
+    assert!(summary.reason.starts_with("a ROS 1 bag: convert it first"), "{}", summary.reason);
+}
+
+/// The same recordings in both storage formats, as used by rosbag2's own tests.
+#[test]
+fn real_recordings_have_the_same_findings_in_both_formats() {
+    let Some((bags, ros)) = shared("corpus/bags").zip(shared("corpus/ros2-distros/rolling")) else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let package = |name: &str| {
+        let include = ros.join(name).join("msg/*.msg");
+        format!(
+            "[[package]]\nname = \"{name}\"\ndialect = \"ros2\"\ninclude = [{:?}]\n",
+            include.display().to_string()
+        )
+    };
+    let config = ["std_msgs", "rcl_interfaces", "builtin_interfaces"].map(package).concat();
+    fs::write(folder.path().join("uavspec.toml"), config).expect("a file");
+    let loaded = Definitions::load(&folder.path().join("uavspec.toml")).expect("definitions");
+    let (mut num_files, mut num_bags, mut num_checked) = (0, 0, 0);
+    for entry in walkdir::WalkDir::new(bags.join("sqlite3")) {
+        let path = entry.expect("a file").into_path();
+        let below = path.strip_prefix(bags.join("sqlite3")).expect("below").to_owned();
+        let name = below.display().to_string();
+        let is_file = path.extension().is_some_and(|extension| extension == "db3");
+        let twin = match (is_file, path.join("metadata.yaml").is_file()) {
+            (true, _) => bags.join("mcap").join(&below).with_extension("mcap"),
+            (false, true) => bags.join("mcap").join(&below),
+            (false, false) => continue,
+        };
+        // This SQLite file states an encoding that contradicts its metadata.
+        if is_file && name.starts_with("wrong_rmw_test") {
+            continue;
+        }
+        for definitions in [&loaded, &Definitions::built_in()] {
+            let (left, right) = (checked(&path, definitions), checked(&twin, definitions));
+            assert_eq!((left.extent, right.extent), (Extent::Whole, Extent::Whole), "{name}");
+            assert_same(&left, &right, &name);
+            num_checked += left.checked;
+        }
+        num_files += usize::from(is_file);
+        num_bags += usize::from(!is_file);
+    }
+    assert_eq!((num_files, num_bags), (13, 7));
+    assert!(num_checked > 9_000, "{num_checked}");
+}

@@ -1,0 +1,129 @@
+//! Tests of bags that consist of several files.
+
+use std::fs;
+use std::path::Path;
+
+use super::file::{Content, metadata};
+use super::{assert_same, checked, corrupt, flight, summary, violated};
+use crate::capture::input::files;
+use crate::model::Extent;
+use crate::tests::mcap::file as mcap;
+
+/// Writes the messages of a bag to several files, and returns their number.
+fn split(content: &Content, folder: &Path) -> usize {
+    let parts = content.messages.chunks(content.messages.len().div_ceil(3));
+    for (number, messages) in parts.clone().enumerate() {
+        let part = Content { messages: messages.to_vec(), ..content.clone() };
+        part.write(&folder.join(format!("bag_{number}.db3")));
+    }
+    let names: Vec<String> = (0..parts.len()).map(|number| format!("bag_{number}.db3")).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    fs::write(folder.join("metadata.yaml"), metadata("sqlite3", &names, content.messages.len()))
+        .expect("a file");
+    names.len()
+}
+
+#[test]
+fn the_files_of_a_bag_are_one_capture() {
+    let (definitions, content) = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    let bag = folder.path().join("flight");
+    fs::create_dir(&bag).expect("a folder");
+    let num_files = split(&content, &bag);
+    content.write(&folder.path().join("whole.db3"));
+    fs::write(folder.path().join("metadata.yaml"), "a: b").expect("a file");
+    let found = files(&[folder.path().to_owned()]).expect("files");
+    assert_eq!(found.captures, [bag.clone(), folder.path().join("whole.db3")]);
+    assert_eq!(found.skipped.len(), 1, "other YAML: {:?}", found.skipped);
+    let whole = checked(&found.captures[1], &definitions);
+    for path in [bag.clone(), bag.join("metadata.yaml")] {
+        let result = checked(&path, &definitions);
+        assert_same(&result, &whole, "the bag");
+        let found = summary(&result);
+        assert_eq!((found.num_files, found.channels.len()), (num_files as u64, content.topics.len()));
+    }
+    let part = checked(&bag.join("bag_1.db3"), &definitions);
+    assert!(part.records > 0 && part.records < whole.records && part.extent == Extent::Whole);
+}
+
+/// Rules on sequences of messages see the messages of all files.
+#[test]
+fn rules_span_the_files_of_a_bag() {
+    let (definitions, content) = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    split(&content, folder.path());
+    // The first file is played last, so the timestamps of all topics go back.
+    let names = ["bag_1.db3", "bag_2.db3", "bag_0.db3"];
+    let text = metadata("sqlite3", &names, content.messages.len());
+    fs::write(folder.path().join("metadata.yaml"), text).expect("a file");
+    let result = checked(folder.path(), &definitions);
+    let found = violated(&result);
+    assert!(found.iter().any(|(rule, ..)| *rule == "PX-TIME-01"), "{found:?}");
+}
+
+#[test]
+fn missing_and_unknown_files_are_reported() {
+    let (definitions, content) = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    split(&content, folder.path());
+    fs::remove_file(path("bag_1.db3")).expect("a file");
+    fs::write(path("bag_2.db3"), "neither this nor that").expect("a file");
+    fs::write(path("extra.jsonl"), "").expect("a file");
+    let result = checked(folder.path(), &definitions);
+    let found = corrupt(&result);
+    assert_eq!((result.extent, found.len()), (Extent::WithGaps, 2), "{found:?}");
+    assert!(found[0].contains("bag_1.db3, which metadata.yaml lists, can't be opened: "), "{found:?}");
+    assert!(found[1].ends_with("bag_2.db3: neither a SQLite nor an MCAP file"), "{found:?}");
+    assert!(result.checked > 0);
+    let found = files(&[folder.path().to_owned()]).expect("files");
+    assert_eq!(found.captures, [folder.path().to_owned(), path("extra.jsonl")]);
+}
+
+#[test]
+fn fewer_messages_than_the_metadata_counts_are_incomplete() {
+    let (definitions, content) = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    content.write(&folder.path().join("bag_0.db3"));
+    for (difference, is_reported) in [(0, false), (1, true), (-1, false)] {
+        let count = content.messages.len().checked_add_signed(difference).expect("a number");
+        fs::write(folder.path().join("metadata.yaml"), metadata("sqlite3", &["bag_0.db3"], count))
+            .expect("a file");
+        let result = checked(folder.path(), &definitions);
+        assert_eq!(result.extent != Extent::Whole, is_reported, "{difference}: {:?}", result.corruption);
+    }
+}
+
+#[test]
+fn a_bag_of_mcap_files_is_one_capture() {
+    let (definitions, content) = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    let whole = tempfile::tempdir().expect("a folder");
+    let declared: Vec<u8> = content
+        .topics
+        .iter()
+        .zip(&content.definitions)
+        .flat_map(|((id, topic), definition)| {
+            let id = u16::try_from(*id).expect("an id");
+            let hash = [("topic_type_hash", topic[3].as_str())];
+            let schema = mcap::schema(id + 1, &definition[0], &definition[1], definition[2].as_bytes());
+            [schema, mcap::channel(id, id + 1, &topic[0], "cdr", &hash)].concat()
+        })
+        .collect();
+    let file = |messages: &[(i64, i64, Vec<u8>)]| {
+        let messages = messages
+            .iter()
+            .flat_map(|(topic, _, payload)| mcap::message(u16::try_from(*topic).expect("an id"), payload));
+        mcap::file(&[declared.clone(), messages.collect()].concat())
+    };
+    let (first, second) = content.messages.split_at(content.messages.len() / 2);
+    for (name, messages) in [("bag_0.mcap", first), ("bag_1.mcap", second)] {
+        fs::write(folder.path().join(name), file(messages)).expect("a file");
+    }
+    let text = metadata("mcap", &["bag_0.mcap", "bag_1.mcap"], content.messages.len());
+    fs::write(folder.path().join("metadata.yaml"), text).expect("a file");
+    fs::write(whole.path().join("whole.mcap"), file(&content.messages)).expect("a file");
+    let result = checked(folder.path(), &definitions);
+    assert_same(&result, &checked(&whole.path().join("whole.mcap"), &definitions), "the bag");
+    assert_eq!(summary(&result).storage, "mcap");
+}

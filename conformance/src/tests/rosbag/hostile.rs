@@ -1,0 +1,181 @@
+//! Tests of corrupt and hostile SQLite files.
+
+use std::fs;
+
+use rusqlite::Connection;
+
+use super::file::Content;
+use super::{checked, checked_bytes, corrupt, file_with, flight};
+use crate::model::{Extent, Location};
+use crate::tests::support::{Random, extent};
+
+/// A file with the tables of a bag that these statements change.
+fn changed(statements: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let (_, content) = flight();
+    let (folder, path) = file_with("bag.db3", &content.to_bytes());
+    Connection::open(&path).and_then(|bag| bag.execute_batch(statements)).expect("a database");
+    (folder, path)
+}
+
+/// A schema executes nothing: each of these tables would take hours or much memory to read.
+#[test]
+fn views_virtual_tables_and_generated_columns_are_not_read() {
+    let (definitions, _) = flight();
+    let endless = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n)";
+    let rows = "SELECT i AS id, 1 AS topic_id, i AS timestamp, zeroblob(1000000000) AS data FROM n";
+    for (statements, expected) in [
+        (format!("DROP TABLE messages; CREATE VIEW messages AS {endless} {rows}"), "it has no table `messages`"),
+        (
+            format!("DROP TABLE topics; CREATE VIEW topics AS {endless} SELECT i AS id FROM n"),
+            "it has no table `topics`",
+        ),
+        (
+            "DROP TABLE messages; CREATE VIRTUAL TABLE messages USING fts5(topic_id, timestamp, data)".to_owned(),
+            "it has no table `messages`",
+        ),
+        (
+            "DROP TABLE messages; CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER,
+                data BLOB AS (zeroblob(1000000000)));
+                INSERT INTO messages(topic_id, timestamp) VALUES (1, 1)"
+                .to_owned(),
+            "its table `messages` has no column `data`",
+        ),
+        (
+            "DROP TABLE messages; CREATE TABLE messages(topic_id, timestamp, data, k PRIMARY KEY) WITHOUT ROWID"
+                .to_owned(),
+            "no such column: rowid",
+        ),
+        ("DROP TABLE messages".to_owned(), "it has no table `messages`"),
+        ("ALTER TABLE topics DROP COLUMN type".to_owned(), "its table `topics` has no column `type`"),
+    ] {
+        let (_folder, path) = changed(&statements);
+        let result = checked(&path, &definitions);
+        let found = corrupt(&result);
+        assert!(found.len() == 1 && found[0].contains(expected), "{statements}: {found:?}");
+        assert_eq!((result.extent, result.checked), (Extent::WithGaps, 0), "{statements}");
+    }
+}
+
+#[test]
+fn values_of_other_types_are_reported() {
+    let (definitions, content) = flight();
+    let count = content.messages.len() as u64;
+    for (statement, expected) in [
+        (
+            "UPDATE messages SET topic_id = 999 WHERE id = 1",
+            "a message refers to topic 999, which the bag doesn't",
+        ),
+        (
+            "UPDATE messages SET topic_id = 'x' WHERE id = 1",
+            "a message refers to topic -9223372036854775808, which",
+        ),
+        ("UPDATE messages SET data = 5 WHERE id = 1", "the message is unreadable: "),
+    ] {
+        let (_folder, path) = changed(statement);
+        let result = checked(&path, &definitions);
+        let found = corrupt(&result);
+        assert!(found.len() == 1 && found[0].contains(expected), "{statement}: {found:?}");
+        assert_eq!(result.corruption[0].0, Location::Message(1), "{statement}");
+        assert_eq!((result.extent, result.checked), (Extent::WithGaps, count - 1), "{statement}");
+    }
+}
+
+#[test]
+fn payloads_have_a_maximum_size() {
+    let (definitions, content) = flight();
+    let topic = content.topics[0].0;
+    let (_folder, path) = changed(&format!(
+        "DELETE FROM messages; INSERT INTO messages VALUES (1, {topic}, 1, zeroblob({})), (2, {topic}, 2, zeroblob({}))",
+        5 << 20,
+        (64 << 20) + 1
+    ));
+    let result = checked(&path, &definitions);
+    let found = corrupt(&result);
+    assert!(
+        found.len() == 1 && found[0].starts_with("message 2: the message has 67,108,865 bytes"),
+        "{found:?}"
+    );
+}
+
+/// Pages of a corrupt file can be reached in several ways, so that it seems to have more messages than bytes.
+#[test]
+fn a_truncated_file_is_checked_as_far_as_possible() {
+    let (definitions, content) = flight();
+    let bytes = content.to_bytes();
+    let mut most = 0;
+    for cut in (4..bytes.len()).step_by(extent(509, 4_093)) {
+        let (_folder, path) = file_with("bag.db3", &bytes[..cut]);
+        let result = checked(&path, &definitions);
+        assert_ne!(result.extent, Extent::Whole, "cut at {cut}");
+        assert!(result.checked <= content.messages.len() as u64);
+        most = most.max(result.checked);
+    }
+    assert!(most > content.messages.len() as u64 / 2, "{most} of {}", content.messages.len());
+}
+
+#[test]
+fn flipped_bits_never_panic() {
+    let (definitions, content) = flight();
+    let bytes = content.to_bytes();
+    let mut random = Random(18);
+    let mut corrupted = 0;
+    for _ in 0..extent(2_000, 150) {
+        let mut flipped = bytes.clone();
+        for _ in 0..=random.below(4) {
+            // The schema and the roots of the tables are more interesting than the payloads.
+            let end = if random.below(2) == 0 { 3 << 12 } else { bytes.len() };
+            flipped[16 + random.index(end - 16)] ^= 1 << random.below(8);
+        }
+        let result = checked_bytes(&flipped, &definitions);
+        corrupted += u64::from(result.extent != Extent::Whole);
+    }
+    assert!(corrupted > 10, "{corrupted}");
+}
+
+/// A recording that was killed leaves its last messages in a second file.
+#[test]
+fn unfinished_recordings_are_incomplete_and_stay_unchanged() {
+    let (definitions, content) = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bag.db3");
+    content.write(&path);
+    let writer = Connection::open(&path).expect("a database");
+    writer.execute_batch("PRAGMA journal_mode = WAL; PRAGMA wal_autocheckpoint = 0").expect("a database");
+    let more = Content { messages: content.messages.clone(), ..Content::default() };
+    more.insert(&writer);
+    let killed = tempfile::tempdir().expect("a folder");
+    for name in ["bag.db3", "bag.db3-wal"] {
+        fs::copy(folder.path().join(name), killed.path().join(name)).expect("a file");
+    }
+    drop(writer);
+    let before = fs::read(killed.path().join("bag.db3")).expect("a file");
+    let result = checked(&killed.path().join("bag.db3"), &definitions);
+    let found = corrupt(&result);
+    assert!(found.len() == 1 && found[0].contains("may be in `bag.db3-wal`"), "{found:?}");
+    assert_eq!((result.extent, result.checked), (Extent::WithGaps, content.messages.len() as u64));
+    let mut names: Vec<_> = fs::read_dir(killed.path())
+        .expect("a folder")
+        .map(|entry| entry.expect("a file").file_name())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["bag.db3", "bag.db3-wal"], "nothing is written next to the file");
+    assert_eq!(fs::read(killed.path().join("bag.db3")).expect("a file"), before);
+    fs::remove_file(killed.path().join("bag.db3-wal")).expect("a file");
+    assert_eq!(checked(&killed.path().join("bag.db3"), &definitions).extent, Extent::Whole);
+    fs::write(killed.path().join("bag.db3-journal"), b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7\0\0")
+        .expect("a file");
+    assert_eq!(checked(&killed.path().join("bag.db3"), &definitions).extent, Extent::WithGaps);
+}
+
+/// In a URI, these characters have a meaning.
+#[test]
+fn paths_may_contain_any_characters() {
+    let (definitions, content) = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["a b.db3", "50%41?mode=rw#x.db3", "ß&=+;.db3", "file:x.db3"] {
+        let path = folder.path().join(name);
+        fs::write(&path, content.to_bytes()).expect("a file");
+        let result = checked(&path, &definitions);
+        assert_eq!((result.extent, result.checked), (Extent::Whole, content.messages.len() as u64), "{name}");
+    }
+}
