@@ -17,6 +17,7 @@
 pub(crate) mod documentation;
 pub(crate) mod enumeration;
 pub(crate) mod error_codes;
+mod events;
 pub mod fingerprint;
 mod id;
 pub mod json_type;

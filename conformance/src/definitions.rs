@@ -16,8 +16,8 @@ use std::sync::OnceLock;
 
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::load::read_definitions;
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Form, MessageId, Schema};
+use uavspec_codegen::msg::{Dialect, Kind};
+use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
@@ -83,7 +83,8 @@ impl Definitions {
         Ok(Self::new(path.to_string_lossy().into_owned(), sources, schema))
     }
 
-    fn new(name: String, sources: SourceMap, schema: Schema) -> Self {
+    fn new(name: String, sources: SourceMap, mut schema: Schema) -> Self {
+        schema.add_service_events();
         let mut by_topic = HashMap::new();
         for id in schema.packages.iter().flat_map(|package| &package.messages) {
             for topic in &schema.message(*id).topics {
@@ -110,16 +111,38 @@ impl Definitions {
         self.by_topic.get(topic).or_else(unversioned).copied()
     }
 
-    /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`.
+    /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`. Parts and events
+    /// of services are messages, such as `px4_msgs/srv/VehicleCommand_Event`.
     pub fn message_of_type(&self, ty: &str) -> Option<MessageId> {
         let (package, name) = ty.split_once('/')?;
+        let is_in_package = |known: &Package| known.name == package || known.ros_package == package;
+        if let Some(name) = name.strip_prefix("srv/") {
+            let is_found = |message: &Message| {
+                message.kind == Kind::Service
+                    && message.name == name
+                    && is_in_package(self.schema.package_of(message))
+            };
+            let index = self.schema.messages.iter().position(is_found)?;
+            return u32::try_from(index).ok().map(MessageId);
+        }
         let name = name.strip_prefix("msg/").unwrap_or(name);
         let packages = self.schema.packages.iter();
         packages
-            .filter(|known| known.name == package || known.ros_package == package)
+            .filter(|known| is_in_package(known))
             .flat_map(|known| &known.messages)
             .find(|id| self.schema.message(**id).name == name)
             .copied()
+    }
+
+    /// The type hashes that a capture may state for a message. Captures state the hash of the service for an event of
+    /// the service.
+    pub(crate) fn type_hashes<'d>(&'d self, message: &'d Message) -> impl Iterator<Item = &'d str> {
+        let service = message.name.strip_suffix("_Event").filter(|_| message.kind == Kind::Service);
+        let interfaces = self.schema.package_of(message).interfaces.iter();
+        let service_hash = interfaces
+            .filter(move |interface| Some(interface.name.as_str()) == service)
+            .filter_map(|interface| interface.type_hash.as_deref());
+        std::iter::once(message.type_hash.as_str()).chain(service_hash)
     }
 
     /// The types of all messages, with their codecs; created lazily.

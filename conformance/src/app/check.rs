@@ -28,6 +28,7 @@ const EXAMPLES: &str = "Examples:
   uavspec check --format json flight.ulg > report.json
   uavspec check --report html=report.html,junit=report.xml flight.ulg
   uavspec check rosbridge.jsonl bag/bag_0.mcap
+  uavspec check rosbag2_2026_11_23/
   ssh drone cat flight.ulg | uavspec check -
   uavspec check --type px4/FailsafeFlags flags.jsonl
   uavspec check --known known.toml archive/
@@ -71,9 +72,9 @@ const INCOMPLETE: &str = "some data can't be read, or too little was checked";
 pub(super) struct CheckArgs {
     /// Files, folders or glob patterns; `-` means standard input.
     ///
-    /// Inputs are PX4 logs (.ulg), MCAP files, JSON messages and recorded Flockwave sessions, optionally compressed
-    /// with gzip or zstd. The file type is detected from the content. Folders are searched for .ulg, .ulge, .mcap,
-    /// .json, .jsonl and .ndjson files. Symbolic links are followed. Other files in folders are listed as not checked,
+    /// Inputs are PX4 logs (.ulg), bags (.mcap, or .db3 of rosbag2), JSON messages and recorded Flockwave sessions,
+    /// optionally compressed with gzip or zstd. The file type is detected from the content. Folders are searched for
+    /// .ulg, .ulge, .mcap, .db3, .json, .jsonl and .ndjson files. The folder of a rosbag2 bag is one input. Symbolic links are followed. Other files in folders are listed as not checked,
     /// unless they are hidden.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,

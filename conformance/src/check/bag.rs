@@ -19,6 +19,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hasher as _};
 
 use uavspec_codegen::schema::MessageId;
+use uavspec_codegen::source::Span;
 
 use self::cdr::{CdrChecker, decompressed};
 pub(super) use self::folder::check_folder;
@@ -55,6 +56,9 @@ const HASH: &str = "topic_type_hash";
 /// The prefix of the supported hashes.
 const HASH_VERSION: &str = "RIHS01_";
 
+/// The number of digits of the supported hashes.
+const HASH_DIGITS: usize = 64;
+
 /// The declaration of a channel.
 #[derive(Hash)]
 struct Declared {
@@ -71,6 +75,7 @@ struct BagFile<'f> {
     /// The name of the file in a bag of several files; otherwise, empty.
     name: &'f str,
     /// The encodings of the topics' messages that the bag's metadata states.
+    #[cfg_attr(not(feature = "db3"), allow(dead_code, reason = "MCAP files state the encodings"))]
     encodings: Option<&'f BTreeMap<String, String>>,
 }
 
@@ -137,6 +142,7 @@ impl<'d> Channels<'d> {
         if let (Some(message_id), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
             self.read(&mut open, declared, message_id);
         }
+        self.malformed_hash(&open, declared, definition);
         self.open.push(open);
         Ok(self.open.len() - 1)
     }
@@ -155,6 +161,7 @@ impl<'d> Channels<'d> {
     }
 
     /// Counts a message of a channel whose payload can't be read.
+    #[cfg(feature = "db3")]
     fn lost(&mut self, index: usize) {
         if let Some(open) = self.open.get_mut(index) {
             open.tally.records += 1;
@@ -213,10 +220,10 @@ impl<'d> Channels<'d> {
 
     /// Compares the hash in a channel's metadata with the hash of its definition.
     fn hash(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
-        let Some(stated) = declared.metadata.get(HASH).filter(|hash| hash.starts_with(HASH_VERSION)) else {
-            return;
-        };
-        let schema = &self.run.definitions.schema;
+        let is_comparable = |hash: &&String| hash.starts_with(HASH_VERSION) && is_type_hash(hash);
+        let Some(stated) = declared.metadata.get(HASH).filter(is_comparable) else { return };
+        let definitions = self.run.definitions;
+        let schema = &definitions.schema;
         let message = schema.message(message_id);
         // The hash includes names. A copy of the type in another package therefore has a different hash.
         let is_of_definition =
@@ -224,22 +231,34 @@ impl<'d> Channels<'d> {
         if !is_of_definition {
             return;
         }
-        let (findings, is_other) = (&mut self.run.findings, *stated != message.type_hash);
+        let is_other = !definitions.type_hashes(message).any(|hash| hash.eq_ignore_ascii_case(stated));
         if open.differences().is_some() {
             open.has_other_hash = is_other;
             return;
         }
-        findings.cover(&px4::HASH_01.rule, 1);
+        self.run.findings.cover(&px4::HASH_01.rule, 1);
         if is_other {
-            let stated: String = stated.chars().take(HASH_VERSION.len() + 64).collect();
-            findings.report(
-                &px4::HASH_01.rule,
-                &open.identity.name,
-                open.identity.location,
-                Some(message.span),
-                || Detail::differs(&message.type_hash, stated.escape_debug()),
-            );
+            self.report_hash(open, Some(message.span), &message.type_hash, stated);
         }
+    }
+
+    /// Reports a hash that can't be the hash of any type. rosbag2 states an empty hash if it doesn't know the hash.
+    fn malformed_hash(&mut self, open: &Open, declared: &Declared, definition: Option<MessageId>) {
+        let Some(stated) = declared.metadata.get(HASH) else { return };
+        if !stated.is_empty() && !is_type_hash(stated) {
+            let definition = definition.map(|id| self.run.definitions.schema.message(id).span);
+            let expected = format!("{HASH_VERSION} and {HASH_DIGITS} hexadecimal digits");
+            self.report_hash(open, definition, &expected, stated);
+        }
+    }
+
+    fn report_hash(&mut self, open: &Open, definition: Option<Span>, expected: &str, stated: &str) {
+        let shortened: String = stated.chars().take(HASH_VERSION.len() + HASH_DIGITS).collect();
+        let more = if shortened.len() < stated.len() { "…" } else { "" };
+        let Identity { name, location, .. } = &open.identity;
+        self.run.findings.report(&px4::HASH_01.rule, name, *location, definition, || {
+            Detail::differs(expected, format!("{}{more}", shortened.escape_debug()))
+        });
     }
 
     /// Reports the differences between the schema of a channel and the definition.
@@ -345,6 +364,15 @@ fn check_message(
     let tree = Tree::read(text).map_err(|error| error.to_string())?;
     let dialects = plans.explain(origin, &tree, findings);
     Ok(Clean { timestamp: plans.timestamp(origin.id, &tree), dialects })
+}
+
+/// True if the text has the form of a ROS type hash. Nothing is known about the digits of other versions.
+fn is_type_hash(text: &str) -> bool {
+    if let Some(digits) = text.strip_prefix(HASH_VERSION) {
+        return digits.len() == HASH_DIGITS && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    }
+    let version = text.strip_prefix("RIHS").and_then(|rest| rest.split_once('_')).map(|(version, _)| version);
+    version.is_some_and(|version| version.len() == 2 && version.bytes().all(|byte| byte.is_ascii_hexdigit()))
 }
 
 /// A hash of a declaration, used to distinguish declarations without storing them.

@@ -146,15 +146,20 @@ fn reports_noise_from_the_start() {
         assert_locations("noise", &result, start.len() + noise.len());
     }
     for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
-        let expected =
-            format!("unknown file type: expected ULog, MCAP or JSON, found the bytes {:02x} ", start[0]);
+        let expected = format!(
+            "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found the bytes {:02x} ",
+            start[0]
+        );
         let reason = unknown(start);
         assert!(reason.as_deref().is_some_and(|reason| reason.starts_with(&expected)), "{reason:?}");
     }
     for (start, reason) in [
         (&b""[..], "the file is empty"),
-        (b"# Notes\nfine {day}\n", "unknown file type: expected ULog, MCAP or JSON, found `# Notes\\n`"),
-        (b"SQLite format 3\0", "unknown file type: expected ULog, MCAP or JSON, found `SQLite f`"),
+        (
+            b"# Notes\nfine {day}\n",
+            "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found `# Notes\\n`",
+        ),
+        (b"%PDF-1.7\n%\xe2", "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found `%PDF-1.7`"),
     ] {
         assert_eq!(unknown(start).as_deref(), Some(reason));
     }

@@ -14,7 +14,7 @@ use std::sync::{Arc, LazyLock};
 
 use crate::check::{Basis, CaptureResult, CheckStatus, McapSummary, Summary, check_capture};
 use crate::definitions::Definitions;
-use crate::model::{Group, Verdict};
+use crate::model::{Group, Location, Verdict};
 use crate::px4::comparison::Comparison;
 use crate::rules::RULES;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
@@ -462,6 +462,75 @@ fn reads_json_dialects_and_reports_corrupt_json() {
     assert_eq!(corrupt_count(&result).len(), 3, "{:?}", result.corruption);
     let dialects: Vec<String> = source(&result).dialects.iter().map(|dialect| dialect.to_string()).collect();
     assert_eq!(dialects, ["numbers for char[N] (ROS 2)"]);
+}
+
+/// A malformed hash is the hash of no type, so it is also reported for types without a definition.
+#[test]
+fn reports_malformed_type_hashes_of_all_types() {
+    let (name, hash) = ros("Glider");
+    let digits = "0".repeat(63);
+    for (hash, expected) in [
+        (hash.clone(), vec![]),
+        (hash.to_ascii_uppercase(), vec![]),
+        (String::new(), vec![]),
+        ("RIHS02_any".to_owned(), vec![]),
+        (format!("RIHS01_{digits}"), vec!["glider", "wind"]),
+        (format!("RIHS01_{digits}g"), vec!["glider", "wind"]),
+        (format!("RIHS01_{digits}00"), vec!["glider", "wind"]),
+        ("RIHS01_".to_owned(), vec!["glider", "wind"]),
+        ("md5:0123".to_owned(), vec!["glider", "wind"]),
+        ("é".repeat(10_000), vec!["glider", "wind"]),
+    ] {
+        let hashes = [("topic_type_hash", hash.as_str())];
+        let records = [
+            schema(1, &name, "ros2msg", ros2msg(GLIDER).as_bytes()),
+            schema(2, "air_msgs/msg/Wind", "ros2msg", b"float32 speed\n"),
+            channel(1, 1, "/glider", "cdr", &hashes),
+            channel(2, 2, "/wind", "cdr", &hashes),
+        ];
+        let result = checked(&file(&records.concat()));
+        let found: Vec<_> = result.findings.groups().map(|group| (group.rule.id, &*group.subject)).collect();
+        let expected: Vec<_> = expected.into_iter().map(|subject| ("PX-HASH-01", subject)).collect();
+        assert_eq!(found, expected, "{:.100}", hash);
+        for group in result.findings.groups() {
+            assert!(
+                group.examples[0].1.message.starts_with("expected RIHS01_ and 64 hexadecimal digits, found ")
+            );
+            assert!(group.examples[0].1.message.len() < 300);
+        }
+    }
+}
+
+#[test]
+fn findings_name_the_log_time_and_the_sequence() {
+    let odd = Glider { is_landed: 3, ..good() };
+    let payload = odd.cdr();
+    let body = [
+        &3_u16.to_le_bytes()[..],
+        &9_u32.to_le_bytes(),
+        &1_790_000_000_592_000_001_u64.to_le_bytes(),
+        &[0; 8],
+    ];
+    let records =
+        [declarations(), message(3, &Glider::at(PERIOD).cdr()), file::record(5, &[&body.concat(), &payload])];
+    for form in FORMS {
+        let result = checked(&file(&chunked(form, &[records.concat()])));
+        let group = result.findings.groups().next().expect("a finding");
+        let (location, detail) = &group.examples[0];
+        assert_eq!(
+            (detail.log_time, detail.sequence),
+            (Some(1_790_000_000_592_000_001), Some(9)),
+            "{form:?}"
+        );
+        let is_packed = matches!(form, Form::Zstd | Form::Lz4);
+        assert_eq!(*location == Location::Message(2), is_packed, "{form:?}: {location}");
+    }
+    let different = ros2msg(&GLIDER.replace("uint8 mode ", "uint8 kind "));
+    let records =
+        [schema(1, &ros("Glider").0, "ros2msg", different.as_bytes()), channel(3, 1, "/glider", "cdr", &[])];
+    let result = checked(&file(&chunked(Form::Zstd, &[records.concat()])));
+    let group = result.findings.groups().next().expect("a finding");
+    assert_eq!((group.rule.id, group.examples[0].0), ("PX-FMT-01", Location::Channel(3)));
 }
 
 #[test]

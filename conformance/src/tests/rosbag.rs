@@ -3,6 +3,7 @@
 mod file;
 mod folders;
 mod hostile;
+mod services;
 
 use std::fs;
 use std::io::Write as _;
@@ -68,7 +69,7 @@ fn assert_same(left: &CaptureResult, right: &CaptureResult, name: &str) {
     assert_eq!(without_times(left), without_times(right), "{name}");
 }
 
-/// A file in a folder of its own.
+/// Writes a file to a new folder.
 fn file_with(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
@@ -183,7 +184,7 @@ fn ros_1_bags_are_named_with_the_way_to_convert_them() {
     assert!(summary.reason.starts_with("a ROS 1 bag: convert it first"), "{}", summary.reason);
 }
 
-/// The same recordings in both storage formats, as used by rosbag2's own tests.
+/// rosbag2's own tests use these recordings, which are available in both storage formats.
 #[test]
 fn real_recordings_have_the_same_findings_in_both_formats() {
     let Some((bags, ros)) = shared("corpus/bags").zip(shared("corpus/ros2-distros/rolling")) else { return };

@@ -7,7 +7,7 @@ use super::Files;
 use crate::capture::rosbag::metadata::{FILE_NAME, Metadata};
 
 /// Replaces the files that a `metadata.yaml` lists by their folder. `from` is the index of the first capture to
-/// consider. Other files in the folder of a bag stay captures of their own.
+/// consider. Other files in the folder of a bag stay separate captures.
 pub(super) fn group(files: &mut Files, from: usize) {
     let mut bags: BTreeMap<PathBuf, BTreeSet<String>> = BTreeMap::new();
     files.skipped.retain(|(path, _)| {

@@ -31,7 +31,10 @@ use crate::text::Grouped;
 const MAX_PAYLOAD: usize = 64 << 20;
 
 /// The maximum number of topics, and of message definitions.
-const MAX_ROWS: usize = 1 << 16;
+const MAX_ROWS: usize = 10_000;
+
+/// The maximum number of characters of a name that are read. Longer names are rejected later.
+const MAX_NAME: usize = 300;
 
 /// The maximum memory of all databases that are open at the same time, in bytes. Payloads don't count.
 const MAX_HEAP: i64 = 96 << 20;
@@ -190,7 +193,7 @@ impl Bag {
     pub(crate) fn distribution(&self) -> String {
         let mut distribution = String::new();
         let take = |row: &Row<'_>| {
-            distribution = text(row, 0)?;
+            distribution = name(row, 0)?;
             Ok(())
         };
         if self.rows("schema", &["ros_distro"], &[], take).is_err() {
@@ -204,8 +207,8 @@ impl Bag {
         let columns = ["id", "name", "type", "serialization_format"];
         self.rows("topics", &columns, &["type_description_hash"], |row| {
             let id = row.get_ref(0)?.as_i64().unwrap_or_default();
-            let (name, ty, encoding) = (text(row, 1)?, text(row, 2)?, text(row, 3)?);
-            take(Topic { id, name, ty, encoding, hash: text(row, 4)? });
+            let (topic, ty, encoding) = (name(row, 1)?, name(row, 2)?, name(row, 3)?);
+            take(Topic { id, name: topic, ty, encoding, hash: name(row, 4)? });
             Ok(())
         })
     }
@@ -217,8 +220,8 @@ impl Bag {
         }
         let columns = ["topic_type", "encoding", "encoded_message_definition"];
         self.rows(DEFINITIONS, &columns, &["type_description_hash"], |row| {
-            let (ty, encoding, definition) = (text(row, 0)?, text(row, 1)?, text(row, 2)?);
-            take(Definition { ty, encoding, text: definition, hash: text(row, 3)? });
+            let (ty, encoding, definition) = (name(row, 0)?, name(row, 1)?, text(row, 2)?);
+            take(Definition { ty, encoding, text: definition, hash: name(row, 3)? });
             Ok(())
         })
     }
@@ -237,7 +240,7 @@ impl Bag {
         };
         let result = self.messages_in("messages ORDER BY timestamp, rowid", &mut counted);
         if result.is_err() && count == 0 {
-            // The outcome is the same as after other problems, so the first problem is the one to report.
+            // The first problem is the cause, so a second problem isn't reported.
             let _ = self.messages_in("messages NOT INDEXED ORDER BY rowid", &mut take);
         }
         result
@@ -364,6 +367,11 @@ fn text(row: &Row<'_>, index: usize) -> rusqlite::Result<String> {
     })
 }
 
+/// The start of a text value that is a name.
+fn name(row: &Row<'_>, index: usize) -> rusqlite::Result<String> {
+    Ok(text(row, index)?.chars().take(MAX_NAME).collect())
+}
+
 /// Opens a connection with all restrictions. If `is_lenient` is true, a truncated file and invalid parts of the schema
 /// are accepted.
 fn connect(path: &Path, is_lenient: bool) -> rusqlite::Result<Connection> {
@@ -392,8 +400,8 @@ fn connect(path: &Path, is_lenient: bool) -> rusqlite::Result<Connection> {
 fn uri(path: &Path) -> String {
     let mut uri = "file://".to_owned();
     let bytes = path.as_os_str().as_encoded_bytes();
-    // Windows: `C:\\bag.db3` becomes `/C:/bag.db3`.
-    if !bytes.starts_with(b"/") {
+    // On Windows, `C:\bag.db3` becomes `/C:/bag.db3`. A network path already starts with separators.
+    if !bytes.starts_with(b"/") && !bytes.starts_with(b"\\") {
         uri.push('/');
     }
     for byte in bytes {

@@ -5,7 +5,7 @@ use std::io::Read as _;
 use std::rc::Rc;
 
 use uavspec_codegen::dynamic::{DynamicMessage, DynamicView};
-use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
 
@@ -91,11 +91,12 @@ impl CdrChecker {
         self.plan.steps()
     }
 
-    /// True if the messages lack the timestamp that PX4 requires. `None` for messages of other packages.
+    /// True if the messages lack the timestamp that PX4 requires. `None` for messages of other packages, and for services.
     pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
         let schema = &definitions.schema;
-        let is_px4 = schema.package_of(schema.message(self.message_id)).form == Form::Msg(Dialect::Px4);
-        is_px4.then_some(self.timestamp.is_none())
+        let message = schema.message(self.message_id);
+        let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
+        (is_px4 && message.kind == Kind::Message).then_some(self.timestamp.is_none())
     }
 
     /// Checks a payload. Returns `None` if it can't be decoded.

@@ -81,21 +81,14 @@ fn read(_: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, _: &mut String) -> 
 
 #[cfg(feature = "db3")]
 fn read(path: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, distribution: &mut String) -> u64 {
-    use crate::capture::rosbag::sqlite::{Bag, Problem};
-
-    let report = |bag: &mut Channels<'_>, Problem { text, extent }: Problem| {
-        bag.corruption(file.name, Location::Byte(0), &text, extent);
-    };
-    match Bag::open(path) {
+    let mut reading = reading::SqliteFile::new(bag, file);
+    match crate::capture::rosbag::sqlite::Bag::open(path) {
         Ok((database, problems)) => {
-            problems.into_iter().for_each(|problem| report(bag, problem));
+            problems.into_iter().for_each(|problem| reading.report(Err(problem)));
             *distribution = database.distribution();
-            let mut reading = reading::SqliteFile::new(bag, file);
-            if let Err(problem) = reading.read(&database) {
-                report(bag, problem);
-            }
+            reading.read(&database);
         }
-        Err(problem) => report(bag, problem),
+        Err(problem) => reading.report(Err(problem)),
     }
     std::fs::metadata(path).map_or(0, |metadata| metadata.len())
 }
@@ -138,19 +131,40 @@ mod reading {
         }
 
         /// Checks the readable part of the file.
-        pub(super) fn read(&mut self, database: &Bag) -> Result<(), Problem> {
-            database.definitions(|definition| self.definition(definition))?;
-            database.topics(|topic| self.topic(topic))?;
-            database.messages(|message| self.message(message))
+        pub(super) fn read(&mut self, database: &Bag) {
+            let mut topics = Vec::new();
+            let result = database.topics(|topic| topics.push(topic));
+            self.report(result);
+            let types: BTreeSet<&str> = topics.iter().map(|topic| topic.ty.as_str()).collect();
+            let result = database.definitions(|definition| {
+                // The definition of a service is also that of its events.
+                let event = format!("{}_Event", definition.ty);
+                for ty in [&definition.ty, &event].into_iter().filter_map(|ty| types.get(ty.as_str())) {
+                    self.definition(ty, &definition);
+                }
+            });
+            self.report(result);
+            if topics.is_empty() && self.bag.has_gaps() {
+                return;
+            }
+            topics.into_iter().for_each(|topic| self.topic(topic));
+            let result = database.messages(|message| self.message(message));
+            self.report(result);
         }
 
-        fn definition(&mut self, Definition { ty, encoding, text, hash }: Definition) {
-            match self.bag.schemas.add(ty.clone(), encoding, text.as_bytes()) {
+        pub(super) fn report(&mut self, result: Result<(), Problem>) {
+            if let Err(Problem { text, extent }) = result {
+                self.bag.corruption(self.file.name, Location::Byte(0), &text, extent);
+            }
+        }
+
+        fn definition(&mut self, ty: &str, Definition { encoding, text, hash, .. }: &Definition) {
+            match self.bag.schemas.add(ty.to_owned(), encoding.clone(), text.as_bytes()) {
                 Ok(index) => {
                     if let Some(problem) = self.bag.schemas.problem(index) {
                         self.gap(Location::Byte(0), &format!("the schema of {ty} {problem}"));
                     }
-                    self.schemas.insert((ty, hash), index);
+                    self.schemas.insert((ty.to_owned(), hash.clone()), index);
                 }
                 Err(problem) => self.gap(Location::Byte(0), &format!("a schema: {problem}")),
             }

@@ -35,10 +35,12 @@ impl Stated {
         let text = std::str::from_utf8(text)
             .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
         let root = parts_of(name).ok_or("its name is not a type name")?;
+        let event = Event::of(name, text);
+        let texts = event.as_ref().map_or_else(|| definitions(text), Event::definitions);
         let mut sources = SourceMap::default();
         let mut packages: BTreeMap<&str, PackageInput> = BTreeMap::new();
         let mut names = BTreeSet::new();
-        for (name, text) in definitions(text) {
+        for (name, text) in texts {
             let (package, name) = match name {
                 None => root,
                 Some(name) => {
@@ -143,10 +145,60 @@ fn definitions(text: &str) -> Vec<(Option<&str>, &str)> {
     found
 }
 
-/// The package and the name of `package/msg/Name`, `package/Name` or `Name`.
+/// The event of a service. rosbag2 records the text of the `.srv` file for it.
+struct Event<'t> {
+    /// The definition of the event.
+    text: String,
+    /// The names of the request and the response.
+    parts: [String; 2],
+    request: &'t str,
+    response: &'t str,
+    /// The definitions of nested types.
+    nested: Vec<(Option<&'t str>, &'t str)>,
+}
+
+impl<'t> Event<'t> {
+    /// Splits the text of a service. `None` for other types, and for the definition of the event itself.
+    fn of(name: &str, text: &'t str) -> Option<Self> {
+        let service = name.strip_suffix("_Event").filter(|service| service.contains("/srv/"))?;
+        let mut nested = definitions(text);
+        let (_, own) = nested.remove(0);
+        let mut at = 0;
+        let separator = own.split_inclusive('\n').find(|line| {
+            at += line.len();
+            line.trim_end() == "---"
+        })?;
+        let (request, response) = (&own[..at - separator.len()], &own[at..]);
+        let (_, short) = parts_of(service)?;
+        let text = format!(
+            "service_msgs/ServiceEventInfo info\n{short}_Request[<=1] request\n{short}_Response[<=1] response\n"
+        );
+        let parts = ["_Request", "_Response"].map(|suffix| format!("{service}{suffix}"));
+        Some(Self { text, parts, request, response, nested })
+    }
+
+    /// The text of each type, as in a schema of the event itself.
+    fn definitions(&self) -> Vec<(Option<&str>, &str)> {
+        let [request, response] = &self.parts;
+        let own = [(None, &*self.text), (Some(&**request), self.request), (Some(&**response), self.response)];
+        // The text of the service doesn't need these types. Its own definition of a type takes precedence.
+        own.into_iter().chain(self.nested.iter().copied()).chain(EVENT_TYPES).collect()
+    }
+}
+
+/// The types that the event of each service contains.
+const EVENT_TYPES: [(Option<&str>, &str); 2] = [
+    (
+        Some("service_msgs/ServiceEventInfo"),
+        "uint8 event_type\nbuiltin_interfaces/Time stamp\nchar[16] client_gid\nint64 sequence_number\n",
+    ),
+    (Some("builtin_interfaces/Time"), "int32 sec\nuint32 nanosec\n"),
+];
+
+/// The package and the name of `package/msg/Name`, `package/srv/Name`, `package/Name` or `Name`.
 fn parts_of(name: &str) -> Option<(&str, &str)> {
     let (package, name) = name.rsplit_once('/').unwrap_or((NO_PACKAGE, name));
-    let package = package.strip_suffix("/msg").unwrap_or(package);
+    let package = ["/msg", "/srv"].iter().find_map(|kind| package.strip_suffix(kind)).unwrap_or(package);
     let is_word = |word: &str| {
         word.starts_with(|first: char| first.is_ascii_alphabetic())
             && word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')

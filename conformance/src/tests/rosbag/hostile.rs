@@ -84,11 +84,11 @@ fn values_of_other_types_are_reported() {
 fn payloads_have_a_maximum_size() {
     let (definitions, content) = flight();
     let topic = content.topics[0].0;
-    let (_folder, path) = changed(&format!(
-        "DELETE FROM messages; INSERT INTO messages VALUES (1, {topic}, 1, zeroblob({})), (2, {topic}, 2, zeroblob({}))",
-        5 << 20,
-        (64 << 20) + 1
-    ));
+    let row = |id: u32, length: u32| {
+        format!("INSERT INTO messages VALUES ({id}, {topic}, {id}, zeroblob({length}));")
+    };
+    let statements = ["DELETE FROM messages;".to_owned(), row(1, 5 << 20), row(2, (64 << 20) + 1)];
+    let (_folder, path) = changed(&statements.concat());
     let result = checked(&path, &definitions);
     let found = corrupt(&result);
     assert!(
