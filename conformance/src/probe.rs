@@ -37,6 +37,7 @@ mod commands;
 mod connections;
 mod coverage;
 mod landing;
+mod options;
 mod selection;
 mod session;
 mod stop;
@@ -56,6 +57,7 @@ use self::altitude::Flight;
 use self::connections::PAUSE;
 use self::coverage::Coverage;
 pub use self::coverage::RequestType;
+pub use self::options::Options;
 pub use self::selection::Selection;
 use self::session::Session;
 pub use self::stop::Stop;
@@ -67,18 +69,11 @@ use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::base64;
 use crate::model::Rule;
-use crate::net::tls::Trust;
 use crate::rules::flockwave::trial::{Attempt, Request};
 use crate::rules::flockwave::{FlockwaveRule, env_07, sio_01, udp_02};
 
-/// The time limit of a probe without commands, excluding the listening period.
-const TIME_LIMIT: Duration = Duration::from_secs(45);
-
 /// The time limit for connecting. Until then, refused connections are retried, because the server may be starting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
-
-/// The default time that a request may stay unanswered.
-const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// The minimum time to wait for an answer before the next request is sent. The answer may still arrive later: only a
 /// request without an answer after [`Options::timeout`] counts as unanswered.
@@ -103,50 +98,6 @@ const OUT_OF_TIME: &str = "out of time";
 
 /// The reason for requests that were not sent because the probe was asked to stop.
 const INTERRUPTED: &str = "interrupted";
-
-/// Options of a probe.
-#[derive(Clone, Debug)]
-pub struct Options {
-    /// The time to listen for notifications.
-    pub observe: Duration,
-    /// Name and password for the login.
-    pub login: Option<(String, String)>,
-    /// The UAVs that may receive commands; empty if commands aren't allowed.
-    pub uavs: Vec<String>,
-    /// The time after which no further requests are sent, excluding [`observe`](Self::observe).
-    pub limit: Duration,
-    /// The time that a request may stay unanswered. A shorter wait proves nothing, so it never causes a finding.
-    pub timeout: Duration,
-    /// The time to make the UAVs safe that received commands, excluding all other limits.
-    pub landing_limit: Duration,
-    /// The certificates to trust in connections over TLS.
-    pub trust: Trust,
-    /// The rules, trials and message types to use.
-    pub selection: Selection,
-    /// Ends the probe early.
-    pub stop: Stop,
-    /// Receives warnings about UAVs that are not safe yet.
-    pub warn: fn(&str),
-}
-
-impl Options {
-    /// Options with the default time limit.
-    pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
-        let limit = if uavs.is_empty() { TIME_LIMIT } else { TIME_LIMIT + commands::EXTRA_TIME };
-        Self {
-            observe,
-            login,
-            uavs,
-            limit,
-            timeout: TIMEOUT,
-            landing_limit: landing::LANDING_LIMIT,
-            trust: Trust::default(),
-            selection: Selection::default(),
-            stop: Stop::default(),
-            warn: |_| {},
-        }
-    }
-}
 
 /// The result of a probe.
 #[derive(Debug)]

@@ -3,6 +3,7 @@
 //! No test depends on speed, but a probe may have a time limit.
 
 mod flight;
+mod landing;
 mod proxied;
 
 use std::collections::{BTreeMap, BTreeSet};

@@ -30,7 +30,7 @@ fn end(stop: &Stop, limit: u64) {
     let is_first = stop.request();
     let at_risk = stop.at_risk();
     if !is_first {
-        drop(Danger(at_risk));
+        drop(Danger::new(stop));
         std::process::exit(INTERRUPTED);
     }
     let state = at_risk.map_or_else(
@@ -47,12 +47,22 @@ pub(super) fn print(line: &str) {
     terminal::print_error(format_args!("{start}{line}\n"));
 }
 
-/// The UAVs that may be unsafe. They are printed when this value is dropped.
-pub(super) struct Danger(pub(super) Option<String>);
+/// Prints the UAVs that may be unsafe when it is dropped, even after a panic.
+pub(super) struct Danger {
+    stop: Stop,
+    /// The UAVs and the reason, after the probe has ended.
+    pub(super) known: Option<String>,
+}
+
+impl Danger {
+    pub(super) fn new(stop: &Stop) -> Self {
+        Self { stop: stop.clone(), known: None }
+    }
+}
 
 impl Drop for Danger {
     fn drop(&mut self) {
-        let Some(at_risk) = &self.0 else { return };
+        let Some(at_risk) = self.known.take().or_else(|| self.stop.at_risk()) else { return };
         let red = AnsiColor::Red.on_default().bold();
         print(&format!("{red}error: {at_risk}. Take control by other means now.{red:#}"));
     }

@@ -132,16 +132,17 @@ fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
     let options = options(args, &definitions)?;
     let record = recording(args)?;
     interrupt::install(&options)?;
+    // The last line, even if reporting fails.
+    let mut danger = Danger::new(&options.stop);
     let progress = Progress::steps("steps");
     let started = Instant::now();
     let mut probed =
         probe(&args.endpoint, &options, &definitions, record, &|done, all| progress.set(done, all));
     let elapsed = started.elapsed().as_millis();
     drop(progress);
-    // The last line, even if reporting fails.
-    let danger = Danger(probed.danger.take());
+    danger.known = probed.danger.take();
     let mut settings = args.outcome.settings();
-    settings.allows_incomplete &= !options.stop.is_requested() && danger.0.is_none();
+    settings.allows_incomplete &= !options.stop.is_requested() && danger.known.is_none();
     Ok(report(args, probed, &definitions, &required, known, settings, elapsed))
 }
 

@@ -6,19 +6,18 @@ use std::process::{Child, Stdio};
 use std::sync::Condvar;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use uavspec_conformance::probe::Stop;
-use uavspec_conformance::transport::{Received, Trust, connect};
+use uavspec_conformance::transport::{Received, connect};
 
 use super::*;
-use crate::support::proxy::{Pass, Proxy, Watch, certified};
+use crate::support::proxy::{Pass, Proxy, Watch};
 
-const UAV: &str = "glider-2";
+pub(super) const UAV: &str = "glider-2";
 
 /// The time limit of events that certainly happen.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The error codes of a UAV on the ground, with running motors, and asleep.
-const GROUND: u64 = 1;
+pub(super) const GROUND: u64 = 1;
 const MOTORS: u64 = 8;
 const SLEEP: u64 = 9;
 
@@ -41,7 +40,7 @@ impl Flag {
 
 /// The requests that passed a proxy, in order.
 #[derive(Clone, Default)]
-struct Requests(Arc<Mutex<Vec<Value>>>);
+pub(super) struct Requests(Arc<Mutex<Vec<Value>>>);
 
 impl Requests {
     /// Records the requests in a segment, and returns their types.
@@ -62,12 +61,12 @@ impl Requests {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    fn types(&self) -> Vec<String> {
+    pub(super) fn types(&self) -> Vec<String> {
         self.all().iter().filter_map(|body| body["type"].as_str().map(str::to_owned)).collect()
     }
 
     /// The types after the first request of this type.
-    fn after(&self, type_name: &str) -> Vec<String> {
+    pub(super) fn after(&self, type_name: &str) -> Vec<String> {
         let types = self.types();
         let first = types.iter().position(|name| name == type_name).expect(type_name);
         types[first + 1..].to_vec()
@@ -75,7 +74,7 @@ impl Requests {
 }
 
 /// A proxy that records all requests, and calls a function at each request.
-fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + Sync + 'static) -> Watch {
+pub(super) fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + Sync + 'static) -> Watch {
     let requests = requests.clone();
     Arc::new(move |bytes| {
         let passes: Vec<Pass> = requests.take(bytes).iter().map(|name| at(name)).collect();
@@ -84,12 +83,12 @@ fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + Sync + 'sta
 }
 
 /// The state of the UAV on the server: its height above home in mm, and its error codes.
-fn state(server: &Server) -> (i64, Vec<u64>) {
+pub(super) fn state(server: &Server) -> (i64, Vec<u64>) {
     state_after(server, None)
 }
 
 /// Like [`state`], after another request.
-fn state_after(server: &Server, before: Option<Value>) -> (i64, Vec<u64>) {
+pub(super) fn state_after(server: &Server, before: Option<Value>) -> (i64, Vec<u64>) {
     let url = server.listening()[0].to_string();
     let endpoint: Endpoint = url.parse().expect("an endpoint");
     let mut client = connect(&endpoint, Instant::now() + PATIENCE).expect("a connection");
@@ -111,7 +110,7 @@ fn state_after(server: &Server, before: Option<Value>) -> (i64, Vec<u64>) {
 }
 
 /// Fails unless the UAV is on the ground with stopped motors, and awake.
-fn assert_safe(server: &Server, context: &str) {
+pub(super) fn assert_safe(server: &Server, context: &str) {
     let (height, codes) = state(server);
     assert_eq!((height, codes.contains(&GROUND)), (0, true), "{context}: {codes:?}");
     assert!(!codes.contains(&MOTORS) && !codes.contains(&SLEEP), "{context}: {codes:?}");
@@ -183,7 +182,7 @@ fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
 }
 
 /// The options that select a flight.
-const FLIGHT: [&str; 12] = [
+pub(super) const FLIGHT: [&str; 12] = [
     "--only",
     "UAV-TAKEOFF",
     "--only",
@@ -443,183 +442,4 @@ fn the_last_line_names_uavs_that_may_still_fly() {
     assert!(printed.contains("UAV glider-2 may still fly"), "{printed}");
     let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
     assert!(report["subjects"][0]["incomplete"].to_string().contains("may still fly"), "{report}");
-}
-
-/// The options of a short probe that flies.
-fn flight_options(endpoint: &Endpoint) -> Options {
-    let only = FLIGHT.iter().filter(|name| name.starts_with("UAV")).map(|name| (*name).to_owned()).collect();
-    let selection = Selection::new(only, Vec::new(), &DEFINITIONS, endpoint).expect("known types");
-    Options {
-        selection: selection.without_trials(),
-        ..Options::new(Duration::ZERO, None, vec![UAV.to_owned()])
-    }
-}
-
-/// A probe through a proxy, in this process.
-fn flown(server: &Server, watch: Watch, change: impl FnOnce(Options) -> Options) -> Probed {
-    let proxy = Proxy { watch: Some(watch), ..Proxy::default() }.start(server.listening()[0].address);
-    let endpoint: Endpoint = format!("tcp://{proxy}").parse().expect("an endpoint");
-    probe(&endpoint, &change(flight_options(&endpoint)), &DEFINITIONS, None, &|_, _| {})
-}
-
-#[test]
-fn lands_uavs_on_a_new_connection_and_logs_in_again() {
-    let login = ("pilot".to_owned(), "secret".to_owned());
-    for points in [&["UAV-HOVER"][..], &["UAV-RTH", "UAV-LAND"], &["UAV-LAND"]] {
-        let (server, _) = reference_server(Some(login.clone()));
-        let requests = Requests::default();
-        let left = Mutex::new(points.to_vec());
-        let watch = recording(&requests, move |name| {
-            let mut left = left.lock().unwrap_or_else(PoisonError::into_inner);
-            match left.iter().position(|point| *point == name) {
-                Some(at) => {
-                    left.remove(at);
-                    Pass::Cut
-                }
-                None => Pass::Forward,
-            }
-        });
-        let probed = flown(&server, watch, |options| Options { login: Some(login.clone()), ..options });
-        assert_eq!(probed.danger, None, "{points:?}: {:?}", requests.types());
-        let after = requests.after(points[0]);
-        let position = |name: &str| after.iter().position(|sent| sent == name).expect(name);
-        assert!(
-            position("AUTH-REQ") < position("UAV-LAND") || points == ["UAV-LAND"],
-            "{points:?}: {after:?}"
-        );
-        let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "cGlsb3Q6c2VjcmV0" });
-        let (height, codes) = state_after(&server, Some(login));
-        assert_eq!((height, codes.contains(&GROUND)), (0, true), "{points:?}: {after:?}");
-    }
-}
-
-#[test]
-fn lands_uavs_after_the_time_limit() {
-    let (server, _) = reference_server(None);
-    let (requests, began) = (Requests::default(), Instant::now());
-    let limit = Duration::from_secs(6);
-    let watch = recording(&requests, move |name| {
-        if name == "UAV-HOVER" {
-            thread::sleep((began + limit).saturating_duration_since(Instant::now()));
-        }
-        Pass::Forward
-    });
-    let probed = flown(&server, watch, |options| Options { limit, ..options });
-    assert_eq!(probed.danger, None);
-    assert!(probed.cut_short.expect("a reason").starts_with("out of time"));
-    assert!(requests.after("UAV-HOVER").contains(&"UAV-LAND".to_owned()));
-    assert!(!requests.types().contains(&"UAV-FLY".to_owned()));
-    assert_safe(&server, "after the time limit");
-}
-
-/// Panics when certain text is recorded.
-struct Panicking {
-    left: Vec<&'static str>,
-    tape: Shared,
-}
-
-impl std::io::Write for Panicking {
-    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let text = String::from_utf8_lossy(bytes);
-        if let Some(at) = self.left.iter().position(|point| text.contains(point)) {
-            self.left.remove(at);
-            panic!("expected by this test");
-        }
-        self.tape.write(bytes)
-    }
-
-    fn flush(&mut self) -> std::io::Result<()> {
-        Ok(())
-    }
-}
-
-#[test]
-fn lands_uavs_after_a_panic() {
-    for points in [&["UAV-TAKEOFF"][..], &["UAV-HOVER"], &["UAV-LAND"], &["UAV-FLY", "UAV-LAND", "UAV-INF"]] {
-        let (server, url) = reference_server(None);
-        let endpoint: Endpoint = url.parse().expect("an endpoint");
-        let tape = Shared::default();
-        let record = Panicking { left: points.to_vec(), tape: tape.clone() };
-        let options = flight_options(&endpoint);
-        let probed = probe(&endpoint, &options, &DEFINITIONS, Some(Box::new(record)), &|_, _| {});
-        assert_eq!(probed.danger, None, "{points:?}");
-        assert_eq!(probed.failure.as_deref(), Some("internal error of uavspec: expected by this test"));
-        assert_safe(&server, points[0]);
-    }
-}
-
-/// A UAV whose altitude is unknown can't be confirmed.
-#[test]
-fn a_uav_that_is_lost_in_flight_is_not_safe() {
-    let options = serve::Options {
-        losses: vec![(UAV.to_owned(), Duration::from_secs(4))],
-        ..serve::Options::default()
-    };
-    let free = SocketAddr::from(([127, 0, 0, 1], 0));
-    let server = Server::start(options, &[(Transport::Tcp, free)]).expect("it starts");
-    let began = Instant::now();
-    let requests = Requests::default();
-    let watch = recording(&requests, move |name| {
-        if name == "UAV-HOVER" {
-            thread::sleep((began + Duration::from_secs(5)).saturating_duration_since(Instant::now()));
-        }
-        Pass::Forward
-    });
-    let limit = Duration::from_secs(4);
-    let probed = flown(&server, watch, |options| Options { landing_limit: limit, ..options });
-    let danger = probed.danger.expect("a UAV");
-    assert!(danger.starts_with("UAV glider-2 may still fly ("), "{danger}");
-    let types = requests.types();
-    assert!(!types.contains(&"UAV-HALT".to_owned()), "{types:?}");
-}
-
-/// Interrupts a flight over a transport as soon as the UAV has taken off.
-fn interrupt_flight(transport: Transport, scheme: &str, query: &str, is_encrypted: bool) {
-    let options = serve::Options { speed: 10.0, ..serve::Options::default() };
-    let free = SocketAddr::from(([127, 0, 0, 1], 0));
-    let server = Server::start(options, &[(Transport::Tcp, free), (transport, free)]).expect("it starts");
-    let mut address = server.listening()[1].address;
-    let folder = tempfile::tempdir().expect("a folder");
-    let mut trust = Trust::default();
-    if is_encrypted {
-        let (pem, config) = certified(&["127.0.0.1"]);
-        let path = folder.path().join("ca.pem");
-        std::fs::write(&path, pem).expect("a file");
-        trust = Trust::new(Some(&path), false).expect("a certificate");
-        address = Proxy { tls: Some(config), ..Proxy::default() }.start(address);
-    }
-    let endpoint: Endpoint = format!("{scheme}://{address}{query}").parse().expect("an endpoint");
-    let stop = Stop::default();
-    let options = Options { trust, stop: stop.clone(), ..flight_options(&endpoint) };
-    let probed = thread::scope(|scope| {
-        let probing = scope.spawn(|| probe(&endpoint, &options, &DEFINITIONS, None, &|_, _| {}));
-        while state(&server).0 < 2_000 && !probing.is_finished() {
-            thread::sleep(Duration::from_millis(20));
-        }
-        assert!(stop.request(), "{endpoint}");
-        probing.join().expect("no panic")
-    });
-    assert_eq!((&probed.danger, &probed.failure), (&None, &None), "{endpoint}");
-    let reason = probed.cut_short.as_deref().expect("a reason");
-    assert!(reason.starts_with("interrupted"), "{endpoint}: {reason}");
-    assert_eq!(rules(&probed), BTreeSet::new(), "{endpoint}");
-    assert_eq!(stop.at_risk(), None);
-    assert_safe(&server, &endpoint.to_string());
-}
-
-#[test]
-fn lands_uavs_over_each_transport() {
-    thread::scope(|scope| {
-        for (transport, scheme, query, is_encrypted) in [
-            (Transport::Tcp, "tcp", "", false),
-            (Transport::Tcp, "tcps", "", true),
-            (Transport::Udp, "udp", "", false),
-            (Transport::Http, "http", "/api/v1", false),
-            (Transport::Http, "https", "/api/v1", true),
-            (Transport::SocketIo, "socketio", "", false),
-            (Transport::SocketIo, "socketio", "?protocol=4&transport=polling", false),
-        ] {
-            scope.spawn(move || interrupt_flight(transport, scheme, query, is_encrypted));
-        }
-    });
 }

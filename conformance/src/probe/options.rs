@@ -1,0 +1,58 @@
+//! Options of a probe.
+
+use std::time::Duration;
+
+use super::selection::Selection;
+use super::stop::Stop;
+use super::{commands, landing};
+use crate::net::tls::Trust;
+
+/// The time limit of a probe without commands, excluding the listening period.
+const TIME_LIMIT: Duration = Duration::from_secs(45);
+
+/// The default time that a request may stay unanswered.
+const TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Options of a probe.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The time to listen for notifications.
+    pub observe: Duration,
+    /// Name and password for the login.
+    pub login: Option<(String, String)>,
+    /// The UAVs that may receive commands; empty if commands aren't allowed.
+    pub uavs: Vec<String>,
+    /// The time after which no further requests are sent, excluding [`observe`](Self::observe).
+    pub limit: Duration,
+    /// The time that a request may stay unanswered. A shorter wait proves nothing, so it never causes a finding.
+    pub timeout: Duration,
+    /// The time to make the UAVs safe that received commands, excluding all other limits.
+    pub landing_limit: Duration,
+    /// The certificates to trust in connections over TLS.
+    pub trust: Trust,
+    /// The rules, trials and message types to use.
+    pub selection: Selection,
+    /// Ends the probe early.
+    pub stop: Stop,
+    /// Receives warnings about UAVs that are not safe yet.
+    pub warn: fn(&str),
+}
+
+impl Options {
+    /// Options with the default time limit.
+    pub fn new(observe: Duration, login: Option<(String, String)>, uavs: Vec<String>) -> Self {
+        let limit = if uavs.is_empty() { TIME_LIMIT } else { TIME_LIMIT + commands::EXTRA_TIME };
+        Self {
+            observe,
+            login,
+            uavs,
+            limit,
+            timeout: TIMEOUT,
+            landing_limit: landing::LANDING_LIMIT,
+            trust: Trust::default(),
+            selection: Selection::default(),
+            stop: Stop::default(),
+            warn: |_| {},
+        }
+    }
+}
