@@ -36,7 +36,7 @@ const LIMITS: &str = "Limits:
   requests          1 MiB, 30 seconds to send one, 10,000 elements per list
   memory            4 MiB per client and 48 MiB in all of messages to send,
                     32 MiB in all of incomplete requests
-  operations        1000 pending per client, 20,000 in all
+  operations        1000 pending per client, 5000 in all
   subscriptions     10,000 per client, 50,000 paths in all
 If the server is full, new clients replace clients that never sent a request, then idle clients, and then clients of the
 busiest address. Clients that don't read for 10 seconds are disconnected.";

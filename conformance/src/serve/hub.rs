@@ -8,13 +8,13 @@ use std::time::Duration;
 use serde::Serialize;
 use serde_json::Value;
 use uavspec::flockwave::json::{
-    LogMessage, LogSeverity, Notification, ObjectId, Percentage, Progress, ReceiptId, Request, Response,
-    Timestamp, async_resp, async_st, async_timeout, dev_inf, obj_del, sys_close, sys_msg, uav_inf,
+    LogMessage, LogSeverity, Notification, ObjectId, Request, Response, Timestamp, dev_inf, obj_del,
+    sys_close, sys_msg, uav_inf,
 };
 
 use super::Options;
 use super::message::{envelope, enveloped, refusal, text, value};
-use super::operation::{Operation, Report};
+use super::operation::Operation;
 use super::request::{Incoming, read};
 use super::uav::Uav;
 use super::world::World;
@@ -34,9 +34,9 @@ const UAVS_AT_ONCE: usize = 50;
 /// The maximum number of pending operations per connection.
 const OPERATION_LIMIT: usize = 1000;
 
-/// The maximum number of pending operations of all connections. Beyond this number, each connection may still have
-/// [`RESERVED_OPERATIONS`].
-const TOTAL_OPERATIONS: usize = 20_000;
+/// The maximum number of pending operations of all connections, each of which causes several notifications. Beyond this
+/// number, each connection may still have [`RESERVED_OPERATIONS`].
+const TOTAL_OPERATIONS: usize = 5000;
 
 /// The number of pending operations that a connection may have at any time.
 const RESERVED_OPERATIONS: usize = 4;
@@ -447,7 +447,7 @@ impl Hub {
             self.subscribed += session.subscriptions.len();
         }
         for (id, receipt, report) in reports {
-            self.notify(id, &report_body(&receipt, report));
+            self.notify(id, &report.into_notification(&receipt));
         }
     }
 
@@ -526,29 +526,4 @@ fn is_open(request: &Request) -> bool {
 /// A notification that the server is closing the connection.
 fn farewell(reason: &str) -> Notification {
     sys_close::Notification { reason: Some(reason.to_owned()) }.into()
-}
-
-/// The notification about an operation.
-fn report_body(receipt: &str, report: Report) -> Notification {
-    let id = ReceiptId::from(receipt);
-    let progress = |percentage: u8, message: Option<&str>| Progress {
-        percentage: Some(Some(Percentage(percentage.into()))),
-        message: message.map(|text| Some(text.to_owned())),
-        object: None,
-    };
-    match report {
-        Report::Progress(percentage) => {
-            async_st::Notification { id, progress: progress(percentage, None), suspended: None }.into()
-        }
-        Report::Suspension(percentage) => {
-            let progress = progress(percentage, Some("turn the UAV, then resume"));
-            async_st::Notification { id, progress, suspended: Some(true) }.into()
-        }
-        Report::Result(result) => async_resp::Notification { id, result: Some(result), error: None }.into(),
-        Report::Cancellation => {
-            let error = Some("cancelled by the client".to_owned());
-            async_resp::Notification { id, result: None, error }.into()
-        }
-        Report::Timeout => async_timeout::Notification { ids: vec![id] }.into(),
-    }
 }

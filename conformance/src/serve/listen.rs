@@ -102,15 +102,12 @@ impl Bound {
             io::Error::new(error.kind(), format!("can't listen on {}://{address}: {error}", transport.name()))
         };
         let socket = bind(transport, address).map_err(explain)?;
-        Ok(match transport {
-            Transport::Udp => {
-                let socket = UdpSocket::from_std(socket.into());
-                Self { transport, address: socket.local_addr()?, socket: Socket::Datagram(socket) }
-            }
-            _ => {
-                let listener = TcpListener::from_std(socket.into());
-                Self { transport, address: listener.local_addr()?, socket: Socket::Stream(listener) }
-            }
+        Ok(if transport == Transport::Udp {
+            let socket = UdpSocket::from_std(socket.into());
+            Self { transport, address: socket.local_addr()?, socket: Socket::Datagram(socket) }
+        } else {
+            let listener = TcpListener::from_std(socket.into());
+            Self { transport, address: listener.local_addr()?, socket: Socket::Stream(listener) }
         })
     }
 

@@ -1,6 +1,9 @@
 //! Operations that continue after the response to their request.
 
 use serde_json::Value;
+use uavspec::flockwave::json::{
+    Notification, Percentage, Progress, ReceiptId, async_resp, async_st, async_timeout,
+};
 
 /// The timeout of an operation without a result, in simulated seconds.
 const ANSWER_TIMEOUT: f64 = 5.0;
@@ -53,6 +56,31 @@ impl Report {
     /// True if this is the last report.
     pub(super) fn is_last(&self) -> bool {
         !matches!(self, Self::Progress(_) | Self::Suspension(_))
+    }
+
+    /// The notification about the operation with this receipt.
+    pub(super) fn into_notification(self, receipt: &str) -> Notification {
+        let id = ReceiptId::from(receipt);
+        let progress = |percentage: u8, message: Option<&str>| Progress {
+            percentage: Some(Some(Percentage(percentage.into()))),
+            message: message.map(|text| Some(text.to_owned())),
+            object: None,
+        };
+        match self {
+            Self::Progress(percentage) => {
+                async_st::Notification { id, progress: progress(percentage, None), suspended: None }.into()
+            }
+            Self::Suspension(percentage) => {
+                let progress = progress(percentage, Some("turn the UAV, then resume"));
+                async_st::Notification { id, progress, suspended: Some(true) }.into()
+            }
+            Self::Result(result) => async_resp::Notification { id, result: Some(result), error: None }.into(),
+            Self::Cancellation => {
+                let error = Some("cancelled by the client".to_owned());
+                async_resp::Notification { id, result: None, error }.into()
+            }
+            Self::Timeout => async_timeout::Notification { ids: vec![id] }.into(),
+        }
     }
 }
 

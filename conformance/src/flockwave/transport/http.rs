@@ -68,14 +68,16 @@ impl Response {
 
     /// The bytes to send as the response to a request.
     pub(crate) fn to_bytes(&self, request: Option<&Request>) -> Vec<u8> {
-        let mut text = format!("HTTP/1.1 {}\r\n", self.status);
-        for (name, value) in &self.headers {
-            text += &format!("{name}: {value}\r\n");
-        }
+        let headers = self.headers.iter().map(|(name, value)| format!("{name}: {value}\r\n"));
+        let headers: String = headers.collect();
         let is_last = request.is_none_or(|request| request.is_last);
         let connection = if is_last { "close" } else { "keep-alive" };
-        text += &format!("Content-Length: {}\r\nConnection: {connection}\r\n\r\n", self.body.len());
-        let mut bytes = text.into_bytes();
+        let mut bytes = format!(
+            "HTTP/1.1 {}\r\n{headers}Content-Length: {}\r\nConnection: {connection}\r\n\r\n",
+            self.status,
+            self.body.len()
+        )
+        .into_bytes();
         if request.is_none_or(|request| request.method != "HEAD") {
             bytes.extend(&self.body);
         }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub(super) struct Seats<K> {
     limits: SeatLimits,
-    seats: BTreeMap<K, Seat>,
+    taken: BTreeMap<K, Seat>,
     /// The number of clients by address.
     counts: HashMap<IpAddr, usize>,
 }
@@ -53,7 +53,7 @@ pub(super) enum Admission<K> {
 
 impl<K: Ord + Clone> Seats<K> {
     pub(super) fn new(limits: SeatLimits) -> Self {
-        Self { limits, seats: BTreeMap::new(), counts: HashMap::new() }
+        Self { limits, taken: BTreeMap::new(), counts: HashMap::new() }
     }
 
     /// Decides about a newcomer. If there is no free seat, clients that never sent a request give way first, and then
@@ -62,10 +62,10 @@ impl<K: Ord + Clone> Seats<K> {
     pub(super) fn admit(&self, address: IpAddr, now: Instant) -> Admission<K> {
         let count = self.count(address);
         let is_crowded = count >= self.limits.per_address;
-        if !is_crowded && self.seats.len() < self.limits.total {
+        if !is_crowded && self.taken.len() < self.limits.total {
             return Admission::Free;
         }
-        let candidates = self.seats.iter().filter(|(_, seat)| !is_crowded || seat.address == address);
+        let candidates = self.taken.iter().filter(|(_, seat)| !is_crowded || seat.address == address);
         let candidates = candidates.map(|(key, seat)| {
             let is_active = seat.has_requested && seat.idle_time(now) < self.limits.idle_time;
             ((seat.has_requested, is_active, Reverse(self.count(seat.address)), seat.last_active), key)
@@ -81,13 +81,13 @@ impl<K: Ord + Clone> Seats<K> {
     /// Adds a client.
     pub(super) fn insert(&mut self, key: K, address: IpAddr, now: Instant) {
         self.remove(&key);
-        self.seats.insert(key, Seat { address, last_active: now, has_requested: false });
+        self.taken.insert(key, Seat { address, last_active: now, has_requested: false });
         *self.counts.entry(address).or_default() += 1;
     }
 
     /// Records that a client is active.
     pub(super) fn touch(&mut self, key: &K, has_requested: bool, now: Instant) {
-        if let Some(seat) = self.seats.get_mut(key) {
+        if let Some(seat) = self.taken.get_mut(key) {
             seat.last_active = now;
             seat.has_requested |= has_requested;
         }
@@ -95,7 +95,7 @@ impl<K: Ord + Clone> Seats<K> {
 
     /// Removes a client.
     pub(super) fn remove(&mut self, key: &K) {
-        let Some(seat) = self.seats.remove(key) else { return };
+        let Some(seat) = self.taken.remove(key) else { return };
         if let Some(count) = self.counts.get_mut(&seat.address) {
             *count -= 1;
             if *count == 0 {

@@ -46,7 +46,7 @@ pub(super) fn start<'s>(
     let counts = Arc::<Counts>::default();
     for thread in 0..THREADS {
         let counts = Arc::clone(&counts);
-        scope.spawn(move || {
+        let run = move || {
             let numbers = (0..connections).filter(|number| number % THREADS == thread);
             let mut clients: Vec<BadClient> =
                 numbers.map(|number| BadClient::new(number, addresses)).collect();
@@ -60,10 +60,16 @@ pub(super) fn start<'s>(
                 }
                 thread::sleep(PAUSE);
             }
-        });
+        };
+        spawn(scope, run);
     }
-    scope.spawn(move || flood_with_datagrams(addresses[1], is_over));
+    spawn(scope, move || flood_with_datagrams(addresses[1], is_over));
     counts
+}
+
+/// Starts a thread with a name, by which its priority can be changed.
+fn spawn<'s>(scope: &'s Scope<'s, '_>, run: impl FnOnce() + Send + 's) {
+    thread::Builder::new().name("bad".to_owned()).spawn_scoped(scope, run).expect("a thread");
 }
 
 /// The address of a bad client: one of them for half of the clients, a few for a quarter, and many for the rest.
