@@ -31,6 +31,8 @@ use std::process::ExitCode;
 use crate::terminal;
 use clap::{Parser, Subcommand};
 
+#[cfg(any(fuzzing, test))]
+pub(crate) use self::baseline::without_findings;
 use self::status::Status;
 
 /// Generates code, schemas and documentation from drone interface definitions.

@@ -86,6 +86,9 @@ mod example;
 mod failure;
 pub mod finding;
 pub mod format;
+#[cfg(all(feature = "cli", any(fuzzing, test)))]
+#[doc(hidden)]
+pub mod fuzzing;
 // Some parts of these modules are used only by commands.
 #[cfg(feature = "files")]
 #[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]

@@ -22,6 +22,9 @@ pub mod capture;
 pub mod check;
 pub mod definitions;
 mod flockwave;
+#[cfg(any(fuzzing, test))]
+#[doc(hidden)]
+pub mod fuzzing;
 pub mod json;
 mod matrix;
 pub mod model;

@@ -28,6 +28,8 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+#[cfg(any(fuzzing, test))]
+pub(crate) mod driver;
 mod error_code;
 mod family;
 mod hub;

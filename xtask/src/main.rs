@@ -5,6 +5,7 @@
 
 mod bench;
 mod docs;
+mod fuzz;
 mod interop;
 mod package;
 mod paths;
@@ -63,6 +64,16 @@ enum Command {
 Tools are installed in target/interop, without root privileges. Tools that require missing system packages are \
 skipped.")]
     Interop(interop::Arguments),
+    /// Fuzz the readers of all inputs
+    #[command(after_help = "Examples:
+  cargo xtask fuzz --list
+  cargo xtask fuzz ulog mcap --seconds 900
+  cargo xtask fuzz --seconds 5              run each target briefly, as CI does
+  cargo xtask fuzz ulog --minimise          update xtask/fuzz/corpus/ulog
+
+Requires a C++ compiler. New inputs are written to target/fuzz/corpus, and inputs that violate a property are written \
+to target/fuzz/artifacts. A run is limited to 1 GiB of memory, and an execution to 10 s.")]
+    Fuzz(fuzz::Arguments),
     /// Run benchmarks; requires the corpus
     #[command(after_help = "Examples:
   cargo xtask bench codegen        read, generate and write PX4's 261 messages
@@ -82,6 +93,7 @@ fn main() -> ExitCode {
         Command::Docs(arguments) => docs::run(arguments),
         Command::Package(arguments) => package::run(arguments),
         Command::Interop(arguments) => interop::run(&arguments),
+        Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Bench { benchmark } => bench::run(benchmark),
     };
     match outcome {

@@ -36,6 +36,8 @@ use crate::failure::Failure;
 use crate::finding::Finding;
 use crate::render;
 use crate::rewrite::{self, Change};
+#[cfg(any(fuzzing, test))]
+use crate::source::SourceMap;
 use crate::terminal;
 
 /// Arguments for lists of known findings.
@@ -116,6 +118,15 @@ impl BaselineArgs {
                 .with_hint("`--write-baseline FILE` writes a list of known findings")),
         }
     }
+}
+
+/// The text of a list after a run without findings, which removes all entries.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn without_findings(bytes: Vec<u8>) -> Result<String, Failure> {
+    let list = List::parse(Path::new("known.toml"), bytes)?;
+    let found = Found::new(&[], Subjects::new(&SourceMap::default(), &[]));
+    let matches = Matches::new(&list, &found, &|_| true);
+    Ok(edit::updated(&list, &matches, &found, false))
 }
 
 fn print_outdated(list: &List, matches: &Matches) {

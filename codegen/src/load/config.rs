@@ -145,6 +145,12 @@ impl Config {
         let shown = terminal::path(path);
         let text =
             std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
+        Self::parse(path, text)
+    }
+
+    /// Parses the text of the file at `path`.
+    pub(crate) fn parse(path: &Path, text: String) -> Result<Self, Failure> {
+        let shown = path.display().to_string();
         let file: File = toml::from_str(&text).map_err(|error| unreadable(&shown, &text, &error))?;
         if file.packages.is_empty() {
             return Err(Failure::new(format!("{shown} has no packages"))

@@ -1,10 +1,8 @@
 //! Reads arbitrary bytes as messages whose types are known only at run time: as uORB, as CDR, as JSON, or with the
 //! formats from a log. The first byte selects the encoding, and the second byte selects the type.
-#![no_main]
 
 use std::sync::LazyLock;
 
-use libfuzzer_sys::fuzz_target;
 use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Types, ULOG_PACKAGE};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
@@ -33,7 +31,8 @@ static TYPES: LazyLock<Types> = LazyLock::new(|| {
     Types::new(&read(&sources, &packages).0)
 });
 
-fuzz_target!(|data: &[u8]| {
+/// Selects the encoding and the type, and reads the rest of the input.
+pub(crate) fn dynamic(data: &[u8]) {
     let [what, which, data @ ..] = data else { return };
     if what % 4 == 3 {
         return log(data);
@@ -45,7 +44,7 @@ fuzz_target!(|data: &[u8]| {
         1 => uorb(of, data),
         _ => json(of, data),
     }
-});
+}
 
 fn cdr(of: MessageType<'_>, data: &[u8]) {
     let message = of.decode_cdr(data);

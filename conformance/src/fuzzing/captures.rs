@@ -1,0 +1,174 @@
+//! Targets for captures.
+
+use std::io::{Cursor, Read as _, Write as _};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+
+use super::{DEFINITIONS, Pieces};
+use crate::capture::{MCAP_MAGIC, ULOG_MAGIC, input};
+use crate::check::{CaptureResult, check_capture, check_json_thoroughly};
+use crate::model::Location;
+use crate::report::{CheckedCapture, Settings, Subject, subject_text};
+use crate::rules::flockwave::sample::Session;
+use crate::rules::sample::{Encoding, Flight};
+
+/// The maximum number of decompressed bytes that are read.
+const MAX_DECOMPRESSED: u64 = 1 << 16;
+
+/// The number of messages in a seed.
+const SEED_MESSAGES: usize = 3;
+
+/// Checks a PX4 log.
+pub(super) fn ulog(data: &[u8]) {
+    if data.starts_with(&ULOG_MAGIC) {
+        capture(data);
+    }
+}
+
+/// Checks an MCAP file.
+pub(super) fn mcap(data: &[u8]) {
+    if data.starts_with(&MCAP_MAGIC) {
+        capture(data);
+    }
+}
+
+/// Checks JSON messages. The result must be the same without templates.
+pub(super) fn json(data: &[u8]) {
+    if !matches!(data.trim_ascii_start(), [b'{' | b'[' | 0xef, ..]) {
+        return;
+    }
+    capture(data);
+    let fast = result(check_capture(data, None, &DEFINITIONS));
+    let thorough = check_json_thoroughly(data, None, &DEFINITIONS);
+    assert_eq!(rendered(fast), rendered(thorough), "templates change the result");
+}
+
+/// Checks a recorded Flockwave session.
+pub(super) fn session(data: &[u8]) {
+    if data.starts_with(b"{") {
+        capture(data);
+    }
+}
+
+/// Checks a capture, as a whole and in pieces. Each location must be within the capture.
+fn capture(data: &[u8]) {
+    let whole = result(check_capture(data, None, &DEFINITIONS));
+    assert!(whole.checked <= whole.records, "{} checked of {}", whole.checked, whole.records);
+    assert!(whole.bytes <= data.len() as u64, "{} bytes read of {}", whole.bytes, data.len());
+    let lines = data.iter().filter(|byte| **byte == b'\n').count() as u64 + 1;
+    let is_inside = |location: &Location| match location {
+        Location::Byte(offset) => *offset <= data.len() as u64,
+        Location::Line(number) => (1..=lines).contains(number),
+    };
+    for (location, text) in &whole.corruption {
+        assert!(is_inside(location), "{text}: {location}");
+    }
+    for group in whole.findings.groups() {
+        for (location, detail) in &group.examples {
+            assert!(is_inside(location), "{detail}: {location}");
+        }
+    }
+    let whole = rendered(whole);
+    assert_eq!(rendered(result(check_capture(Pieces::new(data), None, &DEFINITIONS))), whole);
+}
+
+fn result(checked: std::io::Result<CaptureResult>) -> CaptureResult {
+    checked.unwrap_or_else(|error| panic!("bytes in memory can be read: {error}"))
+}
+
+/// The result as JSON and as text. The text must not contain control characters, except line ends and colours.
+fn rendered(result: CaptureResult) -> (String, String) {
+    let capture = CheckedCapture {
+        path: "capture".to_owned(),
+        result,
+        notes: Vec::new(),
+        requests: Vec::new(),
+        cut_short: Vec::new(),
+        elapsed: 0,
+    };
+    let subject = Subject::from_capture(capture, &DEFINITIONS, &Settings::default());
+    let text = subject_text(&subject);
+    let plain = anstream::adapter::strip_str(&text).to_string();
+    let is_unsafe = |character: &char| character.is_control() && *character != '\n';
+    assert!(!plain.contains(|character: char| is_unsafe(&character)), "{plain:?}");
+    let json = serde_json::to_string(&subject).unwrap_or_else(|error| panic!("{error}"));
+    (json, text)
+}
+
+/// Decompresses an input, as a whole and in pieces. Reading may fail, but must yield the same bytes first.
+pub(super) fn compressed(data: &[u8]) {
+    let read = |input: Box<dyn std::io::Read + Send>| {
+        let mut bytes = Vec::new();
+        let decompressed = input::decompressed(input);
+        let ending = decompressed.and_then(|input| input.take(MAX_DECOMPRESSED).read_to_end(&mut bytes));
+        (ending.is_ok(), bytes)
+    };
+    let whole = read(Box::new(Cursor::new(data.to_vec())));
+    let is_packed =
+        data.starts_with(&[0x1f, 0x8b]) || matches!(data, [_, 0xb5 | 0x2a, 0x2f | 0x4d, 0xfd | 0x18, ..]);
+    assert!(is_packed || whole.1 == data[..data.len().min(whole.1.len())], "other data stays unchanged");
+    let (is_ok, bytes) = read(Box::new(Owned { bytes: data.to_vec(), at: 0 }));
+    assert_eq!(is_ok, whole.0);
+    assert!(!is_ok || bytes == whole.1);
+}
+
+/// A reader that returns one byte at a time.
+struct Owned {
+    bytes: Vec<u8>,
+    at: usize,
+}
+
+impl std::io::Read for Owned {
+    fn read(&mut self, out: &mut [u8]) -> std::io::Result<usize> {
+        let length = Pieces::new(&self.bytes[self.at..]).read(out)?;
+        self.at += length;
+        Ok(length)
+    }
+}
+
+/// Short flights in an encoding: one for each topic.
+fn flights(encoding: Encoding) -> Vec<Vec<u8>> {
+    let flight = Flight::new(&DEFINITIONS);
+    let short = |topic: usize| {
+        let mut short = flight.clone();
+        short.topics = vec![flight.topics[topic].clone()];
+        short.messages.retain(|message| message.topic == topic);
+        short.messages.truncate(SEED_MESSAGES);
+        short.messages.iter_mut().for_each(|message| message.topic = 0);
+        encoding.write(&short)
+    };
+    (0..flight.topics.len()).filter_map(short).collect()
+}
+
+pub(super) fn ulog_seeds() -> Vec<Vec<u8>> {
+    flights(Encoding::Ulog)
+}
+
+pub(super) fn mcap_seeds() -> Vec<Vec<u8>> {
+    flights(Encoding::Mcap)
+}
+
+pub(super) fn json_seeds() -> Vec<Vec<u8>> {
+    let mut seeds = flights(Encoding::Lines);
+    seeds.extend(flights(Encoding::Rosbridge));
+    seeds
+}
+
+pub(super) fn session_seeds() -> Vec<Vec<u8>> {
+    let session = Session::new();
+    let part = |lines: &[serde_json::Value]| {
+        lines.iter().map(|line| format!("{line}\n")).collect::<String>().into_bytes()
+    };
+    session.lines.chunks(8).map(part).collect()
+}
+
+pub(super) fn compressed_seeds() -> Vec<Vec<u8>> {
+    let text = b"{\"type\":\"px4/Event\"}\n".repeat(5);
+    let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
+    let packed = gzip.write_all(&text).and_then(|()| gzip.finish());
+    let zstd = compress_to_vec(&text[..], CompressionLevel::Fastest);
+    let skipped = [b"\x50\x2a\x4d\x18\x03\0\0\0abc", &zstd[..]].concat();
+    packed.into_iter().chain([zstd, skipped, text]).collect()
+}

@@ -1,0 +1,90 @@
+//! The program that contains all targets.
+
+use std::env;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The flags that `cargo fuzz` sets without a sanitizer: libFuzzer counts the executions of each edge, knows the edges'
+/// addresses, and sees the operands of comparisons.
+const FLAGS: [&str; 6] = [
+    "--cfg fuzzing",
+    "-Cpasses=sancov-module",
+    "-Cllvm-args=-sanitizer-coverage-level=4",
+    "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-pc-table",
+    "-Cllvm-args=-sanitizer-coverage-trace-compares",
+];
+
+/// The variable that selects a target.
+const TARGET: &str = "UAVSPEC_FUZZ_TARGET";
+
+/// The variable with the folder for the first inputs.
+const SEEDS: &str = "UAVSPEC_FUZZ_SEEDS";
+
+/// The compiled program.
+pub(super) struct Program {
+    path: PathBuf,
+}
+
+impl Program {
+    /// Compiles the program, which is a separate workspace.
+    pub(super) fn build(root: &Path) -> Result<Self, String> {
+        let host = host()?;
+        let folder = root.join("target/fuzz");
+        let mut cargo = Command::new(cargo());
+        cargo
+            .args(["build", "--release", "--locked", "--manifest-path"])
+            .arg(root.join("xtask/fuzz/Cargo.toml"));
+        // With a target, the flags don't apply to build scripts and macros.
+        cargo.args(["--target", &host, "--target-dir"]).arg(&folder);
+        cargo.env("RUSTFLAGS", FLAGS.join(" ")).env_remove("CARGO_ENCODED_RUSTFLAGS");
+        let status = cargo.status().map_err(|error| format!("cannot run cargo: {error}"))?;
+        if !status.success() {
+            return Err("the fuzz targets could not be compiled".to_owned());
+        }
+        Ok(Self { path: folder.join(host).join("release/uavspec-fuzz") })
+    }
+
+    /// The names of all targets.
+    pub(super) fn targets(&self) -> Result<Vec<String>, String> {
+        let output = self.output(Command::new(&self.path).env_remove(TARGET))?;
+        Ok(String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect())
+    }
+
+    /// Writes the inputs that a first run starts from.
+    pub(super) fn write_seeds(&self, target: &str, folder: &Path) -> Result<(), String> {
+        let output = self.output(Command::new(&self.path).env(TARGET, target).env(SEEDS, folder))?;
+        if output.status.success() {
+            return Ok(());
+        }
+        Err(format!("{target}: no seeds: {}", String::from_utf8_lossy(&output.stderr).trim_end()))
+    }
+
+    /// Runs a target with these arguments of libFuzzer.
+    pub(super) fn run<A: AsRef<OsStr>>(
+        &self,
+        target: &str,
+        arguments: impl IntoIterator<Item = A>,
+    ) -> Result<Output, String> {
+        self.output(Command::new(&self.path).env(TARGET, target).env_remove(SEEDS).args(arguments))
+    }
+
+    fn output(&self, command: &mut Command) -> Result<Output, String> {
+        command.output().map_err(|error| format!("cannot run {}: {error}", self.path.display()))
+    }
+}
+
+fn cargo() -> std::ffi::OsString {
+    env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
+}
+
+/// The name of this platform, as the compiler prints it.
+fn host() -> Result<String, String> {
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output =
+        Command::new(rustc).arg("-vV").output().map_err(|error| format!("cannot run rustc: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
+    host.map(str::to_owned).ok_or_else(|| "rustc -vV prints no host".to_owned())
+}

@@ -1,0 +1,141 @@
+//! A run of a target, with the figures that libFuzzer prints.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use super::corpus::Corpus;
+use super::program::Program;
+
+/// The maximum duration of an execution, in seconds.
+const MAX_EXECUTION: u64 = 10;
+
+/// The maximum memory of a run, in MiB. libFuzzer and the definitions need less than a tenth.
+const MAX_MEMORY: u64 = 1024;
+
+/// The number of lines of output that are printed for an input that violates a property.
+const SHOWN: usize = 40;
+
+/// The head of the table of all runs.
+pub(super) const HEAD: &str = "target             executions       per s       edges    features      inputs";
+
+/// The figures of a run.
+#[derive(Debug, Default, PartialEq, Eq)]
+struct Figures {
+    executions: u64,
+    per_second: u64,
+    edges: u64,
+    features: u64,
+    inputs: u64,
+}
+
+/// The result of a run.
+pub(super) struct Run {
+    figures: Figures,
+    /// The message about an input that violates a property.
+    pub(super) failure: Option<String>,
+}
+
+impl Run {
+    /// Runs a target.
+    pub(super) fn new(
+        program: &Program,
+        target: &str,
+        corpus: &Corpus,
+        seconds: u64,
+    ) -> Result<Self, String> {
+        let mut prefix = corpus.artifacts.clone().into_os_string();
+        prefix.push("/");
+        let options = [
+            option("-max_total_time", seconds.to_string()),
+            option("-timeout", MAX_EXECUTION.to_string()),
+            option("-rss_limit_mb", MAX_MEMORY.to_string()),
+            option("-artifact_prefix", prefix),
+            option("-print_final_stats", "1"),
+        ];
+        // New inputs are written to the first folder.
+        let folders = [&corpus.found, &corpus.committed].map(|folder| folder.clone().into_os_string());
+        let output = program.run(target, options.into_iter().chain(folders))?;
+        let log = String::from_utf8_lossy(&output.stderr);
+        let failure = (!output.status.success()).then(|| failure(target, &log, &corpus.artifacts));
+        Ok(Self { figures: Figures::parse(&log), failure })
+    }
+
+    /// The row of the table.
+    pub(super) fn row(&self, target: &str) -> String {
+        let Figures { executions, per_second, edges, features, inputs } = self.figures;
+        format!("{target:<18} {executions:>10} {per_second:>11} {edges:>11} {features:>11} {inputs:>11}")
+    }
+}
+
+fn option(name: &str, value: impl Into<OsString>) -> OsString {
+    let mut option = OsString::from(name);
+    option.push("=");
+    option.push(value.into());
+    option
+}
+
+/// The message about an input that violates a property.
+fn failure(target: &str, log: &str, artifacts: &Path) -> String {
+    let lines: Vec<&str> = log.lines().collect();
+    let start =
+        lines.iter().position(|line| line.contains("panicked at") || line.contains("ERROR: libFuzzer"));
+    let shown = &lines[start.unwrap_or_default()..];
+    let shown = &shown[..shown.len().min(SHOWN)];
+    format!(
+        "error: {target}: an input violates a property: see {}\n{}",
+        artifacts.display(),
+        shown.join("\n")
+    )
+}
+
+impl Figures {
+    /// Reads the figures at the end of the log, and the coverage in the last line of progress.
+    fn parse(log: &str) -> Self {
+        let stat = |name: &str| {
+            let line = log.lines().rev().find_map(|line| line.strip_prefix("stat::")?.strip_prefix(name));
+            line.and_then(|rest| rest.trim_start_matches(':').trim().parse().ok()).unwrap_or_default()
+        };
+        let progress = log.lines().rev().find(|line| line.starts_with('#') && line.contains(" cov: "));
+        let words: Vec<&str> = progress.unwrap_or_default().split_whitespace().collect();
+        let figure = |name: &str| {
+            let at = words.iter().position(|word| *word == name)?;
+            words.get(at + 1)?.split('/').next()?.parse().ok()
+        };
+        Self {
+            executions: stat("number_of_executed_units"),
+            per_second: stat("average_exec_per_sec"),
+            edges: figure("cov:").unwrap_or_default(),
+            features: figure("ft:").unwrap_or_default(),
+            inputs: figure("corp:").unwrap_or_default(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_the_figures_of_libfuzzer() {
+        let log = "#2\tINITED cov: 10 ft: 11 corp: 1/5b exec/s: 0 rss: 30Mb\n\
+                   #524288\tDONE   cov: 1893 ft: 6021 corp: 411/12Kb lim: 4096 exec/s: 8738 rss: 110Mb\n\
+                   Done 524288 runs in 60 second(s)\n\
+                   stat::number_of_executed_units: 524288\n\
+                   stat::average_exec_per_sec:     8738\n";
+        let figures =
+            Figures { executions: 524_288, per_second: 8738, edges: 1893, features: 6021, inputs: 411 };
+        assert_eq!(Figures::parse(log), figures);
+        assert_eq!(Figures::parse(""), Figures::default());
+    }
+
+    #[test]
+    fn shows_the_message_of_a_violated_property() {
+        let log = "INFO: Seed: 1\nthread '<unnamed>' panicked at src/a.rs:1:\nthe reason\n";
+        let text = failure("ulog", log, Path::new("artifacts"));
+        assert_eq!(
+            text,
+            "error: ulog: an input violates a property: see artifacts\n\
+             thread '<unnamed>' panicked at src/a.rs:1:\nthe reason"
+        );
+    }
+}
