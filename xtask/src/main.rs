@@ -9,6 +9,7 @@ mod fuzz;
 mod interop;
 mod package;
 mod paths;
+mod sbom;
 
 use std::env;
 use std::ffi::OsString;
@@ -54,6 +55,13 @@ enum Command {
     Docs(docs::Arguments),
     /// Build the packages for npm and pip
     Package(package::Arguments),
+    /// Write the software bill of materials of `uavspec`
+    #[command(after_help = "Examples:
+  cargo xtask sbom
+  cargo xtask sbom --out uavspec.cdx.json
+
+The document has the format CycloneDX 1.6. The same Cargo.lock leads to the same document.")]
+    Sbom(sbom::Arguments),
     /// Test third-party tools with the published schemas
     #[command(after_help = "Examples:
   cargo xtask interop                    run all available tools
@@ -94,6 +102,7 @@ fn main() -> ExitCode {
         Command::Package(arguments) => package::run(arguments),
         Command::Interop(arguments) => interop::run(&arguments),
         Command::Fuzz(arguments) => fuzz::run(&arguments),
+        Command::Sbom(arguments) => sbom::run(arguments),
         Command::Bench { benchmark } => bench::run(benchmark),
     };
     match outcome {

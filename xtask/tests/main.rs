@@ -10,6 +10,7 @@ mod lint;
 mod modules;
 mod outputs;
 mod packages;
+mod sbom;
 mod support;
 mod translate;
 mod untrusted;

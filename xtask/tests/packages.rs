@@ -8,4 +8,4 @@ mod archives;
 mod declarations;
 mod labels;
 mod readme;
-mod tools;
+pub(crate) mod tools;
