@@ -75,6 +75,7 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
             chapter("Changes", "CHANGELOG.md", "project/changes.md"),
             chapter("Architecture", "ARCHITECTURE.md", "project/architecture.md"),
             chapter("Contributing", "CONTRIBUTING.md", "project/contributing.md"),
+            chapter("Security", "SECURITY.md", "project/security.md"),
         ],
     ),
 ];
