@@ -47,7 +47,7 @@ pub struct Stage {
 impl Stage {
     /// Creates a temporary folder in `folder`, and removes abandoned ones.
     pub fn new(folder: &Path) -> io::Result<Self> {
-        remove_abandoned(folder)?;
+        remove_abandoned(folder);
         for _ in 0..MAX_ATTEMPTS {
             let path = tempfile::Builder::new().prefix(PREFIX).tempdir_in(folder)?.keep();
             if let Some(stage) = Self::claim(path)? {
@@ -67,7 +67,7 @@ impl Stage {
             }
             if let Some(stage) = Self::claim(path)? {
                 remove_files(&stage.path);
-                remove_abandoned(folder)?;
+                remove_abandoned(folder);
                 return Ok(stage);
             }
         }
@@ -145,9 +145,10 @@ fn entries(folder: &Path) -> io::Result<impl Iterator<Item = PathBuf>> {
     Ok(fs::read_dir(folder)?.filter_map(Result::ok).filter(is_stage).map(|entry| entry.path()))
 }
 
-/// Removes the temporary folders of runs that were killed.
-fn remove_abandoned(folder: &Path) -> io::Result<()> {
-    for path in entries(folder)? {
+/// Removes the temporary folders of runs that were killed. A folder may be writable but not readable; then nothing is
+/// removed.
+fn remove_abandoned(folder: &Path) {
+    for path in entries(folder).into_iter().flatten() {
         match existing_lock(&path) {
             Ok(lock) => match FileExt::try_lock(&lock) {
                 Ok(()) if is_current(&lock, &path) => remove(&path),
@@ -157,7 +158,6 @@ fn remove_abandoned(folder: &Path) -> io::Result<()> {
             Err(_) => drop(fs::remove_dir(&path)),
         }
     }
-    Ok(())
 }
 
 /// Removes a temporary folder. The lock file is the last file, so a folder without one is empty. Files that can't be
