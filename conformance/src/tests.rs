@@ -22,3 +22,4 @@ mod rule_list;
 pub(crate) mod support;
 mod trials;
 mod ulog;
+mod untrusted;

@@ -11,4 +11,5 @@ mod serve;
 mod support;
 mod testee;
 mod transport;
+mod untrusted;
 mod watch;

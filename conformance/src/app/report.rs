@@ -51,7 +51,7 @@ impl FromStr for Target {
             format!("expected KIND=PATH, such as html=report.html; KIND is one of {}", kinds())
         })?;
         let kind = Kind::from_str(name, false)
-            .map_err(|_| format!("unknown kind `{name}`; expected one of {}", kinds()))?;
+            .map_err(|_| format!("unknown kind `{}`; expected one of {}", terminal::shown(name), kinds()))?;
         Ok(Self { kind, path: path.into() })
     }
 }

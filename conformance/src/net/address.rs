@@ -16,6 +16,9 @@ impl FromStr for Address {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        if text.contains(|character: char| character.is_control() || character.is_whitespace()) {
+            return Err("an address contains neither spaces nor control characters".to_owned());
+        }
         let (host, port) = text.rsplit_once(':').ok_or("no port: expected HOST:PORT, e.g. localhost:7700")?;
         let port = port.parse().ok().filter(|port| *port != 0);
         let port = port.ok_or("expected a port from 1 to 65535")?;
@@ -57,6 +60,8 @@ mod tests {
         }
         for (text, expected) in [
             ("localhost", "no port"),
+            ("local host:1", "neither spaces"),
+            ("localhost\n:1", "neither spaces"),
             ("localhost:", "1 to 65535"),
             ("localhost:0", "1 to 65535"),
             ("localhost:70000", "1 to 65535"),

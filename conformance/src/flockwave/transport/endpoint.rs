@@ -116,6 +116,10 @@ impl FromStr for Endpoint {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        // Line breaks would add headers to HTTP requests.
+        if text.contains(|character: char| character.is_control() || character.is_whitespace()) {
+            return Err("a URL contains neither spaces nor control characters".to_owned());
+        }
         let (scheme, rest) =
             text.split_once("://").ok_or("missing transport: expected a URL, e.g. tcp://localhost:5001")?;
         match scheme {

@@ -1,0 +1,297 @@
+//! Reports in which every text from outside has the same content.
+//!
+//! The patterns name every field, so a new field doesn't compile until someone decides if its text is untrusted.
+
+use std::collections::BTreeSet;
+use std::sync::OnceLock;
+
+use crate::check::{
+    CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary, McapChannel, McapSummary, Part,
+    Summary, TypeCount, UnknownSummary, check_capture,
+};
+use crate::definitions::Definitions;
+use crate::model::{Location, Reason};
+use crate::probe::RequestType;
+use crate::px4::comparison::Comparison;
+use crate::report::{
+    About, Action, Case, CheckedCapture, Corruption, Definition, Example, Finding, Known, Outcome, Remark,
+    Report, Row, Settings, Subject, Testee, Unreadable,
+};
+use crate::tests::hostile::tested;
+
+/// Reports of each command, with a capture of each kind. Their structure doesn't depend on the text.
+pub(super) fn reports(text: &str) -> Vec<Report> {
+    static REPORTS: OnceLock<Vec<Report>> = OnceLock::new();
+    let mut reports = REPORTS.get_or_init(without_text).clone();
+    for report in &mut reports {
+        poison(report, text);
+        for (subject, summary) in report.subjects.iter_mut().zip(summaries(text).into_iter().cycle()) {
+            if let About::Capture(_) = subject.about {
+                        }
+        }
+    }
+    reports
+}
+
+fn without_text() -> Vec<Report> {
+    let definitions = Definitions::built_in();
+    let create = |action, subjects: usize| {
+        let file = || vec![Unreadable { path: String::new(), message: String::new() }];
+        let reasons =
+            vec![Reason { line: Some(1), ..Reason::from(String::new()) }, Reason::from(String::new())];
+        let subjects = (0..subjects).map(|_| subject(&definitions)).collect();
+        let report = Report::new(action, String::new(), &definitions, subjects, file(), reasons);
+        report.with_not_checked(file())
+    };
+    let mut tested = tested(&definitions);
+    for subject in &mut tested.subjects {
+        if let About::Testee(testee) = &mut subject.about {
+            testee.cases.truncate(24);
+            testee.table.truncate(4);
+        }
+    }
+    vec![
+        create(Action::Check, summaries("").len()),
+        create(Action::Check, 1),
+        create(Action::Probe, 1),
+        tested,
+    ]
+}
+
+/// A capture with two findings of one rule, each with several examples.
+fn subject(definitions: &Definitions) -> Subject {
+    let message = r#"{"timestamp": 1, "arming_check_id": 1000, "mode_id": 1000, "mode_executor_id": -1}"#;
+    let line = format!("{{\"type\": \"px4/UnregisterExtComponent\", \"message\": {message}}}\n");
+    let checked = CheckedCapture {
+        path: String::new(),
+        result: check_capture(line.repeat(3).as_bytes(), None, definitions).expect("bytes can be read"),
+        notes: vec![String::new(); 2],
+        requests: vec![RequestType { not_sent: Some(String::new()), ..request() }, request()],
+        cut_short: Vec::new(),
+        elapsed: 7,
+    };
+    let mut subject = Subject::from_capture(checked, definitions, &Settings::default());
+    // The texts of most rules are not needed.
+    subject.rules.retain(|rule| rule.findings > 0 || rule.id.starts_with("PX-RANGE"));
+    subject.incomplete = vec![String::new(); 2];
+    let location = Location::Byte(7);
+    subject.corruption = vec![Corruption { location, message: String::new() }; 2];
+    assert!(subject.findings.len() > 1 && subject.findings[0].examples.len() > 1, "{:?}", subject.findings);
+    subject
+}
+
+fn request() -> RequestType {
+    RequestType { name: String::new(), sent: 1, answered: 1, refused: 1, not_sent: None }
+}
+
+/// A summary of each kind.
+fn summaries(text: &str) -> Vec<Summary> {
+    let name = || text.to_owned();
+    let channel = |status| McapChannel {
+        topic: name(),
+        encoding: name(),
+        schema: Some((name(), name())),
+        messages: 1,
+        other_cdr: 1,
+        has_other_hash: false,
+        status,
+    };
+    let types = || [(name(), TypeCount { out: 1, incoming: 1 })].into();
+    vec![
+        Summary::Log(LogSummary {
+            firmware: Some(name()),
+            dropouts: 0,
+            formats: vec![(name(), Comparison::Undefined), (name(), Comparison::Equal)],
+        }),
+        Summary::Json(JsonSummary {
+            lines: 1,
+            types: 1,
+            skipped: 1,
+            undefined: BTreeSet::from([name()]),
+            dialects: Default::default(),
+            has_objects: true,
+        }),
+        Summary::Mcap(McapSummary {
+            profile: name(),
+            library: name(),
+            channels: vec![channel(CheckStatus::Undefined), channel(CheckStatus::Unsupported)],
+            dialects: Default::default(),
+        }),
+        Summary::Flockwave(FlockwaveSummary {
+            connections: 1,
+            requests: 1,
+            responses: 1,
+            notifications: 1,
+            types: types(),
+            unknown: types(),
+            uncounted: 1,
+        }),
+        Summary::Unknown(UnknownSummary { reason: name() }),
+    ]
+}
+
+fn poison(report: &mut Report, text: &str) {
+    let set = |field: &mut String| text.clone_into(field);
+    // The texts of rules are part of uavspec.
+    let Report {
+        version: _,
+        uavspec: _,
+        action: _,
+        command,
+        definitions,
+        outcome: whole,
+        reasons,
+        rules: _,
+        subjects,
+        unreadable,
+        not_checked,
+    } = report;
+    [command, definitions].into_iter().for_each(set);
+    outcome(whole, text);
+    for Reason { message, path, line: _ } in reasons {
+        [message, path].into_iter().for_each(set);
+    }
+    for Unreadable { path, message } in unreadable.iter_mut().chain(not_checked) {
+        [path, message].into_iter().for_each(set);
+    }
+    subjects.iter_mut().for_each(|one| poison_subject(one, text));
+}
+
+fn outcome(outcome: &mut Outcome, text: &str) {
+    let Outcome { kind: _, status: _, text: sentence, remarks } = outcome;
+    text.clone_into(sentence);
+    *remarks = vec![text.to_owned(); 2];
+}
+
+fn poison_subject(subject: &mut Subject, text: &str) {
+    let set = |field: &mut String| text.clone_into(field);
+    let Subject {
+        path,
+        about,
+        records: _,
+        checked: _,
+        duration_us: _,
+        outcome: of_subject,
+        rules: _,
+        findings,
+        more_findings: _,
+        corruption,
+        more_corruption: _,
+        extent: _,
+        coverage,
+        incomplete,
+        cut_short,
+        notes,
+        requests,
+        is_readable_again: _,
+        elapsed: _,
+    } = subject;
+    set(path);
+    outcome(of_subject, text);
+    [incomplete, cut_short, notes].into_iter().flatten().for_each(set);
+    corruption.iter_mut().for_each(|Corruption { location: _, message }| set(message));
+    findings.iter_mut().for_each(|one| finding(one, text));
+    let Coverage { unit: _, units: _, records: _, values: _, parts, more_parts: _, empty: _ } = coverage;
+    parts.iter_mut().for_each(|Part { name, .. }| set(name));
+    for RequestType { name, sent: _, answered: _, refused: _, not_sent } in requests {
+        set(name);
+        not_sent.iter_mut().for_each(set);
+    }
+    match about {
+        About::Capture(_) => {}
+        About::Testee(found) => testee(found, text),
+    }
+}
+
+fn finding(finding: &mut Finding, text: &str) {
+    let set = |field: &mut String| text.clone_into(field);
+    let Finding {
+        rule: _,
+        level: _,
+        status: _,
+        statement: _,
+        url: _,
+        verdict: _,
+        subject,
+        count: _,
+        examples,
+        definition,
+        reproduce,
+        known,
+    } = finding;
+    [subject, reproduce].into_iter().for_each(set);
+    *definition = Some(definition_of(text));
+    *known = Some(known_as(text));
+    for example in examples {
+        let Example {
+            location: _,
+            path,
+            part,
+            message,
+            expected,
+            actual,
+            excerpt,
+            time_s: _,
+            utc: _,
+            connection,
+            request,
+        } = example;
+        [path, part, message, expected, actual, excerpt, connection, request].into_iter().for_each(set);
+    }
+}
+
+fn definition_of(text: &str) -> Definition {
+    Definition { file: text.to_owned(), line: 1, text: text.to_owned() }
+}
+
+fn known_as(text: &str) -> Known {
+    // Links to web pages can be clicked, as the author of the list wishes.
+    let (text, link) = (text.to_owned(), Some(format!("javascript:{text}")));
+    Known { kind: text.clone(), reason: text.clone(), link, expires: Some(text) }
+}
+
+fn testee(testee: &mut Testee, text: &str) {
+    let set = |field: &mut String| text.clone_into(field);
+    let Testee {
+        kind: _,
+        version,
+        counts: _,
+        table,
+        cases,
+        protocol_remarks,
+        more_protocol_remarks: _,
+        restarts: _,
+        gave_up,
+    } = testee;
+    set(version);
+    gave_up.iter_mut().for_each(set);
+    protocol_remarks.iter_mut().for_each(|Remark { message, count: _ }| set(message));
+    for Row { op, type_name, counts: _ } in table {
+        [op, type_name].into_iter().for_each(set);
+    }
+    for (index, case) in cases.iter_mut().enumerate() {
+        let Case {
+            name,
+            op,
+            type_name,
+            description,
+            rule,
+            verdict: _,
+            path,
+            expected,
+            actual,
+            message,
+            stderr,
+            definition,
+            reproduce,
+            known,
+        } = case;
+        [name, op, type_name, description, path, expected, actual, message].into_iter().for_each(set);
+        // Each line of standard error is a line of the report.
+        *stderr = text.replace('\n', " ");
+        set(reproduce);
+        *rule = Some(text.to_owned());
+        *definition = Some(definition_of(text));
+        *known = index.is_multiple_of(2).then(|| known_as(text));
+    }
+}
