@@ -120,7 +120,7 @@ pub enum Summary {
     Json(JsonSummary),
     /// An MCAP file.
     Mcap(McapSummary),
-    /// A rosbag2 bag: a SQLite file, or a folder with `metadata.yaml`.
+    /// A rosbag2 bag: a `SQLite` file, or a folder with `metadata.yaml`.
     #[serde(rename = "rosbag2")]
     Bag(BagSummary),
     /// A recorded Flockwave session. Only messages from the server are counted.

@@ -1,10 +1,10 @@
-//! Reads the bags of rosbag2 that are not MCAP files: SQLite files, and the `metadata.yaml` of a bag's folder.
+//! Reads the bags of rosbag2 that are not MCAP files: `SQLite` files, and the `metadata.yaml` of a bag's folder.
 
 pub(crate) mod metadata;
 #[cfg(feature = "db3")]
 pub(crate) mod sqlite;
 
-/// The first bytes of SQLite files.
+/// The first bytes of `SQLite` files.
 pub(crate) const SQLITE_MAGIC: [u8; 16] = *b"SQLite format 3\0";
 
 /// The reason why a ROS 1 bag isn't checked, and the way to convert it.

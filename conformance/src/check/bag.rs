@@ -1,5 +1,5 @@
-//! Checks bags: their CDR and JSON messages, and the schemas that they contain. A bag is an MCAP file, a SQLite file of
-//! rosbag2, or a folder with such files and their `metadata.yaml`.
+//! Checks bags: their CDR and JSON messages, and the schemas that they contain. A bag is an MCAP file, a `SQLite` file
+//! of rosbag2, or a folder with such files and their `metadata.yaml`.
 //!
 //! A channel's definition is determined by its schema name, or otherwise by its topic. The schema in the file is
 //! compared with the definition. If the two differ, CDR messages are decoded with the schema in the file, and rules on

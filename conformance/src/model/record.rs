@@ -19,6 +19,7 @@ pub enum Location {
     Line(u64),
     /// The number of a message in a bag, from 1, in the order of reading. Compressed chunks and databases have no byte
     /// offset for a message.
+    #[serde(rename = "message_number")]
     Message(u64),
     /// The id of a channel in a bag.
     Channel(u64),

@@ -1,4 +1,4 @@
-//! Tests of rosbag2 bags: SQLite files have the same findings as MCAP files, and hostile files do no harm.
+//! Tests of rosbag2 bags: `SQLite` files have the same findings as MCAP files, and hostile files do no harm.
 
 mod file;
 mod folders;
@@ -18,6 +18,7 @@ use crate::capture::MCAP_MAGIC;
 use crate::check::{BagSummary, CaptureResult, Summary, check_capture, check_path};
 use crate::definitions::Definitions;
 use crate::model::{Extent, Location};
+use crate::report::{CheckedCapture, Settings, Subject};
 use crate::rules::mutants;
 use crate::rules::sample::Flight;
 use crate::tests::support::shared;
@@ -77,7 +78,7 @@ fn file_with(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
     (folder, path)
 }
 
-/// The recording of a flight as a SQLite file.
+/// The recording of a flight as a `SQLite` file.
 fn flight() -> (Definitions, Content) {
     let definitions = Definitions::built_in();
     let content = Content::of_mcap(&Flight::new(&definitions).bag().to_bytes());
@@ -119,6 +120,25 @@ fn a_finding_names_the_message_and_its_log_time() {
     let (location, detail) = &group.examples[0];
     let time = u64::try_from(content.messages[7].1).expect("a time");
     assert_eq!((*location, detail.log_time, detail.sequence), (Location::Message(8), Some(time), None));
+    let checked = CheckedCapture {
+        path: "bag.db3".to_owned(),
+        result,
+        notes: Vec::new(),
+        requests: Vec::new(),
+        cut_short: Vec::new(),
+        elapsed: 0,
+    };
+    let subject = Subject::from_capture(checked, &definitions, &Settings::default());
+    let finding = subject.findings.iter().find(|finding| finding.rule == "PX-CDR-02").expect("a finding");
+    let example = &finding.examples[0];
+    let moment = example.moment();
+    assert!(moment.ends_with("s (2026-09-21T14:13:20.007Z), log time 1790000000.007000000"), "{moment}");
+    let text = serde_json::to_string(example).expect("JSON");
+    assert_eq!(text.matches("\"message\":").count(), 1, "the keys are unique: {text}");
+    assert!(
+        text.contains("\"message_number\":8") && text.contains("\"log_time_ns\":1790000000007000000"),
+        "{text}"
+    );
 }
 
 /// Files may be compressed as a whole, and rosbag2 can compress each message.

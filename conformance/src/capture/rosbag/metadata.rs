@@ -37,7 +37,7 @@ pub(crate) struct Metadata {
     pub(crate) files: Vec<String>,
     /// The number of messages in all files.
     pub(crate) message_count: Option<u64>,
-    /// The encodings of the topics' messages. rosbag2 prefers them to those in SQLite files.
+    /// The encodings of the topics' messages. rosbag2 prefers them to those in `SQLite` files.
     pub(crate) encodings: BTreeMap<String, String>,
 }
 
@@ -71,13 +71,14 @@ impl Metadata {
                     levels.pop();
                     is_end_of_value = true;
                 }
-                Event::Scalar(value, ..) => match levels.last_mut() {
-                    Some(Level { is_sequence: false, key: key @ None }) => *key = Some(value.into_owned()),
-                    _ => {
+                Event::Scalar(value, ..) => {
+                    if let Some(Level { is_sequence: false, key: key @ None }) = levels.last_mut() {
+                        *key = Some(value.into_owned());
+                    } else {
                         found.set(&levels, &value, &mut topic);
                         is_end_of_value = true;
                     }
-                },
+                }
                 Event::Alias(_) => is_end_of_value = true,
                 _ => {}
             }

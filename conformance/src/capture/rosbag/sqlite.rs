@@ -1,10 +1,10 @@
-//! Reads bags in rosbag2's SQLite format (`.db3`).
+//! Reads bags in rosbag2's `SQLite` format (`.db3`).
 //!
 //! # Untrusted files
 //!
-//! SQLite executes parts of a file: views, triggers, virtual tables and generated columns. The reader accepts ordinary
-//! tables only, opens the file read-only and immutable, and bounds the size of all values, SQLite's memory, and the
-//! work between two messages. SQLite never writes to the folder of the file.
+//! `SQLite` executes parts of a file: views, triggers, virtual tables and generated columns. The reader accepts
+//! ordinary tables only, opens the file read-only and immutable, and bounds the size of all values, the memory of
+//! `SQLite`, and the work between two messages. `SQLite` never writes to the folder of the file.
 //!
 //! # Corrupt files
 //!
@@ -12,6 +12,7 @@
 //! far as possible.
 
 use std::ffi::CStr;
+use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -45,14 +46,14 @@ const CACHE: i64 = 512;
 /// The minimum size of a message in the file, in bytes: the header of its row, and the row's address in the page.
 const MIN_MESSAGE: u64 = 8;
 
-/// The number of instructions of SQLite's virtual machine between two checks of the budget.
+/// The number of instructions of `SQLite`'s virtual machine between two checks of the budget.
 const INSTRUCTIONS: i32 = 1_000;
 
 /// The maximum number of instructions for a result, divided by [`INSTRUCTIONS`]: a constant, and a number per byte of
 /// the file, which is enough to sort the messages.
 const BUDGET: (u64, u64) = (10_000, 20);
 
-/// The limits of SQLite that prevent expensive schemas.
+/// The limits of `SQLite` that prevent expensive schemas.
 const LIMITS: [(Limit, i32); 8] = [
     (Limit::SQLITE_LIMIT_LENGTH, 4 << 20),
     (Limit::SQLITE_LIMIT_SQL_LENGTH, 64 << 10),
@@ -184,7 +185,7 @@ impl Bag {
     /// Ends statements that exceed the budget.
     fn bound_work(&self) -> Result<(), Problem> {
         let used = Arc::clone(&self.used);
-        let budget = BUDGET.0 + self.size.saturating_mul(BUDGET.1) / INSTRUCTIONS.unsigned_abs() as u64;
+        let budget = BUDGET.0 + self.size.saturating_mul(BUDGET.1) / u64::from(INSTRUCTIONS.unsigned_abs());
         let is_exceeded = move || used.fetch_add(1, Ordering::Relaxed) >= budget;
         Ok(self.connection.progress_handler(INSTRUCTIONS, Some(is_exceeded))?)
     }
@@ -259,7 +260,7 @@ impl Bag {
             let topic = row.get_ref(1)?.as_i64().unwrap_or(i64::MIN);
             let time = row.get_ref(2)?.as_i64().unwrap_or_default();
             let payload = self.payload(row.get(0)?, &mut blob, &mut buffer);
-            total += MIN_MESSAGE + payload.as_ref().map_or(0, |_| buffer.len() as u64);
+            total += MIN_MESSAGE + payload.as_ref().map_or(0, |()| buffer.len() as u64);
             if total > self.size {
                 return Err(Problem::gap("the messages are larger than the file: the database is corrupt"));
             }
@@ -396,7 +397,7 @@ fn connect(path: &Path, is_lenient: bool) -> rusqlite::Result<Connection> {
     Ok(connection)
 }
 
-/// The URI of a file that nobody changes. SQLite then creates no other files next to it.
+/// The URI of a file that nobody changes. `SQLite` then creates no other files next to it.
 fn uri(path: &Path) -> String {
     let mut uri = "file://".to_owned();
     let bytes = path.as_os_str().as_encoded_bytes();
@@ -409,7 +410,8 @@ fn uri(path: &Path) -> String {
             b'\\' if cfg!(windows) => uri.push('/'),
             b'/' | b':' | b'.' | b'-' | b'_' => uri.push(char::from(*byte)),
             byte if byte.is_ascii_alphanumeric() => uri.push(char::from(*byte)),
-            byte => uri.push_str(&format!("%{byte:02X}")),
+            // Writing to a string can't fail.
+            byte => _ = write!(uri, "%{byte:02X}"),
         }
     }
     uri + "?immutable=1"

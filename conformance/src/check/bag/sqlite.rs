@@ -1,4 +1,4 @@
-//! Reads a SQLite file of rosbag2, and names ROS 1 bags.
+//! Reads a `SQLite` file of rosbag2, and names ROS 1 bags.
 
 use std::io::Read as _;
 use std::path::Path;
@@ -25,7 +25,7 @@ pub(in crate::check) const ROS1: Kind = Kind {
     check: |_, _, _| CaptureResult::unknown(CONVERT_ROS1),
 };
 
-/// Checks the readable part of a SQLite file.
+/// Checks the readable part of a `SQLite` file.
 fn check_sqlite(mut source: Source<'_>, definitions: &Definitions) -> CaptureResult {
     let mut bag = Channels::new(definitions);
     let mut summary = BagSummary { storage: "sqlite3".to_owned(), num_files: 1, ..BagSummary::default() };
@@ -33,7 +33,7 @@ fn check_sqlite(mut source: Source<'_>, definitions: &Definitions) -> CaptureRes
     bag.finish(bytes, |channels, dialects| Summary::Bag(BagSummary { channels, dialects, ..summary }))
 }
 
-/// Checks the readable part of a SQLite file. Returns the size of the file.
+/// Checks the readable part of a `SQLite` file. Returns the size of the file.
 pub(super) fn read_source(
     source: &mut Source<'_>,
     bag: &mut Channels<'_>,
@@ -44,9 +44,9 @@ pub(super) fn read_source(
         return read(path, bag, file, distribution);
     }
     // SQLite reads its files in any order.
-    let copy = tempfile::NamedTempFile::new().and_then(|mut file| {
+    let copy = tempfile::NamedTempFile::new().map(|mut file| {
         let copied = std::io::copy(&mut source.take(MAX_UNPACKED), &mut file);
-        Ok((file.into_temp_path(), copied))
+        (file.into_temp_path(), copied)
     });
     let mut failed = |error: &std::io::Error| {
         let text = format!("the rest is unreadable: {error}");
@@ -84,7 +84,9 @@ fn read(path: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, distribution: &m
     let mut reading = reading::SqliteFile::new(bag, file);
     match crate::capture::rosbag::sqlite::Bag::open(path) {
         Ok((database, problems)) => {
-            problems.into_iter().for_each(|problem| reading.report(Err(problem)));
+            for problem in problems {
+                reading.report(Err(problem));
+            }
             *distribution = database.distribution();
             reading.read(&database);
         }
@@ -147,7 +149,9 @@ mod reading {
             if topics.is_empty() && self.bag.has_gaps() {
                 return;
             }
-            topics.into_iter().for_each(|topic| self.topic(topic));
+            for topic in topics {
+                self.topic(topic);
+            }
             let result = database.messages(|message| self.message(message));
             self.report(result);
         }

@@ -25,7 +25,7 @@ pub struct McapSummary {
     pub dialects: Dialects,
 }
 
-/// The summary of a rosbag2 bag: a SQLite file, or a folder with `metadata.yaml`.
+/// The summary of a rosbag2 bag: a `SQLite` file, or a folder with `metadata.yaml`.
 #[derive(Clone, Debug, Default, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Rosbag2"))]
 pub struct BagSummary {
@@ -141,7 +141,7 @@ impl Describe for McapSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        lines(&self.channels, &self.dialects)
+        lines(&self.channels, self.dialects)
     }
 }
 
@@ -163,7 +163,7 @@ impl Describe for BagSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        lines(&self.channels, &self.dialects)
+        lines(&self.channels, self.dialects)
     }
 
     fn noun(&self) -> &'static str {
@@ -172,7 +172,7 @@ impl Describe for BagSummary {
 }
 
 /// The results of comparing the schemas of the channels with the definitions.
-fn lines(channels: &[BagChannel], dialects: &Dialects) -> Vec<Line> {
+fn lines(channels: &[BagChannel], dialects: Dialects) -> Vec<Line> {
     let rows: Vec<Row<'_>> = channels.iter().map(Row::new).collect();
     let with_result = |wanted| rows.iter().filter(move |row| row.result == wanted);
     let messages = |wanted| with_result(wanted).map(|row| (row.topic, shown(&row.message)));

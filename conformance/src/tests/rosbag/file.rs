@@ -1,4 +1,4 @@
-//! Writes bags as rosbag2 does: SQLite files and `metadata.yaml`.
+//! Writes bags as rosbag2 does: `SQLite` files and `metadata.yaml`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -49,7 +49,8 @@ impl Content {
                     content.definitions.push([name, language, text, hash]);
                 }
                 Event::Message { channel, payload, .. } => {
-                    let time = 1_790_000_000_000_000_000 + 1_000_000 * content.messages.len() as i64;
+                    let time = 1_790_000_000_000_000_000
+                        + 1_000_000 * i64::try_from(content.messages.len()).expect("a number");
                     content.messages.push((channel.into(), time, payload.to_vec()));
                 }
                 _ => {}
@@ -58,7 +59,7 @@ impl Content {
         content
     }
 
-    /// Writes a SQLite file.
+    /// Writes a `SQLite` file.
     pub(super) fn write(&self, path: &Path) {
         let connection = Connection::open(path).expect("a database");
         connection.execute_batch(TABLES).expect("tables");
@@ -84,7 +85,7 @@ impl Content {
         connection.execute_batch("COMMIT").expect("a transaction");
     }
 
-    /// The bytes of a SQLite file.
+    /// The bytes of a `SQLite` file.
     pub(super) fn to_bytes(&self) -> Vec<u8> {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("bag.db3");

@@ -1,4 +1,4 @@
-//! Tests of corrupt and hostile SQLite files.
+//! Tests of corrupt and hostile `SQLite` files.
 
 use std::fs;
 

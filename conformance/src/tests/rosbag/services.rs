@@ -71,7 +71,7 @@ fn events_of_unknown_services_have_no_definition() {
     }
 }
 
-/// A recording of rosbag2's own tests. SQLite files contain the name of the service and its text.
+/// A recording of rosbag2's own tests. `SQLite` files contain the name of the service and its text.
 #[test]
 fn reads_recorded_events() {
     let Some(bags) = shared("corpus/bags") else { return };
