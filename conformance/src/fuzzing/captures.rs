@@ -61,6 +61,8 @@ fn capture(data: &[u8]) {
     let is_inside = |location: &Location| match location {
         Location::Byte(offset) => *offset <= data.len() as u64,
         Location::Line(number) => (1..=lines).contains(number),
+        Location::Message(number) => (1..=data.len() as u64).contains(number),
+        Location::Channel(_) => true,
     };
     for (location, text) in &whole.corruption {
         assert!(is_inside(location), "{text}: {location}");

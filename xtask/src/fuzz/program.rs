@@ -32,9 +32,10 @@ impl Program {
     pub(super) fn build(root: &Path) -> Result<Self, String> {
         let host = host()?;
         let folder = root.join("target/fuzz");
+        // Without `--locked`, because each new dependency of the workspace changes the lock file of this one.
         let mut cargo = Command::new(cargo());
         cargo
-            .args(["build", "--release", "--locked", "--manifest-path"])
+            .args(["build", "--release", "--manifest-path"])
             .arg(root.join("xtask/fuzz/Cargo.toml"));
         // With a target, the flags don't apply to build scripts and macros.
         cargo.args(["--target", &host, "--target-dir"]).arg(&folder);
