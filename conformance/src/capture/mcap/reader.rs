@@ -214,8 +214,9 @@ impl<R: Read> Reader<R> {
         };
         if let Some(problem) = problem {
             let is_whole = ahead.len() >= end;
-            let next =
-                (1..ahead.len().min(end)).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
+            // A record that starts within this one may extend beyond it.
+            self.file.require(end.saturating_add(LOOKAHEAD))?;
+            let next = self.sound_record(1, end);
             match (next, problem) {
                 (Some(next), _) => {
                     self.file.advance(next);
@@ -305,11 +306,11 @@ impl<R: Read> Reader<R> {
         // The bytes at the cursor aren't a valid record.
         let mut from = self.file.ahead().len().min(1);
         loop {
-            self.file.require(LOOKAHEAD)?;
-            let ahead = self.file.ahead();
+            self.file.require(2 * LOOKAHEAD)?;
+            let length = self.file.ahead().len();
             // Unless the file ends, each possible start must be followed by enough bytes to check a record.
-            let until = if self.file.is_at_end() { ahead.len() } else { ahead.len() - LOOKAHEAD / 2 };
-            let next = (from..until).find(|at| is_sound(&ahead[*at..], |id| self.declared.has(id)));
+            let until = if self.file.is_at_end() { length } else { length - LOOKAHEAD };
+            let next = self.sound_record(from, until);
             let (is_over, passed) = (self.file.is_at_end(), next.unwrap_or(until));
             self.file.advance(passed);
             from = 0;
@@ -320,6 +321,17 @@ impl<R: Read> Reader<R> {
         let length = self.file.offset() - start;
         self.report(offset, Problem::Skipped { found, length });
         Ok(())
+    }
+
+    /// The first start of a valid record in a range of the buffered bytes. A record is checked up to a fixed length,
+    /// because the result must not depend on the number of bytes that a read returned.
+    fn sound_record(&self, from: usize, until: usize) -> Option<usize> {
+        let ahead = self.file.ahead();
+        let is_sound_at = |at: &usize| {
+            let end = ahead.len().min(at.saturating_add(LOOKAHEAD));
+            is_sound(&ahead[*at..end], |id| self.declared.has(id))
+        };
+        (from..until.min(ahead.len())).find(is_sound_at)
     }
 
     /// Opens a chunk of `length` bytes.
