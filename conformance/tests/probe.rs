@@ -2,6 +2,7 @@
 //!
 //! No test depends on speed, but a probe may have a time limit.
 
+#[cfg_attr(not(unix), allow(dead_code, unused_imports, reason = "only tests with signals use them"))]
 mod flight;
 mod landing;
 mod proxied;

@@ -118,8 +118,8 @@ mod tests {
         let mut flight = Flight::new(Altitude::AboveHome(3_000));
         let mut result = Err("no state".to_owned());
         for (seconds, altitude, timestamp) in states {
-            let status = json!({ "timestamp": timestamp, "position": [1, 2, 900_000, altitude] });
-            result = touchdown.see(Some(&mut flight), &status, start + Duration::from_secs(*seconds));
+            let body = json!({ "timestamp": timestamp, "position": [1, 2, 900_000, altitude] });
+            result = touchdown.see(Some(&mut flight), &body, start + Duration::from_secs(*seconds));
         }
         result
     }

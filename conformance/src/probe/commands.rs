@@ -338,7 +338,7 @@ mod tests {
             for step in trial::attempts(&endpoint).into_iter().flat_map(|(_, attempt)| attempt.steps) {
                 match step {
                     Step::Send(sent) | Step::Pieces(sent, ..) => {
-                        texts.push(String::from_utf8_lossy(&sent.text).into())
+                        texts.push(String::from_utf8_lossy(&sent.text).into());
                     }
                     Step::Together(all) => {
                         texts.extend(all.iter().map(|sent| String::from_utf8_lossy(&sent.text).into_owned()));

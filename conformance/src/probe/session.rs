@@ -255,6 +255,11 @@ impl Session {
         done
     }
 
+    /// Waits without reading, unless the probe must stop.
+    pub(super) fn pause(&self, time: Duration) {
+        self.stop.sleep(time);
+    }
+
     /// Waits for the next JSON message.
     pub(super) fn receive(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
         while let Some(client) = self.client.as_mut().filter(|_| self.end.is_none()) {

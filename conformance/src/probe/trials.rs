@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 use super::Probe;
 use super::selection::Selection;
 use super::session::Session;
-use super::stop::Stop;
 use super::tape::Tape;
 use crate::flockwave::record::Trial;
 use crate::flockwave::transport::endpoint::Endpoint;
@@ -89,7 +88,7 @@ impl Probe<'_, '_> {
                 _ if session.is_waiting() => session.settle(&mut self.tape, Instant::now() + grace),
                 _ => self.stop.sleep(SEND_INTERVAL),
             }
-            perform(session, &mut self.tape, step, trial, &self.stop);
+            perform(session, &mut self.tape, step, trial);
         }
         let ids: Vec<&str> = steps.iter().filter_map(Step::id).collect();
         // Over UDP, some of the requests or answers may be lost.
@@ -114,7 +113,7 @@ fn trial_of<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
     sent.id().is_some().then_some(trial)
 }
 
-fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>, stop: &Stop) {
+fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
     // A finding already reports that an earlier message has no answer.
     if session.is_over() {
         return;
@@ -140,7 +139,7 @@ fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial
             let line = [&sent.text[..], b"\n"].concat();
             for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
                 if at > 0 {
-                    stop.sleep(*pause);
+                    session.pause(*pause);
                 }
                 session.send_raw(tape, piece);
             }
