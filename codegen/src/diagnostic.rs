@@ -189,9 +189,8 @@ problems! {
         "{what} exceeds {max} bytes", "make it smaller; no transport carries a message of this size";
     TooManyFields { name: String, max: u64 } = Error "too-many-fields"
         "`{name}` has more than {max} fields, including nested fields", "nest fewer messages";
-    TooMuchNesting { name: String, max: u64 } = Error "too-much-nesting"
-        "with `{name}`, the messages have more than {max} fields in total, including nested fields",
-        "nest fewer messages";
+    TooMuchNesting { name: String, max: u64, what: &'static str } = Error "too-much-nesting"
+        "with `{name}`, there are more than {max} {what}", "nest less";
     NotInDialect { what: String, dialect: &'static str } = Error "not-in-dialect"
         "the {dialect} dialect does not support {what}",
         "if this is a ROS 2 definition, set the dialect of its package to `ros2`";

@@ -129,7 +129,7 @@ pub use diagnostic::Diagnostic;
 pub use failure::Failure;
 #[cfg(feature = "files")]
 pub use generate::{Generated, generate};
-pub use read::{PackageInput, read};
+pub use read::{PackageInput, read, read_formats};
 pub use schema::Schema;
 pub use source::{SourceId, SourceMap};
 

@@ -2,7 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::msg::{self, Kind};
-use crate::resolve::{PackageSource, resolve};
+use crate::resolve::{PackageSource, resolve, resolve_formats};
 use crate::schema::{Form, Schema};
 use crate::source::{SourceId, SourceMap, Span, stem};
 use crate::table;
@@ -59,6 +59,20 @@ const PX4_ROS_PACKAGE: &str = "px4_msgs";
 /// assert_eq!(schema.messages[0].fields[0].unit.as_deref(), Some("us"));
 /// ```
 pub fn read(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diagnostic>) {
+    read_with(sources, packages, resolve)
+}
+
+/// Like [`read`], but without the hashes of messages and types. The time is proportional to the size of the sources, so
+/// the sources may come from anyone.
+pub fn read_formats(sources: &SourceMap, packages: &[PackageInput]) -> (Schema, Vec<Diagnostic>) {
+    read_with(sources, packages, resolve_formats)
+}
+
+fn read_with(
+    sources: &SourceMap,
+    packages: &[PackageInput],
+    resolve: impl FnOnce(&[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>),
+) -> (Schema, Vec<Diagnostic>) {
     let (parsed, mut diagnostics) = parse_all(sources, packages);
     let (schema, mut found) = resolve(&parsed);
     diagnostics.append(&mut found);

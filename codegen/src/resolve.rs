@@ -24,6 +24,23 @@ use crate::schema::Schema;
 /// Resolves all packages together. The packages must be sorted by name. If the diagnostics contain an error, the schema
 /// is incomplete, and no output should be generated from it.
 pub(crate) fn resolve(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
+    let mut resolver = resolve_without_hashes(packages);
+    if !has_errors(&resolver.diagnostics) {
+        resolver.fingerprints();
+    }
+    resolver.select();
+    (resolver.schema, resolver.diagnostics)
+}
+
+/// Like [`resolve`], but without the hashes of messages and types. Computing them takes much longer than the rest if the
+/// input is hostile.
+pub(crate) fn resolve_formats(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>) {
+    let mut resolver = resolve_without_hashes(packages);
+    resolver.select();
+    (resolver.schema, resolver.diagnostics)
+}
+
+fn resolve_without_hashes<'s>(packages: &[PackageSource<'s>]) -> Resolver<'s> {
     let mut resolver = Resolver::default();
     resolver.declare(packages);
     resolver.lower(packages);
@@ -32,9 +49,5 @@ pub(crate) fn resolve(packages: &[PackageSource<'_>]) -> (Schema, Vec<Diagnostic
     resolver.enums();
     resolver.measure(&order);
     resolver.schema.nested_first = order;
-    if !has_errors(&resolver.diagnostics) {
-        resolver.fingerprints();
-    }
-    resolver.select();
-    (resolver.schema, resolver.diagnostics)
+    resolver
 }

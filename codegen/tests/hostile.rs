@@ -182,7 +182,16 @@ fn deep_nesting_does_not_overflow_the_stack() {
     };
     let (schema, diagnostics) = read_all(PX4, &chain(1_000));
     assert_eq!((schema.messages.len(), diagnostics.len()), (1_000, 0));
+    assert_eq!(codes_of(PX4, &chain(1_002)), ["too-much-nesting"], "only the first message is reported");
     assert_eq!(codes_of(PX4, &chain(20_000)), ["too-much-nesting"]);
+    let mut sources = SourceMap::default();
+    let mut package = support::package("demo", PX4);
+    for (path, bytes) in chain(1_001) {
+        package.sources.push(sources.add(path, bytes).expect("valid"));
+    }
+    let (schema, diagnostics) = read(&sources, &[package]);
+    assert!(diagnostics.is_empty(), "{:?}", diagnostics.first());
+    emit_all(&schema, &sources);
     let mut ring = chain(20_000);
     ring[0] = file("Link0", "Link19999 part\n");
     let (_, diagnostics) = read_all(PX4, &ring);
@@ -220,6 +229,15 @@ fn objects(types: impl Iterator<Item = (String, String)>) -> Vec<(String, Vec<u8
     vec![("gliders.md".to_owned(), page.into_bytes())]
 }
 
+/// Emits all outputs.
+fn emit_all(schema: &Schema, sources: &SourceMap) {
+    vectors::emit(schema, &vectors::Options::default());
+    json_schema::emit(schema, &json_schema::Options::default());
+    docs::emit(schema, &Translations::default(), sources, &docs::Options::default());
+    #[cfg(feature = "rust")]
+    uavspec_codegen::emit::rust::emit(schema, sources, &uavspec_codegen::emit::rust::Options::default());
+}
+
 /// Reads a page and emits all outputs, in bounded time and memory.
 fn emit_page(files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
     let (schema, diagnostics) = read_all(Form::Table, files);
@@ -229,15 +247,7 @@ fn emit_page(files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
         for (path, bytes) in files {
             package.sources.push(sources.add(path.as_str(), bytes.clone()).expect("valid"));
         }
-        vectors::emit(&schema, &vectors::Options::default());
-        json_schema::emit(&schema, &json_schema::Options::default());
-        docs::emit(&schema, &Translations::default(), &sources, &docs::Options::default());
-        #[cfg(feature = "rust")]
-        uavspec_codegen::emit::rust::emit(
-            &schema,
-            &sources,
-            &uavspec_codegen::emit::rust::Options::default(),
-        );
+        emit_all(&schema, &sources);
     }
     diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect()
 }
@@ -253,6 +263,8 @@ fn deeply_nested_types_of_pages_need_bounded_stack_and_memory() {
     };
     assert_eq!(emit_page(&chain(1_000, "|part|yes|string|x|\n")), [""; 0]);
     assert_eq!(emit_page(&chain(1_000, "|part|no|Link999|x|\n")), [""; 0], "a cycle of optional fields");
+    assert_eq!(emit_page(&chain(1_001, "|part|yes|string|x|\n")), ["too-much-nesting"]);
+    assert_eq!(emit_page(&chain(20_000, "|part|no|Link19999|x|\n")), ["too-much-nesting"], "a long cycle");
     assert_eq!(emit_page(&chain(10_000, "|part|yes|Link9999|x|\n")), ["endless-type"]);
     let doubled = objects((0..64).map(|level: u32| {
         let ty = level.checked_sub(1).map_or("string".to_owned(), |below| format!("Level{below}"));

@@ -1,5 +1,6 @@
 //! Resolves the types and messages on all pages of a package.
 
+mod depth;
 mod endless;
 mod kind;
 

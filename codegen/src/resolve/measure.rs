@@ -5,7 +5,11 @@ use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::ast;
 use crate::schema::fingerprint::MAX_NESTED_FIELDS;
 use crate::schema::layout::MAX_MESSAGE_SIZE;
-use crate::schema::{MessageId, fingerprint, layout};
+use crate::schema::{Element, MessageId, fingerprint, layout};
+
+/// The maximum number of levels below a message. Emitters recurse once per level, so this limit bounds the stack. Real
+/// messages nest up to seven levels deep.
+const MAX_DEPTH: u64 = 1_000;
 
 /// The maximum total number of fields in all messages, including nested fields. The limit exists because computing the
 /// hashes visits each field. The largest PX4 release has a few thousand fields.
@@ -16,6 +20,7 @@ impl Resolver<'_> {
     pub(super) fn measure(&mut self, order: &[MessageId]) {
         let sizes = layout::cdr(&self.schema, order);
         let mut nested_fields: Vec<u64> = vec![0; self.schema.messages.len()];
+        let mut depths: Vec<u64> = vec![0; self.schema.messages.len()];
         let mut in_all = 0_u64;
         let mut is_too_large = vec![false; self.schema.messages.len()];
         for id in order {
@@ -23,6 +28,7 @@ impl Resolver<'_> {
             let message = &self.schema.messages[index];
             nested_fields[index] = message.fields.len() as u64;
             for nested in nested_ids(message) {
+                depths[index] = depths[index].max(depths[nested.0 as usize] + 1);
                 nested_fields[index] = nested_fields[index].saturating_add(nested_fields[nested.0 as usize]);
             }
             let uorb = layout::uorb(&self.schema, message);
@@ -33,7 +39,8 @@ impl Resolver<'_> {
                 let was_over = in_all > MAX_NESTED_FIELDS_IN_ALL;
                 in_all = in_all.saturating_add(nested_fields[index]);
                 let exceeds_all = !was_over && in_all > MAX_NESTED_FIELDS_IN_ALL;
-                is_too_large[index] = !self.fits(index, size, nested_fields[index], exceeds_all);
+                is_too_large[index] = self.is_too_deep(index, depths[index])
+                    || !self.fits(index, size, nested_fields[index], exceeds_all);
             }
             let message = &mut self.schema.messages[index];
             message.uorb = uorb;
@@ -41,7 +48,23 @@ impl Resolver<'_> {
         }
     }
 
-    /// True if a message is within all limits. Reports the first exceeded limit.
+    /// True if messages are nested too deeply in a message, which is then reported.
+    fn is_too_deep(&mut self, index: usize, depth: u64) -> bool {
+        let message = &self.schema.messages[index];
+        if depth <= MAX_DEPTH {
+            return false;
+        }
+        let nested = message.fields.iter().find(|field| matches!(field.ty.element, Element::Message(_)));
+        let span = nested.map_or(message.span.part(0..0), |field| field.span);
+        let name = message.name.clone();
+        self.report(Diagnostic::new(
+            Problem::TooMuchNesting { name, max: MAX_DEPTH, what: "levels of nested messages" },
+            span,
+        ));
+        true
+    }
+
+    /// True if a message is within all other limits. Reports the first exceeded limit.
     fn fits(&mut self, index: usize, size: u64, nested_fields: u64, exceeds_all: bool) -> bool {
         let message = &self.schema.messages[index];
         let name = message.name.clone();
@@ -50,7 +73,11 @@ impl Resolver<'_> {
         } else if nested_fields > MAX_NESTED_FIELDS {
             Problem::TooManyFields { name, max: MAX_NESTED_FIELDS }
         } else if exceeds_all {
-            Problem::TooMuchNesting { name, max: MAX_NESTED_FIELDS_IN_ALL }
+            Problem::TooMuchNesting {
+                name,
+                max: MAX_NESTED_FIELDS_IN_ALL,
+                what: "fields in all messages, including nested fields",
+            }
         } else {
             return true;
         };

@@ -15,6 +15,9 @@ use crate::translation::MessageText;
 /// Maximum number of controls on a page. Larger forms would be unusable.
 const MAX_CONTROLS: usize = 500;
 
+/// Maximum number of levels of nested messages in a form.
+const MAX_DEPTH: usize = 16;
+
 /// Maximum length of a label, in characters.
 const MAX_LABEL: usize = 160;
 
@@ -46,7 +49,7 @@ const WORDS: [(&str, Word); 20] = [
 pub(super) fn write(page: &mut Page, site: &Site<'_>, id: MessageId) {
     let message = site.schema.message(id);
     let Some(layout) = site.layout(message) else { return };
-    let controls = controls(site, message);
+    let controls = controls(site, message, 0);
     if controls == 0 || controls > MAX_CONTROLS {
         return;
     }
@@ -81,13 +84,15 @@ fn embedded(data: &Json) -> String {
     xml(&text.replace("{{", "{\\u007b").replace("{%", "\\u007b%"))
 }
 
-/// The number of controls needed for a message.
-fn controls(site: &Site<'_>, message: &Message) -> usize {
+/// The number of controls needed for a message. More than the maximum if messages are nested too deeply.
+fn controls(site: &Site<'_>, message: &Message, depth: usize) -> usize {
+    if depth > MAX_DEPTH {
+        return usize::MAX;
+    }
+    let nested = |id: MessageId| controls(site, site.schema.message(id), depth + 1);
     let count = |field: &Field| match (field.ty.element, field.ty.shape) {
-        (Element::Message(nested), Shape::Single) => controls(site, site.schema.message(nested)),
-        (Element::Message(nested), Shape::Array(count)) => {
-            controls(site, site.schema.message(nested)).saturating_mul(count as usize)
-        }
+        (Element::Message(id), Shape::Single) => nested(id),
+        (Element::Message(id), Shape::Array(count)) => nested(id).saturating_mul(count as usize),
         _ => 1,
     };
     message.fields.iter().map(count).fold(0, usize::saturating_add)

@@ -1,5 +1,6 @@
 //! Detects infinitely nested types.
 
+use super::depth::depths;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::json_type::{Definition, Expression, JsonType, Member};
 
@@ -8,6 +9,9 @@ const MAX_REPORTED: usize = 20;
 
 /// The maximum number of alternatives of an alias or union, including the alternatives of referenced types.
 const MAX_ALTERNATIVES: usize = 256;
+
+/// The maximum number of types on a path of references. Emitters recurse once per type, so this limit bounds the stack.
+const MAX_DEPTH: usize = 1_000;
 
 /// The number of names at each end of a displayed path; the middle of longer paths is omitted.
 const MAX_PATH_END: usize = 8;
@@ -30,7 +34,54 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     if diagnostics.is_empty() {
         diagnostics = check_size(types, first);
     }
+    if diagnostics.is_empty() {
+        diagnostics = check_depth(types, first);
+    }
     diagnostics
+}
+
+/// Reports types from which long paths of references start. Types that refer to each other in a cycle are all on one
+/// path.
+fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
+    let index = |id: u32| (id - first) as usize;
+    let steps: Vec<Vec<usize>> =
+        types.iter().map(|found| references(&found.definition).into_iter().map(index).collect()).collect();
+    let depths = depths(&steps);
+    let is_too_deep = |at: &usize| depths[*at] > MAX_DEPTH;
+    // Don't report the types that refer to a reported type.
+    let is_first = |at: &usize| !steps[*at].iter().any(&is_too_deep);
+    let all = || (0..types.len()).filter(is_too_deep);
+    // If all of them are in a cycle, report one of them.
+    let reported = all().filter(is_first).chain(all()).take(1);
+    let diagnostic = |at: usize| {
+        let (name, what) = (types[at].name.clone(), "levels of nested types");
+        let problem = Problem::TooMuchNesting { name, max: MAX_DEPTH as u64, what };
+        Diagnostic::new(problem, types[at].span)
+    };
+    reported.map(diagnostic).collect()
+}
+
+/// The types that a definition refers to.
+fn references(definition: &Definition) -> Vec<u32> {
+    let of_members = |members: &[Member]| -> Vec<u32> {
+        members.iter().flat_map(|member| references_in(&member.typed.ty)).collect()
+    };
+    match definition {
+        Definition::Object(object) => of_members(&object.fields),
+        Definition::Tuple(elements) => of_members(elements),
+        Definition::Set(_) => Vec::new(),
+        Definition::Named(found) => references_in(&found.ty),
+    }
+}
+
+/// The types that an expression refers to.
+fn references_in(expression: &Expression) -> Vec<u32> {
+    match expression {
+        Expression::Named(id) => vec![id.0],
+        Expression::Either(alternatives) => alternatives.iter().flat_map(references_in).collect(),
+        Expression::List(inner) | Expression::Map(inner) => references_in(inner),
+        _ => Vec::new(),
+    }
 }
 
 /// Reports types with too many alternatives, including the alternatives of referenced types. There are no cycles at

@@ -12,7 +12,7 @@ use uavspec_codegen::diagnostic::{Level, Problem};
 use uavspec_codegen::dynamic::{MessageType, Types};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, Message, MessageId};
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_codegen::{PackageInput, SourceMap, read_formats};
 use uavspec_runtime::Number;
 
 /// The package of a type whose name contains no package.
@@ -60,7 +60,7 @@ impl Stated {
             input.or_insert_with(|| PackageInput::new(package, form, Vec::new())).sources.push(source);
         }
         let packages: Vec<PackageInput> = packages.into_values().collect();
-        let (schema, diagnostics) = read(&sources, &packages);
+        let (schema, diagnostics) = read_formats(&sources, &packages);
         // Names that violate the ROS 2 naming style are accepted.
         let is_fatal = |problem: &Problem| {
             problem.level() == Level::Error && !matches!(problem, Problem::NameStyleRos { .. })
