@@ -217,3 +217,19 @@ fn ignores_bodies_that_schemas_cannot_represent() {
     };
     assert_eq!(["7", "NaN", "1e400"].map(of_schema), [1, 0, 0]);
 }
+
+#[test]
+fn schemas_that_double_with_each_reference_are_refused() {
+    let level = |at: usize| {
+        let reference = json!({ "$ref": format!("#/$defs/level{}", at + 1) });
+        (format!("level{at}"), json!({ "allOf": [reference, reference] }))
+    };
+    let mut levels: serde_json::Map<String, Value> = (0..40).map(level).collect();
+    levels.insert("level40".to_owned(), json!({ "type": "object" }));
+    let schema = json!({ "$ref": "#/$defs/level0", "$defs": levels });
+    let folder = folder(&[("schemas/SOAR-INF.json", schema)]);
+    recording(folder.path(), &[], &[json!({ "type": "SOAR-INF" })]);
+    let (status, _, output) = check(folder.path(), &["--schema", "schemas", "hill.jsonl"]);
+    assert_eq!(status, Some(2), "{output}");
+    assert!(output.contains("SOAR-INF.json: too many references"), "{output}");
+}

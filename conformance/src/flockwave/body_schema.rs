@@ -18,6 +18,7 @@ mod bodies;
 mod check;
 mod compile;
 mod defined;
+mod expansion;
 mod plain;
 mod schemas;
 

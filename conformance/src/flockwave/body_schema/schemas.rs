@@ -12,6 +12,7 @@ use serde_json::Value;
 use uavspec_codegen::schema::json_type::Direction;
 use walkdir::WalkDir;
 
+use super::expansion::{self, MAX_SCHEMAS};
 use super::{Deviation, Mismatch};
 use crate::json::Tree;
 use crate::text::terminal;
@@ -78,6 +79,15 @@ impl Schemas {
                     continue;
                 }
                 is_any = true;
+                if files.count(address, value) > MAX_SCHEMAS {
+                    return Err(SchemaError {
+                        path: path.clone(),
+                        location: String::new(),
+                        problem: format!(
+                            "too many references: expanded, they yield more than {MAX_SCHEMAS} schemas"
+                        ),
+                    });
+                }
                 let build = || {
                     let options = jsonschema::options().with_base_uri(address.clone());
                     options.with_retriever(Lookup(Arc::clone(&files))).build(value)
@@ -224,6 +234,25 @@ impl Files {
         Ok(files)
     }
 
+    /// The file to which a reference leads, with its address. `wanted` is an `$id`, an address or a relative path.
+    fn find(&self, wanted: &str) -> Option<(&str, &Value)> {
+        let name = wanted.rsplit('/').next().unwrap_or_default();
+        let files = &self.by_address;
+        let by_name = || files.iter().find(|(address, _)| address.rsplit('/').next() == Some(name));
+        let by_id = self.by_id.get(wanted).and_then(|address| files.get_key_value(address));
+        let found = by_id.or_else(|| files.get_key_value(wanted)).or_else(by_name);
+        found.map(|(address, (_, value))| (address.as_str(), value))
+    }
+
+    /// The number of schemas in a file, in which each reference counts like a copy of its target.
+    fn count(&self, address: &str, value: &Value) -> u64 {
+        expansion::count(address, value, |document, reference| {
+            let (file, fragment) = reference.split_once('#').unwrap_or((reference, ""));
+            let (address, root) = self.find(if file.is_empty() { document } else { file })?;
+            Some((address, expansion::fragment(root, fragment)?))
+        })
+    }
+
     /// Files without `$schema` use the draft named by the first `$schema` found. Often only one file has a `$schema`.
     fn set_default_draft(&mut self) {
         let named = self.by_address.values().find_map(|(_, value)| value["$schema"].as_str());
@@ -244,17 +273,10 @@ impl Retrieve for Lookup {
     fn retrieve(&self, uri: &Uri<String>) -> Result<Value, Box<dyn std::error::Error + Send + Sync>> {
         let wanted = uri.as_str().split('#').next().unwrap_or_default();
         let name = wanted.rsplit('/').next().unwrap_or_default();
-        let files = &self.0.by_address;
-        let by_name = || files.iter().find(|(address, _)| address.rsplit('/').next() == Some(name));
-        let by_id = self.0.by_id.get(wanted).and_then(|address| files.get(address));
-        let found = by_id.or_else(|| files.get(wanted)).or_else(|| by_name().map(|(_, file)| file));
-        match found {
-            Some((_, value)) => Ok(value.clone()),
-            None => {
-                Err(format!("no file in the folder is named `{name}`, and remote schemas aren't fetched")
-                    .into())
-            }
-        }
+        let (_, value) = self.0.find(wanted).ok_or_else(|| {
+            format!("no file in the folder is named `{name}`, and remote schemas aren't fetched")
+        })?;
+        Ok(value.clone())
     }
 }
 

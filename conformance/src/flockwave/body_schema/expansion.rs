@@ -1,0 +1,183 @@
+//! Bounds the size of schemas with references.
+//!
+//! Each reference is compiled like a copy of its target. Schemas that refer to each other twice per level therefore
+//! need time and memory that double with each level.
+
+use std::collections::HashMap;
+
+use serde_json::Value;
+
+/// The maximum number of schemas in a schema, in which each reference counts like a copy of its target.
+pub(super) const MAX_SCHEMAS: u64 = 100_000;
+
+/// The maximum nesting depth of values, in which each reference counts like a copy of its target. Compilers of schemas
+/// recurse once per level.
+const MAX_DEPTH: u64 = 500;
+
+/// The keywords whose values are references.
+const REFERENCES: [&str; 3] = ["$ref", "$dynamicRef", "$recursiveRef"];
+
+/// The members whose values are data or names, but not schemas.
+const DATA: [&str; 7] = ["const", "default", "enum", "examples", "required", "$comment", "description"];
+
+/// A value that is being counted.
+struct Open<'s> {
+    /// The address of the value in memory, which identifies it.
+    key: *const Value,
+    /// The values that are still to be counted, each with the document that contains it.
+    rest: Vec<(&'s str, &'s Value)>,
+    size: Size,
+}
+
+/// The size of a value.
+#[derive(Clone, Copy, Default)]
+struct Size {
+    /// The number of schemas.
+    count: u64,
+    /// The number of nested values.
+    depth: u64,
+}
+
+impl Size {
+    /// Includes the size of an inner value.
+    fn include(&mut self, inner: Self) {
+        self.count = self.count.saturating_add(inner.count);
+        self.depth = self.depth.max(inner.depth + 1);
+    }
+
+    /// The count. If the value is nested too deeply, the count is the highest number.
+    fn total(self) -> u64 {
+        if self.depth > MAX_DEPTH { u64::MAX } else { self.count }
+    }
+}
+
+/// The number of schemas in `root`, in which each reference counts like a copy of its target. References within a cycle
+/// count once. If values are nested too deeply, the result is the highest number. `resolve` returns the target of a reference in a document, and the document of the target.
+pub(super) fn count<'s>(
+    document: &'s str,
+    root: &'s Value,
+    mut resolve: impl FnMut(&'s str, &'s str) -> Option<(&'s str, &'s Value)>,
+) -> u64 {
+    let mut known: HashMap<*const Value, Size> = HashMap::new();
+    // The search has its own stack, because references can form long chains.
+    let mut open = vec![start(document, root, &mut known, &mut resolve)];
+    loop {
+        let Some(last) = open.last_mut() else { return 0 };
+        if let Some((document, next)) = last.rest.pop() {
+            // A value that is still open counts 0: the reference leads back to it.
+            if let Some(size) = known.get(&std::ptr::from_ref(next)) {
+                last.size.include(*size);
+            } else {
+                let next = start(document, next, &mut known, &mut resolve);
+                open.push(next);
+            }
+            continue;
+        }
+        let (key, size) = (last.key, last.size);
+        known.insert(key, size);
+        open.pop();
+        match open.last_mut() {
+            None => return size.total(),
+            Some(parent) => parent.size.include(size),
+        }
+    }
+}
+
+fn start<'s>(
+    document: &'s str,
+    value: &'s Value,
+    known: &mut HashMap<*const Value, Size>,
+    resolve: &mut impl FnMut(&'s str, &'s str) -> Option<(&'s str, &'s Value)>,
+) -> Open<'s> {
+    let key = std::ptr::from_ref(value);
+    known.insert(key, Size::default());
+    let mut rest = Vec::new();
+    match value {
+        Value::Object(members) => {
+            for (name, member) in members {
+                match member.as_str().filter(|_| REFERENCES.contains(&name.as_str())) {
+                    Some(reference) => rest.extend(resolve(document, reference)),
+                    None if DATA.contains(&name.as_str()) => {}
+                    None => rest.push((document, member)),
+                }
+            }
+        }
+        Value::Array(values) => rest.extend(values.iter().map(|value| (document, value))),
+        _ => {}
+    }
+    Open { key, rest, size: Size { count: u64::from(value.is_object()), depth: 0 } }
+}
+
+/// The value with this fragment of a reference, which is a pointer or an anchor. An empty fragment means the whole
+/// document.
+pub(super) fn fragment<'s>(root: &'s Value, fragment: &str) -> Option<&'s Value> {
+    if fragment.is_empty() {
+        return Some(root);
+    }
+    if fragment.starts_with('/') {
+        // Pointers in references may be percent-encoded. Names in schemas hardly ever need that.
+        return root.pointer(fragment);
+    }
+    let mut open = vec![root];
+    while let Some(value) = open.pop() {
+        match value {
+            Value::Object(members) => {
+                let is_anchor = |name: &str| members.get(name).and_then(Value::as_str) == Some(fragment);
+                if is_anchor("$anchor") || is_anchor("$dynamicAnchor") {
+                    return Some(value);
+                }
+                open.extend(members.values());
+            }
+            Value::Array(values) => open.extend(values),
+            _ => {}
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::{Map, json};
+
+    use super::*;
+
+    fn count_of(root: &Value) -> u64 {
+        count("", root, |_, reference| Some(("", fragment(root, reference.strip_prefix('#')?)?)))
+    }
+
+    /// A schema in which each level refers twice to the next one.
+    fn doubling(levels: usize) -> Value {
+        let level = |at: usize| {
+            let reference = json!({ "$ref": format!("#/$defs/level{}", at + 1) });
+            let schema = if at == levels {
+                json!({ "type": "string" })
+            } else {
+                json!({ "allOf": [reference, reference] })
+            };
+            (format!("level{at}"), schema)
+        };
+        let levels: Map<String, Value> = (0..=levels).map(level).collect();
+        json!({ "$ref": "#/$defs/level0", "$defs": levels })
+    }
+
+    #[test]
+    fn references_count_like_copies() {
+        assert_eq!(
+            count_of(&json!({ "type": "object", "properties": { "a": {}, "b": { "const": {} } } })),
+            4
+        );
+        assert!(count_of(&doubling(3)) > 2 * count_of(&doubling(2)) - 20);
+        assert!(count_of(&doubling(10)) < MAX_SCHEMAS);
+        for levels in [40, 2_000] {
+            assert!(count_of(&doubling(levels)) > MAX_SCHEMAS, "{levels}");
+        }
+        let anchored = json!({ "$ref": "#top", "$defs": { "a": { "$anchor": "top", "not": {} } } });
+        assert!(count_of(&anchored) > count_of(&anchored["$defs"]) + 1);
+    }
+
+    #[test]
+    fn cycles_are_finite() {
+        let list = json!({ "properties": { "next": { "$ref": "#" }, "other": { "$ref": "#" } } });
+        assert!(count_of(&list) < 10);
+    }
+}
