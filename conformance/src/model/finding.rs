@@ -12,6 +12,9 @@ const MAX_EXAMPLES: usize = 3;
 /// The maximum number of groups for each rule. Hostile input could produce any number of groups.
 const MAX_GROUPS: usize = 1_000;
 
+/// The maximum number of groups for all rules.
+const MAX_ALL_GROUPS: usize = 10_000;
+
 /// The maximum number of findings in a record that can be removed again.
 const MAX_LATEST: usize = 10_000;
 
@@ -114,8 +117,9 @@ impl Findings {
     ) {
         let key = (rule.id, subject.to_owned());
         if !self.groups.contains_key(&key) {
+            let is_full = self.groups.len() >= MAX_ALL_GROUPS;
             let counts = self.counts_of(rule);
-            if counts.num_groups >= MAX_GROUPS {
+            if is_full || counts.num_groups >= MAX_GROUPS {
                 counts.dropped += 1;
                 return;
             }
@@ -223,7 +227,8 @@ impl Findings {
     /// The number of items that a rule checked.
     pub fn covered(&self, rule: &Rule) -> u64 {
         // If there is a finding, at least one item was checked.
-        self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(counts.num_groups > 0)))
+        let is_violated = |counts: &Counts| counts.num_groups > 0 || counts.dropped > 0;
+        self.known_counts_of(rule).map_or(0, |counts| counts.covered.max(u64::from(is_violated(counts))))
     }
 
     /// The counts of a covered or violated rule. The lookup happens for each message, so it compares addresses, which
@@ -250,8 +255,9 @@ impl Findings {
 
     /// The verdict of a rule. Findings without a group never count as known.
     pub fn verdict(&self, rule: &'static Rule) -> Verdict {
-        let is_known = self.dropped(rule) == 0 && self.groups_of(rule).all(|group| group.known.is_some());
-        match (self.groups_of(rule).next().is_some(), rule.level) {
+        let is_dropped = self.dropped(rule) > 0;
+        let is_known = !is_dropped && self.groups_of(rule).all(|group| group.known.is_some());
+        match (is_dropped || self.groups_of(rule).next().is_some(), rule.level) {
             (true, _) if is_known => Verdict::Known,
             (true, Level::Must) => Verdict::Fail,
             (true, Level::Should) => Verdict::Warn,
@@ -278,6 +284,23 @@ mod tests {
 
     fn messages_of(findings: &Findings) -> Vec<String> {
         findings.groups().flat_map(Group::messages).collect()
+    }
+
+    #[test]
+    fn the_number_of_groups_is_limited_and_no_violation_is_lost() {
+        use crate::rules::RULES;
+
+        let mut findings = Findings::default();
+        let rules = || RULES.iter().filter(|rule| rule.level == Level::Must).take(12);
+        for (rule, number) in rules().flat_map(|rule| (0..1_500).map(move |number| (*rule, number))) {
+            findings.report(rule, &format!("topic{number}"), Location::Line(1), None, || Detail::new("odd"));
+        }
+        assert_eq!(findings.groups().count(), MAX_ALL_GROUPS);
+        for rule in rules() {
+            assert_eq!(findings.verdict(rule), Verdict::Fail, "{}", rule.id);
+            assert_eq!(findings.groups_of(rule).count() as u64 + findings.dropped(rule), 1_500);
+            assert_eq!(findings.covered(rule), 1);
+        }
     }
 
     #[test]
