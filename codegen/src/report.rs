@@ -21,7 +21,7 @@ mod json;
 #[cfg(feature = "junit")]
 pub mod junit;
 mod model;
-mod sarif;
+pub mod sarif;
 #[cfg(test)]
 mod tests;
 mod totals;

@@ -38,10 +38,11 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
-use self::report::ReportArgs;
 use crate::definitions::Definitions;
 use crate::flockwave::body_schema::Schemas;
-use crate::report::{Outcome, OutcomeKind, Report};
+#[cfg(test)]
+use crate::report::Report;
+use crate::report::{Outcome, OutcomeKind};
 use crate::rules::RULES;
 use crate::text::{command_line, similar, terminal};
 
@@ -214,18 +215,9 @@ pub(crate) fn check_report(arguments: &[&str]) -> (Report, u8) {
     let Ok(Cli { command: Command::Check(args) }) = Cli::try_parse_from(arguments) else {
         panic!("invalid arguments");
     };
-    let (report, status) = check::run(&args).expect("a report");
+    let (report, status) = check::report(&args);
     let status = Status::from(&report.outcome).max(status).code();
     (report, status)
-}
-
-/// Prints and writes a report, and returns the status of the run.
-fn deliver(args: &ReportArgs, report: &Report) -> Status {
-    let failures = args.write(report);
-    for failure in &failures {
-        terminal::error(failure, None);
-    }
-    if failures.is_empty() { (&report.outcome).into() } else { Status::Unreadable }
 }
 
 /// Prints an error about a name that doesn't exist, with a similar name or with other help.

@@ -36,6 +36,7 @@
 
 mod by_rule;
 mod capture;
+mod format;
 mod html;
 mod json;
 mod junit;
@@ -47,21 +48,25 @@ mod sarif;
 #[cfg(test)]
 mod schema;
 mod short;
+mod spool;
+mod stream;
 mod testee;
 mod text;
+mod totals;
 
 use serde::Serialize;
 
 pub use self::capture::{CheckedCapture, Settings};
 pub use self::kind::Kind;
 pub use self::outcome::{Outcome, OutcomeKind};
+pub(crate) use self::stream::Stream;
 pub use self::testee::{Case, CaseVerdict, Counts, Remark, Row, Testee, TesteeKind};
 pub(crate) use self::text::{end as end_text, subject as subject_text};
-use crate::check::{Coverage, Line, Summary, Totals};
+pub(crate) use self::totals::Totals;
+use crate::check::{Coverage, Line, Summary};
 use crate::definitions::Definitions;
 use crate::model::{Excuse, Extent, Level, Location, Reason, Rule, Status};
 use crate::probe::RequestType;
-use crate::rules::RULES;
 use crate::text::shown;
 
 /// The version of the JSON format.
@@ -95,6 +100,9 @@ pub struct Report {
     pub unreadable: Vec<Unreadable>,
     /// The files in folders that aren't captures. They don't affect the outcome.
     pub not_checked: Vec<Unreadable>,
+    /// The results across all subjects.
+    #[serde(skip)]
+    totals: Totals,
 }
 
 /// A command that writes reports.
@@ -140,7 +148,7 @@ pub struct RuleReport {
 }
 
 /// The result of a rule. The values are in ascending precedence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -186,7 +194,8 @@ pub struct Subject {
     pub rules: Vec<RuleVerdict>,
     /// The findings, grouped by rule and by topic or field.
     pub findings: Vec<Finding>,
-    /// The number of findings omitted because of the limit of a thousand groups per rule.
+    /// The number of findings that are only counted, because there are more than a thousand groups of a rule or ten
+    /// thousand groups in total.
     pub more_findings: u64,
     /// The first corrupt or unreadable parts.
     #[serde(rename = "damage")]
@@ -366,6 +375,19 @@ impl Report {
         unreadable: Vec<Unreadable>,
         reasons: Vec<Reason>,
     ) -> Self {
+        let totals = Totals::of(&subjects);
+        Self { subjects, ..Self::of_totals(action, command, definitions, totals, unreadable, reasons) }
+    }
+
+    /// Creates the report of a run whose subjects are only known by their totals.
+    pub(crate) fn of_totals(
+        action: Action,
+        command: String,
+        definitions: &Definitions,
+        totals: Totals,
+        unreadable: Vec<Unreadable>,
+        reasons: Vec<Reason>,
+    ) -> Self {
         let remarks = reasons.iter().map(Reason::to_string).collect();
         Self {
             version: VERSION,
@@ -373,12 +395,13 @@ impl Report {
             action,
             command,
             definitions: definitions.name.clone(),
-            outcome: Outcome::for_run(action, &subjects, &unreadable, remarks),
+            outcome: Outcome::for_run(action, &totals, &unreadable, remarks),
             reasons,
-            rules: rules(&subjects),
-            subjects,
+            rules: totals.rules(),
+            subjects: Vec::new(),
             unreadable,
             not_checked: Vec::new(),
+            totals,
         }
     }
 
@@ -414,22 +437,6 @@ impl From<&Excuse> for Known {
             expires: excuse.expires.map(|date| date.to_string()),
         }
     }
-}
-
-/// The rules of all subjects, each with its worst verdict.
-fn rules(subjects: &[Subject]) -> Vec<RuleReport> {
-    let result = |rule: &&'static Rule| {
-        let verdicts = subjects.iter().flat_map(|subject| &subject.rules).filter(|found| found.id == rule.id);
-        let mut report = None;
-        for found in verdicts {
-            let report = report.get_or_insert_with(|| RuleReport::new(rule));
-            report.verdict = report.verdict.max(found.verdict);
-            report.covered += found.covered;
-            report.findings += found.findings;
-        }
-        report
-    };
-    RULES.iter().filter_map(result).collect()
 }
 
 impl RuleReport {
@@ -471,8 +478,8 @@ impl Verdict {
 
 impl Subject {
     /// The counts that exist for every kind of capture.
-    fn totals(&self) -> Totals {
-        Totals { records: self.records, duration_us: self.duration_us }
+    fn totals(&self) -> crate::check::Totals {
+        crate::check::Totals { records: self.records, duration_us: self.duration_us }
     }
 
     /// True if the subject is a testee.

@@ -12,4 +12,4 @@ mod findings;
 mod suite;
 
 pub(super) use self::findings::write as of_findings;
-pub use self::suite::{Case, Outcome, Reason, Suite, write};
+pub use self::suite::{Case, Counts, Outcome, Reason, Suite, write};

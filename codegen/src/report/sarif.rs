@@ -7,8 +7,9 @@
 //! Format: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>. GitHub's subset:
 //! <https://docs.github.com/en/code-security/reference/code-scanning/sarif-files/sarif-support>.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write as _;
+use std::io::{self, BufRead};
 
 use serde_json::{Map, Value, json};
 use sha2::{Digest as _, Sha256};
@@ -34,8 +35,76 @@ const FINGERPRINT: &str = "uavspecFinding/v1";
 /// The number of bytes of the hash in a fingerprint.
 const FINGERPRINT_LEN: usize = 16;
 
+/// The member that lists the results, in a log without results.
+const RESULTS: &str = "\n      \"results\": []";
+
+/// Creates the results of a run, which may be written one at a time.
+#[derive(Debug, Default)]
+pub struct Results {
+    /// The number of results with each fingerprint.
+    seen: HashMap<[u8; FINGERPRINT_LEN], u32>,
+}
+
+impl Results {
+    /// The result for an entry, as a line of JSON without the index of its rule.
+    pub fn line(&mut self, entry: &Entry) -> String {
+        let fingerprint = fingerprint(entry);
+        let count = self.seen.entry(fingerprint).and_modify(|count| *count += 1).or_insert(1);
+        let hash = fingerprint.iter().fold(String::new(), |mut text, byte| {
+            // Writing to a `String` can't fail.
+            let _ = write!(text, "{byte:02x}");
+            text
+        });
+        format!("{}\n", result(entry, &format!("{hash}:{count}")))
+    }
+}
+
+/// Writes a log. `results` are the lines of [`Results`].
+///
+/// # Errors
+/// Fails if the results can't be read, or if `to` can't be written.
+pub fn write_log(
+    command: &str,
+    rules: &[RuleInfo],
+    totals: Option<&Totals>,
+    results: impl BufRead,
+    to: &mut dyn io::Write,
+) -> io::Result<()> {
+    let indexes: BTreeMap<&str, usize> =
+        rules.iter().enumerate().map(|(index, rule)| (&*rule.id, index)).collect();
+    let log = json_text::pretty(&log(command, rules, totals));
+    // Strings in JSON contain no line breaks, so only the member itself matches.
+    let (start, end) = log.split_once(RESULTS).unwrap_or((&log, ""));
+    to.write_all(start.as_bytes())?;
+    to.write_all(RESULTS.trim_end_matches(']').as_bytes())?;
+    let mut separator = "";
+    for line in results.lines() {
+        let mut result: Map<String, Value> = serde_json::from_str(&line?)?;
+        let index = result.get("ruleId").and_then(Value::as_str).and_then(|rule| indexes.get(rule));
+        match index {
+            Some(index) => _ = result.insert("ruleIndex".to_owned(), json!(index)),
+            None => _ = result.shift_remove("ruleIndex"),
+        }
+        let text = json_text::pretty(&result);
+        let text = text.trim_end().replace('\n', "\n        ");
+        write!(to, "{separator}\n        {text}")?;
+        separator = ",";
+    }
+    let close = if separator.is_empty() { "]" } else { "\n      ]" };
+    write!(to, "{close}{end}")
+}
+
 pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
-    let rules = report.all_rules();
+    let mut results = Results::default();
+    let lines: String = report.entries.iter().map(|entry| results.line(entry)).collect();
+    let mut text = Vec::new();
+    // Writing to memory can't fail.
+    let written = write_log(report.command, &report.all_rules(), totals, lines.as_bytes(), &mut text);
+    written.map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
+}
+
+/// A log without results.
+fn log(command: &str, rules: &[RuleInfo], totals: Option<&Totals>) -> Value {
     let mut log = json!({
         "$schema": SCHEMA,
         "version": "2.1.0",
@@ -47,15 +116,15 @@ pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
                 "rules": rules.iter().map(rule).collect::<Vec<_>>(),
             } },
             // The results of one command must not replace those of another command.
-            "automationDetails": { "id": format!("uavspec/{}/", report.command) },
+            "automationDetails": { "id": format!("uavspec/{command}/") },
             "columnKind": "unicodeCodePoints",
-            "results": results(report, &rules),
+            "results": [],
         }],
     });
     if let Some(totals) = totals {
         log["runs"][0]["properties"] = json!({ "totals": totals.to_json() });
     }
-    json_text::pretty(&log)
+    log
 }
 
 fn level(level: Level) -> &'static str {
@@ -86,28 +155,15 @@ fn rule(rule: &RuleInfo) -> Value {
     members
 }
 
-fn results(report: &Report, rules: &[RuleInfo]) -> Vec<Value> {
-    let indexes: BTreeMap<&str, usize> =
-        rules.iter().enumerate().map(|(index, rule)| (&*rule.id, index)).collect();
-    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
-    let result = |entry: &Entry| {
-        let fingerprint = fingerprint(entry);
-        let count = seen.entry(fingerprint.clone()).and_modify(|count| *count += 1).or_insert(1);
-        result(entry, indexes.get(&*entry.rule).copied(), &format!("{fingerprint}:{count}"))
-    };
-    report.entries.iter().map(result).collect()
-}
-
-fn result(entry: &Entry, rule_index: Option<usize>, fingerprint: &str) -> Value {
+/// The result for an entry, with a placeholder for the index of the rule.
+fn result(entry: &Entry, fingerprint: &str) -> Value {
     let text = [entry.message.as_str(), &entry.help].into_iter().filter(|text| !text.is_empty());
     let mut object = Map::new();
     let mut put = |key: &str, value: Value| {
         object.insert(key.to_owned(), value);
     };
     put("ruleId", json!(entry.rule));
-    if let Some(index) = rule_index {
-        put("ruleIndex", json!(index));
-    }
+    put("ruleIndex", Value::Null);
     put("level", json!(level(entry.level)));
     put("message", json!({ "text": message(&text.collect::<Vec<_>>().join("\n")) }));
     let mut location = json!({ "physicalLocation": place(&entry.place) });
@@ -170,16 +226,13 @@ fn message(text: &str) -> String {
 }
 
 /// The identity of a finding, independent of its line.
-fn fingerprint(entry: &Entry) -> String {
+fn fingerprint(entry: &Entry) -> [u8; FINGERPRINT_LEN] {
     let mut hash = Sha256::new();
     for part in [&*entry.rule, entry.category.unwrap_or_default(), &entry.place.path, &entry.message] {
         // Include the lengths, so that different lists of parts never produce the same bytes.
         hash.update((part.len() as u64).to_le_bytes());
         hash.update(part);
     }
-    hash.finalize().iter().take(FINGERPRINT_LEN).fold(String::new(), |mut text, byte| {
-        // Writing to a `String` can't fail.
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    let hash = hash.finalize();
+    std::array::from_fn(|at| hash.get(at).copied().unwrap_or_default())
 }

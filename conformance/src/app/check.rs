@@ -1,25 +1,29 @@
 //! `uavspec check`.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
 use std::time::Instant;
 
 use clap::Args;
 use uavspec_codegen::schema::MessageId;
 
-use super::known::KnownArgs;
+use super::known::{KnownArgs, count_capture, count_unread};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
-use super::{Status, deliver, outcome_statuses, print_unknown};
+use super::{Status, outcome_statuses, print_unknown};
 use crate::capture::input::{self, Files};
+use crate::check::known::Scope;
 use crate::check::{self, parallel};
 use crate::definitions::Definitions;
-use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
+use crate::model::{Reason, Rule};
+use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
 use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
@@ -86,7 +90,7 @@ pub(super) struct CheckArgs {
     /// Schemas for other Flockwave types (repeatable).
     ///
     /// All JSON Schemas (.json) in the folder and its subfolders are read. Types that have a definition are checked
-    /// against the definition.
+    /// against the definition. A schema may have up to 100,000 inner schemas, counting each reference like a copy.
     #[arg(long = "schema", value_name = "DIR")]
     schemas: Vec<PathBuf>,
     /// Type of all JSON messages in the input.
@@ -111,18 +115,53 @@ pub(super) struct CheckArgs {
 }
 
 pub(super) fn check(args: &CheckArgs) -> Status {
-    match run(args) {
-        Ok((report, status)) => deliver(&args.report, &report).max(status).max(args.known.init(&report)),
-        Err(status) => status,
+    if let Some(problem) = args.report.problem() {
+        terminal::error(problem, None);
+        return Status::Usage;
+    }
+    let mut outputs = args.report.start(Action::Check, &args.known);
+    let checked = match run(args, |subject| outputs.add(subject)) {
+        Ok(checked) => checked,
+        Err(status) => return status,
+    };
+    let (status, totals) = (checked.status, outputs.finish());
+    outputs.deliver(&checked.report(totals)).max(status)
+}
+
+/// The report of a run that keeps all subjects, and the status of the lists of known failures.
+#[cfg(test)]
+pub(super) fn report(args: &CheckArgs) -> (Report, Status) {
+    let mut subjects = Vec::new();
+    let checked = run(args, |subject| subjects.push(subject)).expect("a report");
+    let status = checked.status;
+    let mut report = checked.report(Totals::of(&subjects));
+    report.subjects = subjects;
+    (report, status)
+}
+
+/// The results of a run, without the subjects.
+struct Finished {
+    definitions: Definitions,
+    required: Vec<&'static Rule>,
+    unreadable: Vec<Unreadable>,
+    not_checked: Vec<Unreadable>,
+    /// The outdated entries in lists of known failures.
+    stale: Vec<Reason>,
+    /// The status of the lists of known failures.
+    status: Status,
+}
+
+impl Finished {
+    fn report(self, totals: Totals) -> Report {
+        let (command, reasons) = (super::command(), uncovered(&self.required, &totals));
+        Report::of_totals(Action::Check, command, &self.definitions, totals, self.unreadable, reasons)
+            .with_not_checked(self.not_checked)
+            .with_stale(self.stale)
     }
 }
 
-/// Checks all files. Returns the report, and the status of the lists of known failures.
-pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
-    if let Some(problem) = args.report.problem() {
-        terminal::error(problem, None);
-        return Err(Status::Usage);
-    }
+/// Checks all files. Passes each capture to `take` as soon as the captures before it are checked.
+fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Status> {
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
     let message_id = message_id(args, &definitions)?;
@@ -130,38 +169,75 @@ pub(super) fn run(args: &CheckArgs) -> Result<(Report, Status), Status> {
     check_outputs(args, &files)?;
     let mut known = args.known.read()?;
     let settings = settings(args);
-    let (mut checked, mut subjects, mut unreadable) = (Vec::new(), Vec::new(), unfound(&files));
-    let mut take = |found: CheckedCapture| {
-        let subject = Subject::from_capture(found, &definitions, &settings);
-        args.report.print_subject(&subject);
-        subjects.push(subject);
+    let mut unreadable = unfound(&files);
+    let kept = Mutex::default();
+    let check = |path: &Path, progress: &Progress| {
+        let kept = kept.lock().map_or(None, |mut kept: MutexGuard<'_, Kept>| kept.remove(path));
+        kept.unwrap_or_else(|| check_file(path, message_id, &definitions, progress))
     };
+    let updated = if known.is_fixing() {
+        let mut sums = known.lists.sums(Scope::Rules);
+        for file in &unreadable {
+            count_unread(&known.lists, &mut sums, &file.path);
+        }
+        check_all(&files, args.jobs, &check, |path, result, _| {
+            match &result {
+                Ok(found) => count_capture(&known.lists, &mut sums, found),
+                Err(_) => count_unread(&known.lists, &mut sums, &path.to_string_lossy()),
+            }
+            // Standard input and pipes can't be read again.
+            if !(path.is_file() || path.is_dir())
+                && let Ok(mut kept) = kept.lock()
+            {
+                kept.entry(path.to_owned()).or_insert(result);
+            }
+        });
+        known.update(&sums)
+    } else {
+        Ok(())
+    };
+    let mut sums = known.lists.sums(Scope::Rules);
+    for file in &unreadable {
+        count_unread(&known.lists, &mut sums, &file.path);
+    }
+    check_all(&files, args.jobs, &check, |path, result, progress| match result {
+        Ok(mut found) => {
+            count_capture(&known.lists, &mut sums, &found);
+            known.excuse(&mut found);
+            let subject = Subject::from_capture(found, &definitions, &settings);
+            progress.pausing(|| take(subject));
+        }
+        Err(error) => {
+            let path = path.to_string_lossy().into_owned();
+            progress.pausing(|| terminal::error(format_args!("{path}: {error}"), None));
+            count_unread(&known.lists, &mut sums, &path);
+            unreadable.push(Unreadable { path, message: error.to_string() });
+        }
+    });
+    let status = updated.map_or_else(|status| status, |()| known.finish(&sums));
+    let not_checked = files.skipped.iter().map(|(path, reason)| unreadable_file(path, reason)).collect();
+    Ok(Finished { definitions, required, unreadable, not_checked, stale: known.stale, status })
+}
+
+/// The results of captures that can't be read again, by path.
+type Kept = BTreeMap<PathBuf, io::Result<CheckedCapture>>;
+
+/// Checks all captures in parallel, and passes the results to `take` in order.
+fn check_all(
+    files: &Files,
+    jobs: Option<NonZeroUsize>,
+    check: &(impl Fn(&Path, &Progress) -> io::Result<CheckedCapture> + Sync),
+    mut take: impl FnMut(&Path, io::Result<CheckedCapture>, &Progress),
+) {
     let sizes = files.captures.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));
     let progress = Progress::bytes(sizes.sum());
+    let captures = &files.captures;
     parallel::each(
-        &files.captures,
-        args.jobs,
-        |path| check_file(path, message_id, &definitions, &progress),
-        |path, result| match result {
-            Ok(found) if known.lists.is_empty() => progress.pausing(|| take(found)),
-            // The lists apply to all files, so findings are printed after the last file is checked.
-            Ok(found) => checked.push(found),
-            Err(error) => {
-                let path = path.to_string_lossy().into_owned();
-                progress.pausing(|| terminal::error(format_args!("{path}: {error}"), None));
-                unreadable.push(Unreadable { path, message: error.to_string() });
-            }
-        },
+        captures,
+        jobs,
+        |path| check(path, &progress),
+        |path, result| take(path, result, &progress),
     );
-    drop(progress);
-    let known_status = known.finish_captures(&mut checked, &unreadable);
-    checked.into_iter().for_each(take);
-    let reasons = uncovered(&required, &subjects);
-    let not_checked = files.skipped.iter().map(|(path, reason)| unreadable_file(path, reason));
-    let report = Report::new(Action::Check, super::command(), &definitions, subjects, unreadable, reasons)
-        .with_not_checked(not_checked.collect())
-        .with_stale(known.stale);
-    Ok((report, known_status))
 }
 
 /// Checks that no output replaces an input. Errors are printed.

@@ -13,10 +13,10 @@ use uavspec_codegen::emit::docs::markdown::plural;
 use super::Status;
 use super::outputs::Output;
 use crate::check::known::{
-    Checked, Lists, NewEntry, Scope, Stale, excuse_findings, new_list, rule_outcomes, unread_outcome,
+    Lists, NewEntry, Scope, Stale, Sums, excuse_findings, new_list, rule_outcomes, unread_outcome,
 };
 use crate::model::{Date, Extent, Reason};
-use crate::report::{About, CheckedCapture, Report, Unreadable, Verdict};
+use crate::report::{About, CheckedCapture, Subject, Verdict};
 use crate::text::terminal;
 
 /// Arguments of commands that read lists of known failures.
@@ -78,103 +78,126 @@ impl KnownArgs {
         let today = Date::today().map_err(|error| print_error(format!("error: {error}")))?;
         Ok(Known { lists, stale: Vec::new(), today, is_fixing: self.fix_known })
     }
+
+    /// Starts the list for `--init-known`, if requested.
+    pub(super) fn new_list(&self) -> Option<NewList> {
+        let path = self.init_known.clone()?;
+        Some(NewList { path, entries: BTreeSet::new(), is_too_long: false })
+    }
 }
 
-impl KnownArgs {
-    /// Writes the list for `--init-known`. Errors are printed.
-    pub(super) fn init(&self, report: &Report) -> Status {
-        let Some(path) = &self.init_known else { return Status::Conforms };
-        let entries = new_entries(report);
-        let text = new_list(&entries, &report.command);
-        let written = File::create_new(path).and_then(|mut file| file.write_all(text.as_bytes()));
+/// The list for `--init-known` under construction.
+pub(super) struct NewList {
+    path: PathBuf,
+    entries: BTreeSet<NewEntry>,
+    is_too_long: bool,
+}
+
+/// The maximum number of entries in a new list. Lists with more entries exceed the maximum size of a list.
+const MAX_NEW_ENTRIES: usize = 10_000;
+
+impl NewList {
+    /// Adds an entry for each failure and warning that no list names.
+    pub(super) fn add(&mut self, subject: &Subject) {
+        let findings = subject.findings.iter();
+        let failed = findings.filter(|found| matches!(found.verdict, Verdict::Fail | Verdict::Warn));
+        for found in failed {
+            self.insert(NewEntry::Rule { rule: found.rule.to_owned(), subject: found.subject.clone() });
+        }
+        if let About::Testee(testee) = &subject.about {
+            let failed = testee.cases.iter().filter(|case| case.verdict.is_failure() && case.known.is_none());
+            failed.for_each(|case| self.insert(NewEntry::Case(case.name.clone())));
+        }
+    }
+
+    fn insert(&mut self, entry: NewEntry) {
+        if self.entries.len() < MAX_NEW_ENTRIES {
+            self.entries.insert(entry);
+        } else {
+            self.is_too_long |= !self.entries.contains(&entry);
+        }
+    }
+
+    /// Writes the list. `command` is the command line of the run. Errors are printed.
+    pub(super) fn write(&self, command: &str) -> Status {
+        let path = terminal::path(&self.path);
+        if self.is_too_long {
+            let problem = format_args!("{path}: not written: more than {MAX_NEW_ENTRIES} different failures");
+            terminal::error(problem, None);
+            return Status::Unreadable;
+        }
+        let text = new_list(&self.entries, command);
+        let written = File::create_new(&self.path).and_then(|mut file| file.write_all(text.as_bytes()));
         match written {
             Ok(()) => {
-                let failures = plural(entries.len() as u64, "failure");
-                terminal::eprintln!("{}: {failures}; state the reason for each one", terminal::path(path));
+                let failures = plural(self.entries.len() as u64, "failure");
+                terminal::eprintln!("{path}: {failures}; state the reason for each one");
                 Status::Conforms
             }
             Err(error) => {
-                terminal::error(
-                    format_args!("{}: can't write the list: {error}", terminal::path(path)),
-                    None,
-                );
+                terminal::error(format_args!("{path}: can't write the list: {error}"), None);
                 Status::Unreadable
             }
         }
     }
 }
 
-/// An entry for each failure and warning that no list names.
-fn new_entries(report: &Report) -> BTreeSet<NewEntry> {
-    let mut entries = BTreeSet::new();
-    for subject in &report.subjects {
-        let findings = subject.findings.iter();
-        entries.extend(
-            findings
-                .filter(|found| matches!(found.verdict, Verdict::Fail | Verdict::Warn))
-                .map(|found| NewEntry::Rule { rule: found.rule.to_owned(), subject: found.subject.clone() }),
-        );
-        if let About::Testee(testee) = &subject.about {
-            let failed = testee.cases.iter().filter(|case| case.verdict.is_failure() && case.known.is_none());
-            entries.extend(failed.map(|case| NewEntry::Case(case.name.clone())));
-        }
-    }
-    entries
-}
-
 impl Known {
-    /// Prints the entries that no longer apply, or fixes them in their files. Entries without an automatic fix are
-    /// printed.
-    pub(super) fn finish(&mut self, scope: Scope, checked: &[Checked<'_>]) -> Status {
-        let stale = self.lists.find_stale(scope, checked, self.today);
+    /// True if the lists are updated before they are applied.
+    pub(super) fn is_fixing(&self) -> bool {
+        self.is_fixing && !self.lists.is_empty()
+    }
+
+    /// Fixes the entries that no longer apply in their files. Errors are printed.
+    pub(super) fn update(&mut self, sums: &Sums) -> Result<(), Status> {
+        let stale = self.lists.stale(sums, self.today);
+        if stale.is_empty() {
+            return Ok(());
+        }
+        self.fix(&stale).map_err(|error| {
+            terminal::eprintln!("{error}");
+            self.stale = self.lists.reasons(&stale);
+            Status::Usage
+        })
+    }
+
+    /// Prints the entries that no longer apply.
+    pub(super) fn finish(&mut self, sums: &Sums) -> Status {
+        let stale = self.lists.stale(sums, self.today);
         if stale.is_empty() {
             return Status::Conforms;
         }
-        if !self.is_fixing {
-            self.report_stale(&stale, "run again with --fix-known to update the list");
-            return Status::Stale;
-        }
-        if let Err(error) = self.fix(&stale) {
-            terminal::eprintln!("{error}");
-            self.stale = self.lists.reasons(&stale);
-            return Status::Usage;
-        }
-        let left = self.lists.find_stale(scope, checked, self.today);
-        if left.is_empty() {
-            return Status::Conforms;
-        }
-        self.report_stale(&left, "the messages have no common prefix: write one entry for each message");
+        self.stale = self.lists.reasons(&stale);
+        let help = if self.is_fixing {
+            "the messages have no common prefix: write one entry for each message"
+        } else {
+            "run again with --fix-known to update the list"
+        };
+        terminal::print_error(format_args!("{}", self.lists.render(&stale, Level::Error, true)));
+        terminal::error("a list of known failures is out of date", Some(help));
         Status::Stale
     }
 
-    fn report_stale(&mut self, stale: &[Stale], help: &str) {
-        self.stale = self.lists.reasons(stale);
-        terminal::print_error(format_args!("{}", self.lists.render(stale, Level::Error, true)));
-        terminal::error("a list of known failures is out of date", Some(help));
+    /// Compares the lists with results that are in memory. `count` adds all results.
+    pub(super) fn compare(&mut self, scope: Scope, count: impl Fn(&Lists, &mut Sums)) -> Status {
+        let counted = |lists: &Lists| {
+            let mut sums = lists.sums(scope);
+            count(lists, &mut sums);
+            sums
+        };
+        if self.is_fixing()
+            && let Err(status) = self.update(&counted(&self.lists))
+        {
+            return status;
+        }
+        self.finish(&counted(&self.lists))
     }
 
-    /// Compares the lists with the findings, and attaches the matching entry to each known finding.
-    pub(super) fn finish_captures(
-        &mut self,
-        captures: &mut [CheckedCapture],
-        unread: &[Unreadable],
-    ) -> Status {
-        if self.lists.is_empty() {
-            return Status::Conforms;
-        }
-        let mut checked: Vec<Checked<'_>> =
-            unread.iter().flat_map(|file| unread_outcome(&file.path)).collect();
-        for capture in captures.iter() {
-            checked.extend(rule_outcomes(&capture.path, &capture.result.findings));
-            if capture.result.extent == Extent::Unreadable {
-                checked.extend(unread_outcome(&capture.path));
-            }
-        }
-        let status = self.finish(Scope::Rules, &checked);
-        for capture in captures {
+    /// Attaches the matching entry to each known finding.
+    pub(super) fn excuse(&self, capture: &mut CheckedCapture) {
+        if !self.lists.is_empty() {
             excuse_findings(&self.lists, &capture.path, &mut capture.result.findings);
         }
-        status
     }
 
     fn fix(&mut self, stale: &[Stale]) -> Result<(), Box<dyn Error>> {
@@ -190,5 +213,25 @@ impl Known {
         );
         self.lists = fixed;
         Ok(())
+    }
+}
+
+/// Counts the results of a capture.
+pub(super) fn count_capture(lists: &Lists, sums: &mut Sums, capture: &CheckedCapture) {
+    if lists.is_empty() {
+        return;
+    }
+    for checked in rule_outcomes(&capture.path, &capture.result.findings) {
+        lists.count(sums, &checked);
+    }
+    if capture.result.extent == Extent::Unreadable {
+        count_unread(lists, sums, &capture.path);
+    }
+}
+
+/// Counts a file that can't be read.
+pub(super) fn count_unread(lists: &Lists, sums: &mut Sums, path: &str) {
+    for checked in unread_outcome(path) {
+        lists.count(sums, &checked);
     }
 }

@@ -9,14 +9,15 @@ use clap::Args;
 
 use super::access::AccessArgs;
 use super::interrupt::{self, Danger};
-use super::known::{Known, KnownArgs};
+use super::known::{Known, KnownArgs, count_capture, count_unread};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
 use super::test::seconds;
-use super::{Status, deliver, outcome_statuses};
+use super::{Status, outcome_statuses};
+use crate::check::known::Scope;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::model::Rule;
@@ -167,19 +168,28 @@ fn report(
     // If nothing came from the server, the failure says everything.
     let is_silent = !unreadable.is_empty() && result.records == 0;
     let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed };
-    let mut checked: Vec<CheckedCapture> = if is_silent { Vec::new() } else { vec![checked] };
-    let known_status = known.finish_captures(&mut checked, &unreadable);
+    let mut checked = (!is_silent).then_some(checked);
+    let known_status = known.compare(Scope::Rules, |lists, sums| {
+        for file in &unreadable {
+            count_unread(lists, sums, &file.path);
+        }
+        if let Some(checked) = &checked {
+            count_capture(lists, sums, checked);
+        }
+    });
+    if let Some(checked) = &mut checked {
+        known.excuse(checked);
+    }
     let settings =
         Settings { is_unrecorded: args.record.is_none(), command: Some(super::command()), ..settings };
-    let subjects: Vec<Subject> =
-        checked.into_iter().map(|checked| Subject::from_capture(checked, definitions, &settings)).collect();
-    for subject in &subjects {
-        args.report.print_subject(subject);
+    let mut outputs = args.report.start(Action::Probe, &args.known);
+    if let Some(checked) = checked {
+        outputs.add(Subject::from_capture(checked, definitions, &settings));
     }
-    let reasons = uncovered(required, &subjects);
-    let report = Report::new(Action::Probe, super::command(), definitions, subjects, unreadable, reasons);
-    let report = report.with_stale(known.stale);
-    let status = deliver(&args.report, &report).max(known_status).max(args.known.init(&report));
+    let (totals, command) = (outputs.finish(), super::command());
+    let reasons = uncovered(required, &totals);
+    let report = Report::of_totals(Action::Probe, command, definitions, totals, unreadable, reasons);
+    let status = outputs.deliver(&report.with_stale(known.stale)).max(known_status);
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {
             terminal::error(

@@ -1,16 +1,18 @@
 //! The options `--format` and `--report`.
 
-use std::fs;
-use std::io::{self, Write};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::OnceLock;
 
+use anstream::StripStream;
 use clap::{Args, ValueEnum as _};
 use uavspec_codegen::stage::Stage;
 
+use super::Status;
+use super::known::{KnownArgs, NewList};
 use super::outputs::Output;
-use crate::report::{Kind, Report, Subject, end_text, subject_text};
+use crate::report::{Action, Kind, Report, Stream, Subject, Totals, end_text, subject_text};
 use crate::text::terminal;
 
 /// The path that means standard output.
@@ -31,9 +33,16 @@ pub(super) struct ReportArgs {
     /// path `-` means standard output. A report never replaces an input.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
+}
+
+/// The reports of a run. Each report is written after the run, but contains subjects that are already dropped.
+pub(super) struct Outputs<'a> {
+    args: &'a ReportArgs,
+    stream: Stream,
+    /// The list for `--init-known`.
+    new_list: Option<NewList>,
     /// The first printing error, which is reported together with the errors from writing report files.
-    #[arg(skip)]
-    unprinted: OnceLock<String>,
+    unprinted: Option<String>,
 }
 
 /// A value of `--report`.
@@ -87,41 +96,83 @@ impl ReportArgs {
         self.format.or(printed).unwrap_or(Kind::Text)
     }
 
-    /// Prints the section of a subject immediately, if the printed report is text.
-    pub(super) fn print_subject(&self, subject: &Subject) {
-        if self.printed() == Kind::Text {
-            self.keep_error(print(&subject_text(subject)));
+    /// The report files.
+    fn files(&self) -> impl Iterator<Item = &Target> {
+        self.report.iter().filter(|target| !target.is_printed())
+    }
+
+    /// Starts the reports of a run, and the list of new failures.
+    pub(super) fn start(&self, action: Action, known: &KnownArgs) -> Outputs<'_> {
+        // The sections of a text report are printed immediately. The other formats follow the report files.
+        let printed = Some(self.printed()).filter(|kind| *kind != Kind::Text).map(|kind| (kind, None));
+        let files = self.files().map(|target| (target.kind, Some(parent(&target.path))));
+        let stream = Stream::new(action, super::command(), files.chain(printed));
+        Outputs { args: self, stream, new_list: known.new_list(), unprinted: None }
+    }
+}
+
+impl Outputs<'_> {
+    /// Adds a subject to all reports. If the printed report is text, the section of the subject is printed.
+    pub(super) fn add(&mut self, subject: Subject) {
+        if self.args.printed() == Kind::Text {
+            self.keep_error(print(&subject_text(&subject)));
         }
+        if let Some(list) = &mut self.new_list {
+            list.add(&subject);
+        }
+        self.stream.add(subject);
+    }
+
+    /// The totals of all subjects. No subject can be added afterwards.
+    pub(super) fn finish(&mut self) -> Totals {
+        self.stream.finish()
     }
 
     /// Keeps the first printing error until the reports are written.
-    fn keep_error(&self, printed: io::Result<()>) {
-        if let Err(error) = printed {
-            let _ = self.unprinted.set(format!("standard output: can't print the report: {error}"));
+    fn keep_error(&mut self, printed: io::Result<()>) {
+        if let (Err(error), None) = (printed, &self.unprinted) {
+            self.unprinted = Some(format!("standard output: can't print the report: {error}"));
         }
     }
 
-    /// Prints or writes all reports, even if one fails. Returns the error messages.
-    pub(super) fn write(&self, report: &Report) -> Vec<String> {
-        self.keep_error(match self.printed() {
-            // The sections of the subjects are already printed.
-            Kind::Text => print(&end_text(report)),
-            kind => ignore_broken_pipe(&mut io::stdout(), &report.to_text(kind)),
-        });
-        let files = self.report.iter().filter(|target| !target.is_printed());
-        let write = |target: &Target| {
-            let text = report.to_text(target.kind);
-            let text = match target.kind {
+    /// Prints and writes all reports, even if one fails, and the list of new failures. Errors are printed. Returns the
+    /// status of the run.
+    pub(super) fn deliver(mut self, report: &Report) -> Status {
+        let failures = self.write(report);
+        for failure in &failures {
+            terminal::error(failure, None);
+        }
+        let status = if failures.is_empty() { (&report.outcome).into() } else { Status::Unreadable };
+        self.new_list.map_or(status, |list| list.write(&report.command).max(status))
+    }
+
+    /// Writes all reports. Returns the error messages.
+    fn write(&mut self, report: &Report) -> Vec<String> {
+        let mut failures = Vec::new();
+        for (index, target) in self.args.files().enumerate() {
+            let written = write(&target.path, |file| match target.kind {
                 // Files have no colours.
                 Kind::Text => {
-                    terminal::guarded(&anstream::adapter::strip_str(&text).to_string()).into_owned()
+                    let mut plain = terminal::Guard::new(StripStream::new(file));
+                    self.stream.write(index, report, &mut plain)
                 }
-                _ => text,
-            };
-            let error = write(&target.path, text.as_bytes()).err()?;
-            Some(format!("{}: can't write the report: {error}", terminal::path(&target.path)))
+                _ => self.stream.write(index, report, file),
+            });
+            failures.extend(
+                written.err().map(|error| {
+                    format!("{}: can't write the report: {error}", terminal::path(&target.path))
+                }),
+            );
+        }
+        let printed = if self.args.printed() == Kind::Text {
+            print(&end_text(report))
+        } else {
+            let mut stdout = BufWriter::new(io::stdout());
+            let printed = self.stream.write(self.args.files().count(), report, &mut stdout);
+            ignore_broken_pipe(printed.and_then(|()| stdout.flush()))
         };
-        self.unprinted.get().cloned().into_iter().chain(files.filter_map(write)).collect()
+        self.keep_error(printed);
+        self.unprinted.take().into_iter().chain(failures).collect()
     }
 }
 
@@ -133,31 +184,38 @@ impl Target {
 
 /// Prints text, with colours if the terminal supports them.
 pub(super) fn print(text: &str) -> io::Result<()> {
-    ignore_broken_pipe(&mut terminal::stdout(), text)
+    let mut stdout = terminal::stdout();
+    ignore_broken_pipe(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
 }
 
-/// Writes text. A closed pipe is not an error.
-fn ignore_broken_pipe(to: &mut impl Write, text: &str) -> io::Result<()> {
-    match to.write_all(text.as_bytes()).and_then(|()| to.flush()) {
-        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
-        result => result,
-    }
+/// A closed pipe is not an error.
+fn ignore_broken_pipe(written: io::Result<()>) -> io::Result<()> {
+    written.or_else(|error| if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
+}
+
+/// The folder that contains a file.
+fn parent(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// Writes a file atomically. If this fails, an existing file stays unchanged.
-fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+fn write(path: &Path, content: impl FnOnce(&mut Box<dyn Write>) -> io::Result<()>) -> io::Result<()> {
+    let fill = |file: File| {
+        let mut file: Box<dyn Write> = Box::new(BufWriter::new(file));
+        content(&mut file)?;
+        file.flush()
+    };
     // A pipe or a terminal can't be replaced. If the path is a link, the link's target is replaced. A pipe may have no
     // real path, and the target of a link may be absent.
     let path = match fs::metadata(path) {
         Ok(metadata) if metadata.is_file() => fs::canonicalize(path)?,
         Err(_) if !path.is_symlink() => path.to_path_buf(),
-        _ => return fs::write(path, bytes),
+        _ => return fill(File::create(path)?),
     };
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     // A new file in a temporary folder has default permissions. A temporary file would be private.
-    let stage = Stage::new(parent)?;
+    let stage = Stage::new(parent(&path))?;
     let staged = stage.path().join("report");
-    fs::write(&staged, bytes)?;
+    fill(File::create(&staged)?)?;
     fs::rename(staged, path)
 }
 
@@ -180,10 +238,21 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("report.json");
         fs::write(&path, "old and long").expect("a file");
-        write(&path, b"new").expect("written");
+        let write = |path: &Path| super::write(path, |file| file.write_all(b"new"));
+        let failed = super::write(&path, |file| {
+            file.write_all(b"half")?;
+            Err(io::Error::other("the disk is full"))
+        });
+        assert!(failed.is_err());
+        assert_eq!(
+            fs::read(&path).expect("a file"),
+            b"old and long",
+            "an incomplete report replaces nothing"
+        );
+        write(&path).expect("written");
         assert_eq!(fs::read(&path).expect("a file"), b"new");
         assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1, "no temporary files remain");
-        assert!(write(&folder.path().join("absent/report.json"), b"new").is_err());
-        assert!(write(folder.path(), b"new").is_err(), "the path is a folder");
+        assert!(write(&folder.path().join("absent/report.json")).is_err());
+        assert!(write(folder.path()).is_err(), "the path is a folder");
     }
 }

@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::{Status, print_unknown_rule};
 use crate::model::{Reason, Rule};
-use crate::report::Subject;
+use crate::report::Totals;
 use crate::rules::rule;
 use crate::text::terminal;
 
@@ -32,12 +32,8 @@ impl RequireArgs {
 }
 
 /// Prints and returns an error for each required rule that no subject covers.
-pub(super) fn uncovered(required: &[&Rule], subjects: &[Subject]) -> Vec<Reason> {
-    let is_uncovered = |id: &str| {
-        let rules = subjects.iter().flat_map(|subject| &subject.rules);
-        rules.filter(|rule| rule.id == id).all(|rule| rule.covered == 0)
-    };
-    let uncovered = required.iter().filter(|rule| is_uncovered(rule.id));
+pub(super) fn uncovered(required: &[&Rule], totals: &Totals) -> Vec<Reason> {
+    let uncovered = required.iter().filter(|rule| !totals.covers(rule.id));
     let reasons = uncovered.map(|rule| {
         let reason = format!("{} is required, but not covered by the input", rule.id);
         terminal::error(&reason, None);

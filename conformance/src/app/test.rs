@@ -14,7 +14,7 @@ use super::known::KnownArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
-use super::{Status, deliver, outcome_statuses};
+use super::{Status, outcome_statuses};
 use crate::check::known::Scope;
 use crate::net::Address;
 use crate::report::{Action, Report, Subject};
@@ -180,14 +180,18 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let known_status = known.finish(Scope::Cases, &case_outcomes(&names, &outcome));
+    let known_status = known.compare(Scope::Cases, |lists, sums| {
+        for checked in case_outcomes(&names, &outcome) {
+            lists.count(sums, &checked);
+        }
+    });
     excuse_cases(&known.lists, &mut outcome);
     let subject = Subject::from_testee(&outcome, &definitions, &|case| rerun_command(args, case));
-    args.report.print_subject(&subject);
-    let subjects = vec![subject];
-    let report = Report::new(Action::Test, super::command(), &definitions, subjects, Vec::new(), Vec::new());
-    let report = report.with_stale(known.stale);
-    deliver(&args.report, &report).max(known_status).max(args.known.init(&report))
+    let mut outputs = args.report.start(Action::Test, &args.known);
+    outputs.add(subject);
+    let (totals, command) = (outputs.finish(), super::command());
+    let report = Report::of_totals(Action::Test, command, &definitions, totals, Vec::new(), Vec::new());
+    outputs.deliver(&report.with_stale(known.stale)).max(known_status)
 }
 
 /// Checks that no output replaces an input. Errors are printed.

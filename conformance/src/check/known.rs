@@ -58,7 +58,7 @@ use uavspec_codegen::{Failure, SourceMap, render};
 pub(crate) use self::new::{NewEntry, list as new_list};
 use self::pattern::Pattern;
 pub(crate) use self::run::{excuse_findings, rule_outcomes, unread_outcome};
-pub(crate) use self::stale::{Checked, Name, Outcome, Scope, Stale, StaleReason};
+pub(crate) use self::stale::{Checked, Name, Outcome, Scope, Stale, StaleReason, Sums};
 use crate::model::{Excuse, Reason, Rule};
 use crate::text::terminal;
 

@@ -3,10 +3,46 @@
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::{Condvar, Mutex, PoisonError, mpsc};
 use std::thread;
 
+/// The maximum number of results for each thread that wait for the result of an earlier item.
+const MAX_EARLY: usize = 64;
+
+/// The number of items whose results have been taken. Threads wait if they are too far ahead.
+#[derive(Default)]
+struct Taken {
+    number: Mutex<usize>,
+    changed: Condvar,
+}
+
+impl Taken {
+    fn set(&self, number: usize) {
+        *self.number.lock().unwrap_or_else(PoisonError::into_inner) = number;
+        self.changed.notify_all();
+    }
+
+    /// Waits until more than `number` results minus `max_early` have been taken.
+    fn wait(&self, number: usize, max_early: usize) {
+        let taken = self.number.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_ahead = |taken: &mut usize| number >= taken.saturating_add(max_early);
+        drop(self.changed.wait_while(taken, is_ahead).unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+/// Ends the waiting of all threads if one of them panics.
+struct EndOnPanic<'t>(&'t Taken);
+
+impl Drop for EndOnPanic<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            self.0.set(usize::MAX);
+        }
+    }
+}
+
 /// Runs `work` for each of `items` in parallel. Passes the results to `take` in item order, each as early as possible.
+/// If an item takes long, the results of only a limited number of later items are kept.
 ///
 /// `jobs` is the number of threads; the default is the number of processors.
 pub fn each<T: Sync, R: Send>(
@@ -16,21 +52,26 @@ pub fn each<T: Sync, R: Send>(
     mut take: impl FnMut(&T, R),
 ) {
     let jobs = jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let next = AtomicUsize::new(0);
+    let jobs = jobs.min(items.len());
+    let max_early = jobs.saturating_mul(MAX_EARLY);
+    let (next, taken) = (AtomicUsize::new(0), Taken::default());
     let (sender, results) = mpsc::channel();
     thread::scope(|scope| {
-        for _ in 0..jobs.min(items.len()) {
-            let (sender, next, work) = (sender.clone(), &next, &work);
+        for _ in 0..jobs {
+            let (sender, next, taken, work) = (sender.clone(), &next, &taken, &work);
             scope.spawn(move || {
+                let _end = EndOnPanic(taken);
                 loop {
                     let at = next.fetch_add(1, Ordering::Relaxed);
                     let Some(item) = items.get(at) else { return };
+                    taken.wait(at, max_early);
                     // The receiver outlives all senders.
                     let _ = sender.send((at, work(item)));
                 }
             });
         }
         drop(sender);
+        let _end = EndOnPanic(&taken);
         let mut early = BTreeMap::new();
         let mut expected = 0;
         for (at, result) in results {
@@ -38,6 +79,7 @@ pub fn each<T: Sync, R: Send>(
             while let Some(result) = early.remove(&expected) {
                 take(&items[expected], result);
                 expected += 1;
+                taken.set(expected);
             }
         }
     });
@@ -61,5 +103,31 @@ mod tests {
             assert_eq!(taken, items.iter().map(|item| (*item, item * item)).collect::<Vec<_>>());
         }
         each(&[] as &[u8], None, |_| (), |_, ()| panic!("there are no items"));
+    }
+
+    #[test]
+    fn keeps_a_limited_number_of_early_results() {
+        let (items, jobs): (Vec<usize>, _) = ((0..2_000).collect(), 3);
+        let (finished, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let work = |item: &usize| {
+            if *item == 0 {
+                // The other threads finish as many items as they can.
+                thread::sleep(std::time::Duration::from_millis(100));
+                most.store(finished.load(Ordering::SeqCst), Ordering::SeqCst);
+            }
+            finished.fetch_add(1, Ordering::SeqCst);
+        };
+        let mut number = 0;
+        each(&items, NonZeroUsize::new(jobs), work, |_, ()| number += 1);
+        assert_eq!(number, items.len());
+        assert!(most.load(Ordering::SeqCst) < jobs * MAX_EARLY, "{most:?}");
+    }
+
+    #[test]
+    fn a_panic_ends_all_threads() {
+        let items: Vec<usize> = (0..2_000).collect();
+        let work = |item: &usize| assert_ne!(*item, 0, "the first item fails");
+        let run = || each(&items, NonZeroUsize::new(3), work, |_, ()| ());
+        assert!(std::panic::catch_unwind(run).is_err());
     }
 }

@@ -1,10 +1,83 @@
 //! The findings of all subjects, grouped by rule.
+//!
+//! Only as many groups and files are kept as reports list. The others are counted.
 
-use std::collections::BTreeMap;
+use std::cmp::Reverse;
+use std::collections::hash_map::DefaultHasher;
+use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{Hash as _, Hasher as _};
 
-use crate::report::{Example, Finding, Report, RuleReport, Subject, Verdict};
+use crate::report::{Example, Finding, Known, Report, RuleReport, Subject, Verdict};
 use crate::rules::px4;
 use crate::text::Grouped;
+
+/// The maximum number of groups with the same rule and verdict that are kept. Reports list at most this many groups of a
+/// rule.
+const MAX_GROUPS: usize = 54;
+
+/// The maximum number of groups that are kept.
+const MAX_ALL_GROUPS: usize = 4_000;
+
+/// The maximum number of other files that are kept for each group.
+pub(in crate::report) const MAX_FILES: usize = 20;
+
+/// The maximum number of other files that are kept for all groups.
+const MAX_ALL_FILES: usize = 20_000;
+
+/// The maximum number of groups of a rule that are counted but not kept.
+const MAX_UNKEPT: usize = 10_000;
+
+/// The groups of all subjects that were added.
+#[derive(Debug, Default)]
+pub(in crate::report) struct Groups {
+    rules: BTreeMap<&'static str, OfRule>,
+    num_kept: usize,
+    num_files: usize,
+}
+
+/// The groups of a rule.
+#[derive(Debug, Default)]
+struct OfRule {
+    /// The groups in the order of appearance.
+    kept: Vec<Group>,
+    /// The positions in `kept` by name and verdict.
+    positions: BTreeMap<(String, Verdict), usize>,
+    /// The number of kept groups with each verdict.
+    num_kept: BTreeMap<Verdict, usize>,
+    /// The hashes of the names and verdicts of the other groups.
+    others: BTreeSet<u64>,
+}
+
+/// The findings of a rule in one topic or field, with the same verdict.
+#[derive(Debug)]
+pub(in crate::report) struct Group {
+    /// The topic or field.
+    pub(in crate::report) name: String,
+    pub(in crate::report) verdict: Verdict,
+    /// The number of findings.
+    pub(in crate::report) count: u64,
+    /// The path of the first file or server.
+    pub(in crate::report) path: String,
+    /// True if the first file's lines can be looked up.
+    pub(in crate::report) is_readable_again: bool,
+    /// The first finding.
+    pub(in crate::report) first: Finding,
+    /// The findings in the first other files.
+    pub(in crate::report) others: Vec<OtherFile>,
+    /// The number of other files.
+    pub(in crate::report) num_others: usize,
+}
+
+/// The findings of a group in another file.
+#[derive(Debug)]
+pub(in crate::report) struct OtherFile {
+    pub(in crate::report) path: String,
+    /// The number of findings.
+    pub(in crate::report) count: u64,
+    /// The place and the text of the first finding.
+    pub(in crate::report) first: Option<(String, String)>,
+    pub(in crate::report) known: Option<Known>,
+}
 
 /// The rules of a report, the most severe verdict first.
 pub(in crate::report) struct ByRule<'r> {
@@ -17,34 +90,58 @@ pub(in crate::report) struct ByRule<'r> {
 /// A rule with its findings.
 pub(in crate::report) struct Listed<'r> {
     pub(in crate::report) rule: &'r RuleReport,
-    /// The groups, the most severe verdict first.
-    pub(in crate::report) groups: Vec<Group<'r>>,
+    /// The first groups, the most severe verdict first.
+    pub(in crate::report) groups: Vec<&'r Group>,
+    /// The number of all groups.
+    pub(in crate::report) num_groups: usize,
 }
 
-/// The findings of a rule in one topic or field, with the same verdict.
-pub(in crate::report) struct Group<'r> {
-    /// The topic or field.
-    pub(in crate::report) name: &'r str,
-    pub(in crate::report) verdict: Verdict,
-    /// The first finding, with its file or server.
-    pub(in crate::report) first: (&'r Subject, &'r Finding),
-    /// The findings in other files.
-    pub(in crate::report) others: Vec<(&'r Subject, &'r Finding)>,
-}
+impl Groups {
+    /// Adds the findings of a subject.
+    pub(in crate::report) fn add(&mut self, subject: &Subject) {
+        for finding in &subject.findings {
+            let of_rule = self.rules.entry(finding.rule).or_default();
+            let key = (finding.subject.clone(), finding.verdict);
+            if let Some(group) = of_rule.positions.get(&key).and_then(|at| of_rule.kept.get_mut(*at)) {
+                group.count += finding.count;
+                group.num_others += 1;
+                if group.others.len() < MAX_FILES && self.num_files < MAX_ALL_FILES {
+                    self.num_files += 1;
+                    group.others.push(OtherFile::new(subject, finding));
+                }
+                continue;
+            }
+            let num_kept = of_rule.num_kept.entry(finding.verdict).or_default();
+            if *num_kept < MAX_GROUPS && self.num_kept < MAX_ALL_GROUPS {
+                *num_kept += 1;
+                self.num_kept += 1;
+                of_rule.positions.insert(key, of_rule.kept.len());
+                of_rule.kept.push(Group::new(subject, finding));
+            } else if of_rule.others.len() < MAX_UNKEPT {
+                let mut hasher = DefaultHasher::new();
+                key.hash(&mut hasher);
+                of_rule.others.insert(hasher.finish());
+            }
+        }
+    }
 
-impl<'r> ByRule<'r> {
-    pub(in crate::report) fn new(report: &'r Report) -> Self {
-        let mut groups = groups(report);
+    /// The rules of a report with their groups.
+    pub(in crate::report) fn by_rule<'r>(&'r self, report: &'r Report) -> ByRule<'r> {
         let mut rules: Vec<&RuleReport> = report.rules.iter().collect();
-        rules.sort_by_key(|rule| std::cmp::Reverse(rule.verdict));
+        rules.sort_by_key(|rule| Reverse(rule.verdict));
         let (mut listed, mut others) = (Vec::new(), Vec::new());
         for rule in rules {
-            match groups.remove(rule.id).filter(|_| !is_in_summary(rule)) {
-                Some(groups) => listed.push(Listed { rule, groups }),
+            match self.rules.get(rule.id).filter(|_| !is_in_summary(rule)) {
+                Some(of_rule) => {
+                    let mut groups: Vec<&Group> = of_rule.kept.iter().collect();
+                    groups.sort_by_key(|group| Reverse(group.verdict));
+                    let num_groups = groups.len() + of_rule.others.len();
+                    listed.push(Listed { rule, groups, num_groups });
+                }
                 None => others.push(rule),
             }
         }
-        Self { listed, others }
+        ByRule { listed, others }
     }
 }
 
@@ -53,63 +150,57 @@ fn is_in_summary(rule: &RuleReport) -> bool {
     rule.id == px4::FMT_01.rule.id && rule.verdict != Verdict::Fail
 }
 
-/// The groups of each rule.
-fn groups(report: &Report) -> BTreeMap<&str, Vec<Group<'_>>> {
-    let mut groups: BTreeMap<&str, Vec<Group>> = BTreeMap::new();
-    let mut positions = BTreeMap::new();
-    for subject in &report.subjects {
-        for finding in &subject.findings {
-            let Finding { rule, subject: name, verdict, .. } = finding;
-            let groups = groups.entry(rule).or_default();
-            let position = *positions.entry((rule, name, *verdict)).or_insert(groups.len());
-            match groups.get_mut(position) {
-                Some(group) => group.others.push((subject, finding)),
-                None => groups.push(Group {
-                    name,
-                    verdict: *verdict,
-                    first: (subject, finding),
-                    others: Vec::new(),
-                }),
-            }
+impl Listed<'_> {
+    /// The number of findings that aren't in the first groups.
+    pub(in crate::report) fn more_than(&self, num_groups: usize) -> u64 {
+        let listed: u64 = self.groups.iter().take(num_groups).map(|group| group.count).sum();
+        self.rule.findings.saturating_sub(listed)
+    }
+}
+
+impl OtherFile {
+    fn new(subject: &Subject, finding: &Finding) -> Self {
+        let first = finding.examples.first();
+        Self {
+            path: subject.path.clone(),
+            count: finding.count,
+            first: first.map(|first| (place(subject.is_readable_again, first), first.text())),
+            known: finding.known.clone(),
         }
     }
-    for groups in groups.values_mut() {
-        groups.sort_by_key(|group| std::cmp::Reverse(group.verdict));
-    }
-    groups
 }
 
-impl Listed<'_> {
-    /// The number of findings that were counted but not grouped.
-    pub(in crate::report) fn ungrouped(&self) -> u64 {
-        let grouped: u64 = self.groups.iter().map(Group::count).sum();
-        self.rule.findings.saturating_sub(grouped)
-    }
-}
-
-impl Group<'_> {
-    pub(in crate::report) fn count(&self) -> u64 {
-        self.first.1.count + self.others.iter().map(|(_, finding)| finding.count).sum::<u64>()
+impl Group {
+    fn new(subject: &Subject, finding: &Finding) -> Self {
+        Self {
+            name: finding.subject.clone(),
+            verdict: finding.verdict,
+            count: finding.count,
+            path: subject.path.clone(),
+            is_readable_again: subject.is_readable_again,
+            first: finding.clone(),
+            others: Vec::new(),
+            num_others: 0,
+        }
     }
 
     /// The number of findings, and the place of the first one. If there are several files, the first file is named.
     pub(in crate::report) fn places(&self, is_single: bool) -> Option<String> {
-        let (subject, finding) = self.first;
-        let place = place(subject, finding.examples.first()?);
-        let times = match (self.count(), self.others.len() as u64 + 1) {
+        let place = place(self.is_readable_again, self.first.examples.first()?);
+        let times = match (self.count, self.num_others as u64 + 1) {
             (1, _) => "Once,".to_owned(),
             (count, 1) => format!("{} times, first", Grouped(count)),
             (count, files) => format!("{} times in {} files, first", Grouped(count), Grouped(files)),
         };
-        let file = if is_single { String::new() } else { format!("in {} ", subject.path) };
+        let file = if is_single { String::new() } else { format!("in {} ", self.path) };
         Some(format!("{times} {file}{place}").trim_end_matches([' ', ',']).to_owned())
     }
 }
 
-/// The location of an example, its time and its connection, if they are known.
-pub(in crate::report) fn place(subject: &Subject, example: &Example) -> String {
-    // A session that wasn't recorded has no lines.
-    let location = subject.is_readable_again.then(|| format!("at {}", example.location));
+/// The location of an example, its time and its connection, if they are known. A session that wasn't recorded has no
+/// lines that can be looked up.
+pub(in crate::report) fn place(is_readable_again: bool, example: &Example) -> String {
+    let location = is_readable_again.then(|| format!("at {}", example.location));
     let parts = location.into_iter().chain(Some(example.moment()).filter(|moment| !moment.is_empty()));
     parts.collect::<Vec<_>>().join(" ")
 }

@@ -6,7 +6,8 @@ use crate::model::{self, Extent, Findings, Group, Rule};
 use crate::probe::RequestType;
 use crate::rules::{RULES, px4};
 
-use super::outcome::{NO_VIOLATIONS, capitalized, plural, violated};
+use super::outcome::{NO_VIOLATIONS, capitalized, plural};
+use super::totals::{is_violated, kinds_of_violations};
 use super::{
     About, Corruption, Definition, Example, Finding, Known, Outcome, OutcomeKind, RuleVerdict, Subject,
     Verdict,
@@ -242,7 +243,8 @@ impl Subject {
     }
 
     fn violations(&self) -> String {
-        let (must, should) = violated(std::slice::from_ref(self));
+        let violated = self.rules.iter().filter(|rule| is_violated(rule));
+        let (must, should) = kinds_of_violations(violated.map(|rule| rule.level == model::Level::Should));
         let known = match self.known_count() {
             0 => String::new(),
             known => format!(", {known} known"),

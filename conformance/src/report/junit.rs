@@ -4,36 +4,69 @@
 //! CI systems identify a case by class and name, so the class and the name don't depend on the findings.
 
 use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
 use uavspec_codegen::report::{Place, Region};
+use uavspec_codegen::terminal::guarded;
 
+use super::format::{Format, Run};
 use super::sarif::region;
+use super::spool::Spool;
 use super::{
-    About, Action, Case, CaseVerdict, Finding, Report, RuleReport, RuleVerdict, Subject, Testee, Unreadable,
-    Verdict,
+    About, Action, Case, CaseVerdict, Finding, Report, RuleVerdict, Subject, Testee, Unreadable, Verdict,
 };
+use crate::model::Rule;
+use crate::rules::rule;
 use crate::text::shown;
 
 /// The maximum number of findings in the text of a case.
 const MAX_FINDINGS: usize = 20;
 
-pub(super) fn write(report: &Report) -> String {
-    let name = match report.action {
-        Action::Check => "uavspec check",
-        Action::Test => "uavspec test",
-        Action::Probe => "uavspec probe",
-    };
-    let mut suites: Vec<Suite> =
-        report.subjects.iter().map(|subject| suite(subject, &report.rules)).collect();
-    suites.extend(report.unreadable.iter().map(|file| {
-        let (kind, message) = ("unreadable".to_owned(), shown(&file.message));
-        file_suite(file, Outcome::Error(Reason { kind, message: message.clone(), text: message }))
-    }));
-    let skipped = report.not_checked.iter();
-    suites.extend(skipped.map(|file| file_suite(file, Outcome::Skipped(shown(&file.message)))));
-    suites.extend(run_suite(name, &report.reasons));
-    junit::write(name, &suites)
+/// A report under construction.
+#[derive(Debug)]
+pub(super) struct Junit {
+    counts: junit::Counts,
+    suites: Spool,
+}
+
+impl Junit {
+    pub(super) fn new(suites: Spool) -> Self {
+        Self { counts: junit::Counts::default(), suites }
+    }
+
+    fn push(&mut self, suite: &Suite) -> io::Result<()> {
+        self.suites.write_all(guarded(&self.counts.add(suite)).as_bytes())
+    }
+}
+
+impl Format for Junit {
+    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
+        self.push(&suite(subject))
+    }
+
+    fn finish(mut self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
+        let name = match report.action {
+            Action::Check => "uavspec check",
+            Action::Test => "uavspec test",
+            Action::Probe => "uavspec probe",
+        };
+        for file in &report.unreadable {
+            let (kind, message) = ("unreadable".to_owned(), shown(&file.message));
+            let reason = Reason { kind, message: message.clone(), text: message };
+            self.push(&file_suite(file, Outcome::Error(reason)))?;
+        }
+        for file in &report.not_checked {
+            self.push(&file_suite(file, Outcome::Skipped(shown(&file.message))))?;
+        }
+        if let Some(suite) = run_suite(name, &report.reasons) {
+            self.push(&suite)?;
+        }
+        let (start, end) = self.counts.document(name);
+        to.write_all(start.as_bytes())?;
+        self.suites.copy_to(to)?;
+        to.write_all(end.as_bytes())
+    }
 }
 
 /// The suite for a file that wasn't read.
@@ -55,14 +88,12 @@ fn run_suite(name: &str, reasons: &[crate::model::Reason]) -> Option<Suite> {
 /// The name of the case for corrupt and unreadable parts.
 const READABLE: &str = "can be read";
 
-fn suite(subject: &Subject, rules: &[RuleReport]) -> Suite {
+fn suite(subject: &Subject) -> Suite {
     let cases = match &subject.about {
         About::Testee(testee) => testee_cases(subject, testee),
         About::Capture(_) => {
-            let rule_cases = subject.rules.iter().filter_map(|found| {
-                let rule = rules.iter().find(|rule| rule.id == found.id)?;
-                Some(rule_case(subject, rule, found))
-            });
+            let rule_cases =
+                subject.rules.iter().filter_map(|found| Some(rule_case(subject, rule(found.id)?, found)));
             std::iter::once(readable(subject)).chain(rule_cases).collect()
         }
     };
@@ -102,7 +133,7 @@ fn readable(subject: &Subject) -> junit::Case {
     case
 }
 
-fn rule_case(subject: &Subject, rule: &RuleReport, found: &RuleVerdict) -> junit::Case {
+fn rule_case(subject: &Subject, rule: &Rule, found: &RuleVerdict) -> junit::Case {
     let mut case = junit::Case::passed(shown(&subject.path), format!("{} {}", rule.id, rule.statement));
     let findings: Vec<&Finding> = subject.findings.iter().filter(|finding| finding.rule == rule.id).collect();
     let text = findings_text(&findings, found.findings);

@@ -1,9 +1,16 @@
 //! The formats of reports.
 
 use clap::ValueEnum;
-use uavspec_codegen::terminal::guarded;
 
-use super::{Report, html, json, junit, markdown, sarif, short, text};
+use super::format::Format;
+use super::html::Html;
+use super::json::Json;
+use super::junit::Junit;
+use super::markdown::Markdown;
+use super::sarif::Sarif;
+use super::short::Short;
+use super::spool::Spool;
+use super::text::Text;
 
 /// A format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -24,22 +31,20 @@ pub enum Kind {
     Markdown,
 }
 
-impl Report {
-    /// Renders the report. [`Kind::Text`] contains terminal colours, which `anstream` can remove.
+impl Kind {
+    /// Starts a report. Formats that can only write subjects at the end of the run store them in `spool`.
     ///
-    /// The formats escape all text of the input. The guard escapes hidden characters that a format misses.
-    pub fn to_text(&self, kind: Kind) -> String {
-        let text = match kind {
-            // The guard of the terminal knows colours.
-            Kind::Text => return text::write(self),
-            // JSON escapes hidden characters without loss.
-            Kind::Json => return json::write(self),
-            Kind::Sarif => return sarif::write(self),
-            Kind::Short => short::write(self),
-            Kind::Junit => junit::write(self),
-            Kind::Html => html::write(self),
-            Kind::Markdown => markdown::write(self),
-        };
-        guarded(&text).into_owned()
+    /// The formats escape all text of the input. A guard escapes hidden characters that a format misses. JSON escapes
+    /// hidden characters without loss. The guard of the terminal handles text, because it knows colours.
+    pub(super) fn format(self, spool: Spool) -> Box<dyn Format> {
+        match self {
+            Self::Text => Box::new(Text(spool)),
+            Self::Short => Box::new(Short(spool)),
+            Self::Json => Box::new(Json::new(spool)),
+            Self::Junit => Box::new(Junit::new(spool)),
+            Self::Sarif => Box::new(Sarif::new(spool)),
+            Self::Html => Box::<Html>::default(),
+            Self::Markdown => Box::<Markdown>::default(),
+        }
     }
 }

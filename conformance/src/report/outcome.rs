@@ -2,12 +2,9 @@
 
 use serde::Serialize;
 
-use super::{Action, Counts, Subject, Unreadable, Verdict};
+use super::totals::Totals;
+use super::{Action, Counts, Unreadable};
 use crate::check::Share;
-use crate::model::Level;
-
-/// The maximum number of remarks about single files in the outcome of a run.
-const MAX_REMARKS: usize = 20;
 
 /// The beginning of a sentence if no rule of level MUST or SHOULD is violated.
 pub(super) const NO_VIOLATIONS: &str = "no violations found";
@@ -134,11 +131,11 @@ impl Outcome {
     /// The outcome for a whole run.
     pub(super) fn for_run(
         action: Action,
-        subjects: &[Subject],
+        totals: &Totals,
         unreadable: &[Unreadable],
         remarks: Vec<String>,
     ) -> Self {
-        let mut outcome = Self::for_subjects(subjects);
+        let mut outcome = Self::for_subjects(totals);
         if !remarks.is_empty() && outcome.kind < OutcomeKind::DoesNotConform {
             let text = "Does not conform";
             outcome = Self { remarks: outcome.remarks, ..Self::new(OutcomeKind::DoesNotConform, text) };
@@ -149,26 +146,25 @@ impl Outcome {
                 (_, 1) => "Failed: 1 file can't be opened".to_owned(),
                 (_, count) => format!("Failed: {count} files can't be opened"),
             };
-            let rest = if subjects.is_empty() { Vec::new() } else { vec![outcome.text] };
+            let rest = if totals.subjects == 0 { Vec::new() } else { vec![outcome.text] };
             outcome = Self { remarks: rest, ..Self::new(OutcomeKind::Failed, text) };
         }
         outcome.remarks.extend(remarks);
         outcome
     }
 
-    fn for_subjects(subjects: &[Subject]) -> Self {
-        if let [only] = subjects {
+    fn for_subjects(totals: &Totals) -> Self {
+        if let Some(only) = totals.only() {
             return only.outcome.clone();
         }
-        let outcomes = || subjects.iter().map(|subject| &subject.outcome);
         // A testee with nothing to check doesn't affect the others.
-        let worst = outcomes().map(|outcome| outcome.kind).filter(|kind| *kind != OutcomeKind::Nothing).max();
-        let Some(worst) = worst else { return Self::new(OutcomeKind::Nothing, "Nothing was checked") };
-        let with_worst = || outcomes().filter(|outcome| outcome.kind == worst);
-        let (must, should) = violated(subjects);
-        let files = format!("{} of {} files", with_worst().count(), subjects.len());
+        let Some(worst) = totals.worst() else {
+            return Self::new(OutcomeKind::Nothing, "Nothing was checked");
+        };
+        let (count, status) = totals.with(worst);
+        let (must, should) = totals.violated();
+        let files = format!("{count} of {} files", totals.subjects);
         let warnings = (should > 0).then(|| plural(should, "warning"));
-        let is_testee = subjects.iter().any(Subject::is_testee);
         let text = match (worst, warnings) {
             (OutcomeKind::Conforms | OutcomeKind::Nothing, None) => "Conforms".to_owned(),
             (OutcomeKind::Conforms | OutcomeKind::Nothing, Some(warnings)) => {
@@ -179,42 +175,15 @@ impl Outcome {
                 capitalized(&format!("{found}, partial coverage of {files}"))
             }
             (OutcomeKind::Stale, _) => "A list of known failures is out of date".to_owned(),
-            (OutcomeKind::DoesNotConform, _) if is_testee => "Does not conform".to_owned(),
+            (OutcomeKind::DoesNotConform, _) if totals.has_testees() => "Does not conform".to_owned(),
             (OutcomeKind::DoesNotConform, _) => {
                 format!("Does not conform: {must} MUST, {should} SHOULD ({files})")
             }
             (OutcomeKind::Incomplete, _) => format!("Incomplete: {files}"),
             (OutcomeKind::Failed, _) => "Failed: a testee failed".to_owned(),
         };
-        let status = with_worst().map(|outcome| outcome.status).max().unwrap_or_default();
-        Self { status, remarks: remarks(subjects), ..Self::new(worst, text) }
+        Self { status, remarks: totals.remarks(), ..Self::new(worst, text) }
     }
-}
-
-/// The remarks about files that weren't read or checked completely.
-fn remarks(subjects: &[Subject]) -> Vec<String> {
-    let reasons =
-        subjects.iter().flat_map(|subject| subject.incomplete.iter().map(move |reason| (subject, reason)));
-    let mut remarks: Vec<String> =
-        reasons.map(|(subject, reason)| format!("{}: {reason}", subject.path)).collect();
-    let more = remarks.len().saturating_sub(MAX_REMARKS);
-    if more > 0 {
-        remarks.truncate(MAX_REMARKS);
-        remarks.push(format!("… and {more} more"));
-    }
-    remarks
-}
-
-/// The number of violated rules that count as MUST, and the number of violated rules of level SHOULD. A rule that several
-/// subjects violate counts once.
-pub(super) fn violated(subjects: &[Subject]) -> (usize, usize) {
-    let rules = subjects.iter().flat_map(|subject| &subject.rules);
-    let violated = rules.filter(|rule| matches!(rule.verdict, Verdict::Warn | Verdict::Fail));
-    let mut violated: Vec<_> = violated.map(|rule| (rule.id, rule.level == Level::Should)).collect();
-    violated.sort_unstable();
-    violated.dedup();
-    let should = violated.iter().filter(|(_, is_should)| *is_should).count();
-    (violated.len() - should, should)
 }
 
 pub(super) fn plural(count: usize, noun: &str) -> String {

@@ -1,8 +1,14 @@
 //! Renders reports as SARIF: one result per group of findings, at the location of the group's first finding.
 
-use uavspec_codegen::diagnostic::Level;
-use uavspec_codegen::report::{self as shared, Entry, Place, Region, RuleInfo};
+use std::collections::BTreeSet;
+use std::io::{self, Write};
 
+use uavspec_codegen::diagnostic::Level;
+use uavspec_codegen::report::sarif::{Results, write_log};
+use uavspec_codegen::report::{Entry, Place, Region, RuleInfo};
+
+use super::format::{Format, Run};
+use super::spool::Spool;
 use super::{
     About, Action, Case, CaseVerdict, Corruption, Definition, Finding, Outcome, OutcomeKind, Report,
     RuleReport, Subject, Testee, Verdict,
@@ -10,85 +16,114 @@ use super::{
 use crate::model::{self, Extent};
 use crate::text::shown;
 
-/// The id for corrupt and unreadable parts, and its description.
-const CORRUPTION: (&str, &str) = ("damage", "Files can be read completely.");
+/// The id for corrupt and unreadable parts.
+const CORRUPTION: &str = "damage";
 
-/// The id for captures that weren't read or checked completely, and its description.
-const INCOMPLETE: (&str, &str) = ("incomplete", "Files are read and checked completely.");
+/// The id for captures that weren't read or checked completely.
+const INCOMPLETE: &str = "incomplete";
 
-/// The id for topics, types and files that weren't checked, and its description.
-const COVERAGE: (&str, &str) = ("coverage", "All topics and types are fully checked.");
+/// The id for topics, types and files that weren't checked.
+const COVERAGE: &str = "coverage";
 
-/// The id for failures of the whole run, and its description.
-const RUN: (&str, &str) = ("run", "Required rules are covered, and lists of known failures are up to date.");
+/// The id for failures of the whole run.
+const RUN: &str = "run";
 
-/// The id for violations of the test protocol, and its description.
-const PROTOCOL: (&str, &str) = ("protocol", "A testee implements the test protocol.");
+/// The id for violations of the test protocol.
+const PROTOCOL: &str = "protocol";
 
-pub(super) fn write(report: &Report) -> String {
-    let command = match report.action {
-        Action::Check => "check",
-        Action::Test => "test",
-        Action::Probe => "probe",
-    };
-    let mut entries = Vec::new();
-    for subject in &report.subjects {
-        entries.extend(subject.findings.iter().filter_map(|finding| finding_entry(subject, finding)));
-        entries.extend(subject.corruption.iter().map(|corruption| corruption_entry(subject, corruption)));
-        entries.extend(outcome_entries(subject));
-        if let About::Testee(testee) = &subject.about {
-            let failures = testee.cases.iter().filter(|case| case.verdict.is_failure());
-            entries.extend(failures.map(|case| case_entry(subject, case)));
-            entries.extend(protocol_entries(subject, testee));
-        }
-    }
-    entries.extend(report.unreadable.iter().map(|unreadable| Entry {
-        level: Level::Error,
-        ..entry(CORRUPTION.0, Level::Error, &unreadable.message, whole_file(&unreadable.path))
-    }));
-    entries.extend(report.not_checked.iter().map(|file| {
-        let message = format!("not checked: {}", file.message);
-        entry(COVERAGE.0, Level::Note, &message, whole_file(&file.path))
-    }));
-    entries.extend(report.reasons.iter().map(|reason| {
-        // SARIF results require a file.
-        let first = report.subjects.first().map_or(".", |subject| &subject.path);
-        let path = if reason.path.is_empty() { first } else { &reason.path };
-        let region = reason.line.map_or(Region::Whole, Region::Line);
-        entry(RUN.0, Level::Error, &reason.message, Place { path: path.to_owned(), region })
-    }));
-    let mut rules: Vec<RuleInfo> = report.rules.iter().map(rule).collect();
-    let mut other = |(id, purpose): (&'static str, &'static str), level| {
-        if entries.iter().any(|entry| entry.rule == id) {
-            rules.push(RuleInfo { id: id.into(), purpose: purpose.into(), level, url: String::new() });
-        }
-    };
-    other(CORRUPTION, Level::Note);
-    other(INCOMPLETE, Level::Error);
-    other(COVERAGE, Level::Note);
-    other(RUN, Level::Error);
-    other(PROTOCOL, Level::Error);
-    for case in report.subjects.iter().flat_map(cases) {
-        if rules.iter().all(|rule| rule.id != case.op) {
-            let purpose = format!("Responses to `{}` are correct.", case.op);
-            rules.push(RuleInfo {
-                id: case.op.clone().into(),
-                purpose: purpose.into(),
-                level: Level::Error,
-                url: String::new(),
-            });
-        }
-    }
-    shared::Report { command, rules, entries }.to_text(shared::Format::Sarif)
+/// The ids that aren't rules, with their descriptions and levels.
+const OTHERS: [(&str, &str, Level); 5] = [
+    (CORRUPTION, "Files can be read completely.", Level::Note),
+    (INCOMPLETE, "Files are read and checked completely.", Level::Error),
+    (COVERAGE, "All topics and types are fully checked.", Level::Note),
+    (RUN, "Required rules are covered, and lists of known failures are up to date.", Level::Error),
+    (PROTOCOL, "A testee implements the test protocol.", Level::Error),
+];
+
+/// A report under construction.
+#[derive(Debug)]
+pub(super) struct Sarif {
+    results: Results,
+    /// The results as lines of JSON.
+    lines: Spool,
+    /// The ids other than rules that have results.
+    others: BTreeSet<&'static str>,
+    /// The operations of the failed cases, in the order of appearance.
+    operations: Vec<String>,
 }
 
-/// The failed cases of a subject.
-fn cases(subject: &Subject) -> impl Iterator<Item = &Case> {
-    let cases = match &subject.about {
-        About::Testee(testee) => &testee.cases[..],
-        About::Capture(_) => &[],
-    };
-    cases.iter().filter(|case| case.verdict.is_failure())
+impl Sarif {
+    pub(super) fn new(lines: Spool) -> Self {
+        Self { results: Results::default(), lines, others: BTreeSet::new(), operations: Vec::new() }
+    }
+
+    fn push(&mut self, entry: &Entry) -> io::Result<()> {
+        self.others.extend(OTHERS.iter().map(|(id, ..)| *id).filter(|id| entry.rule == *id));
+        self.lines.write_all(self.results.line(entry).as_bytes())
+    }
+
+    /// The rules, and the other ids that have results.
+    fn rules(&self, report: &Report) -> Vec<RuleInfo> {
+        let mut rules: Vec<RuleInfo> = report.rules.iter().map(rule).collect();
+        for (id, purpose, level) in OTHERS.iter().filter(|(id, ..)| self.others.contains(id)) {
+            let (id, purpose) = ((*id).into(), (*purpose).into());
+            rules.push(RuleInfo { id, purpose, level: *level, url: String::new() });
+        }
+        rules.extend(self.operations.iter().map(|operation| RuleInfo {
+            id: operation.clone().into(),
+            purpose: format!("Responses to `{operation}` are correct.").into(),
+            level: Level::Error,
+            url: String::new(),
+        }));
+        rules
+    }
+}
+
+impl Format for Sarif {
+    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
+        for entry in subject.findings.iter().filter_map(|finding| finding_entry(subject, finding)) {
+            self.push(&entry)?;
+        }
+        for corruption in &subject.corruption {
+            self.push(&corruption_entry(subject, corruption))?;
+        }
+        for entry in outcome_entries(subject) {
+            self.push(&entry)?;
+        }
+        let About::Testee(testee) = &subject.about else { return Ok(()) };
+        for case in testee.cases.iter().filter(|case| case.verdict.is_failure()) {
+            if !self.operations.contains(&case.op) {
+                self.operations.push(case.op.clone());
+            }
+            self.push(&case_entry(subject, case))?;
+        }
+        protocol_entries(subject, testee).iter().try_for_each(|entry| self.push(entry))
+    }
+
+    fn finish(mut self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
+        for file in &report.unreadable {
+            self.push(&entry(CORRUPTION, Level::Error, &file.message, whole_file(&file.path)))?;
+        }
+        for file in &report.not_checked {
+            let message = format!("not checked: {}", file.message);
+            self.push(&entry(COVERAGE, Level::Note, &message, whole_file(&file.path)))?;
+        }
+        for reason in &report.reasons {
+            // SARIF results require a file.
+            let first = report.totals.first.as_ref().map_or(".", |first| &first.path);
+            let path = if reason.path.is_empty() { first } else { &reason.path };
+            let region = reason.line.map_or(Region::Whole, Region::Line);
+            let place = Place { path: path.to_owned(), region };
+            self.push(&entry(RUN, Level::Error, &reason.message, place))?;
+        }
+        let command = match report.action {
+            Action::Check => "check",
+            Action::Test => "test",
+            Action::Probe => "probe",
+        };
+        let rules = self.rules(report);
+        write_log(command, &rules, None, self.lines.into_reader()?, to)
+    }
 }
 
 fn rule(rule: &RuleReport) -> RuleInfo {
@@ -138,11 +173,11 @@ fn finding_entry(subject: &Subject, finding: &Finding) -> Option<Entry> {
 fn outcome_entries(subject: &Subject) -> Vec<Entry> {
     let Outcome { kind, text, .. } = &subject.outcome;
     if *kind == OutcomeKind::Partial {
-        return vec![entry(COVERAGE.0, Level::Note, text, whole_file(&subject.path))];
+        return vec![entry(COVERAGE, Level::Note, text, whole_file(&subject.path))];
     }
     let level = if subject.outcome.is_success() { Level::Note } else { Level::Error };
     let reasons = subject.incomplete.iter();
-    reasons.map(|reason| entry(INCOMPLETE.0, level, reason, whole_file(&subject.path))).collect()
+    reasons.map(|reason| entry(INCOMPLETE, level, reason, whole_file(&subject.path))).collect()
 }
 
 fn corruption_entry(subject: &Subject, corruption: &Corruption) -> Entry {
@@ -152,7 +187,7 @@ fn corruption_entry(subject: &Subject, corruption: &Corruption) -> Entry {
         Extent::EndsEarly | Extent::WithGaps => Level::Warning,
         Extent::Unreadable => Level::Error,
     };
-    entry(CORRUPTION.0, level, &corruption.message, location)
+    entry(CORRUPTION, level, &corruption.message, location)
 }
 
 fn case_entry(subject: &Subject, case: &Case) -> Entry {
@@ -179,7 +214,7 @@ fn protocol_entries(subject: &Subject, testee: &Testee) -> Vec<Entry> {
     let gave_up = testee.gave_up.iter().map(|reason| format!("the run ended early: {reason}"));
     remarks
         .chain(gave_up)
-        .map(|text| entry(PROTOCOL.0, Level::Error, &text, whole_file(&subject.path)))
+        .map(|text| entry(PROTOCOL, Level::Error, &text, whole_file(&subject.path)))
         .collect()
 }
 

@@ -7,22 +7,36 @@
 //! ```
 
 use std::fmt::{self, Write as _};
+use std::io::{self, Write};
 
+use uavspec_codegen::terminal::guarded;
+
+use super::format::{Format, Run};
+use super::spool::Spool;
 use super::{About, Case, Finding, Outcome, OutcomeKind, Report, Subject, Verdict};
 use crate::model::Location;
 use crate::text::{Grouped, shown};
 
-/// Renders a report.
-pub(super) fn write(report: &Report) -> String {
-    let mut text = String::new();
-    for subject in &report.subjects {
+/// A report under construction.
+#[derive(Debug)]
+pub(super) struct Short(pub(super) Spool);
+
+impl Format for Short {
+    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
+        let mut text = String::new();
         // Writing to a string can't fail.
         let _ = self::subject(subject, &mut text);
+        self.0.write_all(guarded(&text).as_bytes())
     }
-    for file in &report.unreadable {
-        let _ = writeln!(text, "{}: error: {}", shown(&file.path), shown(&file.message));
+
+    fn finish(self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
+        self.0.copy_to(to)?;
+        for file in &report.unreadable {
+            let line = format!("{}: error: {}\n", shown(&file.path), shown(&file.message));
+            to.write_all(guarded(&line).as_bytes())?;
+        }
+        Ok(())
     }
-    text
 }
 
 fn subject(subject: &Subject, text: &mut String) -> fmt::Result {

@@ -6,10 +6,13 @@ mod testee;
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
+use std::io::{self, Write};
 
 use anstyle::{AnsiColor, Style};
 
+use super::format::{Format, Run};
 use super::outcome::plural;
+use super::spool::Spool;
 use super::{About, Known, Outcome, OutcomeKind, Report, RequestType, Subject, Verdict};
 use crate::check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN, names};
 use crate::text::{Grouped, shown, wrapped};
@@ -22,17 +25,25 @@ const WARN: Style = AnsiColor::Yellow.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
 
-/// Renders a whole report, with colours.
-pub(super) fn write(report: &Report) -> String {
-    let mut text: String = report.subjects.iter().map(subject).collect();
-    text.push_str(&end(report));
-    text
+/// A report under construction, with colours.
+#[derive(Debug)]
+pub(super) struct Text(pub(super) Spool);
+
+impl Format for Text {
+    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
+        self.0.write_all(self::subject(subject).as_bytes())
+    }
+
+    fn finish(self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
+        self.0.copy_to(to)?;
+        to.write_all(end(report).as_bytes())
+    }
 }
 
 /// Renders the end of a report: the files without a section, and the outcome of a run with several files.
 pub(crate) fn end(report: &Report) -> String {
     let mut text = String::new();
-    let is_single = report.subjects.len() == 1 && report.unreadable.is_empty();
+    let is_single = report.totals.is_single() && report.unreadable.is_empty();
     // Writing to a string can't fail.
     let _ = labelled(FAIL, "failed", &skipped::failures(&report.unreadable), &mut text);
     let _ = labelled(PLAIN, "not checked", &skipped::lines(&report.not_checked), &mut text);
@@ -45,7 +56,7 @@ pub(crate) fn end(report: &Report) -> String {
 /// Writes the number of files with each outcome, and the outcome of the run.
 fn outcomes(report: &Report, text: &mut String) -> fmt::Result {
     for kind in OutcomeKind::ALL {
-        let count = report.subjects.iter().filter(|subject| subject.outcome.kind == kind).count();
+        let (count, _) = report.totals.with(kind);
         if count > 0 {
             writeln!(text, "{:>6} {}", Grouped(count as u64).to_string(), kind.name())?;
         }

@@ -104,16 +104,55 @@ impl Case {
     }
 }
 
-/// The suites as an XML document.
-pub fn write(name: &str, suites: &[Suite]) -> String {
-    let mut whole = quick_junit::Report::new(name);
-    for suite in suites {
+/// The start and the end of an XML document, which enclose its suites.
+const DOCUMENT: [&str; 2] = ["<testsuites ", "</testsuites>\n"];
+
+/// The number of cases with each outcome, for documents whose suites are written one at a time.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    tests: usize,
+    skipped: usize,
+    failures: usize,
+    errors: usize,
+}
+
+impl Counts {
+    /// Adds the cases of a suite, and returns the XML of the suite.
+    pub fn add(&mut self, suite: &Suite) -> String {
         let mut written = TestSuite::new(one_line(&suite.name));
         written.add_test_cases(suite.cases.iter().map(Case::write));
+        let mut whole = quick_junit::Report::new("");
         whole.add_test_suite(written);
+        self.tests += whole.tests;
+        self.skipped += whole.skipped;
+        self.failures += whole.failures;
+        self.errors += whole.errors;
+        // Writing to memory can't fail.
+        let text = whole.to_string().unwrap_or_default();
+        let [start, end] = DOCUMENT;
+        let suites = text.find(start).and_then(|at| Some(at + text[at..].find('\n')? + 1));
+        let suites = suites.map_or("", |at| &text[at..]);
+        suites.strip_suffix(end).unwrap_or(suites).to_owned()
     }
-    // Writing to memory can't fail.
-    whole.to_string().unwrap_or_default()
+
+    /// The parts of the document before and after the suites.
+    pub fn document(&self, name: &str) -> (String, &'static str) {
+        let Self { tests, skipped, failures, errors } = *self;
+        let mut whole = quick_junit::Report::new(name);
+        (whole.tests, whole.skipped, whole.failures, whole.errors) = (tests, skipped, failures, errors);
+        // Writing to memory can't fail.
+        let text = whole.to_string().unwrap_or_default();
+        let end = DOCUMENT[1];
+        (text.strip_suffix(end).unwrap_or(&text).to_owned(), end)
+    }
+}
+
+/// The suites as an XML document.
+pub fn write(name: &str, suites: &[Suite]) -> String {
+    let mut counts = Counts::default();
+    let written: String = suites.iter().map(|suite| counts.add(suite)).collect();
+    let (start, end) = counts.document(name);
+    start + &written + end
 }
 
 /// Puts a text on one line, as attributes require.

@@ -107,14 +107,23 @@ pub(crate) enum StaleReason {
     Expired,
 }
 
+/// The results of a run, counted for each entry of the lists. The results themselves aren't kept.
+#[derive(Debug)]
+pub(crate) struct Sums {
+    /// The counts of the entries within the scope.
+    by_entry: BTreeMap<usize, Sum>,
+    /// The entries of each rule, so that lists with many entries stay fast.
+    by_rule: BTreeMap<&'static str, Vec<usize>>,
+}
+
 /// The counts and messages of all results that an entry matches.
-#[derive(Default)]
-struct Sum<'c> {
+#[derive(Clone, Debug, Default)]
+struct Sum {
     passed: usize,
     /// The first case that passed; `None` for rules.
-    passing: Option<&'c str>,
+    passing: Option<String>,
     /// The cases that failed.
-    failing: Vec<&'c str>,
+    failing: Vec<String>,
     failed: usize,
     idle: usize,
     not_run: usize,
@@ -135,25 +144,65 @@ impl Lists {
         found.map(|entry| &entry.excuse)
     }
 
-    /// The entries that are stale on `today`, in order.
-    pub(crate) fn find_stale(&self, scope: Scope, checked: &[Checked<'_>], today: Date) -> Vec<Stale> {
-        let mut stale = Vec::new();
-        let by_rule = by_rule(checked);
+    /// Starts to count results.
+    pub(crate) fn sums(&self, scope: Scope) -> Sums {
+        let mut sums = Sums { by_entry: BTreeMap::new(), by_rule: BTreeMap::new() };
         for (at, entry) in self.entries.iter().enumerate() {
-            let sum = match &entry.names {
+            match &entry.names {
                 Selector::Rule { rule, .. } if scope == Scope::Rules => {
-                    let of_rule = by_rule.get(rule.id).map(Vec::as_slice).unwrap_or_default();
-                    Sum::new(entry, of_rule.iter().copied())
+                    sums.by_rule.entry(rule.id).or_default().push(at);
                 }
-                Selector::Case(_) if scope == Scope::Cases => Sum::new(entry, checked.iter()),
+                Selector::Case(_) if scope == Scope::Cases => {}
                 Selector::Rule { .. } | Selector::Case(_) => continue,
-            };
-            let is_over = entry.excuse.expires.is_some_and(|last| last < today);
+            }
+            sums.by_entry.insert(at, Sum::default());
+        }
+        sums
+    }
+
+    /// Counts a result for each entry that it matches.
+    pub(crate) fn count(&self, sums: &mut Sums, checked: &Checked<'_>) {
+        let Sums { by_entry, by_rule } = sums;
+        let is_failure = matches!(checked.outcome, Outcome::Failed(_));
+        let count = |at: usize, sum: &mut Sum| {
+            let entry = self.entries.get(at).filter(|entry| entry.names.is_match(checked.name, is_failure));
+            if let Some(entry) = entry {
+                sum.add(entry, checked);
+            }
+        };
+        match checked.name {
+            Name::Case(_) => by_entry.iter_mut().for_each(|(at, sum)| count(*at, sum)),
+            Name::Rule { rule, .. } => {
+                for at in by_rule.get(rule.id).into_iter().flatten() {
+                    if let Some(sum) = by_entry.get_mut(at) {
+                        count(*at, sum);
+                    }
+                }
+            }
+        }
+    }
+
+    /// The entries that are stale on `today`, in order.
+    pub(crate) fn stale(&self, sums: &Sums, today: Date) -> Vec<Stale> {
+        let mut stale = Vec::new();
+        for (at, sum) in &sums.by_entry {
+            let Some(Entry { excuse, .. }) = self.entries.get(*at) else { continue };
+            let is_over = excuse.expires.is_some_and(|last| last < today);
             let reasons =
-                is_over.then_some(StaleReason::Expired).into_iter().chain(sum.reasons(entry.excuse.kind));
-            stale.extend(reasons.map(|reason| Stale { entry: at, reason }));
+                is_over.then_some(StaleReason::Expired).into_iter().chain(sum.clone().reasons(excuse.kind));
+            stale.extend(reasons.map(|reason| Stale { entry: *at, reason }));
         }
         stale
+    }
+
+    /// The entries that are stale after a run with these results.
+    #[cfg(any(fuzzing, test))]
+    pub(crate) fn find_stale(&self, scope: Scope, checked: &[Checked<'_>], today: Date) -> Vec<Stale> {
+        let mut sums = self.sums(scope);
+        for checked in checked {
+            self.count(&mut sums, checked);
+        }
+        self.stale(&sums, today)
     }
 
     /// The finding for a stale entry.
@@ -226,19 +275,8 @@ impl Entry {
     }
 }
 
-impl<'c> Sum<'c> {
-    fn new(entry: &Entry, checked: impl Iterator<Item = &'c Checked<'c>>) -> Self {
-        let mut sum = Self::default();
-        for checked in checked {
-            let is_failure = matches!(checked.outcome, Outcome::Failed(_));
-            if entry.names.is_match(checked.name, is_failure) {
-                sum.add(entry, checked);
-            }
-        }
-        sum
-    }
-
-    fn add(&mut self, entry: &Entry, checked: &'c Checked<'c>) {
+impl Sum {
+    fn add(&mut self, entry: &Entry, checked: &Checked<'_>) {
         let case = match checked.name {
             Name::Case(case) => Some(case),
             Name::Rule { .. } => None,
@@ -246,13 +284,13 @@ impl<'c> Sum<'c> {
         match &checked.outcome {
             Outcome::Passed => {
                 self.passed += 1;
-                self.passing = self.passing.or(case);
+                self.passing = self.passing.take().or_else(|| case.map(str::to_owned));
             }
             Outcome::Idle => self.idle += 1,
             Outcome::NotRun => self.not_run += 1,
             Outcome::Failed(messages) => {
                 self.failed += 1;
-                self.failing.extend(case);
+                self.failing.extend(case.map(str::to_owned));
                 for message in messages {
                     self.fails(entry, message);
                 }
@@ -289,24 +327,9 @@ impl<'c> Sum<'c> {
             _ if kind == ExcuseKind::Flaky => None,
             (0, _, _) => Some(StaleReason::Passes),
             (_, count, _) => {
-                let failing = self.failing.into_iter().map(str::to_owned).collect();
-                self.passing.map(|first| StaleReason::PassesInPart {
-                    count,
-                    first: first.to_owned(),
-                    failing,
-                })
+                let failing = self.failing;
+                self.passing.map(|first| StaleReason::PassesInPart { count, first, failing })
             }
         }
     }
-}
-
-/// Groups the results by rule, so that checking lists with many entries stays fast.
-fn by_rule<'c, 'r>(checked: &'c [Checked<'r>]) -> BTreeMap<&'static str, Vec<&'c Checked<'r>>> {
-    let mut by_rule: BTreeMap<_, Vec<_>> = BTreeMap::new();
-    for checked in checked {
-        if let Name::Rule { rule, .. } = checked.name {
-            by_rule.entry(rule.id).or_default().push(checked);
-        }
-    }
-    by_rule
 }

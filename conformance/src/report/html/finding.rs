@@ -4,20 +4,17 @@ use maud::{Markup, html};
 
 use super::{badge, fact, shown};
 use crate::report::by_rule::{Group, place};
-use crate::report::{Definition, Example, Finding, Known, RuleReport, Subject};
+use crate::report::{Definition, Example, Known, RuleReport};
 use crate::text::Grouped;
 
-/// The maximum number of other files that a group of findings lists.
-const MAX_FILES: usize = 20;
-
 /// The findings of a rule in one topic or field.
-pub(super) fn article(rule: &RuleReport, group: &Group<'_>, is_single: bool) -> Markup {
-    let (subject, finding) = group.first;
+pub(super) fn article(rule: &RuleReport, group: &Group, is_single: bool) -> Markup {
+    let finding = &group.first;
     html! {
         article.finding {
             h4 {
                 @if group.verdict != rule.verdict { (badge(group.verdict)) " " }
-                code { (shown(group.name)) }
+                code { (shown(&group.name)) }
             }
             @if let Some((first, others)) = finding.examples.split_first() {
                 p.what { (shown(&first.text())) }
@@ -28,14 +25,15 @@ pub(super) fn article(rule: &RuleReport, group: &Group<'_>, is_single: bool) -> 
                     (known(finding.known.as_ref()))
                 }
                 (exchange(first))
-                (other_examples(subject, finding, others))
+                (other_examples(group, others))
             }
-            (other_files(&group.others))
+            (other_files(group))
         }
     }
 }
 
-fn other_examples(subject: &Subject, finding: &Finding, examples: &[Example]) -> Markup {
+fn other_examples(group: &Group, examples: &[Example]) -> Markup {
+    let finding = &group.first;
     let more = finding.count.saturating_sub(finding.examples.len() as u64);
     html! {
         @if !examples.is_empty() {
@@ -44,7 +42,7 @@ fn other_examples(subject: &Subject, finding: &Finding, examples: &[Example]) ->
                 ul {
                     @for example in examples {
                         li {
-                            (shown(&place(subject, example))) ": " (shown(&example.text()))
+                            (shown(&place(group.is_readable_again, example))) ": " (shown(&example.text()))
                             dl.evidence { (values(example)) }
                             (exchange(example))
                         }
@@ -57,21 +55,19 @@ fn other_examples(subject: &Subject, finding: &Finding, examples: &[Example]) ->
 }
 
 /// The other files, each with its first example.
-fn other_files(found: &[(&Subject, &Finding)]) -> Markup {
-    let more = found.len().saturating_sub(MAX_FILES);
+fn other_files(group: &Group) -> Markup {
+    let more = group.num_others - group.others.len();
     html! {
-        @if !found.is_empty() {
+        @if group.num_others > 0 {
             details {
-                summary { (found.len()) " other file" @if found.len() > 1 { "s" } }
+                summary { (group.num_others) " other file" @if group.num_others > 1 { "s" } }
                 ul {
-                    @for (subject, finding) in found.iter().take(MAX_FILES) {
+                    @for file in &group.others {
                         li {
-                            code.path { (shown(&subject.path)) } ": "
-                            @if finding.count > 1 { (Grouped(finding.count)) " times, first " }
-                            @if let Some(first) = finding.examples.first() {
-                                (shown(&place(subject, first))) ": " (shown(&first.text()))
-                            }
-                            dl.evidence { (known(finding.known.as_ref())) }
+                            code.path { (shown(&file.path)) } ": "
+                            @if file.count > 1 { (Grouped(file.count)) " times, first " }
+                            @if let Some((place, text)) = &file.first { (shown(place)) ": " (shown(text)) }
+                            dl.evidence { (known(file.known.as_ref())) }
                         }
                     }
                     @if more > 0 { li { "… and " (Grouped(more as u64)) " more" } }

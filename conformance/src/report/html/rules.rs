@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::{badge, finding, with_code};
-use crate::report::by_rule::{ByRule, Group, Listed};
+use crate::report::by_rule::{ByRule, Listed};
 use crate::report::{RuleReport, Verdict};
 use crate::text::Grouped;
 
@@ -38,22 +38,23 @@ pub(super) fn findings(rules: &[Listed<'_>], is_single: bool) -> Markup {
 }
 
 fn rule_section(listed: &Listed<'_>, is_single: bool) -> Markup {
-    let Listed { rule, groups } = listed;
+    let Listed { rule, groups, .. } = listed;
     // Findings that don't affect the outcome are collapsed.
     let is_open = rule.verdict > Verdict::Shown;
     let (open, rest) = groups.split_at(if is_open { groups.len().min(MAX_OPEN) } else { 0 });
     let shown = &rest[..rest.len().min(MAX_LISTED_ITEMS)];
-    let more: u64 = rest[shown.len()..].iter().map(Group::count).sum::<u64>() + listed.ungrouped();
+    let num_rest = listed.num_groups - open.len();
+    let more = listed.more_than(open.len() + shown.len());
     html! {
         section.group aria-labelledby=(rule.id) {
             h3 id=(rule.id) { (badge(rule.verdict)) " " a.id href=(rule.url) { (rule.id) } " " (level(rule)) }
             (requirement(rule))
             p.aside { (plural(rule.findings, "finding")) " in " (plural(rule.covered, "check")) }
             @for group in open { (finding::article(rule, group, is_single)) }
-            @if !rest.is_empty() {
+            @if num_rest > 0 {
                 details.rest {
                     summary {
-                        (rest.len()) @if is_open { " more" } " group" @if rest.len() > 1 { "s" } " of findings"
+                        (num_rest) @if is_open { " more" } " group" @if num_rest > 1 { "s" } " of findings"
                     }
                     @for group in shown { (finding::article(rule, group, is_single)) }
                 }

@@ -1,12 +1,13 @@
 //! The section of a subject.
 
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::finding;
 use super::{class, number, shown, testee};
 use crate::check::Line;
 use crate::probe::RequestType;
+use crate::report::format::Run;
 use crate::report::outcome::capitalized;
 use crate::report::{About, OutcomeKind, Report, Subject};
 use crate::text::Grouped;
@@ -17,9 +18,17 @@ const MAX_OPEN: usize = 4;
 /// The maximum number of items in the expanded part. The JSON report has more.
 const MAX_LISTED_ITEMS: usize = 50;
 
-/// The table of files or testees.
-pub(super) fn list(report: &Report) -> Markup {
+/// The maximum number of unreadable files in the table, and of other files. Browsers can't open much larger tables.
+pub(super) const MAX_ROWS: usize = 10_000;
+
+/// The table of files or testees. `rows` are the rows of the first subjects.
+pub(super) fn list(report: &Report, rows: &str) -> Markup {
     let noun = super::noun(report.action);
+    let (failed, not_checked) = (&report.unreadable, &report.not_checked);
+    let more = |count: usize, max: usize, rest: &str| -> Markup {
+        let more = count.saturating_sub(max);
+        html! { @if more > 0 { p.more { "… and " (more) " more " (rest) } } }
+    };
     html! {
         section aria-labelledby="files" {
             h2 id="files" { (capitalized(noun)) "s" }
@@ -32,7 +41,7 @@ pub(super) fn list(report: &Report) -> Markup {
                     }
                 }
                 tbody role="rowgroup" {
-                    @for unreadable in &report.unreadable {
+                    @for unreadable in failed.iter().take(MAX_ROWS) {
                         tr role="row" {
                             td role="cell" { span.badge.fail { (OutcomeKind::Failed.name()) } }
                             td role="cell" {
@@ -42,14 +51,8 @@ pub(super) fn list(report: &Report) -> Markup {
                             td.number role="cell" {}
                         }
                     }
-                    @for subject in &report.subjects {
-                        tr role="row" {
-                            td role="cell" { (outcome(subject)) }
-                            td role="cell" { code.path { (shown(&subject.path)) } p { (shown(&subject.outcome.text)) } }
-                            td.number role="cell" { (Grouped(subject.coverage.records.checked)) }
-                        }
-                    }
-                    @for file in report.not_checked.iter().take(MAX_LISTED_ITEMS) {
+                    (PreEscaped(rows))
+                    @for file in not_checked.iter().take(MAX_LISTED_ITEMS) {
                         tr role="row" {
                             td role="cell" { span.badge.none { "not checked" } }
                             td role="cell" { code.path { (shown(&file.path)) } p { (shown(&file.message)) } }
@@ -58,8 +61,20 @@ pub(super) fn list(report: &Report) -> Markup {
                     }
                 }
             }
-            @let more = report.not_checked.len().saturating_sub(MAX_LISTED_ITEMS);
-            @if more > 0 { p.more { "… and " (more) " more files that were not checked" } }
+            (more(failed.len(), MAX_ROWS, "files that failed; the JSON report lists all of them"))
+            (more(report.totals.subjects, MAX_ROWS, "files that were checked; the JSON report lists all of them"))
+            (more(not_checked.len(), MAX_LISTED_ITEMS, "files that were not checked"))
+        }
+    }
+}
+
+/// The row of a subject in the table.
+pub(super) fn row(subject: &Subject) -> Markup {
+    html! {
+        tr role="row" {
+            td role="cell" { (outcome(subject)) }
+            td role="cell" { code.path { (shown(&subject.path)) } p { (shown(&subject.outcome.text)) } }
+            td.number role="cell" { (Grouped(subject.coverage.records.checked)) }
         }
     }
 }
@@ -79,13 +94,13 @@ pub(super) fn has_details(subject: &Subject) -> bool {
 
 /// The section of a subject. The index makes the section's anchor unique. The head of a report with a single subject
 /// contains its coverage.
-pub(super) fn section(report: &Report, subject: &Subject, index: usize) -> Markup {
-    let is_single = report.subjects.len() == 1;
+pub(super) fn section(run: Run<'_>, subject: &Subject, index: usize) -> Markup {
+    let is_single = run.is_single;
     let anchor = format!("subject-{}", index + 1);
     let is_shown = |line: &Line| !is_single || !line.lists.is_empty() || !line.details.is_empty();
     html! {
         section.subject aria-labelledby=(anchor) {
-            h2 id=(anchor) { (capitalized(super::noun(report.action))) " " code.path { (shown(&subject.path)) } }
+            h2 id=(anchor) { (capitalized(super::noun(run.action))) " " code.path { (shown(&subject.path)) } }
             p.facts { (facts(subject)) }
             @if !is_single && !subject.outcome.remarks.is_empty() {
                 ul.remarks { @for remark in &subject.outcome.remarks { li { (shown(remark)) } } }
@@ -99,7 +114,7 @@ pub(super) fn section(report: &Report, subject: &Subject, index: usize) -> Marku
             (notes(&subject.notes))
             (requests(&subject.requests))
             // The footer contains the command of the whole run.
-            @if let Some(first) = subject.findings.first().filter(|first| first.reproduce != report.command) {
+            @if let Some(first) = subject.findings.first().filter(|first| first.reproduce != run.command) {
                 (finding::reproduce(&first.reproduce))
             }
         }

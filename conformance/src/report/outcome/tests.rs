@@ -1,8 +1,8 @@
 use super::*;
 use crate::check::{Coverage, JsonSummary, Share, Summary, Unit};
-use crate::model::Extent;
+use crate::model::{Extent, Level};
 use crate::px4::json::Dialects;
-use crate::report::{About, RuleVerdict, Settings};
+use crate::report::{About, RuleVerdict, Settings, Subject, Verdict};
 use crate::rules::RULES;
 
 /// The settings of a run without options.
@@ -72,7 +72,7 @@ fn read(extent: Extent, verdict: Verdict) -> Subject {
 }
 
 fn run(subjects: &[Subject]) -> Outcome {
-    Outcome::for_run(Action::Check, subjects, &[], Vec::new())
+    Outcome::for_run(Action::Check, &Totals::of(subjects), &[], Vec::new())
 }
 
 fn outcome_of(subjects: &[Subject]) -> (u8, String) {
@@ -186,7 +186,7 @@ fn a_session_that_was_cut_short_is_incomplete() {
 
 #[test]
 fn required_rules_and_unreadable_files_change_the_outcome() {
-    let good = [full(&[Verdict::Pass])];
+    let good = Totals::of(&[full(&[Verdict::Pass])]);
     let required = Outcome::for_run(Action::Check, &good, &[], vec!["a rule was required".to_owned()]);
     assert_eq!((required.status, required.text.as_str()), (1, "Does not conform"));
     assert_eq!(required.remarks, ["a rule was required"]);

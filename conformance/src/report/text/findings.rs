@@ -108,7 +108,7 @@ fn place(finding: &Finding, example: &Example, subject: &Subject) -> String {
         1 => "once".to_owned(),
         count => format!("{} times, first", Grouped(count)),
     };
-    let mut place = format!("{times} {}", by_rule::place(subject, example));
+    let mut place = format!("{times} {}", by_rule::place(subject.is_readable_again, example));
     if let Some(line) = &finding.definition {
         let _ = write!(place, "   {line}");
     }

@@ -47,7 +47,8 @@ pub(super) fn lines(files: &[Unreadable]) -> Vec<String> {
 fn extensions(paths: &[&str]) -> String {
     let mut counts: BTreeMap<String, u64> = BTreeMap::new();
     for path in paths {
-        let extension = Path::new(path).extension().map(|extension| format!(".{}", extension.display()));
+        let extension =
+            Path::new(path).extension().map(|extension| format!(".{}", extension.to_string_lossy()));
         *counts.entry(extension.unwrap_or_else(|| "without extension".to_owned())).or_default() += 1;
     }
     let mut counts: Vec<(String, u64)> = counts.into_iter().collect();
