@@ -59,10 +59,8 @@ impl<W> Guard<W> {
 
     fn push(&mut self, character: char, text: &mut String) {
         match (self.style.len(), character) {
-            (0, ESCAPE) => self.style.push(character),
+            (0, ESCAPE) | (1, '[') | (2..MAX_STYLE_LEN, '0'..='9' | ';' | ':') => self.style.push(character),
             (0, _) => put(character, &mut self.command, text),
-            (1, '[') => self.style.push(character),
-            (2..MAX_STYLE_LEN, '0'..='9' | ';' | ':') => self.style.push(character),
             (2.., 'm') => {
                 text.push_str(&mem::take(&mut self.style));
                 text.push(character);

@@ -13,6 +13,7 @@ use crate::definitions::Definitions;
 use crate::model::{Location, Reason};
 use crate::probe::RequestType;
 use crate::px4::comparison::Comparison;
+use crate::px4::json::Dialects;
 use crate::report::{
     About, Action, Case, CheckedCapture, Corruption, Definition, Example, Finding, Known, Outcome, Remark,
     Report, Row, Settings, Subject, Testee, Unreadable,
@@ -27,7 +28,8 @@ pub(super) fn reports(text: &str) -> Vec<Report> {
         poison(report, text);
         for (subject, summary) in report.subjects.iter_mut().zip(summaries(text).into_iter().cycle()) {
             if let About::Capture(_) = subject.about {
-                        }
+                subject.about = About::Capture(summary);
+            }
         }
     }
     reports
@@ -108,14 +110,14 @@ fn summaries(text: &str) -> Vec<Summary> {
             types: 1,
             skipped: 1,
             undefined: BTreeSet::from([name()]),
-            dialects: Default::default(),
+            dialects: Dialects::default(),
             has_objects: true,
         }),
         Summary::Mcap(McapSummary {
             profile: name(),
             library: name(),
             channels: vec![channel(CheckStatus::Undefined), channel(CheckStatus::Unsupported)],
-            dialects: Default::default(),
+            dialects: Dialects::default(),
         }),
         Summary::Flockwave(FlockwaveSummary {
             connections: 1,
@@ -154,7 +156,9 @@ fn poison(report: &mut Report, text: &str) {
     for Unreadable { path, message } in unreadable.iter_mut().chain(not_checked) {
         [path, message].into_iter().for_each(set);
     }
-    subjects.iter_mut().for_each(|one| poison_subject(one, text));
+    for subject in subjects {
+        poison_subject(subject, text);
+    }
 }
 
 fn outcome(outcome: &mut Outcome, text: &str) {
@@ -189,10 +193,16 @@ fn poison_subject(subject: &mut Subject, text: &str) {
     set(path);
     outcome(of_subject, text);
     [incomplete, cut_short, notes].into_iter().flatten().for_each(set);
-    corruption.iter_mut().for_each(|Corruption { location: _, message }| set(message));
-    findings.iter_mut().for_each(|one| finding(one, text));
+    for Corruption { location: _, message } in corruption {
+        set(message);
+    }
+    for one in findings {
+        finding(one, text);
+    }
     let Coverage { unit: _, units: _, records: _, values: _, parts, more_parts: _, empty: _ } = coverage;
-    parts.iter_mut().for_each(|Part { name, .. }| set(name));
+    for Part { name, .. } in parts {
+        set(name);
+    }
     for RequestType { name, sent: _, answered: _, refused: _, not_sent } in requests {
         set(name);
         not_sent.iter_mut().for_each(set);
@@ -265,7 +275,9 @@ fn testee(testee: &mut Testee, text: &str) {
     } = testee;
     set(version);
     gave_up.iter_mut().for_each(set);
-    protocol_remarks.iter_mut().for_each(|Remark { message, count: _ }| set(message));
+    for Remark { message, count: _ } in protocol_remarks {
+        set(message);
+    }
     for Row { op, type_name, counts: _ } in table {
         [op, type_name].into_iter().for_each(set);
     }
