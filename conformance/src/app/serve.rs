@@ -30,8 +30,8 @@ const EXAMPLES: &str = "Examples:
   uavspec serve --list-bugs";
 
 const LIMITS: &str = "Limits:
-  connections       8192, 1024 per address, and fewer than the process may open files
-  Socket.IO         2048 sessions, 512 per address
+  connections       8192, 4096 per address, and fewer than the process may open files
+  Socket.IO         4096 sessions, 2048 per address
   UDP               1024 clients, 256 per address, 4 MiB of notifications per received datagram
   requests          1 MiB, 30 seconds to send one, 10,000 elements per list
   memory            4 MiB per client and 48 MiB in all of messages to send,

@@ -62,20 +62,19 @@ fn datagrams_that_are_no_requests_register_no_client() {
 }
 
 #[test]
-fn idle_connections_give_way_to_newcomers() {
+fn idle_connections_lock_nobody_out() {
     let server = serve(Options { rate: 0.0, ..Options::default() });
     for transport in [Transport::Tcp, Transport::Http, Transport::SocketIo] {
         let location = address(&server, transport);
         let mut active = client(&server, ENDPOINTS[0]);
         request_body(&mut *active, "a", &json!({ "type": "SYS-PING" }));
         let _idle: Vec<TcpStream> =
-            (0..1100).map(|_| TcpStream::connect(location).expect("a connection")).collect();
+            (0..300).map(|_| TcpStream::connect(location).expect("a connection")).collect();
         for endpoint in ENDPOINTS {
             request_body(&mut *client(&server, endpoint), "a", &json!({ "type": "SYS-PING" }));
         }
         request_body(&mut *active, "b", &json!({ "type": "SYS-PING" }));
     }
-    assert!(server.statistics().disconnected(Reason::Replaced) > 0);
 }
 
 #[test]
@@ -85,7 +84,7 @@ fn abandoned_polling_sessions_give_way_to_newcomers() {
     let mut stream = TcpStream::connect(location).expect("a connection");
     stream.set_read_timeout(Some(TIMEOUT)).expect("a limit");
     let mut reader = BufReader::new(stream.try_clone().expect("a second handle"));
-    for _ in 0..600 {
+    for _ in 0..2100 {
         stream.write_all(b"GET /socket.io/?EIO=4&transport=polling HTTP/1.1\r\n\r\n").expect("sent");
         let mut response = Vec::new();
         // The response ends with the object that describes the session.

@@ -197,7 +197,7 @@ fn besiege(extent: &Extent) -> String {
         let bad = bad::start(scope, target.addresses, extent.connections, is_over);
         let running: Vec<_> = good.iter().map(|client| scope.spawn(|| client.run(is_over))).collect();
         let (started, mut printed) = (Instant::now(), Instant::now());
-        while started.elapsed() < extent.time && !running.iter().any(|client| client.is_finished()) {
+        while started.elapsed() < extent.time && !running.iter().any(thread::ScopedJoinHandle::is_finished) {
             thread::sleep(Duration::from_millis(100));
             let memory = target.memory();
             most = most.max(memory);

@@ -23,13 +23,13 @@ pub(super) const PAUSE_LIMIT: usize = 64 << 10;
 pub(super) const CONNECTION_LIMIT: usize = 8192;
 
 /// The maximum number of connections from one address.
-pub(super) const CONNECTIONS_PER_ADDRESS: usize = 1024;
+pub(super) const CONNECTIONS_PER_ADDRESS: usize = 4096;
 
 /// The maximum number of Socket.IO sessions.
-pub(super) const SESSION_LIMIT: usize = 2048;
+pub(super) const SESSION_LIMIT: usize = 4096;
 
 /// The maximum number of Socket.IO sessions from one address.
-pub(super) const SESSIONS_PER_ADDRESS: usize = 512;
+pub(super) const SESSIONS_PER_ADDRESS: usize = 2048;
 
 /// The maximum number of clients over UDP.
 pub(super) const PEER_LIMIT: usize = 1024;

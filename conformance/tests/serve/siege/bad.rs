@@ -199,7 +199,7 @@ fn frame(kind: u8, payload: &[u8]) -> Vec<u8> {
     let length = payload.len();
     let head = match u8::try_from(length) {
         Ok(length) if length < 126 => vec![kind, 0x80 | length],
-        _ => vec![kind, 0x80 | 126, (length >> 8).to_be_bytes()[7], length.to_be_bytes()[7]],
+        _ => vec![kind, 0xfe, (length >> 8).to_be_bytes()[7], length.to_be_bytes()[7]],
     };
     [&head[..], &[0; 4], payload].concat()
 }
@@ -260,7 +260,7 @@ fn connect(source: Ipv4Addr, address: SocketAddr) -> Option<TcpStream> {
 /// Sends as much as possible. Returns false if the connection has ended.
 fn send(mut stream: &TcpStream, bytes: &[u8]) -> bool {
     match stream.write(bytes) {
-        Ok(_) => true,
+        Ok(sent) => sent > 0 || bytes.is_empty(),
         Err(error) => error.kind() == ErrorKind::WouldBlock,
     }
 }
