@@ -44,7 +44,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
                 let id = session.tries(&asy_10::RULE.rule, "", test);
                 let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
                 session.answers(&id, json!({ "body": body }));
-                session.wait(2.0 * MAX_SECONDS);
+                session.wait(20.0);
                 session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
             })
         },

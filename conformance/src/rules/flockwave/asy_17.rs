@@ -45,7 +45,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             make: || {
                 mutant::over("tcp#9", |session| {
                     cancel(session, "rcpt-40");
-                    session.wait(2.0 * MAX_SECONDS);
+                    session.wait(20.0);
                     session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
                 })
             },
@@ -128,7 +128,7 @@ impl Waiting {
     fn begin(&mut self, exchange: &Exchange<'_>) {
         for named in &exchange.operations {
             let is_open = matches!(named.stage(), Some(Stage::Open | Stage::Suspended | Stage::Released));
-            let has_room = self.receipts.len() < MAX_CANCELLED && self.times.len() < MAX_CANCELLED;
+            let has_room = self.receipts.len().max(self.times.len()) < MAX_CANCELLED;
             if !is_open || !has_room || self.receipts.contains_key(&named.receipt) {
                 continue;
             }

@@ -72,10 +72,6 @@ impl SessionCheck for Order {
         }
         answered.latest = answered.latest.max(Some(request.location));
     }
-
-    fn corruption(&mut self, _: Location) {
-        self.0.clear();
-    }
 }
 
 /// An attempt that sends several requests together. Empty for transports that don't guarantee the order.

@@ -35,7 +35,7 @@ const KNOWN: [RangeInclusive<i128>; 9] =
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     body::codes(message, context, |codes| {
         let is_known =
-            |code: &i128| *code <= 0 || *code > 255 || KNOWN.iter().any(|known| known.contains(code));
+            |code: &i128| !(1..=255).contains(code) || KNOWN.iter().any(|known| known.contains(code));
         let unknown = codes.iter().find(|code| !is_known(code))?;
         Some(format!("the specification does not define code {unknown}"))
     });
