@@ -1,6 +1,8 @@
 //! Tests of recorded Flockwave sessions: a violation is reported only if it is certain.
 
 mod certain;
+mod gaps;
+mod operations;
 
 use crate::tests::support;
 
@@ -358,6 +360,8 @@ fn counts_long_unknown_type_names_from_the_server_only() {
     session.notify(json!({ "type": long }));
     let result = checked(&session.to_bytes());
     assert_eq!(source(&result).uncounted, 1);
+    assert!(!result.coverage.is_full(), "{:?}", result.coverage);
+    assert_eq!(result.coverage.parts.last().map(|part| part.records.total), Some(Some(1)));
     let lines = source(&result).lines();
     let line = lines.last().expect("the unsupported types");
     assert_eq!(line.text, "2 messages without a definition: SOAR-DONE, types not listed by name");

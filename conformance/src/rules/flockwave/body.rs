@@ -150,3 +150,16 @@ pub(super) fn members<'t>(body: Option<&'t Tree<'t>>, name: &str) -> &'t [(Cow<'
         _ => &[],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{MAX_QUOTED, quoted};
+
+    #[test]
+    fn long_texts_are_shortened() {
+        assert_eq!(quoted("kite"), "`kite`");
+        let longest = "ü".repeat(MAX_QUOTED);
+        assert_eq!(quoted(&longest), format!("`{longest}`"));
+        assert_eq!(quoted(&format!("{longest}ü")), format!("`{longest}…`"));
+    }
+}

@@ -52,3 +52,29 @@ impl<T: Default> PerConnection<T> {
         self.0.clear();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{ConnectionId, MAX_CONNECTIONS, PerConnection};
+
+    fn id(index: usize) -> ConnectionId {
+        ConnectionId { index, serial: 1 }
+    }
+
+    #[test]
+    fn a_reopened_connection_has_a_new_state() {
+        let mut states = PerConnection::<u32>::default();
+        *states.at(id(0)) = 7;
+        assert_eq!(*states.at(id(0)), 7);
+        assert_eq!(*states.at(ConnectionId { index: 0, serial: 2 }), 0);
+    }
+
+    #[test]
+    fn the_state_of_the_first_connection_is_dropped_if_there_are_too_many() {
+        let mut states = PerConnection::<u32>::default();
+        (0..MAX_CONNECTIONS).for_each(|index| *states.at(id(index)) = 7);
+        assert_eq!((*states.at(id(3)), *states.at(id(0))), (7, 7));
+        *states.at(id(MAX_CONNECTIONS)) = 7;
+        assert_eq!((*states.at(id(1)), *states.at(id(0))), (7, 0));
+    }
+}

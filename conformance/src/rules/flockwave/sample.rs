@@ -229,7 +229,7 @@ impl Session {
     }
 
     /// Adds a status report.
-    fn report(&mut self) {
+    pub(crate) fn report(&mut self) {
         let status = json!({ "kite": self.kite(), "swift": self.swift() });
         self.notify(json!({ "type": "UAV-INF", "status": status }));
     }

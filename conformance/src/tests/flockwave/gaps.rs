@@ -1,0 +1,246 @@
+//! Tests of messages at the borders of what rules see: before a gap in the recording, from the client, in pieces.
+
+use serde_json::{Value, json};
+
+use super::{DEFINITIONS, checked, ping, violated, violated_by};
+use crate::rules::flockwave::sample::Session;
+use crate::rules::mutants;
+use crate::rules::sample::Flight;
+
+type Part = fn(&mut Session);
+
+fn uav_list(session: &mut Session) {
+    session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite"] }));
+}
+
+fn obj_list(session: &mut Session) {
+    session.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite"] }));
+}
+
+fn filtered(session: &mut Session, kind: &str, ids: &[&str]) {
+    session.exchange(json!({ "type": "OBJ-LIST", "filter": [kind] }), json!({ "ids": ids }));
+}
+
+fn version(session: &mut Session, version: &str) {
+    let answer = json!({ "software": "Windward", "version": version, "name": "Hill", "revision": "b7" });
+    session.exchange(json!({ "type": "SYS-VER" }), answer);
+}
+
+/// The lost records may explain the difference.
+#[test]
+fn lists_before_a_gap_are_not_compared_with_later_lists() {
+    let parts: [(&str, Part, Part); 6] = [
+        ("FW-OBJ-DEL-02", |session| session.notify(json!({ "type": "OBJ-DEL", "ids": ["kite"] })), uav_list),
+        (
+            "FW-OBJ-LIST-02",
+            |session| filtered(session, "uav", &["kite"]),
+            |session| filtered(session, "beacon", &["kite"]),
+        ),
+        (
+            "FW-OBJ-LIST-04",
+            |session| {
+                obj_list(session);
+                filtered(session, "beacon", &["mast"]);
+            },
+            obj_list,
+        ),
+        (
+            "FW-UAV-LIST-02",
+            |session| {
+                uav_list(session);
+                filtered(session, "uav", &["kite", "owl"]);
+            },
+            uav_list,
+        ),
+        (
+            "FW-UAV-LIST-03",
+            |session| {
+                uav_list(session);
+                let answer = json!({ "status": {}, "error": { "kite": "Unknown" } });
+                session.exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), answer);
+            },
+            uav_list,
+        ),
+        ("FW-SYS-VER-04", |session| version(session, "3.1"), |session| version(session, "3.2")),
+    ];
+    for (id, before, after) in parts {
+        let count = |gap: &[u8]| {
+            let mut session = Session::opened();
+            before(&mut session);
+            let mut bytes = session.to_bytes();
+            bytes.extend(gap);
+            session.lines.clear();
+            after(&mut session);
+            bytes.extend(session.to_bytes());
+            violated(&checked(&bytes)).get(id).copied().unwrap_or_default()
+        };
+        assert_eq!((count(b""), count(b"{\"t\":1790000001,\"conn\"\n")), (1, 0), "{id}");
+    }
+}
+
+/// Adds a client message that refers to the last message of the server.
+fn client_responds(session: &mut Session, body: &Value) {
+    let refs = session.lines.last().map(|line| line["msg"]["id"].clone());
+    session.sends(body.clone());
+    if let Some(line) = session.lines.last_mut() {
+        line["msg"]["refs"] = refs.into();
+    }
+}
+
+#[test]
+fn responses_of_the_client_are_not_checked() {
+    let flight = Flight::new(&DEFINITIONS);
+    let mut bodies: Vec<Value> = Vec::new();
+    for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
+        for (_, bytes) in mutant.captures(&flight) {
+            let lines = bytes.split(|byte| *byte == b'\n');
+            let lines = lines.filter_map(|line| serde_json::from_slice::<Value>(line).ok());
+            bodies.extend(lines.filter(|line| line["dir"] == "in").map(|line| line["msg"]["body"].clone()));
+        }
+    }
+    bodies.retain(Value::is_object);
+    bodies.sort_by_key(ToString::to_string);
+    bodies.dedup();
+    assert!(bodies.len() > 200, "{}", bodies.len());
+    for bodies in bodies.chunks(20) {
+        let mut session = Session::opened();
+        for body in bodies {
+            session.notify(ping());
+            client_responds(&mut session, body);
+        }
+        assert_eq!(violated_by(&session), [], "{bodies:?}");
+    }
+}
+
+/// A message from the server, in lines.
+fn pieces(session: &mut Session, number: usize) {
+    session.send_raw("{\"$fw.version\":\"1.0\",\"id\":\"long-1\",");
+    for _ in 2..number {
+        session.send_raw("");
+    }
+    session.send_raw("\"body\":{\"type\":\"SYS-PING\"}}");
+}
+
+/// The violations of `FW-TCP-01` and `FW-ENV-01` over TCP.
+fn split_and_other(add: impl FnOnce(&mut Session)) -> (u64, u64) {
+    let mut session = Session::opened();
+    session.over("tcp#9", add);
+    let found = violated(&checked(&session.to_bytes()));
+    let count = |id| found.get(id).copied().unwrap_or_default();
+    (count("FW-TCP-01"), count("FW-ENV-01"))
+}
+
+#[test]
+fn a_message_in_many_lines_is_one_violation_up_to_a_limit() {
+    assert_eq!(split_and_other(|session| pieces(session, 2)), (1, 0));
+    assert_eq!(split_and_other(|session| pieces(session, 10_000)), (1, 0));
+    let (split, other) = split_and_other(|session| pieces(session, 10_001));
+    assert_eq!((split, other > 0), (0, true));
+    let long = |size: usize| {
+        split_and_other(|session| {
+            // The lines end with line feeds.
+            session.send_raw(&format!("{{\"body\":\"{}\"", "x".repeat(size - 13)));
+            session.send_raw("}");
+        })
+    };
+    assert_eq!(long(1 << 20), (1, 0));
+    assert_eq!(long((1 << 20) + 1).0, 0);
+}
+
+#[test]
+fn client_messages_do_not_interrupt_a_message_in_pieces() {
+    let found = split_and_other(|session| {
+        session.send_raw("{\"body\":");
+        session.sends(json!({ "type": "SYS-PING" }));
+        session.send_raw("{}}");
+    });
+    assert_eq!(found, (1, 0));
+    let found = split_and_other(|session| {
+        session.send_raw("{\"body\":");
+        session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+        session.send_raw("{}}");
+    });
+    assert_eq!(found, (0, 2));
+}
+
+#[test]
+fn messages_in_pieces_on_several_connections_are_separate() {
+    let mut session = Session::opened();
+    let begin = |session: &mut Session| session.send_raw("{\"body\":");
+    let end = |session: &mut Session| session.send_raw("{}}");
+    session.over("tcp#1", begin);
+    session.over("tcp#2", begin);
+    session.over("tcp#1", end);
+    session.over("tcp#2", end);
+    session.lines.retain(|line| line["event"].is_null() || line["conn"] == "hill");
+    let found = violated(&checked(&session.to_bytes()));
+    assert_eq!(found.get("FW-TCP-01"), Some(&2), "{found:?}");
+}
+
+#[test]
+fn an_unfinished_message_is_a_violation_unless_the_client_leaves() {
+    let ends = |reason: Option<&str>| {
+        let mut session = Session::opened();
+        session.over("tcp#9", |session| {
+            session.sends(ping());
+            session.send_raw("{\"body\":");
+        });
+        match reason {
+            Some(reason) => session.lines.last_mut().expect("an event")["why"] = reason.into(),
+            None => _ = session.lines.pop(),
+        }
+        violated(&checked(&session.to_bytes())).get("FW-ENV-01").copied().unwrap_or_default()
+    };
+    assert_eq!((ends(Some("eof")), ends(None), ends(Some("client"))), (1, 1, 0));
+}
+
+#[test]
+fn several_client_messages_in_a_line_are_no_violation() {
+    let mut session = Session::opened();
+    session.over("tcp#9", |session| {
+        session.send_raw("{\"id\":\"a\"}{\"id\":\"b\"}");
+        session.lines.last_mut().expect("text")["dir"] = "out".into();
+    });
+    assert_eq!(violated_by(&session), []);
+}
+
+/// A part of the specification allows fractions of milliseconds.
+#[test]
+fn fractions_of_times_are_disputed() {
+    for body in [
+        json!({ "type": "CLK-INF", "status": { "day": { "id": "day", "retrievedAt": 1.5, "running": true, "ticks": 5 } } }),
+        json!({ "type": "SYS-MSG", "items": [{ "message": "Wind", "severity": "info", "timestamp": 1.5 }] }),
+    ] {
+        let mut session = Session::opened();
+        session.notify(body.clone());
+        assert_eq!(violated_by(&session), [("FW-ENV-26", 1)], "{body}");
+    }
+}
+
+/// Only as a longitude, 180° are disputed.
+#[test]
+fn other_values_of_1800000000_are_wrong() {
+    let session = Session::new().state(|kite| kite["attitude"] = json!([0, 1_800_000_000, 0]));
+    assert_eq!(violated_by(&session.expect("a state")), [("FW-UST-ATTITUDE", 1)]);
+}
+
+#[test]
+fn objects_may_have_many_members() {
+    let members: serde_json::Map<String, Value> = (0..200).map(|at| (format!("m{at}"), json!(at))).collect();
+    let mut session = Session::opened();
+    session.exchange(json!({ "type": "SOAR-INF" }), Value::Object(members));
+    assert_eq!(violated_by(&session), []);
+}
+
+#[test]
+fn a_huge_time_is_implausible() {
+    let mut session = Session::opened();
+    let link =
+        json!({ "id": "winch", "purpose": "uavRadioLink", "status": "connected", "timestamp": 123_456_789 });
+    session.notify(json!({ "type": "CONN-INF", "status": { "winch": link } }));
+    let text = String::from_utf8(session.to_bytes()).expect("JSON");
+    for huge in ["123456789", "1e999", &"9".repeat(60)] {
+        let found = violated(&checked(text.replace("123456789", huge).as_bytes()));
+        assert_eq!(found.get("FW-VAL-01"), Some(&1), "{huge}: {found:?}");
+    }
+}
