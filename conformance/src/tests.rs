@@ -20,6 +20,7 @@ mod rule_list;
 #[allow(dead_code, reason = "the tests of the program use the rest")]
 #[path = "../tests/support/mod.rs"]
 pub(crate) mod support;
+mod texts;
 mod trials;
 mod ulog;
 mod untrusted;

@@ -1,0 +1,146 @@
+//! Expected texts: the messages that each bug of the reference server changes, and the findings of each mutant.
+
+use serde_json::{Value, json};
+
+use crate::check::check_capture;
+use crate::definitions::Definitions;
+use crate::rules::flockwave::sample::Session;
+use crate::rules::flockwave::{Outgoing, RULES};
+use crate::rules::mutants;
+use crate::rules::sample::Flight;
+
+/// The folder with the expected texts.
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/tests/texts");
+
+const UPDATE: &str = "`UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-conformance --lib texts`";
+
+/// The messages of a server, each with the body of its request.
+fn messages() -> Vec<(Value, Option<Value>)> {
+    let session = Session::new();
+    let is_sent = |line: &&Value, direction: &str| line["dir"] == direction && line["msg"]["id"].is_string();
+    let requests: Vec<&Value> = session.lines.iter().filter(|line| is_sent(line, "out")).collect();
+    let answered = |refs: &Value| requests.iter().find(|line| line["msg"]["id"] == *refs);
+    let mut messages: Vec<(Value, Option<Value>)> = session
+        .lines
+        .iter()
+        .filter(|line| is_sent(line, "in"))
+        .map(|line| {
+            (line["msg"].clone(), answered(&line["msg"]["refs"]).map(|line| line["msg"]["body"].clone()))
+        })
+        .collect();
+    // A refusal in the words of the reference server.
+    let refusal = json!({ "type": "ACK-NAK", "reason": "no handler for UAV-SOAR" });
+    let refusal = json!({ "$fw.version": "1.0", "id": "say-no", "refs": "ask-no", "body": refusal });
+    messages.push((refusal, Some(json!({ "type": "UAV-SOAR" }))));
+    messages
+}
+
+/// The members that differ, such as `/body/ids/0: "kite" → 7`.
+fn differences(path: &str, before: &Value, after: &Value) -> Vec<String> {
+    let keys: Vec<String> = match (before, after) {
+        (Value::Object(before), Value::Object(after)) => {
+            before.keys().chain(after.keys().filter(|key| !before.contains_key(*key))).cloned().collect()
+        }
+        (Value::Array(before), Value::Array(after)) => {
+            (0..before.len().max(after.len())).map(|at| at.to_string()).collect()
+        }
+        _ if before == after => return Vec::new(),
+        _ => return vec![format!("{path}: {before} → {after}")],
+    };
+    let member = |value: &Value, key: &str| value.pointer(&format!("/{}", key.replace('/', "~1"))).cloned();
+    let differ = |key: &String| match (member(before, key), member(after, key)) {
+        (Some(before), Some(after)) => differences(&format!("{path}/{key}"), &before, &after),
+        (Some(before), None) => vec![format!("{path}/{key}: {before} → nothing")],
+        (_, after) => vec![format!("{path}/{key}: nothing → {}", after.unwrap_or_default())],
+    };
+    keys.iter().flat_map(differ).collect()
+}
+
+/// The effect of a bug on a message. Empty if the message stays the same.
+fn effect(before: &Value, texts: &[String]) -> String {
+    match texts {
+        [] => "dropped".to_owned(),
+        [text] => match serde_json::from_str::<Value>(text) {
+            Ok(after) => differences("", before, &after).join(", "),
+            Err(_) => text.clone(),
+        },
+        texts => {
+            let original = before.to_string();
+            let added = texts.iter().filter(|text| **text != original);
+            added.map(|text| format!("with {text}")).collect::<Vec<_>>().join(", ")
+        }
+    }
+}
+
+/// The effects of all bugs on the messages of a conforming session: for each bug, the number of changed messages by type,
+/// with the first change.
+fn bugs() -> String {
+    let messages = messages();
+    let mut table = String::new();
+    for rule in RULES {
+        let mut effects: Vec<(&str, usize, String)> = Vec::new();
+        for (number, (message, request)) in (1..).zip(&messages) {
+            let mut outgoing = Outgoing::new(message.clone(), request.as_ref(), number);
+            rule.bug.apply(&mut outgoing);
+            let effect = effect(message, &outgoing.into_texts());
+            if effect.is_empty() {
+                continue;
+            }
+            let kind = message["body"]["type"].as_str().unwrap_or("no type");
+            match effects.iter_mut().find(|(known, ..)| *known == kind) {
+                Some((_, count, _)) => *count += 1,
+                None => effects.push((kind, 1, effect)),
+            }
+        }
+        table += &format!("{}: {}\n", rule.rule.id, rule.bug.description);
+        for (kind, count, effect) in effects {
+            let short: String = effect.chars().take(160).collect();
+            table += &format!("    {count} {kind}: {short}\n");
+        }
+    }
+    table
+}
+
+/// The findings of all mutants of Flockwave rules, with their paths and messages.
+fn findings() -> String {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let mut table = String::new();
+    for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
+        table += &format!("{}: {}\n", mutant.rule.id, mutant.name);
+        for (_, bytes) in mutant.captures(&flight) {
+            let result = check_capture(&bytes[..], None, &definitions).expect("bytes");
+            for group in result.findings.groups() {
+                let (location, detail) = &group.examples[0];
+                let [path, expected, actual] = [&detail.path, &detail.expected, &detail.actual];
+                table += &format!("    {} {}, {location}, {path}: {detail}\n", group.rule.id, group.subject);
+                if !expected.is_empty() || !actual.is_empty() {
+                    table += &format!("        expected {expected}, found {actual}\n");
+                }
+            }
+        }
+    }
+    table
+}
+
+/// Asserts that a text is the content of a file in this folder.
+fn assert_known(name: &str, text: &str) {
+    let path = format!("{FOLDER}/{name}");
+    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
+        std::fs::write(&path, text).expect("the file can be written");
+    }
+    let known = std::fs::read_to_string(&path).expect("the file exists");
+    let changed: Vec<(&str, &str)> =
+        text.lines().zip(known.lines()).filter(|(now, then)| now != then).collect();
+    assert_eq!((changed, text.lines().count()), (vec![], known.lines().count()), "{name}: {UPDATE}");
+}
+
+#[test]
+fn bugs_change_the_messages_that_they_describe() {
+    assert_known("bugs.txt", &bugs());
+}
+
+#[test]
+fn findings_name_the_path_and_the_difference() {
+    assert_known("findings.txt", &findings());
+}
