@@ -186,9 +186,7 @@ pub(crate) enum Interest {
 pub(crate) trait Checker {
     /// Handles a new channel, and returns the checker's interest in it. For [`Interest::Nothing`], [`Self::message`]
     /// isn't called.
-    fn opened(&mut self, _channel: &Channel<'_>, _context: &mut RuleContext<'_>) -> Interest {
-        Interest::Nothing
-    }
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest;
 
     /// Handles the end of a channel: the channel was unsubscribed, or another channel took its index. May be called
     /// twice.

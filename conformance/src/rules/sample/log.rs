@@ -158,7 +158,6 @@ fn type_of(element: PlacedElement<'_>) -> String {
             Scalar::Float32 => "float".to_owned(),
             Scalar::Float64 => "double".to_owned(),
             Scalar::Bool | Scalar::Char => scalar.name().to_owned(),
-            Scalar::Byte => "uint8_t".to_owned(),
             _ => format!("{}_t", scalar.name()),
         },
         PlacedElement::Text(_) => "char".to_owned(),
