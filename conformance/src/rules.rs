@@ -204,6 +204,20 @@ mod tests {
     }
 
     #[test]
+    fn describes_how_a_rule_is_checked() {
+        for (id, start) in [
+            ("FW-ASY-17", BY_STATE),
+            ("FW-ENV-04", "one message at a time"),
+            ("PX-DATA-02", "while reading"),
+            ("PX-FSF-03", BY_STATE),
+            ("PX-RANGE-01", "one value at a time"),
+        ] {
+            let text = checked_by(rule(id).expect("a rule"));
+            assert!(text.starts_with(start), "{id}: {text}");
+        }
+    }
+
+    #[test]
     fn examples_fit_on_a_screen() {
         let fits = |example: &str| {
             example.lines().count() <= 8 && example.lines().all(|line| line.chars().count() <= 100)

@@ -94,6 +94,7 @@ fn unrelated_definitions_have_mutants() {
     let glider = "\
 uint64 timestamp          # [us] Time since system start
 float32 speed             # [m/s] [@range 0, 60] [@invalid -1] Speed
+float64 distance          # [m] Distance flown
 float32[2] flaps          # [rad] [@range -1, 1] [@invalid NaN] Left and right
 uint8 MODE_CRUISE = 0     # Straight on
 uint8 MODE_THERMAL = 7    # Circling in lift

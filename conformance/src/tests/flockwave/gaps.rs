@@ -1,4 +1,4 @@
-//! Tests of messages at the borders of what rules see: before a gap in the recording, from the client, in pieces.
+//! Tests of messages that are hard to follow: before a gap in the recording, from the client, or in pieces.
 
 use serde_json::{Value, json};
 
@@ -192,16 +192,6 @@ fn an_unfinished_message_is_a_violation_unless_the_client_leaves() {
         violated(&checked(&session.to_bytes())).get("FW-ENV-01").copied().unwrap_or_default()
     };
     assert_eq!((ends(Some("eof")), ends(None), ends(Some("client"))), (1, 1, 0));
-}
-
-#[test]
-fn several_client_messages_in_a_line_are_no_violation() {
-    let mut session = Session::opened();
-    session.over("tcp#9", |session| {
-        session.send_raw("{\"id\":\"a\"}{\"id\":\"b\"}");
-        session.lines.last_mut().expect("text")["dir"] = "out".into();
-    });
-    assert_eq!(violated_by(&session), []);
 }
 
 /// A part of the specification allows fractions of milliseconds.
