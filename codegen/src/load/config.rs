@@ -150,7 +150,7 @@ impl Config {
 
     /// Parses the text of the file at `path`.
     pub(crate) fn parse(path: &Path, text: String) -> Result<Self, Failure> {
-        let shown = path.display().to_string();
+        let shown = terminal::path(path);
         let file: File = toml::from_str(&text).map_err(|error| unreadable(&shown, &text, &error))?;
         if file.packages.is_empty() {
             return Err(Failure::new(format!("{shown} has no packages"))

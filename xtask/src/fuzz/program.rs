@@ -34,9 +34,7 @@ impl Program {
         let folder = root.join("target/fuzz");
         // Without `--locked`, because each new dependency of the workspace changes the lock file of this one.
         let mut cargo = Command::new(cargo());
-        cargo
-            .args(["build", "--release", "--manifest-path"])
-            .arg(root.join("xtask/fuzz/Cargo.toml"));
+        cargo.args(["build", "--release", "--manifest-path"]).arg(root.join("xtask/fuzz/Cargo.toml"));
         // With a target, the flags don't apply to build scripts and macros.
         cargo.args(["--target", &host, "--target-dir"]).arg(&folder);
         cargo.env("RUSTFLAGS", FLAGS.join(" ")).env_remove("CARGO_ENCODED_RUSTFLAGS");
