@@ -20,7 +20,7 @@ pub fn write_pretty(value: &(impl Serialize + ?Sized), to: impl Write) -> io::Re
 /// Formats a value on several lines, with a final line break.
 pub fn pretty(value: &(impl Serialize + ?Sized)) -> String {
     let mut text = Vec::new();
-    // Writing to memory can't fail. A value whose keys aren't strings yields no text.
+    // Writing to memory can't fail. A value whose keys aren't strings gives an empty text.
     let is_written = write_pretty(value, &mut text).is_ok();
     text.push(b'\n');
     String::from_utf8(text).ok().filter(|_| is_written).unwrap_or_default()
