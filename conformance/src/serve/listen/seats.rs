@@ -106,7 +106,7 @@ impl<K: Ord + Clone> Seats<K> {
 
     /// The clients that have been inactive for this time.
     pub(super) fn inactive(&self, time: Duration, now: Instant) -> Vec<K> {
-        self.seats
+        self.taken
             .iter()
             .filter(|(_, seat)| seat.idle_time(now) >= time)
             .map(|(key, _)| key.clone())
