@@ -67,9 +67,9 @@ mod tests {
         let config = "[output]\nrust = \"out\"\n\n[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
         let list = "# list\n\n[[known]]\nrule = \"unit-missing\"\nsubject = \"px4/*\"\ncount = 1\nreason = \"old\"\n";
         let catalogue = "# note\nmsgid \"\"\nmsgstr \"\"\n\"Language: uk\\n\"\n\n#, fuzzy\nmsgctxt \"a\"\nmsgid \"b\"\nmsgstr \"c\"\n";
-        let targets: [(fn(&[u8]), &str); 3] =
-            [(configuration, config), (known_findings, list), (translations, catalogue)];
-        for (check, text) in targets {
+        for (check, text) in
+            [(configuration as fn(&[u8]), config), (known_findings, list), (translations, catalogue)]
+        {
             for end in 0..=text.len() {
                 check(&text.as_bytes()[..end]);
             }

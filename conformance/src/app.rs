@@ -112,7 +112,7 @@ enum Command {
     ///
     /// Ctrl-C ends the probe. It first lands the UAVs that it commanded, stops their motors and wakes them, and then
     /// writes its reports. A second Ctrl-C leaves immediately. UAVs that may still fly are the last line printed.
-    Probe(probe::ProbeArgs),
+    Probe(Box<probe::ProbeArgs>),
     /// Run a reference Flockwave server with a simulated fleet.
     ///
     /// The server prints the address of each transport on a separate line. Port 0 selects a free port. Each HTTP or

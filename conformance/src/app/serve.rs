@@ -175,7 +175,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     let statistics = server.statistics().to_string();
     server.end();
     if !statistics.is_empty() {
-        anstream::eprintln!("{statistics}");
+        terminal::eprintln!("{statistics}");
     }
     Status::Conforms
 }
