@@ -113,6 +113,8 @@ pub(super) struct Hub {
     notified: Duration,
     /// UAVs that are lost but still listed; used only with the FW-OBJ-DEL-02 bug.
     ghosts: Vec<String>,
+    /// Notifications for all connections, which are sent at the next step, by type.
+    announcements: BTreeMap<&'static str, Notification>,
     /// True if no request is answered any more; used only with the FW-ENV-27 bug.
     is_stuck: bool,
     handler: RequestHandler,
@@ -136,6 +138,7 @@ impl Hub {
             simulated: 0.0,
             notified: Duration::ZERO,
             ghosts: Vec::new(),
+            announcements: BTreeMap::new(),
             is_stuck: false,
         }
     }
@@ -269,6 +272,9 @@ impl Hub {
             let items = remarks.iter().map(|remark| remark.to_item(now)).collect();
             self.notify_all(&sys_msg::Notification { items }.into());
         }
+        for body in std::mem::take(&mut self.announcements).into_values() {
+            self.notify_all(&body);
+        }
         self.apply_losses();
         self.disconnect_expired();
         self.notify_if_due();
@@ -372,6 +378,12 @@ impl Hub {
     /// Sends a notification to a connection.
     pub(super) fn notify(&mut self, id: SessionId, body: &Notification) {
         self.send(id, None, body);
+    }
+
+    /// Sends a notification to all connections at the next step. Only the last notification of a type is sent, so a
+    /// client that causes many can't delay others.
+    pub(super) fn announce(&mut self, message_type: &'static str, body: Notification) {
+        self.announcements.insert(message_type, body);
     }
 
     /// Sends a notification to all connections that receive them.

@@ -33,7 +33,7 @@ use crate::rules::flockwave::FlockwaveRule;
 
 /// The maximum computing time of a connection or socket before others have their turn. A request that began earlier is
 /// completed.
-const SLICE: Duration = Duration::from_millis(1);
+const SLICE: Duration = Duration::from_micros(200);
 
 /// The maximum number of connections that wait to be accepted.
 const BACKLOG: i32 = 1024;

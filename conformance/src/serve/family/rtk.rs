@@ -73,7 +73,7 @@ fn choose(hub: &mut Hub, id: Option<&str>) -> Answer {
     hub.world.preset = chosen;
     if has_changed {
         let status = BTreeMap::from([(CORRECTIONS.to_owned(), corrections(hub))]);
-        hub.notify_all(&conn_inf::Notification { status: Some(status) }.into());
+        hub.announce("CONN-INF", conn_inf::Notification { status: Some(status) }.into());
     }
     Ok(acknowledgment())
 }

@@ -49,7 +49,7 @@ fn adjust(hub: &mut Hub, adjustment: f64) -> Result<(), String> {
     if adjusted != hub.adjustment {
         hub.adjustment = adjusted;
         let status = BTreeMap::from([(clock::SYSTEM.to_owned(), clock::system(hub))]);
-        hub.notify_all(&clk_inf::Notification { status: Some(status) }.into());
+        hub.announce("CLK-INF", clk_inf::Notification { status: Some(status) }.into());
     }
     Ok(())
 }
