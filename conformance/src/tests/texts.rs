@@ -1,10 +1,15 @@
-//! Expected texts: the messages that each bug of the reference server changes, and the findings of each mutant.
+//! Expected texts: the messages that each bug of the reference server changes, the findings of each mutant, and the
+//! messages of a probe.
+
+use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 
 use crate::check::check_capture;
 use crate::definitions::Definitions;
+use crate::flockwave::transport::endpoint::Endpoint;
 use crate::rules::flockwave::sample::Session;
+use crate::rules::flockwave::trial::{self, Sent, Step};
 use crate::rules::flockwave::{Outgoing, RULES};
 use crate::rules::mutants;
 use crate::rules::sample::Flight;
@@ -92,10 +97,10 @@ fn bugs() -> String {
                 None => effects.push((kind, 1, effect)),
             }
         }
-        table += &format!("{}: {}\n", rule.rule.id, rule.bug.description);
+        _ = writeln!(table, "{}: {}", rule.rule.id, rule.bug.description);
         for (kind, count, effect) in effects {
             let short: String = effect.chars().take(160).collect();
-            table += &format!("    {count} {kind}: {short}\n");
+            _ = writeln!(table, "    {count} {kind}: {short}");
         }
     }
     table
@@ -107,17 +112,52 @@ fn findings() -> String {
     let flight = Flight::new(&definitions);
     let mut table = String::new();
     for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
-        table += &format!("{}: {}\n", mutant.rule.id, mutant.name);
+        _ = writeln!(table, "{}: {}", mutant.rule.id, mutant.name);
         for (_, bytes) in mutant.captures(&flight) {
             let result = check_capture(&bytes[..], None, &definitions).expect("bytes");
             for group in result.findings.groups() {
                 let (location, detail) = &group.examples[0];
                 let [path, expected, actual] = [&detail.path, &detail.expected, &detail.actual];
-                table += &format!("    {} {}, {location}, {path}: {detail}\n", group.rule.id, group.subject);
+                _ = writeln!(table, "    {} {}, {location}, {path}: {detail}", group.rule.id, group.subject);
                 if !expected.is_empty() || !actual.is_empty() {
-                    table += &format!("        expected {expected}, found {actual}\n");
+                    _ = writeln!(table, "        expected {expected}, found {actual}");
                 }
             }
+        }
+    }
+    table
+}
+
+/// A message of a probe, shortened.
+fn sent(sent: &Sent) -> String {
+    let text: String = String::from_utf8_lossy(&sent.text).chars().take(120).collect();
+    format!("{} bytes {text:?}, id {:?}", sent.text.len(), sent.id())
+}
+
+fn step(step: &Step) -> String {
+    let what = match step {
+        Step::Send(message) => sent(message),
+        Step::Together(all) => format!("together {}", all.iter().map(sent).collect::<Vec<_>>().join(" and ")),
+        Step::Pieces(message, count, pause) => format!("in {count} parts, each {pause:?}: {}", sent(message)),
+        Step::Packet(text) => format!("packet {text}"),
+    };
+    format!("{what}, answer to {:?}", step.id())
+}
+
+/// The messages with which a probe tests the rules, by transport.
+fn trials() -> String {
+    let mut table = String::new();
+    for (rule, request) in trial::requests(&["kite".to_owned(), "swift".to_owned()]) {
+        let trial::Request { how, body, member, is_repeated } = request;
+        let again = if is_repeated { ", repeated" } else { "" };
+        _ = writeln!(table, "{} {how}{again}: {body} {member:?}", rule.id);
+    }
+    for url in ["tcp://hill:1", "udp://hill:1", "http://hill:1", "socketio://hill:1"] {
+        let endpoint: Endpoint = url.parse().expect("a URL");
+        for (rule, attempt) in trial::attempts(&endpoint) {
+            let other = attempt.endpoint.map_or_else(String::new, |endpoint| format!(" at {endpoint}"));
+            _ = writeln!(table, "{url}, {} {}{other}", rule.id, attempt.how);
+            table.extend(attempt.steps.iter().map(|part| format!("    {}\n", step(part))));
         }
     }
     table
@@ -143,4 +183,9 @@ fn bugs_change_the_messages_that_they_describe() {
 #[test]
 fn findings_name_the_path_and_the_difference() {
     assert_known("findings.txt", &findings());
+}
+
+#[test]
+fn probes_send_the_messages_of_their_trials() {
+    assert_known("trials.txt", &trials());
 }
