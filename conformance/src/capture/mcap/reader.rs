@@ -339,7 +339,9 @@ impl<R: Read> Reader<R> {
         self.file.require(HEAD + MAX_CHUNK_HEAD)?;
         let body = &self.file.ahead()[HEAD..];
         let Some(head) = ChunkHead::read(body, length) else {
-            if self.file.is_at_end() && (self.file.ahead().len() as u64) < HEAD as u64 + length {
+            // The file ends within the header of the chunk.
+            let left = self.file.ahead().len();
+            if left < HEAD + MAX_CHUNK_HEAD && (left as u64) < HEAD as u64 + length {
                 return self.skip(offset, HEAD as u64 + length);
             }
             return self.search(offset, Malformed::Parts { opcode: op::CHUNK });
