@@ -57,7 +57,7 @@ fn capture(data: &[u8]) {
     let whole = result(check_capture(data, None, &DEFINITIONS));
     assert!(whole.checked <= whole.records, "{} checked of {}", whole.checked, whole.records);
     assert!(whole.bytes <= data.len() as u64, "{} bytes read of {}", whole.bytes, data.len());
-    let lines = data.iter().filter(|byte| **byte == b'\n').count() as u64 + 1;
+    let lines = data.split(|byte| *byte == b'\n').count() as u64;
     let is_inside = |location: &Location| match location {
         Location::Byte(offset) => *offset <= data.len() as u64,
         Location::Line(number) => (1..=lines).contains(number),

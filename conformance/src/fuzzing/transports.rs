@@ -26,7 +26,7 @@ pub(super) fn http(data: &[u8]) {
 
 /// The requests in a stream, up to the first invalid one.
 fn requests(stream: &mut dyn Read) -> Vec<Incoming> {
-    let (mut requests, mut all, mut piece) = (Requests::new(MAX_BODY), Vec::new(), [0; 32 << 10]);
+    let (mut requests, mut all, mut piece) = (Requests::new(MAX_BODY), Vec::new(), vec![0; 32 << 10]);
     while let Ok(length @ 1..) = stream.read(&mut piece) {
         requests.feed(&piece[..length]);
         while let Some(incoming) = requests.take() {
@@ -142,7 +142,7 @@ pub(super) fn http_seeds() -> Vec<Vec<u8>> {
 pub(super) fn web_socket_seeds() -> Vec<Vec<u8>> {
     let message = b"42[\"fw\",{}]";
     // A client masks its frames. This mask is zero.
-    let mut masked = vec![0, 0x81, 0x80 | 11, 0, 0, 0, 0];
+    let mut masked = vec![0, 0x81, 0x80 | 0xb, 0, 0, 0, 0];
     masked.extend(message);
     let mut plain = vec![1, 0x81, 11];
     plain.extend(message);

@@ -296,6 +296,8 @@ fn extended(bytes: &[u8]) -> (Vec<u8>, BTreeSet<u8>) {
 /// The MCAP specification requires readers to ignore unknown fields at the end of a record.
 #[test]
 fn ignores_unknown_fields_at_the_end_of_records() {
+    use mcap::records::op;
+
     let mut extended_kinds = BTreeSet::new();
     for use_chunks in [true, false] {
         let (bytes, kinds) = extended(&other_writers_file(use_chunks, false, false));
@@ -304,7 +306,6 @@ fn ignores_unknown_fields_at_the_end_of_records() {
     }
     let packed = [file::start(), chunked(Form::Zstd, &records_with(&good().cdr())), file::end()].concat();
     assert_conforms(&checked(&extended(&packed).0), &"a compressed chunk");
-    use mcap::records::op;
     let all_kinds = (op::HEADER..=op::DATA_END).filter(|kind| *kind != op::MESSAGE).collect();
     assert_eq!(extended_kinds, all_kinds);
 }
@@ -491,7 +492,7 @@ fn reports_malformed_type_hashes_of_all_types() {
         let result = checked(&file(&records.concat()));
         let found: Vec<_> = result.findings.groups().map(|group| (group.rule.id, &*group.subject)).collect();
         let expected: Vec<_> = expected.into_iter().map(|subject| ("PX-HASH-01", subject)).collect();
-        assert_eq!(found, expected, "{:.100}", hash);
+        assert_eq!(found, expected, "{hash:.100}");
         for group in result.findings.groups() {
             assert!(
                 group.examples[0].1.message.starts_with("expected RIHS01_ and 64 hexadecimal digits, found ")

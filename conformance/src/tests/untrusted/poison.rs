@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use crate::check::{
-    CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary, McapChannel, McapSummary, Part,
-    Summary, TypeCount, UnknownSummary, check_capture,
+    BagChannel, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary, McapSummary, Part, Summary,
+    TypeCount, UnknownSummary, check_capture,
 };
 use crate::definitions::Definitions;
 use crate::model::{Location, Reason};
@@ -89,7 +89,7 @@ fn request() -> RequestType {
 /// A summary of each kind.
 fn summaries(text: &str) -> Vec<Summary> {
     let name = || text.to_owned();
-    let channel = |status| McapChannel {
+    let channel = |status| BagChannel {
         topic: name(),
         encoding: name(),
         schema: Some((name(), name())),
@@ -147,6 +147,7 @@ fn poison(report: &mut Report, text: &str) {
         subjects,
         unreadable,
         not_checked,
+        ..
     } = report;
     [command, definitions].into_iter().for_each(set);
     outcome(whole, text);
@@ -243,6 +244,8 @@ fn finding(finding: &mut Finding, text: &str) {
             excerpt,
             time_s: _,
             utc: _,
+            log_time_ns: _,
+            sequence: _,
             connection,
             request,
         } = example;
