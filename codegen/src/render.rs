@@ -20,7 +20,9 @@ use crate::diagnostic::{Diagnostic, Level};
 use crate::finding::Finding;
 use crate::prose::visible;
 use crate::source::{SourceMap, Span};
-use crate::terminal::{Command, guarded, shown};
+#[cfg(feature = "files")]
+use crate::terminal::guarded;
+use crate::terminal::{Command, shown};
 
 /// Maximum number of diagnostics shown per source. A file with more diagnostics is probably not a definition.
 const MAX_PER_SOURCE: usize = 200;

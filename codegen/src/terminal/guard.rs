@@ -4,7 +4,8 @@ use std::borrow::Cow;
 use std::io::{self, Write};
 use std::mem;
 
-use super::{Command, escape};
+use super::command::Command;
+use super::shown::escape;
 use crate::characters::is_hidden;
 
 /// The start of a terminal sequence.

@@ -4,7 +4,8 @@ use clap::Parser;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
 
-use super::{print, print_error, shown};
+use super::print::{print, print_error};
+use super::shown::shown;
 
 /// Parses the arguments of the process. After `--help` or invalid arguments, prints the text and ends the process.
 pub fn parse<P: Parser>() -> P {

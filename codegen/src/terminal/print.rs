@@ -3,7 +3,8 @@
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, Write as _};
 
-use super::{Guard, shown_up_to};
+use super::guard::Guard;
+use super::shown::shown_up_to;
 
 /// The maximum length of an error message, in characters. It may contain several paths.
 const MAX_PROBLEM: usize = 20_000;
@@ -52,22 +53,4 @@ pub fn error_with_details(problem: impl Display) {
         format!("{start}{}\n", shown_up_to(MAX_PROBLEM, line))
     });
     print_error(format_args!("{}", lines.collect::<String>()));
-}
-
-/// Like `std::println`, with a guarded output.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __println {
-    ($($argument:tt)*) => {
-        $crate::terminal::print(::std::format_args!("{}\n", ::std::format_args!($($argument)*)))
-    };
-}
-
-/// Like `std::eprintln`, with a guarded output.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __eprintln {
-    ($($argument:tt)*) => {
-        $crate::terminal::print_error(::std::format_args!("{}\n", ::std::format_args!($($argument)*)))
-    };
 }
