@@ -2,6 +2,7 @@
 
 use std::io::{ErrorKind, Read as _, Write as _};
 use std::net::{Ipv4Addr, SocketAddr, TcpStream, UdpSocket};
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::thread::{self, Scope};
@@ -67,9 +68,20 @@ pub(super) fn start<'s>(
     counts
 }
 
-/// Starts a thread with a name, by which its priority can be changed.
+/// Starts a thread with low priority. Otherwise, the bad clients would take the processors from the server and from the
+/// good clients.
 fn spawn<'s>(scope: &'s Scope<'s, '_>, run: impl FnOnce() + Send + 's) {
-    thread::Builder::new().name("bad".to_owned()).spawn_scoped(scope, run).expect("a thread");
+    scope.spawn(|| {
+        lower_priority();
+        run();
+    });
+}
+
+/// Lowers the priority of this thread. Without the program `renice`, the priority stays the same.
+fn lower_priority() {
+    let Ok(thread) = std::fs::read_link("/proc/thread-self") else { return };
+    let Some(id) = thread.file_name() else { return };
+    let _ = Command::new("renice").args(["-n", "10", "-p"]).arg(id).stdout(Stdio::null()).status();
 }
 
 /// The address of a bad client: one of them for half of the clients, a few for a quarter, and many for the rest.
