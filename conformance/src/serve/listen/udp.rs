@@ -1,7 +1,7 @@
 //! UDP: one message per datagram. A client receives notifications for a minute after its last datagram.
 
 use std::cell::Cell;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io;
 use std::net::SocketAddr;
 use std::rc::Rc;
@@ -11,16 +11,34 @@ use mio::net::UdpSocket;
 use serde::de::IgnoredAny;
 use serde_json::Value;
 
+use super::Shared;
 use super::limits::{DATAGRAM_BUDGET, PEER_LIMIT, PEERS_PER_ADDRESS};
 use super::seats::{Admission, SeatLimits, Seats};
 use super::statistics::Reason;
-use super::{SLICE, Shared};
 use crate::rules::flockwave::{udp_01, udp_02, udp_03};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::message::{enveloped, refusal, text};
 
 /// The maximum length of a message in a datagram.
 const DATAGRAM_LIMIT: usize = 65_507;
+
+/// The maximum number of datagrams to read before some of them are processed.
+const READS_AT_ONCE: usize = 256;
+
+/// The maximum time to process datagrams from clients before connections have their turn.
+const TIME_FOR_CLIENTS: Duration = Duration::from_millis(1);
+
+/// The maximum time to process datagrams from other addresses before connections have their turn.
+const TIME_FOR_OTHERS: Duration = Duration::from_micros(500);
+
+/// The maximum number of bytes that wait to be processed, from clients and from other addresses.
+const WAITING_LIMIT: usize = 256 << 10;
+
+/// The maximum number of datagrams of a client that wait to be processed.
+const WAITING_PER_CLIENT: usize = 64;
+
+/// The memory for managing a datagram.
+const DATAGRAM_OVERHEAD: usize = 64;
 
 /// The time after which a silent client counts as disconnected, as the specification recommends.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(60);
@@ -71,6 +89,34 @@ fn is_about_earlier(error: &io::Error) -> bool {
 struct Client {
     session: SessionId,
     sink: Rc<DatagramSink>,
+    /// The number of its datagrams that wait to be processed.
+    waiting: usize,
+}
+
+/// Received datagrams that wait to be processed.
+#[derive(Default)]
+struct Waiting {
+    datagrams: VecDeque<(SocketAddr, Vec<u8>)>,
+    bytes: usize,
+}
+
+impl Waiting {
+    /// Adds a datagram. Returns false if too many are waiting.
+    fn push(&mut self, address: SocketAddr, datagram: &[u8]) -> bool {
+        let bytes = self.bytes + datagram.len() + DATAGRAM_OVERHEAD;
+        if bytes > WAITING_LIMIT {
+            return false;
+        }
+        self.bytes = bytes;
+        self.datagrams.push_back((address, datagram.to_vec()));
+        true
+    }
+
+    fn pop(&mut self) -> Option<(SocketAddr, Vec<u8>)> {
+        let (address, datagram) = self.datagrams.pop_front()?;
+        self.bytes -= datagram.len() + DATAGRAM_OVERHEAD;
+        Some((address, datagram))
+    }
 }
 
 /// A socket and its clients.
@@ -79,6 +125,10 @@ pub(super) struct Datagrams {
     socket: Option<Rc<UdpSocket>>,
     clients: BTreeMap<SocketAddr, Client>,
     seats: Seats<SocketAddr>,
+    /// Datagrams from clients. They come first, so floods from new addresses can't delay clients.
+    from_clients: Waiting,
+    /// Datagrams from other addresses.
+    from_others: Waiting,
     /// The first client; used only with the FW-UDP-02 bug.
     first: Option<SocketAddr>,
     buffer: Vec<u8>,
@@ -93,34 +143,61 @@ impl Datagrams {
             socket: Some(Rc::new(socket)),
             clients: BTreeMap::new(),
             seats: Seats::new(limits),
+            from_clients: Waiting::default(),
+            from_others: Waiting::default(),
             first: None,
             buffer: vec![0; DATAGRAM_LIMIT + 1],
         }
     }
 
-    /// Processes waiting datagrams for a limited time. Returns true if more datagrams may be waiting.
+    /// Processes datagrams for a limited time. Returns true if more datagrams may be waiting.
     pub(super) fn receive(&mut self, shared: &mut Shared) -> bool {
+        let is_drained = self.read();
         let started = Instant::now();
-        while started.elapsed() < SLICE {
-            let Some(socket) = &self.socket else { return false };
+        while started.elapsed() < TIME_FOR_CLIENTS
+            && let Some((address, datagram)) = self.from_clients.pop()
+        {
+            if let Some(client) = self.clients.get_mut(&address) {
+                client.waiting = client.waiting.saturating_sub(1);
+            }
+            self.take(shared, address, &datagram);
+        }
+        let started = Instant::now();
+        while started.elapsed() < TIME_FOR_OTHERS
+            && let Some((address, datagram)) = self.from_others.pop()
+        {
+            self.take(shared, address, &datagram);
+        }
+        let is_idle = self.from_clients.datagrams.is_empty() && self.from_others.datagrams.is_empty();
+        self.socket.is_some() && !(is_drained && is_idle)
+    }
+
+    /// Reads a limited number of datagrams. Returns true if there are no more.
+    fn read(&mut self) -> bool {
+        for _ in 0..READS_AT_ONCE {
+            let Some(socket) = &self.socket else { return true };
             let (length, address) = match socket.recv_from(&mut self.buffer) {
                 Ok(received) => received,
                 // Some systems report here that an earlier datagram was not delivered.
                 Err(error) if is_about_earlier(&error) => continue,
-                Err(_) => return false,
+                Err(_) => return true,
             };
-            let datagram = self.buffer[..length].to_vec();
-            if shared.has_bug(&udp_03::RULE) && serde_json::from_slice::<IgnoredAny>(&datagram).is_err() {
-                self.close(shared);
-                return false;
+            let datagram = &self.buffer[..length];
+            // Datagrams that exceed the limits get lost, like those for which the system has no memory.
+            match self.clients.get_mut(&address) {
+                Some(client) if client.waiting >= WAITING_PER_CLIENT => {}
+                Some(client) => client.waiting += usize::from(self.from_clients.push(address, datagram)),
+                None => _ = self.from_others.push(address, datagram),
             }
-            self.take(shared, address, &datagram);
         }
-        true
+        false
     }
 
     /// Processes a datagram. Only valid requests register a client.
     fn take(&mut self, shared: &mut Shared, address: SocketAddr, datagram: &[u8]) {
+        if shared.has_bug(&udp_03::RULE) && serde_json::from_slice::<IgnoredAny>(datagram).is_err() {
+            return self.close(shared);
+        }
         let now = Instant::now();
         let first = *self.first.get_or_insert(address);
         if let Some(client) = self.clients.get(&address) {
@@ -141,7 +218,7 @@ impl Datagrams {
             shared.hub.close(session);
             return;
         }
-        self.clients.insert(address, Client { session, sink });
+        self.clients.insert(address, Client { session, sink, waiting: 0 });
         self.seats.insert(address, address.ip(), now);
         self.seats.touch(&address, true, now);
     }
