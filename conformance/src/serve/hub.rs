@@ -28,6 +28,10 @@ const STEP: f64 = 0.05;
 /// time.
 const STEPS_AT_ONCE: u32 = 10_000;
 
+/// The minimum time between notifications of all clients that requests caused. Such a notification may cost more time
+/// than a thousand requests.
+const ANNOUNCEMENT_INTERVAL: Duration = Duration::from_millis(500);
+
 /// The maximum number of UAVs per notification, so that every notification fits into a UDP datagram.
 const UAVS_AT_ONCE: usize = 50;
 
@@ -113,8 +117,10 @@ pub(super) struct Hub {
     notified: Duration,
     /// UAVs that are lost but still listed; used only with the FW-OBJ-DEL-02 bug.
     ghosts: Vec<String>,
-    /// Notifications for all connections, which are sent at the next step, by type.
+    /// Notifications for all connections that wait to be sent, by type.
     announcements: BTreeMap<&'static str, Notification>,
+    /// The time of the next notifications of this kind.
+    next_announcement: Duration,
     /// True if no request is answered any more; used only with the FW-ENV-27 bug.
     is_stuck: bool,
     handler: RequestHandler,
@@ -139,6 +145,7 @@ impl Hub {
             notified: Duration::ZERO,
             ghosts: Vec::new(),
             announcements: BTreeMap::new(),
+            next_announcement: Duration::ZERO,
             is_stuck: false,
         }
     }
@@ -272,9 +279,7 @@ impl Hub {
             let items = remarks.iter().map(|remark| remark.to_item(now)).collect();
             self.notify_all(&sys_msg::Notification { items }.into());
         }
-        for body in std::mem::take(&mut self.announcements).into_values() {
-            self.notify_all(&body);
-        }
+        self.send_announcements();
         self.apply_losses();
         self.disconnect_expired();
         self.notify_if_due();
@@ -380,10 +385,20 @@ impl Hub {
         self.send(id, None, body);
     }
 
-    /// Sends a notification to all connections at the next step. Only the last notification of a type is sent, so a
-    /// client that causes many can't delay others.
+    /// Sends a notification to all connections at the next step, or [`ANNOUNCEMENT_INTERVAL`] after the previous one.
+    /// Only the last notification of a type is sent, so a client that causes many can't delay others.
     pub(super) fn announce(&mut self, message_type: &'static str, body: Notification) {
         self.announcements.insert(message_type, body);
+    }
+
+    fn send_announcements(&mut self) {
+        if self.announcements.is_empty() || self.elapsed < self.next_announcement {
+            return;
+        }
+        self.next_announcement = self.elapsed + ANNOUNCEMENT_INTERVAL;
+        for body in std::mem::take(&mut self.announcements).into_values() {
+            self.notify_all(&body);
+        }
     }
 
     /// Sends a notification to all connections that receive them.
