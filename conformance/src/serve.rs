@@ -50,6 +50,7 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
+use self::hub::{Hub, RequestHandler};
 pub(crate) use self::listen::limits::raise_open_files;
 pub use self::listen::statistics::{Reason, Statistics};
 use self::listen::{Bound, Control, Reactor};
@@ -167,14 +168,28 @@ pub struct Server {
 impl Server {
     /// Listens on these addresses, and serves all clients. Port 0 selects a free port.
     pub fn start(options: Options, addresses: &[(Transport, SocketAddr)]) -> io::Result<Self> {
+        Self::start_with(options, addresses, family::answer)
+    }
+
+    /// Starts a server that answers requests with this function.
+    fn start_with(
+        options: Options,
+        addresses: &[(Transport, SocketAddr)],
+        answer: RequestHandler,
+    ) -> io::Result<Self> {
         let bound = addresses.iter().map(|(transport, address)| Bound::bind(*transport, *address));
         let mut bound: Vec<Bound> = bound.collect::<io::Result<_>>()?;
         let listening: Vec<Listening> = bound.iter().map(Bound::listening).collect();
         let poll = mio::Poll::new()?;
         Reactor::register(&poll, &mut bound)?;
         let control = Arc::<Control>::default();
-        let (of_thread, locations) = (Arc::clone(&control), listening.clone());
-        let thread = thread::spawn(move || Reactor::new(poll, bound, options, &locations).run(&of_thread));
+        let ports = listening.iter().rev().map(|at| (at.transport.name(), at.address.port())).collect();
+        let of_thread = Arc::clone(&control);
+        let thread = thread::spawn(move || {
+            let mut hub = Hub::new(options, answer);
+            hub.ports = ports;
+            Reactor::new(poll, bound, hub).run(&of_thread);
+        });
         Ok(Self { control, thread: Some(thread), listening })
     }
 
@@ -186,6 +201,11 @@ impl Server {
     /// The counts of served, refused and disconnected clients.
     pub fn statistics(&self) -> Statistics {
         self.control.statistics()
+    }
+
+    /// True if the server stopped because of an internal error.
+    pub fn has_failed(&self) -> bool {
+        self.thread.as_ref().is_some_and(JoinHandle::is_finished)
     }
 
     /// Sends SYS-CLOSE to all clients, and ends the server.

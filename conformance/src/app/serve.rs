@@ -2,9 +2,9 @@
 
 use std::io::{self, Read as _};
 use std::net::SocketAddr;
-use std::sync::mpsc::{Sender, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use clap::Args;
 use serde_json::json;
@@ -17,6 +17,9 @@ use crate::text::terminal;
 
 /// The default address, with the port that Flockwave clients try first.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5001";
+
+/// The interval between checks whether the server has failed.
+const FAILURE_CHECK: Duration = Duration::from_millis(100);
 
 const EXAMPLES: &str = "Examples:
   uavspec serve
@@ -44,7 +47,7 @@ busiest address. Clients that don't read for 10 seconds are disconnected.";
 const STATUS: &str = "Exit status:
   0  normal exit
   2  invalid usage
-  3  an address can't be used";
+  3  an address can't be used, or the server failed";
 
 /// Arguments of `serve`.
 #[derive(Args, Debug)]
@@ -167,17 +170,29 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     if let Some(FlockwaveRule { rule, bug, .. }) = args.bug {
         terminal::eprintln!("bug {}: {}", rule.id, bug.description);
     }
-    // Waiting also ends when all senders are dropped.
-    let _ = match args.time {
-        Some(time) => ending.recv_timeout(time).ok(),
-        None => ending.recv().ok(),
-    };
+    wait(&server, &ending, args.time);
+    if server.has_failed() {
+        terminal::error("the server stopped because of an internal error", None);
+        return Status::Unreadable;
+    }
     let statistics = server.statistics().to_string();
     server.end();
     if !statistics.is_empty() {
         terminal::eprintln!("{statistics}");
     }
     Status::Conforms
+}
+
+/// Waits until the end is requested, the time has passed or the server fails.
+fn wait(server: &Server, ending: &Receiver<()>, time: Option<Duration>) {
+    let started = Instant::now();
+    while !server.has_failed() {
+        let left = time.map_or(Duration::MAX, |time| time.saturating_sub(started.elapsed()));
+        let is_requested = ending.recv_timeout(left.min(FAILURE_CHECK)) != Err(RecvTimeoutError::Timeout);
+        if is_requested || left <= FAILURE_CHECK {
+            return;
+        }
+    }
 }
 
 fn options(args: &ServeArgs) -> Options {

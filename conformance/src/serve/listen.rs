@@ -1,6 +1,6 @@
 //! Connects sockets to the hub. One thread serves all clients: it waits for events of all sockets, and visits the
-//! connections that have something to do. The connection that used the least computing time comes first, so clients that
-//! send many requests can't delay others.
+//! connections that have something to do. The connection that recently used the least computing time comes first, so
+//! clients that send many requests can't delay others.
 
 mod connection;
 mod engine;
@@ -9,6 +9,7 @@ mod one_shot;
 mod outbox;
 mod reactor;
 mod reply;
+mod schedule;
 mod seats;
 pub(super) mod statistics;
 mod tcp;
@@ -26,17 +27,16 @@ use self::engine::Sessions;
 use self::limits::{Budget, TOTAL_QUEUED, TOTAL_RECEIVED};
 pub(super) use self::reactor::{Control, Reactor};
 use self::statistics::Statistics;
-use super::family;
 use super::hub::{Hub, SessionId};
-use super::{Listening, Options, Transport};
+use super::{Listening, Transport};
 use crate::rules::flockwave::FlockwaveRule;
 
 /// The maximum computing time of a connection or socket before others have their turn. A request that began earlier is
 /// completed.
-const SLICE: Duration = Duration::from_micros(200);
+const SLICE: Duration = Duration::from_micros(100);
 
 /// The maximum number of connections that wait to be accepted.
-const BACKLOG: i32 = 1024;
+const BACKLOG: i32 = 4096;
 
 /// The size of the system's buffer for received datagrams, in bytes.
 const RECEIVE_BUFFER: usize = 1 << 20;
@@ -55,14 +55,8 @@ struct Shared {
 }
 
 impl Shared {
-    fn new(options: Options, listening: &[Listening]) -> Self {
-        let bug = options.bug;
-        let mut hub = Hub::new(options, family::answer);
-        hub.ports = listening
-            .iter()
-            .rev()
-            .map(|location| (location.transport.name(), location.address.port()))
-            .collect();
+    fn new(hub: Hub) -> Self {
+        let bug = hub.options.bug;
         Self {
             hub,
             sessions: Sessions::default(),

@@ -1,15 +1,19 @@
 //! Tests of the hub with a simulated clock, without bugs and with each bug.
 
+use std::io::{Read as _, Write as _};
+use std::net::{SocketAddr, TcpStream};
 use std::rc::Rc;
 use std::sync::{Mutex, PoisonError};
-use std::time::Duration;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
+use uavspec::flockwave::json::Request;
 
-use super::Options;
 use super::family;
 use super::hub::{ConnectionKind, Hub, SessionId, Sink};
+use super::{Options, Server, Transport};
 use crate::model::Rule;
 use crate::rules::flockwave::{
     FlockwaveRule, RULES, ack_06, env_25, env_27, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04,
@@ -393,4 +397,45 @@ proptest! {
             prop_assert_eq!(refs, expected);
         }
     }
+}
+
+#[test]
+fn reports_a_server_that_stopped_because_of_an_internal_error() {
+    let address = SocketAddr::from(([127, 0, 0, 1], 0));
+    let handler = |_: &mut Hub, _: SessionId, _: Request| panic!("an expected panic of a test");
+    let server =
+        Server::start_with(Options::default(), &[(Transport::Tcp, address)], handler).expect("a server");
+    let mut stream = TcpStream::connect(server.listening()[0].address).expect("a connection");
+    let mut greeting = [0; 1];
+    stream.read_exact(&mut greeting).expect("a greeting");
+    assert!(!server.has_failed());
+    stream
+        .write_all(b"{\"$fw.version\":\"1.0\",\"id\":\"a\",\"body\":{\"type\":\"SYS-PING\"}}\n")
+        .expect("a request");
+    // The connection ends with the thread.
+    let _ = stream.read_to_end(&mut Vec::new());
+    let started = Instant::now();
+    while !server.has_failed() {
+        assert!(started.elapsed() < Duration::from_secs(30), "the failure is reported");
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn limits_notifications_that_requests_cause() {
+    let mut hub = Hub::new(Options { rate: 0.0, ..Options::default() }, family::answer);
+    let sink = Rc::new(RecordingSink::default());
+    let id = hub.open(ConnectionKind::Persistent, Rc::<RecordingSink>::clone(&sink));
+    let mut elapsed = Duration::ZERO;
+    for number in 0..40 {
+        let preset = if number % 2 == 0 { json!("base") } else { Value::Null };
+        let request =
+            json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "RTK-SOURCE", "id": preset } });
+        hub.receive(id, request.to_string().as_bytes(), elapsed);
+        elapsed += Duration::from_millis(50);
+        hub.advance(elapsed);
+    }
+    let sent = sink.0.lock().unwrap_or_else(PoisonError::into_inner);
+    let count = sent.iter().filter(|text| text.contains("CONN-INF")).count();
+    assert_eq!(count, 4, "two per second");
 }

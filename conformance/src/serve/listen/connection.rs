@@ -102,8 +102,6 @@ pub(super) struct Connection {
     closed_at: Option<Instant>,
     /// True if the client closed its side.
     has_ended: bool,
-    /// The computing time that the connection has used.
-    pub(super) used: Duration,
 }
 
 impl Connection {
@@ -127,7 +125,6 @@ impl Connection {
             incomplete_since: None,
             closed_at: None,
             has_ended: false,
-            used: Duration::ZERO,
         }
     }
 

@@ -14,12 +14,13 @@ use mio::{Events, Interest, Poll, Token};
 
 use super::connection::{Connection, Visit};
 use super::limits::{CONNECTIONS_PER_ADDRESS, IDLE_TIME, connections};
+use super::schedule::{Schedule, computing_time};
 use super::seats::{Admission, SeatLimits, Seats};
 use super::statistics::{Reason, Statistics};
 use super::tcp::LineClient;
 use super::udp::Datagrams;
 use super::web::WebClient;
-use super::{Bound, Listening, Options, Shared, Socket, Transport, engine};
+use super::{Bound, Hub, Shared, Socket, Transport, engine};
 
 /// The interval between simulation steps. Notifications are less frequent.
 const TICK: Duration = Duration::from_millis(20);
@@ -28,10 +29,10 @@ const TICK: Duration = Duration::from_millis(20);
 const SWEEP: Duration = Duration::from_millis(200);
 
 /// The maximum time for which connections are visited before new events are read.
-const ROUND: Duration = Duration::from_millis(5);
+const ROUND: Duration = Duration::from_millis(10);
 
 /// The maximum time for which connections are accepted in a round, so that accepting doesn't delay connected clients.
-const ACCEPT_TIME: Duration = Duration::from_millis(2);
+const ACCEPT_TIME: Duration = Duration::from_millis(1);
 
 /// The time during which polling clients can still fetch the last messages. The next poll usually follows immediately.
 const LAST_POLL: Duration = Duration::from_millis(500);
@@ -77,12 +78,10 @@ pub(crate) struct Reactor {
     /// The datagram sockets that may have waiting datagrams.
     ready_datagrams: BTreeSet<Token>,
     connections: BTreeMap<Token, Connection>,
-    /// The connections to visit, with the computing time that they have used.
-    ready: BTreeSet<(Duration, Token)>,
+    /// The connections to visit.
+    schedule: Schedule,
     /// The connections that wait for a response.
     waiting: BTreeSet<Token>,
-    /// The used computing time of the connection that was visited last.
-    clock: Duration,
     seats: Seats<Token>,
     next_token: usize,
     ending: Option<Instant>,
@@ -102,7 +101,7 @@ impl Reactor {
     }
 
     /// Creates an event loop for registered sockets.
-    pub(crate) fn new(poll: Poll, bound: Vec<Bound>, options: Options, listening: &[Listening]) -> Self {
+    pub(crate) fn new(poll: Poll, bound: Vec<Bound>, hub: Hub) -> Self {
         let total = connections();
         let limits = SeatLimits {
             total,
@@ -111,15 +110,14 @@ impl Reactor {
             idle_time: IDLE_TIME,
         };
         let mut reactor = Self {
-            shared: Shared::new(options, listening),
+            shared: Shared::new(hub),
             poll,
             doors: BTreeMap::new(),
             datagrams: BTreeMap::new(),
             ready_datagrams: BTreeSet::new(),
             connections: BTreeMap::new(),
-            ready: BTreeSet::new(),
+            schedule: Schedule::default(),
             waiting: BTreeSet::new(),
-            clock: Duration::ZERO,
             seats: Seats::new(limits),
             next_token: 0,
             ending: None,
@@ -150,7 +148,7 @@ impl Reactor {
         let mut events = Events::with_capacity(1024);
         let (mut last_tick, mut last_sweep) = (Instant::now(), Instant::now());
         while !self.is_done() {
-            let is_busy = !self.ready.is_empty() || !self.ready_datagrams.is_empty() || self.can_accept();
+            let is_busy = !self.schedule.is_empty() || !self.ready_datagrams.is_empty() || self.can_accept();
             let wait = if is_busy { Duration::ZERO } else { TICK.saturating_sub(last_tick.elapsed()) };
             if let Err(error) = self.poll.poll(&mut events, Some(wait))
                 && error.kind() != ErrorKind::Interrupted
@@ -237,13 +235,8 @@ impl Reactor {
         }
     }
 
-    /// Makes a connection ready. A connection that was inactive doesn't gain an advantage over active connections.
     fn wake(&mut self, token: Token) {
-        if let Some(connection) = self.connections.get_mut(&token) {
-            self.ready.remove(&(connection.used, token));
-            connection.used = connection.used.max(self.clock);
-            self.ready.insert((connection.used, token));
-        }
+        self.schedule.wake(token, self.shared.started.elapsed());
     }
 
     fn note(&mut self, event: &Event) {
@@ -344,7 +337,7 @@ impl Reactor {
         self.shared.statistics.accepted += 1;
         self.seats.insert(token, address, now);
         self.connections.insert(token, connection);
-        self.wake(token);
+        self.schedule.insert(token, self.shared.started.elapsed());
     }
 
     fn receive_datagrams(&mut self) {
@@ -371,23 +364,22 @@ impl Reactor {
     fn visit_ready(&mut self) {
         let started = Instant::now();
         while started.elapsed() < ROUND
-            && let Some((used, token)) = self.ready.pop_first()
+            && let Some(token) = self.schedule.next()
         {
-            self.clock = self.clock.max(used);
             self.visit(token);
         }
     }
 
     fn visit(&mut self, token: Token) {
         let Some(connection) = self.connections.get_mut(&token) else { return };
-        let started = Instant::now();
+        let (before, now) = (computing_time(), Instant::now());
         let visit = connection.visit(&mut self.shared);
-        connection.used += started.elapsed();
+        self.schedule.charge(token, computing_time().saturating_sub(before));
         if connection.has_requested() {
-            self.seats.touch(&token, true, started);
+            self.seats.touch(&token, true, now);
         }
         match visit {
-            Visit::Again => _ = self.ready.insert((connection.used, token)),
+            Visit::Again => self.schedule.resume(token, self.shared.started.elapsed()),
             Visit::Waiting => _ = self.waiting.insert(token),
             Visit::Rest => {}
             Visit::End(reason) => self.end(token, reason),
@@ -398,8 +390,8 @@ impl Reactor {
     fn end(&mut self, token: Token, reason: Reason) {
         self.seats.remove(&token);
         self.waiting.remove(&token);
+        self.schedule.remove(token);
         let Some(connection) = self.connections.remove(&token) else { return };
-        self.ready.remove(&(connection.used, token));
         self.shared.statistics.count(reason);
         connection.end(&mut self.shared, reason);
     }
