@@ -208,18 +208,23 @@ impl Server {
         self.thread.as_ref().is_some_and(JoinHandle::is_finished)
     }
 
-    /// Sends SYS-CLOSE to all clients, and ends the server.
-    pub fn end(self) {
-        drop(self);
+    /// Sends SYS-CLOSE to all clients, and ends the server. Returns the final counts.
+    pub fn end(mut self) -> Statistics {
+        self.join();
+        self.statistics()
     }
-}
 
-impl Drop for Server {
-    fn drop(&mut self) {
+    fn join(&mut self) {
         self.control.end();
         if let Some(thread) = self.thread.take() {
             // A thread that panicked has ended as well.
             let _ = thread.join();
         }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.join();
     }
 }

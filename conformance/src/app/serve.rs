@@ -175,8 +175,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
         terminal::error("the server stopped because of an internal error", None);
         return Status::Unreadable;
     }
-    let statistics = server.statistics().to_string();
-    server.end();
+    let statistics = server.end().to_string();
     if !statistics.is_empty() {
         terminal::eprintln!("{statistics}");
     }

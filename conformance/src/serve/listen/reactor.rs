@@ -171,6 +171,7 @@ impl Reactor {
                 self.sweep();
             }
         }
+        self.publish(control);
     }
 
     /// True if the server is ending, and all connections have ended or exceeded the time limit.
@@ -189,6 +190,11 @@ impl Reactor {
         if self.ending.is_none() {
             self.shared.hub.advance(self.shared.started.elapsed());
         }
+        self.publish(control);
+    }
+
+    /// Publishes the counts of clients.
+    fn publish(&mut self, control: &Control) {
         self.shared.statistics.open = self.connections.len();
         *control.statistics.lock().unwrap_or_else(PoisonError::into_inner) = self.shared.statistics;
     }
