@@ -1,6 +1,8 @@
 //! Ends a probe after a signal. UAVs that received commands must not stay in the air.
 
 use std::io::IsTerminal as _;
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
 
 use anstyle::AnsiColor;
 
@@ -10,6 +12,13 @@ use crate::text::terminal;
 
 /// The exit status after a second interrupt: 128 plus the number of SIGINT.
 const INTERRUPTED: i32 = 130;
+
+/// The time after the first interrupt in which others are ignored. `timeout` sends its signal twice, and so does the end
+/// of a terminal session. Such a signal must not leave UAVs in the air.
+const REPEAT_TIME: Duration = Duration::from_secs(1);
+
+/// The time of the first interrupt.
+static FIRST: OnceLock<Instant> = OnceLock::new();
 
 /// Handles the signals that end programs, and those that suspend them if the probe may send commands.
 pub(super) fn install(options: &Options) -> Result<(), Status> {
@@ -27,9 +36,13 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
 
 /// Asks the probe to stop. At the second time, ends the program.
 fn end(stop: &Stop, limit: u64) {
+    let first = *FIRST.get_or_init(Instant::now);
     let is_first = stop.request();
     let at_risk = stop.at_risk();
     if !is_first {
+        if first.elapsed() < REPEAT_TIME {
+            return;
+        }
         drop(Danger::new(stop));
         std::process::exit(INTERRUPTED);
     }
