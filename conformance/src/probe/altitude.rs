@@ -3,6 +3,9 @@
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+use uavspec::flockwave::ErrorCode;
+
+use super::commanded::has_code;
 
 /// The height in mm above which a UAV is in the air, and the height below which it is on the ground. The altitude of a
 /// UAV on the ground varies.
@@ -86,6 +89,12 @@ impl Touchdown {
             self.since = None;
             return Err(format!("its altitude is {height} mm above the ground"));
         }
+        // A UAV may wait on the ground before it climbs, although it doesn't land.
+        if [ErrorCode::TAKEOFF, ErrorCode::MOTORS, ErrorCode::RTH].iter().any(|code| has_code(status, *code))
+        {
+            self.since = None;
+            return Err("it may be taking off".to_owned());
+        }
         let timestamp = &status["timestamp"];
         match &self.since {
             Some((since, before, reported)) if (height - before).abs() < STILL => {
@@ -159,6 +168,20 @@ mod tests {
         assert_eq!(touchdown.see(None, &status, now).expect_err("unknown"), "its altitude is unknown");
         let mut flight = Flight::new(Altitude::AboveSea(0));
         assert!(touchdown.see(Some(&mut flight), &Value::Null, now).is_err());
+    }
+
+    #[test]
+    fn a_uav_that_waits_for_its_takeoff_has_not_landed() {
+        let mut flight = Flight::new(Altitude::AboveSea(0));
+        for (codes, is_safe) in [(vec![5], false), (vec![8], false), (vec![63], false), (vec![1], true)] {
+            let (mut touchdown, now) = (Touchdown::default(), Instant::now());
+            let mut see = |seconds: u64| {
+                let status = json!({ "timestamp": seconds, "position": [1, 2, 0], "errors": codes });
+                touchdown.see(Some(&mut flight), &status, now + Duration::from_secs(seconds))
+            };
+            assert!(see(0).is_err());
+            assert_eq!(see(3).is_ok(), is_safe, "{codes:?}");
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
+use uavspec::flockwave::ErrorCode;
 
 use crate::rules::flockwave::trial::UNKNOWN_ID;
 
@@ -41,6 +42,16 @@ impl Effect {
             Self::Airborne => format!("UAV {uav} may still fly"),
             Self::MotorsOn => format!("the motors of UAV {uav} may still run"),
         }
+    }
+
+    /// True if the status of a UAV is known and doesn't report this state.
+    pub(super) fn is_absent(self, status: &Value) -> bool {
+        let codes = match self {
+            Self::Asleep => &[ErrorCode::SLEEP][..],
+            Self::Airborne => &[ErrorCode::TAKEOFF, ErrorCode::LANDING, ErrorCode::RTH],
+            Self::MotorsOn => &[ErrorCode::MOTORS],
+        };
+        status.is_object() && !codes.iter().any(|code| has_code(status, *code))
     }
 
     /// The request that undoes the effect. It names only UAVs that exist, because a server might refuse the whole
@@ -154,6 +165,8 @@ pub(super) enum Reply {
     Receipt(String),
     /// The command was refused, for this reason.
     Refusal(String),
+    /// The answer doesn't mention the UAV.
+    Missing,
 }
 
 impl Reply {
@@ -167,10 +180,15 @@ impl Reply {
             (_, error, _) if !error.is_null() => Self::Refusal(text(error)),
             (Some(receipt), ..) => Self::Receipt(receipt.to_owned()),
             (None, _, Value::Bool(false)) => Self::Refusal("the command failed".to_owned()),
-            (None, _, Value::Null) => Self::Refusal("the answer doesn't mention the UAV".to_owned()),
+            (None, _, Value::Null) => Self::Missing,
             (None, ..) => Self::Success,
         }
     }
+}
+
+/// True if the status of a UAV contains this error code.
+pub(super) fn has_code(status: &Value, code: ErrorCode) -> bool {
+    status["errors"].as_array().is_some_and(|codes| codes.iter().any(|other| *other == u64::from(code.0)))
 }
 
 fn text(reason: &Value) -> String {
@@ -233,6 +251,25 @@ mod tests {
     }
 
     #[test]
+    fn a_state_that_is_reported_or_unknown_is_not_absent() {
+        let is_absent = |effect: Effect, status: Value| effect.is_absent(&status);
+        assert!(is_absent(Effect::MotorsOn, json!({ "errors": [1] })));
+        assert!(is_absent(Effect::MotorsOn, json!({})));
+        assert!(!is_absent(Effect::MotorsOn, json!({ "errors": [8] })));
+        assert!(!is_absent(Effect::Asleep, json!({ "errors": [66, 9] })));
+        assert!(!is_absent(Effect::Asleep, Value::Null));
+    }
+
+    #[test]
+    fn an_unclear_answer_is_no_refusal() {
+        let mut commanded = Commanded::default();
+        let body = json!({ "type": "UAV-MOTOR", "ids": ["07"], "start": true });
+        commanded.sent(&body, [].iter());
+        commanded.answered(&body, &json!({ "body": { "type": "ACK-ACK" } }));
+        assert!(!commanded.is_refused(Effect::MotorsOn, "07"));
+    }
+
+    #[test]
     fn forgets_operations_that_ended() {
         let mut commanded = Commanded::default();
         let body = json!({ "type": "UAV-TEST", "ids": ["1", "2", "3"] });
@@ -260,6 +297,7 @@ mod tests {
             Reply::Receipt("r".to_owned())
         );
         let other = reply(json!({ "type": "UAV-LAND", "result": { "08": true } }));
-        assert_eq!(other, refusal("the answer doesn't mention the UAV"));
+        assert_eq!(other, Reply::Missing);
+        assert_eq!(reply(json!({ "type": "ACK-ACK" })), Reply::Missing);
     }
 }

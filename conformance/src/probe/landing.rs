@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use uavspec::flockwave::ErrorCode;
 
 use super::altitude::Touchdown;
-use super::commanded::{Effect, Reply};
+use super::commanded::{Effect, Reply, has_code};
 use super::commands::{ALTITUDE_INTERVAL, PROGRESS_TIMEOUT, is_end};
 use super::session::Session;
 use super::{Probe, plain};
@@ -21,6 +21,9 @@ pub(super) const LANDING_LIMIT: Duration = Duration::from_secs(120);
 
 /// The maximum time to wait for an answer before the probe connects again.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// The problem of an answer that doesn't mention a UAV.
+const MISSING: &str = "the answer doesn't mention the UAV";
 
 /// The delay between attempts.
 const RETRY_INTERVAL: Duration = Duration::from_millis(500);
@@ -103,16 +106,28 @@ impl Probe<'_, '_> {
     fn reverse(&mut self, effect: Effect, uavs: &[String]) -> Result<(), String> {
         let answer = self.urge(&effect.undo(uavs))?;
         let mut problem = Ok(());
-        let mut receipts = Vec::new();
+        let (mut receipts, mut refusing) = (Vec::new(), Vec::new());
         for uav in uavs {
             match Reply::new(&answer, uav) {
                 Reply::Success => self.stop.commanded().undone(effect, uav),
                 Reply::Receipt(receipt) => receipts.push((receipt, uav.clone())),
-                // A UAV that refused both commands, or the first of them, was never in this state.
-                Reply::Refusal(_) if self.stop.commanded().is_refused(effect, uav) => {
-                    self.stop.commanded().undone(effect, uav);
+                // A UAV that refused both commands was never in this state, unless it only failed to respond.
+                Reply::Refusal(why) if self.stop.commanded().is_refused(effect, uav) => {
+                    refusing.push((uav, why));
                 }
                 Reply::Refusal(why) => problem = Err(crate::text::shown(&why)),
+                Reply::Missing => problem = Err(MISSING.to_owned()),
+            }
+        }
+        if !refusing.is_empty() {
+            let ids: Vec<&String> = refusing.iter().map(|(uav, _)| *uav).collect();
+            let states = self.urge(&json!({ "type": "UAV-INF", "ids": ids }))?;
+            for (uav, why) in refusing {
+                if effect.is_absent(&states["body"]["status"][uav.as_str()]) {
+                    self.stop.commanded().undone(effect, uav);
+                } else {
+                    problem = Err(crate::text::shown(&why));
+                }
             }
         }
         for uav in self.finish_operations(receipts)? {
@@ -156,6 +171,7 @@ impl Probe<'_, '_> {
         let answer = self.urge(&Effect::Airborne.undo(uavs))?;
         let refusal = |uav: &String| match Reply::new(&answer, uav) {
             Reply::Refusal(why) => Some(why),
+            Reply::Missing => Some(MISSING.to_owned()),
             Reply::Success | Reply::Receipt(_) => None,
         };
         let Some(why) = uavs.iter().find_map(refusal) else {
@@ -226,8 +242,7 @@ impl Probe<'_, '_> {
 
 /// True if the status says that the UAV is on the ground, awake and without running motors.
 fn is_at_rest(status: &Value) -> bool {
-    let codes = status["errors"].as_array().map_or(&[][..], Vec::as_slice);
-    let has = |code: ErrorCode| codes.iter().any(|other| *other == u64::from(code.0));
+    let has = |code: ErrorCode| has_code(status, code);
     has(ErrorCode::GROUND) && !has(ErrorCode::MOTORS) && !has(ErrorCode::SLEEP)
 }
 
