@@ -190,6 +190,10 @@ impl Session {
 
     /// Processes a packet from the client. Returns true if it is a valid request.
     pub(super) fn take(&self, shared: &mut Shared, packet: Packet) -> bool {
+        // A request may contain further packets. A session that has ended must not join a namespace again.
+        if self.queue().is_closed() {
+            return false;
+        }
         let now = Instant::now();
         self.last_received.set(now);
         let is_request = match packet.kind {
@@ -276,6 +280,26 @@ impl Session {
             let event = if shared.has_bug(&sio_01::RULE) { "flockwave" } else { socketio::EVENT };
             let sink = PacketSink { carrier: Rc::clone(&self.carrier), event };
             self.joined.set(Some(shared.hub.open(ConnectionKind::Persistent, Rc::new(sink))));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::serve::Options;
+
+    #[test]
+    fn a_session_that_has_ended_joins_no_namespace() {
+        for end in ["41", "1"] {
+            let mut shared = Shared::new(Options::default(), &[]);
+            let session = Session::open(&mut shared, Revision::Four);
+            let mut take = |text: &str| session.take(&mut shared, Packet::parse(text).expect("a packet"));
+            take("40");
+            assert!(session.joined.get().is_some());
+            take(end);
+            take("40");
+            assert_eq!(session.joined.get(), None, "after {end}");
         }
     }
 }
