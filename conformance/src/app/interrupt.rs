@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal as _;
 use std::sync::OnceLock;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use anstyle::AnsiColor;
@@ -58,6 +59,12 @@ pub(super) fn print(line: &str) {
     // The signal may arrive while a progress bar is shown.
     let start = if std::io::stderr().is_terminal() { "\n" } else { "" };
     terminal::print_error(format_args!("{start}{line}\n"));
+}
+
+/// Prints a line in a separate thread. A terminal that accepts no output must not delay the landing.
+pub(super) fn print_later(line: &str) {
+    let line = line.to_owned();
+    thread::spawn(move || print(&line));
 }
 
 /// Prints the UAVs that may be unsafe when it is dropped, even after a panic.

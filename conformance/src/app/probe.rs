@@ -230,7 +230,7 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
         landing_limit: args.landing_limit.unwrap_or(options.landing_limit),
         trust,
         selection,
-        warn: interrupt::print,
+        warn: interrupt::print_later,
         ..options
     })
 }

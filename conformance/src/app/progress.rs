@@ -1,6 +1,7 @@
 //! Progress bars, on standard error if it is a terminal.
 
 use std::io::{self, IsTerminal as _, Read};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -9,7 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 const TICK: Duration = Duration::from_millis(500);
 
 /// A progress bar. It disappears when it is dropped.
-pub(super) struct Progress(ProgressBar);
+pub(super) struct Progress(ProgressBar, AtomicU64);
 
 impl Progress {
     /// Creates a bar that counts steps. `noun` names the steps, such as `cases`.
@@ -17,9 +18,12 @@ impl Progress {
         Self::shown("{wide_bar} {human_pos} of {human_len} {msg}, {elapsed}").with_message(noun)
     }
 
-    /// Sets the number of finished steps and the total.
+    /// Sets the number of finished steps and the total. A terminal that accepts no output may block the caller only if
+    /// the total changes: a probe must be able to land UAVs.
     pub(super) fn set(&self, done: usize, total: usize) {
-        self.0.set_length(total as u64);
+        if self.1.swap(total as u64, Ordering::Relaxed) != total as u64 {
+            self.0.set_length(total as u64);
+        }
         self.0.set_position(done as u64);
     }
 
@@ -42,7 +46,7 @@ impl Progress {
 
     fn shown(template: &str) -> Self {
         if !io::stderr().is_terminal() {
-            return Self(ProgressBar::hidden());
+            return Self(ProgressBar::hidden(), AtomicU64::new(0));
         }
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
         // With an invalid template, the default style is used.
@@ -50,7 +54,7 @@ impl Progress {
             bar.set_style(style);
         }
         bar.enable_steady_tick(TICK);
-        Self(bar)
+        Self(bar, AtomicU64::new(0))
     }
 
     fn with_message(self, message: &'static str) -> Self {
