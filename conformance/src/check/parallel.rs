@@ -17,8 +17,11 @@ struct Taken {
 }
 
 impl Taken {
+    /// Raises the number. It never decreases, so results taken after a panic don't make threads wait again.
     fn set(&self, number: usize) {
-        *self.number.lock().unwrap_or_else(PoisonError::into_inner) = number;
+        let mut taken = self.number.lock().unwrap_or_else(PoisonError::into_inner);
+        *taken = number.max(*taken);
+        drop(taken);
         self.changed.notify_all();
     }
 
@@ -128,6 +131,13 @@ mod tests {
         let items: Vec<usize> = (0..2_000).collect();
         let work = |item: &usize| assert_ne!(*item, 0, "the first item fails");
         let run = || each(&items, NonZeroUsize::new(3), work, |_, ()| ());
+        assert!(std::panic::catch_unwind(run).is_err());
+        let late = |item: &usize| {
+            // The first result is taken after the panic.
+            thread::sleep(std::time::Duration::from_millis(if *item == 0 { 100 } else { 0 }));
+            assert_ne!(*item, 1, "the second item fails");
+        };
+        let run = || each(&items, NonZeroUsize::new(3), late, |_, ()| ());
         assert!(std::panic::catch_unwind(run).is_err());
     }
 }
