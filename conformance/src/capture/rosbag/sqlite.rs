@@ -244,7 +244,24 @@ impl Bag {
             // The first problem is the cause, so a second problem isn't reported.
             let _ = self.messages_in("messages NOT INDEXED ORDER BY rowid", &mut take);
         }
-        result
+        result?;
+        let missing = self.rows_of_messages()?.saturating_sub(count);
+        if missing > 0 {
+            return Err(Problem::gap(format!(
+                "the index of the times lacks {} messages, which aren't checked; `REINDEX` of SQLite repairs it",
+                Grouped(missing)
+            )));
+        }
+        Ok(())
+    }
+
+    /// The number of messages in the table itself. A corrupt index may contain fewer.
+    fn rows_of_messages(&self) -> Result<u64, Problem> {
+        self.used.store(0, Ordering::Relaxed);
+        // Unlike `count(*)`, the sum checks the budget.
+        let query = "SELECT ifnull(sum(1), 0) FROM messages NOT INDEXED";
+        let number: i64 = self.connection.query_row(query, [], |row| row.get(0))?;
+        Ok(u64::try_from(number).unwrap_or_default())
     }
 
     /// Passes messages to `take`. `from` is the rest of the query, after `FROM`.

@@ -176,6 +176,10 @@ mod reading {
 
         fn topic(&mut self, Topic { id, name, ty, encoding, hash }: Topic) {
             let location = Location::Channel(id.unsigned_abs());
+            if self.channels.contains_key(&id) {
+                let text = format!("topic {id} is declared again; the first declaration is used");
+                return self.gap(location, &text);
+            }
             // Files from before the type hashes, and some later ones, have no hash in one of the tables.
             let keys = [(ty.clone(), hash.clone()), (ty.clone(), String::new())];
             let schema = keys.iter().find_map(|key| self.schemas.get(key).copied());

@@ -80,6 +80,38 @@ fn values_of_other_types_are_reported() {
     }
 }
 
+/// A corrupt index may hide messages.
+#[test]
+fn messages_that_the_index_lacks_are_reported() {
+    let (definitions, content) = flight();
+    let hidden = "CREATE TABLE kept AS SELECT * FROM sqlite_schema WHERE name = 'timestamp_idx';
+        PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE name = 'timestamp_idx';";
+    let (_folder, path) = changed(hidden);
+    let topic = content.topics[0].0;
+    let shown = format!(
+        "INSERT INTO messages VALUES (NULL, {topic}, 1, x'00'); PRAGMA writable_schema = ON;
+        INSERT INTO sqlite_schema SELECT * FROM kept; DROP TABLE kept;"
+    );
+    Connection::open(&path).and_then(|bag| bag.execute_batch(&shown)).expect("a database");
+    let result = checked(&path, &definitions);
+    let found = corrupt(&result);
+    assert!(found.len() == 1 && found[0].contains("the index of the times lacks 1 messages"), "{found:?}");
+    assert_eq!((result.extent, result.records), (Extent::WithGaps, content.messages.len() as u64));
+}
+
+#[test]
+fn a_repeated_topic_id_is_reported() {
+    let (definitions, content) = flight();
+    let (_folder, path) = changed(
+        "CREATE TABLE copy AS SELECT * FROM topics; DROP TABLE topics; ALTER TABLE copy RENAME TO topics;
+        INSERT INTO topics SELECT id, name, 'px4_msgs/msg/Other', serialization_format, '', '' FROM topics LIMIT 1",
+    );
+    let result = checked(&path, &definitions);
+    let found = corrupt(&result);
+    assert!(found.len() == 1 && found[0].contains("is declared again"), "{found:?}");
+    assert_eq!((result.extent, result.checked), (Extent::WithGaps, content.messages.len() as u64));
+}
+
 #[test]
 fn payloads_have_a_maximum_size() {
     let (definitions, content) = flight();
