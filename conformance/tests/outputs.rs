@@ -74,6 +74,22 @@ fn a_report_never_replaces_a_capture() {
     }
 }
 
+#[test]
+fn a_report_never_replaces_a_file_of_a_bag() {
+    let folder = workspace();
+    let text =
+        "rosbag2_bagfile_information:\n  storage_identifier: sqlite3\n  relative_file_paths:\n    - a.json\n";
+    fs::write(folder.path().join("logs/metadata.yaml"), text).expect("a file");
+    for (report, input) in [
+        ("json=logs/a.json", "logs"),
+        ("json=logs/metadata.yaml", "."),
+        ("json=logs/a.json", "logs/metadata.yaml"),
+    ] {
+        let command = command(folder.path(), &["check", "--report", report, input]);
+        assert_rejected(folder.path(), command, "would overwrite the input logs/");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn a_report_never_replaces_a_capture_through_a_link() {

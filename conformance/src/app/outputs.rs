@@ -13,6 +13,7 @@ use uavspec_codegen::load::definition_files;
 use walkdir::WalkDir;
 
 use super::Status;
+use crate::capture::rosbag::metadata::files_of;
 use crate::text::terminal;
 
 /// The path that means standard input or standard output.
@@ -24,7 +25,7 @@ const MAX_LINKS: usize = 40;
 /// The files that a run reads.
 #[derive(Default)]
 pub(super) struct Inputs<'a> {
-    /// Files; `-` means standard input.
+    /// Files and folders of bags; `-` means standard input.
     pub(super) files: Vec<&'a Path>,
     /// The path of the definitions.
     pub(super) definitions: Option<&'a Path>,
@@ -87,7 +88,7 @@ fn overwritten(inputs: &Inputs<'_>, targets: &[Target]) -> Option<String> {
     let definitions = inputs.definitions.and_then(|path| definition_files(path).ok()).unwrap_or_default();
     let schemas = inputs.schemas.iter().flat_map(|folder| schema_files(folder));
     let found = definitions.into_iter().chain(schemas);
-    let mut files = inputs.files.iter().map(|path| path.to_path_buf()).chain(found);
+    let mut files = inputs.files.iter().flat_map(|path| files_of(path)).chain(found);
     files.find_map(|path| {
         let target = targets.iter().find(|target| target.is_input(&path))?;
         let path = terminal::path(&path);

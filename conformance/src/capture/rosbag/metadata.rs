@@ -1,10 +1,10 @@
 //! Reads the `metadata.yaml` in the folder of a bag.
 
-use std::collections::BTreeMap;
-use std::fs::File;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::mem;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use saphyr_parser::{Event, Parser};
 
@@ -33,7 +33,7 @@ pub(crate) struct Metadata {
     pub(crate) storage: String,
     /// The ROS distribution that recorded the bag; empty if unknown.
     pub(crate) distribution: String,
-    /// The names of the files, in order.
+    /// The names of the files, in order, without duplicates.
     pub(crate) files: Vec<String>,
     /// The number of messages in all files.
     pub(crate) message_count: Option<u64>,
@@ -49,11 +49,27 @@ pub(crate) fn folder_of(path: &Path) -> Option<&Path> {
     path.parent().filter(|_| path.file_name().is_some_and(|name| name == FILE_NAME))
 }
 
+/// The files that are read for a path: the metadata of a bag and the files that it lists, or only the path itself.
+pub(crate) fn files_of(path: &Path) -> Vec<PathBuf> {
+    let Some(folder) = folder_of(path) else { return vec![path.to_path_buf()] };
+    let metadata = Metadata::read(folder).ok().flatten().unwrap_or_default();
+    let names = std::iter::once(FILE_NAME.to_owned()).chain(metadata.files);
+    names.map(|name| folder.join(name)).collect()
+}
+
+/// Opens a file of a bag. Fails if it is a pipe or a device, because opening a pipe waits for a writer.
+pub(crate) fn open(path: &Path) -> io::Result<File> {
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is not a file"));
+    }
+    File::open(path)
+}
+
 impl Metadata {
     /// Reads the metadata of the bag in a folder. Returns `None` if the file isn't the metadata of a bag.
     pub(crate) fn read(folder: &Path) -> io::Result<Option<Self>> {
         let mut text = String::new();
-        File::open(folder.join(FILE_NAME))?.take(MAX_SIZE).read_to_string(&mut text)?;
+        open(&folder.join(FILE_NAME))?.take(MAX_SIZE).read_to_string(&mut text)?;
         Ok(Self::parse(&text))
     }
 
@@ -86,6 +102,9 @@ impl Metadata {
                 level.key = None;
             }
         }
+        // A file that is listed several times would be read several times.
+        let mut known = BTreeSet::new();
+        found.files.retain(|name| known.insert(name.clone()));
         (!found.storage.is_empty()).then_some(found)
     }
 
@@ -131,7 +150,7 @@ mod tests {
         let text = "rosbag2_bagfile_information:\n  version: 7\n  storage_identifier: sqlite3\n  duration:\n    \
             nanoseconds: 151137181\n  message_count: 7\n  topics_with_message_count:\n    - topic_metadata:\n        \
             name: /array_topic\n        serialization_format: odd\n        storage_identifier: other\n      message_count: 4\n  compression_format: \
-            \"\"\n  relative_file_paths:\n    - bag_0.db3\n    - old\\style\\bag_1.db3\n    - ../../etc/passwd\n    \
+            \"\"\n  relative_file_paths:\n    - bag_0.db3\n    - old\\style\\bag_1.db3\n    - bag_0.db3\n    - ../../etc/passwd\n    \
             - ..\n  files:\n    - path: bag_0.db3\n      message_count: 7\n  custom_data: ~\n  ros_distro: jazzy\n";
         let expected = Metadata {
             storage: "sqlite3".to_owned(),

@@ -7,7 +7,7 @@ use super::mcap::McapFile;
 use super::sqlite::{self, SQLITE};
 use super::{BagFile, BagSummary, Channels, MCAP};
 use crate::capture::input;
-use crate::capture::rosbag::metadata::{FILE_NAME, Metadata};
+use crate::capture::rosbag::metadata::{self, FILE_NAME, Metadata};
 use crate::check::{CaptureResult, Reading, START, Source, Summary};
 use crate::definitions::Definitions;
 use crate::model::{Extent, Location};
@@ -56,7 +56,7 @@ fn check_file(
     summary: &mut BagSummary,
     reading: Reading<'_>,
 ) -> io::Result<u64> {
-    let (mut input, is_plain) = input::decompressed(reading(input::open(path)?))?;
+    let (mut input, is_plain) = input::decompressed(reading(Box::new(metadata::open(path)?)))?;
     let mut start = Vec::new();
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
     let whole = &mut io::Cursor::new(&start).chain(input);

@@ -80,6 +80,30 @@ fn missing_and_unknown_files_are_reported() {
     assert_eq!(found.captures, [folder.path().to_owned(), path("extra.jsonl")]);
 }
 
+/// Opening a pipe would wait for a writer.
+#[cfg(unix)]
+#[test]
+fn pipes_in_the_folder_of_a_bag_are_not_opened() {
+    let (definitions, _) = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let make_pipe = |name: &str| {
+        let made = std::process::Command::new("mkfifo").arg(path(name)).status();
+        assert!(made.expect("mkfifo runs").success(), "a pipe");
+    };
+    make_pipe("metadata.yaml");
+    let found = files(&[folder.path().to_owned()]).expect("files");
+    assert_eq!(found.skipped, [(path("metadata.yaml"), "a named pipe")]);
+    fs::remove_file(path("metadata.yaml")).expect("a pipe");
+    make_pipe("bag_0.db3");
+    fs::write(path("metadata.yaml"), metadata("sqlite3", &["bag_0.db3"], 1)).expect("a file");
+    let found = corrupt(&checked(folder.path(), &definitions));
+    assert!(
+        found[0].ends_with("bag_0.db3, which metadata.yaml lists, can't be opened: it is not a file"),
+        "{found:?}"
+    );
+}
+
 #[test]
 fn fewer_messages_than_the_metadata_counts_are_incomplete() {
     let (definitions, content) = flight();
