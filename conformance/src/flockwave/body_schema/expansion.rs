@@ -17,9 +17,6 @@ const MAX_DEPTH: u64 = 500;
 /// The keywords whose values are references.
 const REFERENCES: [&str; 3] = ["$ref", "$dynamicRef", "$recursiveRef"];
 
-/// The members whose values are data or names, but not schemas.
-const DATA: [&str; 7] = ["const", "default", "enum", "examples", "required", "$comment", "description"];
-
 /// A value that is being counted.
 struct Open<'s> {
     /// The address of the value in memory, which identifies it.
@@ -52,23 +49,27 @@ impl Size {
 }
 
 /// The number of schemas in `root`, in which each reference counts like a copy of its target. References within a cycle
-/// count once. If values are nested too deeply, the result is the highest number. `resolve` returns the target of a reference in a document, and the document of the target.
+/// count once. If values are nested too deeply, the result is the highest number. `resolve` returns the target of a
+/// reference in a document, and the document of the target. Fails with a reference that has no known target, because
+/// the target may be of any size.
+///
+/// Data such as defaults counts like schemas, because properties may have the names of the keywords for data.
 pub(super) fn count<'s>(
     document: &'s str,
     root: &'s Value,
     mut resolve: impl FnMut(&'s str, &'s str) -> Option<(&'s str, &'s Value)>,
-) -> u64 {
+) -> Result<u64, &'s str> {
     let mut known: HashMap<*const Value, Size> = HashMap::new();
     // The search has its own stack, because references can form long chains.
-    let mut open = vec![start(document, root, &mut known, &mut resolve)];
+    let mut open = vec![start(document, root, &mut known, &mut resolve)?];
     loop {
-        let Some(last) = open.last_mut() else { return 0 };
+        let Some(last) = open.last_mut() else { return Ok(0) };
         if let Some((document, next)) = last.rest.pop() {
             // A value that is still open counts 0: the reference leads back to it.
             if let Some(size) = known.get(&std::ptr::from_ref(next)) {
                 last.size.include(*size);
             } else {
-                let next = start(document, next, &mut known, &mut resolve);
+                let next = start(document, next, &mut known, &mut resolve)?;
                 open.push(next);
             }
             continue;
@@ -77,7 +78,7 @@ pub(super) fn count<'s>(
         known.insert(key, size);
         open.pop();
         match open.last_mut() {
-            None => return size.total(),
+            None => return Ok(size.total()),
             Some(parent) => parent.size.include(size),
         }
     }
@@ -88,16 +89,16 @@ fn start<'s>(
     value: &'s Value,
     known: &mut HashMap<*const Value, Size>,
     resolve: &mut impl FnMut(&'s str, &'s str) -> Option<(&'s str, &'s Value)>,
-) -> Open<'s> {
+) -> Result<Open<'s>, &'s str> {
     let key = std::ptr::from_ref(value);
     known.insert(key, Size::default());
     let mut rest = Vec::new();
+    let size = Size { count: u64::from(value.is_object()), depth: 0 };
     match value {
         Value::Object(members) => {
             for (name, member) in members {
                 match member.as_str().filter(|_| REFERENCES.contains(&name.as_str())) {
-                    Some(reference) => rest.extend(resolve(document, reference)),
-                    None if DATA.contains(&name.as_str()) => {}
+                    Some(reference) => rest.push(resolve(document, reference).ok_or(reference)?),
                     None => rest.push((document, member)),
                 }
             }
@@ -105,26 +106,39 @@ fn start<'s>(
         Value::Array(values) => rest.extend(values.iter().map(|value| (document, value))),
         _ => {}
     }
-    Open { key, rest, size: Size { count: u64::from(value.is_object()), depth: 0 } }
+    Ok(Open { key, rest, size })
 }
 
-/// The value with this fragment of a reference, which is a pointer or an anchor. An empty fragment means the whole
-/// document.
-pub(super) fn fragment<'s>(root: &'s Value, fragment: &str) -> Option<&'s Value> {
-    if fragment.is_empty() {
-        return Some(root);
+/// The anchors of the documents that were searched. A name that occurs twice in a document has no target.
+#[derive(Default)]
+pub(super) struct Anchors<'s>(HashMap<*const Value, HashMap<&'s str, Option<&'s Value>>>);
+
+impl<'s> Anchors<'s> {
+    /// The value with this fragment of a reference, which is a pointer or an anchor. An empty fragment means the whole
+    /// document.
+    pub(super) fn fragment(&mut self, root: &'s Value, fragment: &str) -> Option<&'s Value> {
+        if fragment.is_empty() {
+            return Some(root);
+        }
+        if fragment.starts_with('/') {
+            return root.pointer(&decoded(fragment)?);
+        }
+        let anchors = self.0.entry(std::ptr::from_ref(root)).or_insert_with(|| anchors(root));
+        anchors.get(fragment).copied().flatten()
     }
-    if fragment.starts_with('/') {
-        // Pointers in references may be percent-encoded. Names in schemas hardly ever need that.
-        return root.pointer(fragment);
-    }
+}
+
+/// The anchors of a document.
+fn anchors(root: &Value) -> HashMap<&str, Option<&Value>> {
+    let mut anchors: HashMap<&str, Option<&Value>> = HashMap::new();
     let mut open = vec![root];
     while let Some(value) = open.pop() {
         match value {
             Value::Object(members) => {
-                let is_anchor = |name: &str| members.get(name).and_then(Value::as_str) == Some(fragment);
-                if is_anchor("$anchor") || is_anchor("$dynamicAnchor") {
-                    return Some(value);
+                for name in ["$anchor", "$dynamicAnchor"] {
+                    if let Some(anchor) = members.get(name).and_then(Value::as_str) {
+                        anchors.entry(anchor).and_modify(|known| *known = None).or_insert(Some(value));
+                    }
                 }
                 open.extend(members.values());
             }
@@ -132,7 +146,19 @@ pub(super) fn fragment<'s>(root: &'s Value, fragment: &str) -> Option<&'s Value>
             _ => {}
         }
     }
-    None
+    anchors
+}
+
+/// Decodes the percent-encoded bytes of a fragment. `None` if the result isn't text.
+fn decoded(fragment: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(fragment.len());
+    let mut parts = fragment.split('%');
+    bytes.extend(parts.next().unwrap_or_default().bytes());
+    for part in parts {
+        bytes.push(u8::from_str_radix(part.get(..2)?, 16).ok()?);
+        bytes.extend(part.bytes().skip(2));
+    }
+    String::from_utf8(bytes).ok()
 }
 
 #[cfg(test)]
@@ -142,7 +168,10 @@ mod tests {
     use super::*;
 
     fn count_of(root: &Value) -> u64 {
-        count("", root, |_, reference| Some(("", fragment(root, reference.strip_prefix('#')?)?)))
+        let mut anchors = Anchors::default();
+        let resolve =
+            |_, reference: &'_ str| Some(("", anchors.fragment(root, reference.strip_prefix('#')?)?));
+        count("", root, resolve).expect("known references")
     }
 
     /// A schema in which each level refers twice to the next one.
@@ -164,7 +193,7 @@ mod tests {
     fn references_count_like_copies() {
         assert_eq!(
             count_of(&json!({ "type": "object", "properties": { "a": {}, "b": { "const": {} } } })),
-            4
+            5
         );
         assert!(count_of(&doubling(3)) > 2 * count_of(&doubling(2)) - 20);
         assert!(count_of(&doubling(10)) < MAX_SCHEMAS);
@@ -173,6 +202,19 @@ mod tests {
         }
         let anchored = json!({ "$ref": "#top", "$defs": { "a": { "$anchor": "top", "not": {} } } });
         assert!(count_of(&anchored) > count_of(&anchored["$defs"]) + 1);
+    }
+
+    #[test]
+    fn no_spelling_hides_a_reference() {
+        let encoded = doubling(40).to_string().replace("#/$defs", "#/%24defs");
+        let named = doubling(40).to_string().replace("allOf", "default");
+        for text in [encoded, named] {
+            assert!(count_of(&serde_json::from_str(&text).expect("JSON")) > MAX_SCHEMAS, "{text:.100}");
+        }
+        let embedded = json!({ "$ref": "level0" });
+        assert_eq!(count("", &embedded, |_, _| None), Err("level0"));
+        assert_eq!(decoded("/a%20b/%C3%A9").as_deref(), Some("/a b/é"));
+        assert_eq!([decoded("%"), decoded("%zz"), decoded("%ff")], [None, None, None]);
     }
 
     #[test]

@@ -12,10 +12,10 @@ use serde_json::Value;
 use uavspec_codegen::schema::json_type::Direction;
 use walkdir::WalkDir;
 
-use super::expansion::{self, MAX_SCHEMAS};
+use super::expansion::{self, Anchors, MAX_SCHEMAS};
 use super::{Deviation, Mismatch};
 use crate::json::Tree;
-use crate::text::terminal;
+use crate::text::{shown, terminal};
 
 /// The maximum size of a file, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
@@ -79,7 +79,12 @@ impl Schemas {
                     continue;
                 }
                 is_any = true;
-                if files.count(address, value) > MAX_SCHEMAS {
+                let count = files.count(address, value).map_err(|problem| SchemaError {
+                    path: path.clone(),
+                    location: String::new(),
+                    problem,
+                })?;
+                if count > MAX_SCHEMAS {
                     return Err(SchemaError {
                         path: path.clone(),
                         location: String::new(),
@@ -245,11 +250,23 @@ impl Files {
     }
 
     /// The number of schemas in a file, in which each reference counts like a copy of its target.
-    fn count(&self, address: &str, value: &Value) -> u64 {
-        expansion::count(address, value, |document, reference| {
+    /// Fails with a message if a reference has no known target.
+    fn count(&self, address: &str, value: &Value) -> Result<u64, String> {
+        let mut anchors = Anchors::default();
+        let count = expansion::count(address, value, |document, reference| {
             let (file, fragment) = reference.split_once('#').unwrap_or((reference, ""));
             let (address, root) = self.find(if file.is_empty() { document } else { file })?;
-            Some((address, expansion::fragment(root, fragment)?))
+            Some((address, anchors.fragment(root, fragment)?))
+        });
+        count.map_err(|reference| {
+            let (file, fragment) = reference.split_once('#').unwrap_or((reference, ""));
+            if file.is_empty() || self.find(file).is_some() {
+                return format!(
+                    "unknown reference: nothing in the file has the location `{}`",
+                    shown(fragment)
+                );
+            }
+            not_found(file)
         })
     }
 
@@ -265,6 +282,12 @@ impl Files {
     }
 }
 
+/// The problem of a reference to an unknown file.
+fn not_found(file: &str) -> String {
+    let name = file.rsplit('/').next().unwrap_or_default();
+    format!("no file in the folder is named `{}`, and remote schemas aren't fetched", shown(name))
+}
+
 /// Resolves references to files: by `$id`, by path, and finally by file name. The path in an `$id` may differ from the
 /// path of its file.
 struct Lookup(Arc<Files>);
@@ -272,10 +295,7 @@ struct Lookup(Arc<Files>);
 impl Retrieve for Lookup {
     fn retrieve(&self, uri: &Uri<String>) -> Result<Value, Box<dyn std::error::Error + Send + Sync>> {
         let wanted = uri.as_str().split('#').next().unwrap_or_default();
-        let name = wanted.rsplit('/').next().unwrap_or_default();
-        let (_, value) = self.0.find(wanted).ok_or_else(|| {
-            format!("no file in the folder is named `{name}`, and remote schemas aren't fetched")
-        })?;
+        let (_, value) = self.0.find(wanted).ok_or_else(|| not_found(wanted))?;
         Ok(value.clone())
     }
 }
