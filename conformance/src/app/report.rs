@@ -105,7 +105,7 @@ impl ReportArgs {
     pub(super) fn start(&self, action: Action, known: &KnownArgs) -> Outputs<'_> {
         // The sections of a text report are printed immediately. The other formats follow the report files.
         let printed = Some(self.printed()).filter(|kind| *kind != Kind::Text).map(|kind| (kind, None));
-        let files = self.files().map(|target| (target.kind, Some(parent(&target.path))));
+        let files = self.files().map(|target| (target.kind, folder_for_parts(&target.path)));
         let stream = Stream::new(action, super::command(), files.chain(printed));
         Outputs { args: self, stream, new_list: known.new_list(), unprinted: None }
     }
@@ -198,6 +198,11 @@ fn parent(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
+/// The folder for the temporary file of a report. `None` for pipes and devices, whose folder may not be writable.
+fn folder_for_parts(path: &Path) -> Option<&Path> {
+    fs::metadata(path).map_or(true, |metadata| metadata.is_file()).then(|| parent(path))
+}
+
 /// Writes a file atomically. If this fails, an existing file stays unchanged.
 fn write(path: &Path, content: impl FnOnce(&mut Box<dyn Write>) -> io::Result<()>) -> io::Result<()> {
     let fill = |file: File| {
@@ -231,6 +236,15 @@ mod tests {
             let error = target(wrong).expect_err(wrong);
             assert!(error.contains("text, short, json, junit, sarif, html, markdown"), "{error}");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn temporary_files_are_next_to_reports_but_not_next_to_devices() {
+        let folder = |path| folder_for_parts(Path::new(path));
+        assert_eq!(folder("absent/a.json"), Some(Path::new("absent")));
+        assert_eq!(folder("a.json"), Some(Path::new(".")));
+        assert_eq!([folder("/dev/null"), folder("/")], [None, None]);
     }
 
     #[test]
