@@ -122,7 +122,7 @@ impl NewList {
     pub(super) fn write(&self, command: &str) -> Status {
         let path = terminal::path(&self.path);
         if self.is_too_long {
-            let problem = format_args!("{path}: not written: more than {MAX_NEW_ENTRIES} different failures");
+            let problem = format!("{path}: not written: more than {MAX_NEW_ENTRIES} different failures");
             terminal::error(problem, None);
             return Status::Unreadable;
         }
