@@ -288,11 +288,13 @@ impl Session {
 mod tests {
     use super::*;
     use crate::serve::Options;
+    use crate::serve::family::answer;
+    use crate::serve::hub::Hub;
 
     #[test]
     fn a_session_that_has_ended_joins_no_namespace() {
         for end in ["41", "1"] {
-            let mut shared = Shared::new(Options::default(), &[]);
+            let mut shared = Shared::new(Hub::new(Options::default(), answer));
             let session = Session::open(&mut shared, Revision::Four);
             let mut take = |text: &str| session.take(&mut shared, Packet::parse(text).expect("a packet"));
             take("40");
