@@ -35,7 +35,9 @@ use proc_macro2::TokenStream;
 use quote::quote;
 
 use self::context::{Context, Place};
-use self::file::{documentation, header, header_of, header_of_package, inner_documentation, layout_file};
+use self::file::{
+    documentation, header, header_of, header_of_package, inner_documentation, layout_file, module_declaration,
+};
 use self::identifier::{Scope, ident, module_name};
 #[cfg(feature = "files")]
 use super::emitter::{Input, Output};
@@ -242,27 +244,27 @@ fn package_files(
             "[`{0}`](struct@{0}) and the types of its fields.",
             ident(&place.type_name)
         ));
-        re_export(&doc, &place.modules[1], [&place.type_name])
+        re_export(&doc, module, &place.modules[1], [&place.type_name])
     });
     let kinds: Vec<TokenStream> = [("srv", "Services."), ("action", "Actions.")]
         .into_iter()
         .filter(|(kind, _)| modules.interfaces.iter().any(|interface| interface.kind == *kind))
         .map(|(kind, text)| {
             let doc = documentation(text);
-            let kind = ident(kind);
-            quote!(#doc pub mod #kind;)
+            let declaration = module_declaration(module, kind);
+            quote!(#doc #declaration)
         })
         .collect();
     let mut error_codes = None;
     if !package.error_tables.is_empty() {
         let doc = documentation("Error codes.");
-        error_codes = Some(re_export(&doc, "error_code", [&"ErrorCode".to_owned()]));
+        error_codes = Some(re_export(&doc, module, "error_code", [&"ErrorCode".to_owned()]));
         let text = error_code::emit(context, package);
         files.push(OutputFile { path: format!("{module}/error_code.rs"), text });
     }
     let mut json = None;
     if json_type::has_content(package) {
-        json = Some(json_type::declaration());
+        json = Some(json_type::declaration(module));
         files.append(&mut json_type::files(context, package, module));
     }
     let views = re_export_views(modules.messages.iter().map(|(_, place)| (place.modules[1].as_str(), place)));
@@ -298,7 +300,8 @@ fn kind_module(context: &Context<'_>, package: &Package, interfaces: &[&Interfac
     let modules = interfaces.iter().map(|interface| {
         let doc =
             documentation(&format!("Parts of {}.", prose::code(&package.interfaces[interface.index].name)));
-        re_export(&doc, &interface.module, interface.parts.iter().map(|(_, place)| &place.type_name))
+        let parts = interface.parts.iter().map(|(_, place)| &place.type_name);
+        re_export(&doc, interface.kind, &interface.module, parts)
     });
     let views =
         re_export_views(interfaces.iter().flat_map(|interface| {
@@ -326,12 +329,14 @@ fn assert_layouts<'p>(
 
 fn re_export<'n>(
     doc: &TokenStream,
+    parent: &str,
     module: &str,
     names: impl IntoIterator<Item = &'n String>,
 ) -> TokenStream {
+    let declaration = module_declaration(parent, module);
     let module = ident(module);
     let names = names.into_iter().map(|name| ident(name));
-    quote!(#doc pub mod #module; pub use self::#module::{#(#names),*};)
+    quote!(#doc #declaration pub use self::#module::{#(#names),*};)
 }
 
 /// Re-exports the views of messages if the runtime's `views` feature is enabled. Each message is given with its module.

@@ -6,6 +6,7 @@ use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use quote::quote;
 
 use super::context::Context;
+use super::identifier::ident;
 use super::imports;
 use crate::emit::file::notice;
 use crate::prose;
@@ -27,6 +28,13 @@ pub(super) fn header_of(context: &Context<'_>, package: &Package, span: Span) ->
 /// The header of a file generated from all definitions of a package.
 pub(super) fn header_of_package(package: &Package) -> String {
     header(&format!("the definitions of {}", package.name))
+}
+
+/// The declaration of a public module in the module `parent`. Names come from definitions, so both may be equal.
+pub(super) fn module_declaration(parent: &str, module: &str) -> TokenStream {
+    let allowed = (parent == module).then(|| quote!(#[allow(clippy::module_inception)]));
+    let module = ident(module);
+    quote!(#allowed pub mod #module;)
 }
 
 /// Formats tokens, with blank lines between items.

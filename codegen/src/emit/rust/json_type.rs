@@ -16,7 +16,7 @@ pub(super) use self::names::MODULE;
 use self::names::{Names, TYPES};
 use self::types::Definitions;
 use super::context::Context;
-use super::file::{documentation, header_of_package, inner_documentation, layout_file};
+use super::file::{documentation, header_of_package, inner_documentation, layout_file, module_declaration};
 use super::identifier::ident;
 use crate::emit::file::OutputFile;
 use crate::schema::Package;
@@ -27,9 +27,9 @@ pub(super) fn has_content(package: &Package) -> bool {
 }
 
 /// The declaration of this module in the package module.
-pub(super) fn declaration() -> TokenStream {
-    let module = ident(MODULE);
-    quote!(::uavspec_runtime::with_json! { pub mod #module; })
+pub(super) fn declaration(package_module: &str) -> TokenStream {
+    let declaration = module_declaration(package_module, MODULE);
+    quote!(::uavspec_runtime::with_json! { #declaration })
 }
 
 /// Creates the files of a package. `module` is the name of the package module.

@@ -4,7 +4,7 @@ use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
 use super::super::context::Context;
-use super::super::file::{documentation, header_of, inner_documentation, layout_file};
+use super::super::file::{documentation, header_of, inner_documentation, layout_file, module_declaration};
 use super::super::identifier::{Scope, ident, module_name, pascal_case};
 use super::names::{MODULE, Names, TYPES, is_struct_field, text};
 use super::types::Definitions;
@@ -32,9 +32,9 @@ pub(super) fn files(
 ) -> (TokenStream, Vec<OutputFile>) {
     let places = places(context, &package.json_messages);
     let modules = places.iter().map(|place| {
-        let module = ident(&place.module);
         let doc = documentation(&format!("Bodies of {}.", prose::code(&place.message.name)));
-        quote!(#doc pub mod #module;)
+        let declaration = module_declaration(MODULE, &place.module);
+        quote!(#doc #declaration)
     });
     let enums = Direction::ALL.map(|direction| direction_tokens(&places, direction));
     let root = quote!(#(#modules)* #(#enums)*);
