@@ -181,3 +181,19 @@ fn follows_no_links_inside_the_output_folder() {
     assert!(at("elsewhere/demo/Wind.schema.json").is_file());
     assert_eq!(fs::read(at("elsewhere/0")).expect("a file"), b"precious");
 }
+
+#[cfg(unix)]
+#[test]
+fn never_waits_for_a_pipe_in_the_output_folder() {
+    let folder = workspace();
+    let at = |path: &str| folder.path().join(path);
+    fs::create_dir_all(at("work/out/demo")).expect("a folder");
+    for pipe in ["work/out/.uavspec-manifest", "work/out/demo/Wind.schema.json"] {
+        let made = Command::new("mkfifo").arg(at(pipe)).status().expect("mkfifo runs");
+        assert!(made.success(), "a pipe");
+        let (status, printed) = run(&folder, &["codegen"]);
+        assert_eq!(status, Some(2), "{printed}");
+        assert!(printed.contains("expected a file"), "{printed}");
+        fs::remove_file(at(pipe)).expect("a pipe");
+    }
+}

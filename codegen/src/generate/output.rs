@@ -174,7 +174,7 @@ fn changes_of<'f>(folder: &'f Folder, inputs: &BTreeSet<PathBuf>) -> Result<Chan
         let relative = PathBuf::from(&file.path);
         let full = path.join(&relative);
         reject_links(path, &relative)?;
-        match fs::read(&full) {
+        match read_file(&full) {
             Ok(bytes) if bytes == file.text.as_bytes() => {}
             Ok(bytes) if owned.contains(&relative) || is_marked(&bytes) => {
                 write.push((relative, file.text.as_str(), true));
@@ -210,12 +210,18 @@ fn changes_of<'f>(folder: &'f Folder, inputs: &BTreeSet<PathBuf>) -> Result<Chan
     })
 }
 
+/// Reads a file. Reading a pipe would wait for a writer.
+fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+    let is_file = fs::metadata(path)?.is_file();
+    if is_file { fs::read(path) } else { Err(io::Error::other("expected a file")) }
+}
+
 /// The files that an earlier run wrote, and the text of the manifest. Ignores paths outside the folder, which no run
 /// can have written.
 fn read_manifest(folder: &Path) -> Result<(BTreeSet<PathBuf>, Option<String>), Failure> {
     let path = folder.join(MANIFEST);
-    let text = match fs::read_to_string(&path) {
-        Ok(text) => text,
+    let text = match read_file(&path) {
+        Ok(bytes) => String::from_utf8_lossy(&bytes).into_owned(),
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok((BTreeSet::new(), None)),
         Err(error) => return Err(Failure::new(format!("{}: {error}", terminal::path(path)))),
     };
