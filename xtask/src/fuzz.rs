@@ -22,7 +22,7 @@ pub(crate) struct Arguments {
     #[arg(value_name = "TARGET")]
     targets: Vec<String>,
     /// Duration of each target's run, in seconds
-    #[arg(long, value_name = "SECONDS", default_value_t = 60)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
     seconds: u64,
     /// After each run, replace the inputs in xtask/fuzz/corpus by the smallest selection with the same coverage
     #[arg(long)]

@@ -26,7 +26,7 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags, Row};
 
 use crate::model::Extent;
-use crate::text::Grouped;
+use crate::text::{Grouped, command_line};
 
 /// The maximum size of a payload, in bytes. Records of MCAP files have the same limit.
 const MAX_PAYLOAD: usize = 64 << 20;
@@ -452,8 +452,8 @@ fn unfinished(path: &Path) -> Option<Problem> {
     };
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     Some(Problem::gap(format!(
-        "the recording didn't finish: its last messages may be in `{name}{suffix}`; `sqlite3 {name} .tables` completes \
-         the file"
+        "the recording didn't finish: its last messages may be in `{name}{suffix}`; `{}` completes the file",
+        command_line(["sqlite3", &name, ".tables"])
     )))
 }
 
