@@ -21,7 +21,7 @@ const REPEAT_TIME: Duration = Duration::from_secs(1);
 /// The time of the first interrupt.
 static FIRST: OnceLock<Instant> = OnceLock::new();
 
-/// Handles the signals that end programs, and those that suspend them if the probe may send commands.
+/// Handles the signals that end programs. If the probe may send commands, also handles the signals that suspend them.
 pub(super) fn install(options: &Options) -> Result<(), Status> {
     let (stop, limit) = (options.stop.clone(), options.landing_limit.as_secs());
     // New threads inherit the blocked signals.

@@ -195,7 +195,7 @@ impl Probe<'_, '_> {
         let mut waiting: BTreeMap<&String, Touchdown> =
             uavs.iter().map(|uav| (uav, Touchdown::default())).collect();
         loop {
-            // On a new connection, the UAVs must be told to land again.
+            // The UAVs must receive the command to land again on a new connection.
             if let Some(session) = self.session.as_ref().filter(|session| session.is_over()) {
                 return Err(session.why_over());
             }

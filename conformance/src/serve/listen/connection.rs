@@ -247,7 +247,7 @@ impl Connection {
         }
     }
 
-    /// Ends the connection. Unless the client can't receive anything more, it is told the reason.
+    /// Ends the connection. If the client can still receive messages, it receives the reason.
     pub(super) fn end(mut self, shared: &mut Shared, reason: Reason) {
         if reason != Reason::Disconnected && !self.is_closed() {
             self.protocol.dismiss(shared, reason);

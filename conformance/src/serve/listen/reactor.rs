@@ -403,7 +403,7 @@ impl Reactor {
     }
 }
 
-/// Tells a client that the server is full, if it can be told immediately.
+/// Sends the reason to a client that the server refuses because it is full, if sending is possible immediately.
 fn refuse(mut stream: &TcpStream, transport: Transport) {
     const REASON: &str = "the server is full";
     let text = match transport {
