@@ -194,6 +194,15 @@ mod tests {
         names
     }
 
+    /// Runs a function 50 times in each of four threads.
+    fn in_many_runs(run: impl Fn() + Sync) {
+        thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| (0..50).for_each(|_| run()));
+            }
+        });
+    }
+
     /// Creates the temporary folder of a killed run.
     fn abandon(folder: &Path, name: &str) {
         fs::create_dir(folder.join(name)).expect("a folder");
@@ -237,19 +246,13 @@ mod tests {
     #[test]
     fn only_one_run_has_the_exclusive_folder() {
         let folder = tempfile::tempdir().expect("a folder");
-        thread::scope(|scope| {
-            for _ in 0..4 {
-                scope.spawn(|| {
-                    for _ in 0..50 {
-                        let stage = Stage::exclusive(folder.path()).expect("a stage");
-                        let file = stage.path().join("0");
-                        let new = OpenOptions::new().write(true).create_new(true).open(&file);
-                        assert!(new.is_ok(), "another thread has the folder");
-                        thread::yield_now();
-                        fs::remove_file(&file).expect("no other thread removed the file");
-                    }
-                });
-            }
+        in_many_runs(|| {
+            let stage = Stage::exclusive(folder.path()).expect("a stage");
+            let file = stage.path().join("0");
+            let new = OpenOptions::new().write(true).create_new(true).open(&file);
+            assert!(new.is_ok(), "another thread has the folder");
+            thread::yield_now();
+            fs::remove_file(&file).expect("no other thread removed the file");
         });
         assert_eq!(names(folder.path()), Vec::<String>::new());
     }
@@ -257,15 +260,9 @@ mod tests {
     #[test]
     fn runs_do_not_remove_the_folders_of_others_while_they_create_them() {
         let folder = tempfile::tempdir().expect("a folder");
-        thread::scope(|scope| {
-            for _ in 0..4 {
-                scope.spawn(|| {
-                    for _ in 0..50 {
-                        let stage = Stage::new(folder.path()).expect("a stage");
-                        fs::write(stage.path().join("0"), "text").expect("the folder exists");
-                    }
-                });
-            }
+        in_many_runs(|| {
+            let stage = Stage::new(folder.path()).expect("a stage");
+            fs::write(stage.path().join("0"), "text").expect("the folder exists");
         });
         assert_eq!(names(folder.path()), Vec::<String>::new());
     }

@@ -6,7 +6,7 @@ use super::package::PackageSource;
 use super::resolver::{Origin, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::name::is_identifier;
-use crate::schema::{CdrSize, Dialect, Docs, Form, Interface, Kind, Message, Package};
+use crate::schema::{Dialect, Form, Interface, Kind, Message, Package};
 use crate::span::Span;
 
 impl<'s> Resolver<'s> {
@@ -41,7 +41,7 @@ impl<'s> Resolver<'s> {
                 for (part, suffix) in kind.part_suffixes().iter().enumerate().take(definition.parts.len()) {
                     let id = id(self.schema.messages.len());
                     self.origins.push(Origin { package, file, part });
-                    self.schema.messages.push(empty_message(package, kind, format!("{stem}{suffix}"), span));
+                    self.schema.messages.push(Message::new(package, kind, format!("{stem}{suffix}"), span));
                     parts.push(id);
                 }
                 if kind == Kind::Message {
@@ -52,16 +52,11 @@ impl<'s> Resolver<'s> {
                 }
             }
             self.schema.packages.push(Package {
-                name: source.name.clone(),
-                form: source.form,
-                ros_package: source.ros_package.clone(),
                 origin: source.origin.clone(),
                 revision: source.revision.clone(),
                 messages,
                 interfaces,
-                error_tables: Vec::new(),
-                json_types: Vec::new(),
-                json_messages: Vec::new(),
+                ..Package::new(source.name.clone(), source.form, source.ros_package.clone())
             });
         }
     }
@@ -80,26 +75,5 @@ impl<'s> Resolver<'s> {
         };
         let diagnostic = Diagnostic::new(problem, span.part(0..0));
         self.report(if is_identifier(stem) { diagnostic.with_hint("rename the file") } else { diagnostic });
-    }
-}
-
-fn empty_message(package: usize, kind: Kind, name: String, span: Span) -> Message {
-    Message {
-        package,
-        kind,
-        name,
-        span,
-        docs: Docs::default(),
-        topics: Vec::new(),
-        version: None,
-        queue_length: None,
-        fields: Vec::new(),
-        constants: Vec::new(),
-        enums: Vec::new(),
-        groups: Vec::new(),
-        uorb: None,
-        cdr: CdrSize::default(),
-        hash: 0,
-        type_hash: String::new(),
     }
 }

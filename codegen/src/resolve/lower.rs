@@ -1,6 +1,6 @@
 //! Lowers syntax trees to messages: fields, constants, groups, topics and annotations.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap};
 
 use uavspec_runtime::Scalar;
 
@@ -93,19 +93,12 @@ impl<'s> Resolver<'s> {
 
     fn field(&mut self, index: usize, line: &Line<'s>, field: &ast::Field<'s>, docs: ItemDocs) {
         let Some(ty) = self.field_type(index, &field.ty) else { return };
+        let span = field.ty.span.to(field.name.span);
         let mut lowered = Field {
-            name: field.name.text.to_owned(),
-            ty,
             default: field.default.clone(),
             description: docs.description,
             group: docs.group,
-            unit: None,
-            constraints: Vec::new(),
-            attributes: BTreeMap::new(),
-            enum_prefixes: Vec::new(),
-            enumeration: None,
-            counts: None,
-            span: field.ty.span.to(field.name.span),
+            ..Field::new(field.name.text.to_owned(), ty, span)
         };
         if let Some(note) = note(line) {
             self.annotate(index, &mut lowered, note);

@@ -1,13 +1,10 @@
 //! The events of services, which ROS 2 records to make requests and responses visible.
 
-use std::collections::BTreeMap;
-
 use uavspec_runtime::Scalar;
 
-use super::documentation::Docs;
 use super::fingerprint;
 use super::id::MessageId;
-use super::model::{CdrSize, Element, Field, Form, Message, Package, Schema, Type};
+use super::model::{Element, Field, Form, Message, Package, Schema, Type};
 use crate::msg::ast::Shape;
 use crate::msg::{Dialect, Kind};
 use crate::source::Span;
@@ -68,18 +65,8 @@ impl Schema {
 
     /// Adds a message to a new package.
     fn add_to_package(&mut self, package: &str, name: &str, fields: Vec<Field>, span: Span) -> MessageId {
-        self.packages.push(Package {
-            name: package.to_owned(),
-            form: Form::Msg(Dialect::Ros2),
-            ros_package: package.to_owned(),
-            origin: None,
-            revision: None,
-            messages: Vec::new(),
-            interfaces: Vec::new(),
-            error_tables: Vec::new(),
-            json_types: Vec::new(),
-            json_messages: Vec::new(),
-        });
+        let form = Form::Msg(Dialect::Ros2);
+        self.packages.push(Package::new(package.to_owned(), form, package.to_owned()));
         self.add_message(self.packages.len() - 1, Kind::Message, name.to_owned(), fields, span)
     }
 
@@ -93,24 +80,7 @@ impl Schema {
     ) -> MessageId {
         // The number of messages is limited when definitions are read.
         let id = MessageId(u32::try_from(self.messages.len()).unwrap_or(u32::MAX));
-        self.messages.push(Message {
-            package,
-            kind,
-            name,
-            span,
-            docs: Docs::default(),
-            topics: Vec::new(),
-            version: None,
-            queue_length: None,
-            fields,
-            constants: Vec::new(),
-            enums: Vec::new(),
-            groups: Vec::new(),
-            uorb: None,
-            cdr: CdrSize::default(),
-            hash: 0,
-            type_hash: String::new(),
-        });
+        self.messages.push(Message { fields, ..Message::new(package, kind, name, span) });
         self.nested_first.push(id);
         let type_hash = fingerprint::type_hash(self, id);
         if let Some(message) = self.messages.last_mut() {
@@ -121,18 +91,5 @@ impl Schema {
 }
 
 fn field(name: &str, element: Element, shape: Shape, span: Span) -> Field {
-    Field {
-        name: name.to_owned(),
-        ty: Type { element, shape },
-        default: None,
-        description: String::new(),
-        group: None,
-        unit: None,
-        constraints: Vec::new(),
-        attributes: BTreeMap::new(),
-        enum_prefixes: Vec::new(),
-        enumeration: None,
-        counts: None,
-        span,
-    }
+    Field::new(name.to_owned(), Type { element, shape }, span)
 }

@@ -107,6 +107,22 @@ pub struct Package {
 }
 
 impl Package {
+    /// A package without definitions.
+    pub(crate) fn new(name: String, form: Form, ros_package: String) -> Self {
+        Self {
+            name,
+            form,
+            ros_package,
+            origin: None,
+            revision: None,
+            messages: Vec::new(),
+            interfaces: Vec::new(),
+            error_tables: Vec::new(),
+            json_types: Vec::new(),
+            json_messages: Vec::new(),
+        }
+    }
+
     /// True if the package contains no definitions.
     pub fn is_empty(&self) -> bool {
         self.messages.is_empty()
@@ -188,6 +204,30 @@ pub struct Message {
     pub type_hash: String,
 }
 
+impl Message {
+    /// A message without fields. `package` is the index of its package.
+    pub(crate) fn new(package: usize, kind: Kind, name: String, span: Span) -> Self {
+        Self {
+            package,
+            kind,
+            name,
+            span,
+            docs: Docs::default(),
+            topics: Vec::new(),
+            version: None,
+            queue_length: None,
+            fields: Vec::new(),
+            constants: Vec::new(),
+            enums: Vec::new(),
+            groups: Vec::new(),
+            uorb: None,
+            cdr: CdrSize::default(),
+            hash: 0,
+            type_hash: String::new(),
+        }
+    }
+}
+
 /// The size of a message in CDR, in bytes, including the encapsulation header.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CdrSize {
@@ -252,6 +292,24 @@ pub struct Field {
 }
 
 impl Field {
+    /// A field without annotations.
+    pub(crate) fn new(name: String, ty: Type, span: Span) -> Self {
+        Self {
+            name,
+            ty,
+            default: None,
+            description: String::new(),
+            group: None,
+            unit: None,
+            constraints: Vec::new(),
+            attributes: BTreeMap::new(),
+            enum_prefixes: Vec::new(),
+            enumeration: None,
+            counts: None,
+            span,
+        }
+    }
+
     /// The constraint of the given kind.
     pub fn constraint(&self, kind: &ConstraintKind) -> Option<&constraint::Constraint> {
         constraint::find(&self.constraints, kind)
