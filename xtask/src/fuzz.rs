@@ -24,6 +24,9 @@ pub(crate) struct Arguments {
     /// Duration of each target's run, in seconds
     #[arg(long, value_name = "SECONDS", default_value_t = 60, value_parser = clap::value_parser!(u64).range(1..))]
     seconds: u64,
+    /// Seed of the random changes. With the same seed and inputs, a run makes the same changes [default: random]
+    #[arg(long, value_name = "NUMBER", value_parser = clap::value_parser!(u32).range(1..))]
+    seed: Option<u32>,
     /// After each run, replace the inputs in xtask/fuzz/corpus by the smallest selection with the same coverage
     #[arg(long)]
     minimise: bool,
@@ -49,7 +52,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
     for target in known.iter().filter(is_selected) {
         let corpus = Corpus::of(repository(), target)?;
         program.write_seeds(target, &corpus.found)?;
-        let run = Run::new(&program, target, &corpus, arguments.seconds)?;
+        let run = Run::new(&program, target, &corpus, arguments)?;
         println!("{}", run.row(target));
         if let Some(failure) = run.failure {
             eprintln!("{failure}");

@@ -4,6 +4,7 @@ use std::io::BufReader;
 use std::sync::LazyLock;
 
 use serde_json::Value;
+use uavspec_codegen::terminal::shown;
 
 use super::{DEFINITIONS, Pieces};
 use crate::testee::file::replay;
@@ -28,7 +29,7 @@ pub(super) fn answers(data: &[u8]) {
     let answered = verdicts(&whole).iter().filter(|verdict| !is_silent(verdict)).count();
     assert!(answered <= lines, "{answered} verdicts from {lines} lines");
     for verdict in verdicts(&whole) {
-        let text = verdict.to_string();
+        let text = shown(&verdict.to_string());
         assert!(!text.contains(char::is_control), "{text:?}");
     }
     let mut pieces = BufReader::with_capacity(16, Pieces::new(data));

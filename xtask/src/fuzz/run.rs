@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 use std::path::Path;
 
+use super::Arguments;
 use super::corpus::Corpus;
 use super::program::Program;
 
@@ -41,12 +42,14 @@ impl Run {
         program: &Program,
         target: &str,
         corpus: &Corpus,
-        seconds: u64,
+        arguments: &Arguments,
     ) -> Result<Self, String> {
         let mut prefix = corpus.artifacts.clone().into_os_string();
         prefix.push("/");
         let options = [
-            option("-max_total_time", seconds.to_string()),
+            option("-max_total_time", arguments.seconds.to_string()),
+            // libFuzzer chooses a random seed instead of 0.
+            option("-seed", arguments.seed.unwrap_or_default().to_string()),
             option("-timeout", MAX_EXECUTION.to_string()),
             option("-rss_limit_mb", MAX_MEMORY.to_string()),
             option("-artifact_prefix", prefix),
