@@ -18,11 +18,8 @@ pub(super) const STEPS: usize = 55;
 /// The additional time allowed for commands.
 pub(super) const EXTRA_TIME: Duration = Duration::from_secs(60);
 
-/// The time limit for an operation to progress or end.
+/// The default time limit for an operation to progress or end.
 pub(super) const PROGRESS_TIMEOUT: Duration = Duration::from_secs(11);
-
-/// The time limit of a short operation.
-const SHORT_TIMEOUT: Duration = Duration::from_secs(20);
 
 /// The time for which a suspended operation is observed.
 const SUSPENSION_TIMEOUT: Duration = Duration::from_millis(1_500);
@@ -113,13 +110,13 @@ impl Probe<'_, '_> {
         let resume = json!({ "type": "ASYNC-RESUME", "ids": [receipt], "values": {} });
         self.query_for_trial(&asy_19::RULE, resume.clone());
         let is_progress = |message: &Value| message["body"]["suspended"] == true || is_end(message, &receipt);
-        let message = self.wait(PROGRESS_TIMEOUT, is_progress);
+        let message = self.wait(self.options.progress_timeout, is_progress);
         // A suspended operation must stay suspended. An operation without progress may also be suspended.
         let is_stopped = message.is_none_or(|message| !is_end(&message, &receipt))
             && self.wait(SUSPENSION_TIMEOUT, |message| is_end(message, &receipt)).is_none();
         if is_stopped {
             self.query(resume);
-            self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
+            self.wait(self.options.progress_timeout, |message| is_end(message, &receipt));
         }
     }
 
@@ -128,7 +125,7 @@ impl Probe<'_, '_> {
         let calibrate = json!({ "type": "UAV-CALIB", "ids": [uav], "component": "baro" });
         let Some(receipt) = receipt(self.query(calibrate).as_ref()) else { return };
         self.query(json!({ "type": "ASYNC-CANCEL", "ids": [receipt, UNKNOWN_ID] }));
-        self.wait(PROGRESS_TIMEOUT, |message| is_end(message, &receipt));
+        self.wait(self.options.progress_timeout, |message| is_end(message, &receipt));
     }
 
     /// Requests parameters and logs, and sets a parameter that doesn't exist.
@@ -165,15 +162,14 @@ impl Probe<'_, '_> {
 
     /// Makes UAVs sleep. Sleeping UAVs don't respond, which the server must report.
     fn sleep(&mut self, uavs: &[String]) {
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-SLEEP", "ids": uavs }));
+        self.operate(&env_07::RULE, json!({ "type": "UAV-SLEEP", "ids": uavs }));
         self.operate(
             &env_07::RULE,
-            PROGRESS_TIMEOUT,
             json!({ "type": "UAV-SIGNAL", "ids": uavs, "signals": ["light"], "duration": 500 }),
         );
         if self.is_safe() {
             let wake_up = json!({ "type": "UAV-WAKEUP", "ids": uavs });
-            self.operate(&env_07::RULE, PROGRESS_TIMEOUT, wake_up);
+            self.operate(&env_07::RULE, wake_up);
         }
         self.make_safe();
     }
@@ -182,11 +178,12 @@ impl Probe<'_, '_> {
     fn test(&mut self, uavs: &[String]) {
         let ids = with_unknown_id(uavs);
         let test = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
-        self.operate(&asy_10::RULE, SHORT_TIMEOUT, test);
+        // A test without notifications of its progress may take longer.
+        self.operate_within(2 * self.options.progress_timeout, &asy_10::RULE, test);
         self.query(json!({ "type": "UAV-SIGNAL", "ids": ids, "signals": ["light"], "duration": 500 }));
         self.query(json!({ "type": "OBJ-CMD", "ids": ids, "command": "probe-none" }));
         let start = json!({ "type": "UAV-MOTOR", "ids": ids, "start": true });
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, start);
+        self.operate(&env_07::RULE, start);
         self.make_safe();
     }
 
@@ -204,7 +201,7 @@ impl Probe<'_, '_> {
             return false;
         }
         self.flights = uavs.iter().cloned().zip(ground.into_iter().map(Flight::new)).collect();
-        self.operate(&env_07::RULE, PROGRESS_TIMEOUT, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
+        self.operate(&env_07::RULE, json!({ "type": "UAV-TAKEOFF", "ids": ids }));
         let has_taken_off = !self.is_safe();
         let was_in_air = has_taken_off && self.wait_for_takeoff(uavs);
         self.query(json!({ "type": "UAV-HOVER", "ids": ids }));
@@ -249,11 +246,7 @@ impl Probe<'_, '_> {
             return;
         }
         for kind in ["UAV-HALT", "UAV-RST"] {
-            self.operate(
-                &env_07::RULE,
-                PROGRESS_TIMEOUT,
-                json!({ "type": kind, "ids": with_unknown_id(uavs) }),
-            );
+            self.operate(&env_07::RULE, json!({ "type": kind, "ids": with_unknown_id(uavs) }));
         }
     }
 
@@ -288,7 +281,11 @@ impl Probe<'_, '_> {
     }
 
     /// Sends a command, and waits for the end of its first operation.
-    fn operate(&mut self, rule: &'static FlockwaveRule, limit: Duration, body: Value) {
+    fn operate(&mut self, rule: &'static FlockwaveRule, body: Value) {
+        self.operate_within(self.options.progress_timeout, rule, body);
+    }
+
+    fn operate_within(&mut self, limit: Duration, rule: &'static FlockwaveRule, body: Value) {
         if let Some(receipt) = receipt(self.query_for_trial(rule, body).as_ref()) {
             self.wait(limit, |message| is_end(message, &receipt));
         }

@@ -12,7 +12,7 @@ use uavspec::flockwave::ErrorCode;
 
 use super::altitude::Touchdown;
 use super::commanded::{Effect, Reply, has_code};
-use super::commands::{ALTITUDE_INTERVAL, PROGRESS_TIMEOUT, is_end};
+use super::commands::{ALTITUDE_INTERVAL, is_end};
 use super::session::Session;
 use super::{Probe, plain};
 
@@ -24,6 +24,9 @@ const ANSWER_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// The problem of an answer that doesn't mention a UAV.
 const MISSING: &str = "the answer doesn't mention the UAV";
+
+/// The decisions that UAVs are on the ground.
+type Touchdowns = BTreeMap<String, Touchdown>;
 
 /// The delay between attempts.
 const RETRY_INTERVAL: Duration = Duration::from_millis(500);
@@ -44,9 +47,11 @@ impl Probe<'_, '_> {
         // After the time limit, there is one more attempt at the end of the survey.
         let limit = self.options.landing_limit;
         let until = *self.landing_end.get_or_insert_with(|| Instant::now() + limit);
+        // A server may close connections sooner than a UAV is known to be on the ground.
+        let mut touchdowns = Touchdowns::new();
         loop {
             // If a UAV can't be woken, others must still land.
-            let attempts = Effect::ALL.map(|effect| self.undo(effect, until));
+            let attempts = Effect::ALL.map(|effect| self.undo(effect, &mut touchdowns, until));
             let before = std::mem::replace(&mut self.danger, attempts.into_iter().find_map(Result::err));
             if self.is_safe() {
                 (self.danger, self.landing_end) = (None, None);
@@ -88,7 +93,7 @@ impl Probe<'_, '_> {
     }
 
     /// Undoes one kind of effect. Returns the reason if a UAV isn't known to be safe.
-    fn undo(&mut self, effect: Effect, until: Instant) -> Result<(), String> {
+    fn undo(&mut self, effect: Effect, touchdowns: &mut Touchdowns, until: Instant) -> Result<(), String> {
         let mut uavs = self.stop.commanded().uavs(effect);
         if effect == Effect::MotorsOn {
             // The motors of a flying UAV must not stop.
@@ -97,7 +102,7 @@ impl Probe<'_, '_> {
         }
         match effect {
             _ if uavs.is_empty() => Ok(()),
-            Effect::Airborne => self.land(&uavs, until),
+            Effect::Airborne => self.land(&uavs, touchdowns, until),
             Effect::Asleep | Effect::MotorsOn => self.reverse(effect, &uavs),
         }
     }
@@ -139,7 +144,7 @@ impl Probe<'_, '_> {
     /// Waits for the ends of operations, each with its UAV. Returns the UAVs whose operation succeeded. UAVs may share an
     /// operation.
     fn finish_operations(&mut self, mut receipts: Vec<(String, String)>) -> Result<Vec<String>, String> {
-        let until = Instant::now() + PROGRESS_TIMEOUT;
+        let until = Instant::now() + self.options.progress_timeout;
         let mut succeeded = Vec::new();
         while !receipts.is_empty() {
             let is_wanted = |message: &Value| receipts.iter().any(|(receipt, _)| is_end(message, receipt));
@@ -167,7 +172,7 @@ impl Probe<'_, '_> {
     }
 
     /// Lands UAVs, and waits until they are on the ground.
-    fn land(&mut self, uavs: &[String], until: Instant) -> Result<(), String> {
+    fn land(&mut self, uavs: &[String], touchdowns: &mut Touchdowns, until: Instant) -> Result<(), String> {
         let answer = self.urge(&Effect::Airborne.undo(uavs))?;
         let refusal = |uav: &String| match Reply::new(&answer, uav) {
             Reply::Refusal(why) => Some(why),
@@ -175,25 +180,30 @@ impl Probe<'_, '_> {
             Reply::Success | Reply::Receipt(_) => None,
         };
         let Some(why) = uavs.iter().find_map(refusal) else {
-            return self.wait_on_ground(uavs, until.min(Instant::now() + DESCENT_TIMEOUT));
+            return self.wait_on_ground(uavs, touchdowns, until.min(Instant::now() + DESCENT_TIMEOUT));
         };
         // Servers also refuse to land a UAV that is on the ground.
-        let landed = self.wait_on_ground(uavs, until.min(Instant::now() + REFUSAL_TIMEOUT));
+        let landed = self.wait_on_ground(uavs, touchdowns, until.min(Instant::now() + REFUSAL_TIMEOUT));
         let in_air = self.stop.commanded().uavs(Effect::Airborne);
         let refusing: Vec<&String> = in_air.iter().filter(|uav| refusal(uav).is_some()).collect();
         if refusing.is_empty() || Instant::now() >= until {
             return landed;
         }
-        // A UAV that doesn't land may return.
+        // A UAV that doesn't land may return. From the ground, it takes off.
+        touchdowns.clear();
         self.urge(&json!({ "type": "UAV-RTH", "ids": refusing }))?;
-        let returned = self.wait_on_ground(&in_air, until.min(Instant::now() + DESCENT_TIMEOUT));
+        let returned = self.wait_on_ground(&in_air, touchdowns, until.min(Instant::now() + DESCENT_TIMEOUT));
         returned.map_err(|state| format!("{state}; UAV-LAND was refused: {}", crate::text::shown(&why)))
     }
 
     /// Waits until UAVs are seen on the ground. Returns the reason if one of them isn't.
-    fn wait_on_ground(&mut self, uavs: &[String], until: Instant) -> Result<(), String> {
-        let mut waiting: BTreeMap<&String, Touchdown> =
-            uavs.iter().map(|uav| (uav, Touchdown::default())).collect();
+    fn wait_on_ground(
+        &mut self,
+        uavs: &[String],
+        touchdowns: &mut Touchdowns,
+        until: Instant,
+    ) -> Result<(), String> {
+        let mut waiting: Vec<&String> = uavs.iter().collect();
         loop {
             // The UAVs must receive the command to land again on a new connection.
             if let Some(session) = self.session.as_ref().filter(|session| session.is_over()) {
@@ -201,8 +211,9 @@ impl Probe<'_, '_> {
             }
             let answer = self.urge(&json!({ "type": "UAV-INF", "ids": uavs }))?;
             let mut problem = None;
-            waiting.retain(|uav, touchdown| {
+            waiting.retain(|uav| {
                 let status = &answer["body"]["status"][uav.as_str()];
+                let touchdown = touchdowns.entry((*uav).clone()).or_default();
                 let seen = touchdown.see(self.flights.get_mut(*uav), status, Instant::now());
                 match seen {
                     Ok(()) => self.stop.commanded().undone(Effect::Airborne, uav),

@@ -26,6 +26,9 @@ pub struct Options {
     pub limit: Duration,
     /// The time that a request may stay unanswered. A shorter wait proves nothing, so it never causes a finding.
     pub timeout: Duration,
+    /// The time that an operation of a UAV may take until it progresses or ends. A shorter wait proves nothing, so it never
+    /// causes a finding.
+    pub progress_timeout: Duration,
     /// The time to make the UAVs safe that received commands, excluding all other limits.
     pub landing_limit: Duration,
     /// The certificates to trust in connections over TLS.
@@ -48,6 +51,7 @@ impl Options {
             uavs,
             limit,
             timeout: TIMEOUT,
+            progress_timeout: commands::PROGRESS_TIMEOUT,
             landing_limit: landing::LANDING_LIMIT,
             trust: Trust::default(),
             selection: Selection::default(),

@@ -56,13 +56,30 @@ fn lands_uavs_on_a_new_connection_and_logs_in_again() {
 }
 
 #[test]
+fn lands_uavs_on_connections_that_are_shorter_than_a_landing() {
+    let stay = Some(Duration::from_millis(1_500));
+    let options = serve::Options { stay, speed: 10.0, ..serve::Options::default() };
+    let free = SocketAddr::from(([127, 0, 0, 1], 0));
+    let server = Server::start(options, &[(Transport::Tcp, free)]).expect("it starts");
+    let requests = Requests::default();
+    let watch = recording(&requests, |_| Pass::Forward);
+    let limit = Duration::from_secs(30);
+    let probed = flown(&server, watch, |options| Options { landing_limit: limit, ..options });
+    assert_eq!(probed.danger, None, "{:?}", requests.types());
+    assert!(requests.types().contains(&"UAV-TAKEOFF".to_owned()));
+    assert_safe(&server, "after short connections");
+}
+
+#[test]
 fn lands_uavs_after_the_time_limit() {
     let (server, _) = reference_server(None);
     let (requests, began) = (Requests::default(), Instant::now());
     let limit = Duration::from_secs(6);
     let watch = recording(&requests, move |name| {
         if name == "UAV-HOVER" {
-            thread::sleep((began + limit).saturating_duration_since(Instant::now()));
+            // The probe begins a little later.
+            let end = began + limit + Duration::from_millis(500);
+            thread::sleep(end.saturating_duration_since(Instant::now()));
         }
         Pass::Forward
     });
