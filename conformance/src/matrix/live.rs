@@ -16,13 +16,19 @@ use crate::rules::flockwave::{FlockwaveRule, Needs, RULES};
 use crate::serve::{self, Server, Transport};
 
 /// The number of servers that are probed concurrently. Most of the time is spent waiting.
-const JOBS: usize = 32;
+const JOBS: usize = 48;
 
 /// The observation time of each server.
 const OBSERVE: Duration = Duration::from_millis(1_500);
 
 /// The time that a request may stay unanswered. A local server answers within milliseconds.
 const TIMEOUT: Duration = Duration::from_secs(2);
+
+/// The time limit for making UAVs safe. The simulated UAVs land within seconds, unless a bug prevents that.
+const LANDING_LIMIT: Duration = Duration::from_secs(10);
+
+/// The time limit for operations. The simulated operations progress within a tenth of it.
+const PROGRESS_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The time after which a UAV is lost.
 const LOSS: Duration = Duration::from_millis(700);
@@ -128,7 +134,7 @@ pub(crate) fn cases() -> Vec<Case> {
     let special = [Case { has_login: true, ..tcp }, Case { sends_farewell: true, ..tcp }];
     let with_bug = |entry: &'static FlockwaveRule| {
         let case = match entry.bug.needs {
-            Needs::Nothing => tcp,
+            Needs::Nothing | Needs::Patience => tcp,
             Needs::Udp => Case { transport: Transport::Udp, ..tcp },
             Needs::SocketIo => Case { transport: Transport::SocketIo, ..tcp },
             Needs::Login => Case { has_login: true, ..tcp },
@@ -165,7 +171,14 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     let uavs = if case.transport == Transport::Http { &[][..] } else { &UAVS[..] };
     let login = case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned()));
     let uavs = uavs.iter().map(|id| (*id).to_owned()).collect();
-    let options = probe::Options { timeout: TIMEOUT, ..probe::Options::new(OBSERVE, login, uavs) };
+    let mut options = probe::Options {
+        timeout: TIMEOUT,
+        landing_limit: LANDING_LIMIT,
+        ..probe::Options::new(OBSERVE, login, uavs)
+    };
+    if case.bug.is_none_or(|rule| rule.bug.needs != Needs::Patience) {
+        options.progress_timeout = PROGRESS_TIMEOUT;
+    }
     let tape = Tape::default();
     let probed = probe(&endpoint, &options, definitions, Some(Box::new(tape.clone())), &|_, _| {});
     let recorded = tape.0.lock().unwrap_or_else(PoisonError::into_inner);

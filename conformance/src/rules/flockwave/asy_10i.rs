@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Needs, PerConnection, Role, Rule,
     RuleContext, SessionCheck, Status, StatusReport, Tree, asy_10, asy_17, body, mutant, source,
 };
 
@@ -34,6 +34,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
             out.message = None;
         }
     })
+    .needs(Needs::Patience)
     .with(&[&asy_17::RULE.rule]),
     trial: None,
     mutants: &[Mutant {

@@ -35,6 +35,8 @@ pub(crate) enum Needs {
     Login,
     /// A server that closes connections after some time.
     Farewell,
+    /// A client that waits for the ends of operations as long as by default.
+    Patience,
 }
 
 /// The kind of a bug.
