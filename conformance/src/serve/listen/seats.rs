@@ -1,17 +1,23 @@
 //! Seats: the places for clients, and the decision which client gives way to a newcomer.
 
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::net::IpAddr;
 use std::time::{Duration, Instant};
 
-/// The clients of one kind. Their number is limited, in all and per address.
+/// The clients of one kind. Their number is limited, in all and per address. All decisions take logarithmic time, because
+/// floods of newcomers cause many of them.
 #[derive(Debug)]
 pub(super) struct Seats<K> {
     limits: SeatLimits,
     taken: BTreeMap<K, Seat>,
-    /// The number of clients by address.
-    counts: HashMap<IpAddr, usize>,
+    addresses: HashMap<IpAddr, Clients<K>>,
+    /// The addresses of clients that never sent a request. The busiest address comes first.
+    unproven: BTreeSet<(Reverse<usize>, Instant, IpAddr)>,
+    /// The addresses of clients that have sent requests. The busiest address comes first.
+    proven: BTreeSet<(Reverse<usize>, Instant, IpAddr)>,
+    /// The addresses of clients that have sent requests. The address of the idlest client comes first.
+    idlest: BTreeSet<(Instant, IpAddr)>,
 }
 
 /// The limits of [`Seats`].
@@ -33,10 +39,26 @@ struct Seat {
     has_requested: bool,
 }
 
-impl Seat {
-    /// The time since the client was last active.
-    fn idle_time(&self, now: Instant) -> Duration {
-        now.saturating_duration_since(self.last_active)
+/// The clients of an address, with the time at which they were last active. The idlest client comes first.
+#[derive(Debug)]
+struct Clients<K> {
+    unproven: BTreeSet<(Instant, K)>,
+    proven: BTreeSet<(Instant, K)>,
+}
+
+impl<K> Default for Clients<K> {
+    fn default() -> Self {
+        Self { unproven: BTreeSet::new(), proven: BTreeSet::new() }
+    }
+}
+
+impl<K: Ord + Clone> Clients<K> {
+    fn count(&self) -> usize {
+        self.unproven.len() + self.proven.len()
+    }
+
+    fn of(&mut self, has_requested: bool) -> &mut BTreeSet<(Instant, K)> {
+        if has_requested { &mut self.proven } else { &mut self.unproven }
     }
 }
 
@@ -53,27 +75,41 @@ pub(super) enum Admission<K> {
 
 impl<K: Ord + Clone> Seats<K> {
     pub(super) fn new(limits: SeatLimits) -> Self {
-        Self { limits, taken: BTreeMap::new(), counts: HashMap::new() }
+        Self {
+            limits,
+            taken: BTreeMap::new(),
+            addresses: HashMap::new(),
+            unproven: BTreeSet::new(),
+            proven: BTreeSet::new(),
+            idlest: BTreeSet::new(),
+        }
     }
 
     /// Decides about a newcomer. If there is no free seat, clients that never sent a request give way first, and then
-    /// idle clients: in both cases, the idlest client of the busiest address. An active client gives way only if its
-    /// address has more clients than that of the newcomer, so that no address can lock out others.
+    /// idle clients: in both cases, the idlest client of the busiest address, if it has one. An active client gives way
+    /// only if its address has more clients than that of the newcomer, so that no address can lock out others.
     pub(super) fn admit(&self, address: IpAddr, now: Instant) -> Admission<K> {
-        let count = self.count(address);
-        let is_crowded = count >= self.limits.per_address;
-        if !is_crowded && self.taken.len() < self.limits.total {
+        let own = self.addresses.get(&address);
+        let count = own.map_or(0, Clients::count);
+        let is_idle = |since: Instant| now.saturating_duration_since(since) >= self.limits.idle_time;
+        if let Some(own) = own
+            && count >= self.limits.per_address
+        {
+            let idle = own.proven.first().filter(|(since, _)| is_idle(*since));
+            return evict(own.unproven.first().or(idle));
+        }
+        if self.taken.len() < self.limits.total {
             return Admission::Free;
         }
-        let candidates = self.taken.iter().filter(|(_, seat)| !is_crowded || seat.address == address);
-        let candidates = candidates.map(|(key, seat)| {
-            let is_active = seat.has_requested && seat.idle_time(now) < self.limits.idle_time;
-            ((seat.has_requested, is_active, Reverse(self.count(seat.address)), seat.last_active), key)
-        });
-        match candidates.min() {
-            Some(((_, is_active, Reverse(rivals), _), key)) if !is_active || rivals > count + 1 => {
-                Admission::Evict(key.clone())
-            }
+        let idlest_of = |address: &IpAddr| self.addresses.get(address).and_then(|own| own.proven.first());
+        if let Some((.., busiest)) = self.unproven.first() {
+            return evict(self.addresses.get(busiest).and_then(|own| own.unproven.first()));
+        }
+        let busiest = self.proven.first();
+        match (busiest, self.idlest.first()) {
+            (Some((_, since, busiest)), _) if is_idle(*since) => evict(idlest_of(busiest)),
+            (_, Some((since, idlest))) if is_idle(*since) => evict(idlest_of(idlest)),
+            (Some((Reverse(rivals), _, busiest)), _) if *rivals > count + 1 => evict(idlest_of(busiest)),
             _ => Admission::Refused,
         }
     }
@@ -81,41 +117,72 @@ impl<K: Ord + Clone> Seats<K> {
     /// Adds a client.
     pub(super) fn insert(&mut self, key: K, address: IpAddr, now: Instant) {
         self.remove(&key);
+        self.update(address, |clients| _ = clients.unproven.insert((now, key.clone())));
         self.taken.insert(key, Seat { address, last_active: now, has_requested: false });
-        *self.counts.entry(address).or_default() += 1;
     }
 
     /// Records that a client is active.
     pub(super) fn touch(&mut self, key: &K, has_requested: bool, now: Instant) {
-        if let Some(seat) = self.taken.get_mut(key) {
-            seat.last_active = now;
-            seat.has_requested |= has_requested;
-        }
+        let Some(seat) = self.taken.get_mut(key) else { return };
+        let before = *seat;
+        seat.last_active = now;
+        seat.has_requested |= has_requested;
+        let seat = *seat;
+        self.update(seat.address, |clients| {
+            clients.of(before.has_requested).remove(&(before.last_active, key.clone()));
+            clients.of(seat.has_requested).insert((now, key.clone()));
+        });
     }
 
     /// Removes a client.
     pub(super) fn remove(&mut self, key: &K) {
         let Some(seat) = self.taken.remove(key) else { return };
-        if let Some(count) = self.counts.get_mut(&seat.address) {
-            *count -= 1;
-            if *count == 0 {
-                self.counts.remove(&seat.address);
-            }
-        }
+        self.update(seat.address, |clients| {
+            clients.of(seat.has_requested).remove(&(seat.last_active, key.clone()));
+        });
     }
 
     /// The clients that have been inactive for this time.
     pub(super) fn inactive(&self, time: Duration, now: Instant) -> Vec<K> {
         self.taken
             .iter()
-            .filter(|(_, seat)| seat.idle_time(now) >= time)
+            .filter(|(_, seat)| now.saturating_duration_since(seat.last_active) >= time)
             .map(|(key, _)| key.clone())
             .collect()
     }
 
-    fn count(&self, address: IpAddr) -> usize {
-        self.counts.get(&address).copied().unwrap_or_default()
+    /// Changes the clients of an address, and its ranks among all addresses.
+    fn update(&mut self, address: IpAddr, change: impl FnOnce(&mut Clients<K>)) {
+        let clients = self.addresses.entry(address).or_default();
+        let ranks = |clients: &Clients<K>| {
+            let oldest = |clients: &BTreeSet<(Instant, K)>| clients.first().map(|(since, _)| *since);
+            (Reverse(clients.count()), oldest(&clients.unproven), oldest(&clients.proven))
+        };
+        let (count, unproven, proven) = ranks(clients);
+        if let Some(since) = unproven {
+            self.unproven.remove(&(count, since, address));
+        }
+        if let Some(since) = proven {
+            self.proven.remove(&(count, since, address));
+            self.idlest.remove(&(since, address));
+        }
+        change(clients);
+        let (count, unproven, proven) = ranks(clients);
+        if let Some(since) = unproven {
+            self.unproven.insert((count, since, address));
+        }
+        if let Some(since) = proven {
+            self.proven.insert((count, since, address));
+            self.idlest.insert((since, address));
+        }
+        if count == Reverse(0) {
+            self.addresses.remove(&address);
+        }
     }
+}
+
+fn evict<K: Clone>(client: Option<&(Instant, K)>) -> Admission<K> {
+    client.map_or(Admission::Refused, |(_, key)| Admission::Evict(key.clone()))
 }
 
 #[cfg(test)]
