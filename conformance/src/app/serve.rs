@@ -34,7 +34,7 @@ const EXAMPLES: &str = "Examples:
 
 const LIMITS: &str = "Limits:
   connections       8192, 4096 per address, and fewer than the process may open files
-  Socket.IO         4096 sessions, 2048 per address
+  Socket.IO         4096 sessions, 2048 per address, 4 unused sessions per connection
   UDP               1024 clients, 256 per address, 4 MiB of notifications per received datagram
   requests          1 MiB, 30 seconds to send one, 10,000 elements per list
   memory            4 MiB per client and 48 MiB in all of messages to send,

@@ -1,13 +1,13 @@
 //! Tests of the server's limits. Each of them is reached by one bad client, or by a few.
 
-use std::io::{BufRead as _, BufReader, Write as _};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpStream, UdpSocket};
 use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
-use uavspec_conformance::serve::{Options, Reason, Transport};
+use uavspec_conformance::serve::{Options, Reason, Server, Transport};
 use uavspec_conformance::transport::{Received, connect};
 
 use super::{ENDPOINTS, QUIET_TIME, TIMEOUT, address, client, request, request_body, serve};
@@ -77,24 +77,99 @@ fn idle_connections_lock_nobody_out() {
     }
 }
 
+/// Opens sessions over one connection. Returns their ids.
+fn open_sessions(server: &Server, count: usize) -> Vec<String> {
+    let mut connection = HttpConnection::new(server);
+    (0..count).map(|_| connection.open_session()).collect()
+}
+
+/// An HTTP connection for polling sessions.
+struct HttpConnection {
+    stream: TcpStream,
+    reader: BufReader<TcpStream>,
+}
+
+impl HttpConnection {
+    fn new(server: &Server) -> Self {
+        let stream = TcpStream::connect(address(server, Transport::SocketIo)).expect("a connection");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("a limit");
+        let reader = BufReader::new(stream.try_clone().expect("a second handle"));
+        Self { stream, reader }
+    }
+
+    /// Opens a session. Returns its id.
+    fn open_session(&mut self) -> String {
+        self.stream.write_all(b"GET /socket.io/?EIO=4&transport=polling HTTP/1.1\r\n\r\n").expect("sent");
+        let mut response = Vec::new();
+        // The response ends with the object that describes the session.
+        self.reader.read_until(b'}', &mut response).expect("a response");
+        let response = String::from_utf8_lossy(&response);
+        response.split("\"sid\":\"").nth(1).and_then(|rest| rest.split('"').next()).expect("an id").to_owned()
+    }
+
+    /// Sends a packet. Returns the status of the response.
+    fn send(&mut self, sid: &str, packet: &str) -> String {
+        let request = format!(
+            "POST /socket.io/?EIO=4&transport=polling&sid={sid} HTTP/1.1\r\nContent-Length: {}\r\n\r\n{packet}",
+            packet.len()
+        );
+        self.stream.write_all(request.as_bytes()).expect("sent");
+        let mut status = String::new();
+        self.reader.read_line(&mut status).expect("a response");
+        let mut length = 0;
+        loop {
+            let mut line = String::new();
+            self.reader.read_line(&mut line).expect("a header");
+            match line.trim_end().split_once(": ") {
+                Some((name, value)) if name.eq_ignore_ascii_case("content-length") => {
+                    length = value.parse().expect("a length");
+                }
+                Some(_) => {}
+                None => break,
+            }
+        }
+        self.reader.read_exact(&mut vec![0; length]).expect("a body");
+        status.split(' ').nth(1).expect("a status").to_owned()
+    }
+}
+
 #[test]
 fn abandoned_polling_sessions_give_way_to_newcomers() {
     let server = serve(Options { rate: 0.0, ..Options::default() });
-    let location = address(&server, Transport::SocketIo);
-    let mut stream = TcpStream::connect(location).expect("a connection");
-    stream.set_read_timeout(Some(TIMEOUT)).expect("a limit");
-    let mut reader = BufReader::new(stream.try_clone().expect("a second handle"));
-    for _ in 0..2100 {
-        stream.write_all(b"GET /socket.io/?EIO=4&transport=polling HTTP/1.1\r\n\r\n").expect("sent");
-        let mut response = Vec::new();
-        // The response ends with the object that describes the session.
-        reader.read_until(b'}', &mut response).expect("a response");
-        assert!(String::from_utf8_lossy(&response).contains("\"sid\""));
+    for _ in 0..525 {
+        open_sessions(&server, 4);
     }
     for endpoint in &ENDPOINTS[3..] {
         request_body(&mut *client(&server, *endpoint), "a", &json!({ "type": "SYS-PING" }));
     }
     assert!(server.statistics().disconnected(Reason::Replaced) > 0);
+}
+
+#[test]
+fn a_connection_that_only_opens_sessions_replaces_its_own() {
+    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let waiting = open_sessions(&server, 1);
+    let mut connection = HttpConnection::new(&server);
+    let used = connection.open_session();
+    assert_eq!(connection.send(&used, "40"), "200");
+    let opened: Vec<String> = (0..10).map(|_| connection.open_session()).collect();
+    for sid in waiting.iter().chain([&used]).chain(&opened[6..]) {
+        assert_eq!(connection.send(sid, "40"), "200", "{sid} of {opened:?}");
+    }
+    for sid in &opened[..6] {
+        assert_eq!(connection.send(sid, "40"), "400", "{sid} of {opened:?}");
+    }
+    assert_eq!(server.end().disconnected(Reason::Replaced), 6);
+}
+
+#[test]
+fn a_session_that_is_not_used_ends_soon() {
+    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let mut connection = HttpConnection::new(&server);
+    let (used, unused) = (connection.open_session(), connection.open_session());
+    assert_eq!(connection.send(&used, "40"), "200");
+    thread::sleep(Duration::from_millis(5_500));
+    assert_eq!((&*connection.send(&used, "3"), &*connection.send(&unused, "40")), ("200", "400"));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 mod session;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::io::{self, Read, Write};
 use std::net::IpAddr;
 use std::rc::Rc;
@@ -15,7 +15,9 @@ use tungstenite::{Error, Message, WebSocket};
 use self::session::Session;
 use super::Shared;
 use super::connection::{Peer, Protocol, Step};
-use super::limits::{IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT, SESSION_LIMIT, SESSIONS_PER_ADDRESS};
+use super::limits::{
+    IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT, SESSION_LIMIT, SESSIONS_PER_ADDRESS, UNUSED_SESSIONS,
+};
 use super::outbox::{Outbox, Taken};
 use super::reply::{Pending, Reply};
 use super::seats::{Admission, SeatLimits, Seats};
@@ -73,17 +75,36 @@ impl Sessions {
     }
 }
 
+/// The sessions that a connection has opened and not used yet. If there are too many, the oldest ends, so a client that
+/// only opens sessions doesn't take the seats of others.
+#[derive(Default)]
+pub(super) struct Unused(VecDeque<String>);
+
+impl Unused {
+    fn make_room(&mut self, shared: &mut Shared) {
+        self.0.retain(|sid| shared.sessions.all.get(sid).is_some_and(|session| !session.is_used()));
+        if self.0.len() >= UNUSED_SESSIONS
+            && let Some(oldest) = self.0.pop_front()
+        {
+            replace(shared, &oldest);
+        }
+    }
+}
+
+/// Ends a session that gives way to a newcomer.
+fn replace(shared: &mut Shared, sid: &String) {
+    shared.statistics.count(Reason::Replaced);
+    if let Some(session) = shared.sessions.all.get(sid).cloned() {
+        session.dismiss(shared, Reason::Replaced);
+    }
+}
+
 /// Opens a session. If there are too many, an idle session gives way.
 fn open(shared: &mut Shared, address: IpAddr, revision: Revision) -> Option<Rc<Session>> {
     let now = Instant::now();
     match shared.sessions.seats.admit(address, now) {
         Admission::Free => {}
-        Admission::Evict(sid) => {
-            shared.statistics.count(Reason::Replaced);
-            if let Some(session) = shared.sessions.all.get(&sid).cloned() {
-                session.dismiss(shared, Reason::Replaced);
-            }
-        }
+        Admission::Evict(sid) => replace(shared, &sid),
         Admission::Refused => {
             shared.statistics.refused += 1;
             return None;
@@ -119,8 +140,13 @@ fn session(shared: &mut Shared, address: IpAddr, request: &Request) -> Result<Rc
     }
 }
 
-/// Handles a long-polling request.
-pub(super) fn by_polling(shared: &mut Shared, address: IpAddr, request: &Request) -> Reply {
+/// Handles a long-polling request. `unused` are the unused sessions of its connection.
+pub(super) fn by_polling(
+    shared: &mut Shared,
+    address: IpAddr,
+    request: &Request,
+    unused: &mut Unused,
+) -> Reply {
     if request.field("transport") != Some("polling") {
         return Reply::Now(refused("transport must be polling or websocket"));
     }
@@ -130,10 +156,19 @@ pub(super) fn by_polling(shared: &mut Shared, address: IpAddr, request: &Request
     if shared.has_bug(&sio_02::RULE) {
         return Reply::Now(refused("long polling isn't supported"));
     }
+    let is_opening = request.field("sid").is_none();
+    if is_opening {
+        unused.make_room(shared);
+    }
     let session = match session(shared, address, request) {
         Ok(session) => session,
         Err(response) => return Reply::Now(response),
     };
+    if is_opening {
+        unused.0.push_back(session.sid().clone());
+    } else {
+        session.mark_used();
+    }
     if session.is_upgraded() {
         return Reply::Now(refused("the session has been upgraded to a WebSocket"));
     }

@@ -31,6 +31,10 @@ pub(super) const SESSION_LIMIT: usize = 4096;
 /// The maximum number of Socket.IO sessions from one address.
 pub(super) const SESSIONS_PER_ADDRESS: usize = 2048;
 
+/// The maximum number of Socket.IO sessions that a connection has opened and not used yet. A proxy may open sessions of
+/// several clients over one connection.
+pub(super) const UNUSED_SESSIONS: usize = 4;
+
 /// The maximum number of clients over UDP.
 pub(super) const PEER_LIMIT: usize = 1024;
 

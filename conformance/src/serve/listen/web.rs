@@ -4,6 +4,7 @@ use std::net::IpAddr;
 use std::time::Duration;
 
 use super::connection::{Peer, Protocol, Step};
+use super::engine::Unused;
 use super::limits::{HTTP_IDLE_LIMIT, REQUEST_LIMIT};
 use super::reply::{Pending, Reply};
 use super::{Shared, engine, one_shot};
@@ -15,11 +16,12 @@ pub(super) struct WebClient {
     requests: Requests,
     /// The request that hasn't been answered yet.
     pending: Option<(Request, Box<dyn Pending>)>,
+    unused: Unused,
 }
 
 impl WebClient {
     pub(super) fn new() -> Self {
-        Self { requests: Requests::new(REQUEST_LIMIT), pending: None }
+        Self { requests: Requests::new(REQUEST_LIMIT), pending: None, unused: Unused::default() }
     }
 
     /// Sends the response to a request, if it is available.
@@ -37,6 +39,27 @@ impl WebClient {
         let is_request = response.is_success();
         peer.outbox.push(&with_cors_headers(&request, response).to_bytes(Some(&request)));
         if request.is_last { Step::End } else { Step::Handled { is_request } }
+    }
+
+    /// Handles a request.
+    fn reply(&mut self, shared: &mut Shared, address: IpAddr, request: &Request) -> Reply {
+        match request.method.as_str() {
+            // A CORS preflight request.
+            "OPTIONS" => Reply::Now(Response::new("200 OK", "text/plain", "")),
+            _ if is_at(request, SOCKET_IO_PATH) => {
+                engine::by_polling(shared, address, request, &mut self.unused)
+            }
+            "POST" if is_at(request, ONE_SHOT_PATH) => one_shot::answer(shared, request),
+            _ if is_at(request, ONE_SHOT_PATH) => {
+                let refusal = Response::refusal("405 Method Not Allowed", "send messages with POST");
+                Reply::Now(refusal.with("Allow", "POST"))
+            }
+            _ => {
+                let location =
+                    format!("send messages to {ONE_SHOT_PATH}, or use Socket.IO at {SOCKET_IO_PATH}");
+                Reply::Now(Response::refusal("404 Not Found", location))
+            }
+        }
     }
 
     fn upgrade(&mut self, shared: &mut Shared, peer: &Peer, request: &Request) -> Step {
@@ -74,7 +97,7 @@ impl Protocol for WebClient {
                 if is_at(&request, SOCKET_IO_PATH) && request.has_word("upgrade", "websocket") {
                     return self.upgrade(shared, peer, &request);
                 }
-                let reply = reply(shared, peer.address, &request);
+                let reply = self.reply(shared, peer.address, &request);
                 request.body = Vec::new();
                 self.answer(shared, peer, request, reply)
             }
@@ -100,24 +123,6 @@ impl Protocol for WebClient {
     fn end(&mut self, shared: &mut Shared) {
         if let Some((_, mut pending)) = self.pending.take() {
             pending.end(shared);
-        }
-    }
-}
-
-/// Handles a request.
-fn reply(shared: &mut Shared, address: IpAddr, request: &Request) -> Reply {
-    match request.method.as_str() {
-        // A CORS preflight request.
-        "OPTIONS" => Reply::Now(Response::new("200 OK", "text/plain", "")),
-        _ if is_at(request, SOCKET_IO_PATH) => engine::by_polling(shared, address, request),
-        "POST" if is_at(request, ONE_SHOT_PATH) => one_shot::answer(shared, request),
-        _ if is_at(request, ONE_SHOT_PATH) => {
-            let refusal = Response::refusal("405 Method Not Allowed", "send messages with POST");
-            Reply::Now(refusal.with("Allow", "POST"))
-        }
-        _ => {
-            let location = format!("send messages to {ONE_SHOT_PATH}, or use Socket.IO at {SOCKET_IO_PATH}");
-            Reply::Now(Response::refusal("404 Not Found", location))
         }
     }
 }

@@ -23,12 +23,17 @@ const PING_INTERVAL: Duration = Duration::from_secs(25);
 /// The time limit for the response to a ping.
 const PING_TIMEOUT: Duration = Duration::from_secs(20);
 
+/// The time limit for the first request of a client after it opened a session.
+const FIRST_USE_TIMEOUT: Duration = Duration::from_secs(5);
+
 /// A session.
 pub(super) struct Session {
     revision: Revision,
     sid: String,
     carrier: Rc<Carrier>,
     is_polled: Cell<bool>,
+    /// True if another request followed the first one.
+    is_used: Cell<bool>,
     /// The session in the hub, after the client has joined the namespace.
     joined: Cell<Option<SessionId>>,
     /// True after the FW-SIO-03 bug has occurred. The session then ignores further messages.
@@ -108,6 +113,7 @@ impl Session {
                 web_socket: RefCell::default(),
             }),
             is_polled: Cell::new(false),
+            is_used: Cell::new(false),
             joined: Cell::new(None),
             has_stopped_reading: Cell::new(false),
             last_received: Cell::new(now),
@@ -147,8 +153,19 @@ impl Session {
         self.carrier.web_socket.borrow().is_some()
     }
 
+    /// Notes that the client uses the session.
+    pub(super) fn mark_used(&self) {
+        self.is_used.set(true);
+    }
+
+    /// True if the client has done more than opening the session.
+    pub(super) fn is_used(&self) -> bool {
+        self.is_used.get()
+    }
+
     /// Switches to a WebSocket.
     pub(super) fn upgrade(&self, outbox: &Rc<Outbox>) {
+        self.mark_used();
         self.carrier.upgrade(outbox);
     }
 
@@ -170,9 +187,10 @@ impl Session {
         self.carrier.push(Kind::Noop, "");
     }
 
-    /// True if the client has responded to pings in time, and reads fast enough.
+    /// True if the client has used the session and responded to pings in time, and reads fast enough.
     pub(super) fn is_alive(&self) -> bool {
-        !self.queue().has_overflowed() && self.last_received.get().elapsed() < PING_INTERVAL + PING_TIMEOUT
+        let limit = if self.is_used() { PING_INTERVAL + PING_TIMEOUT } else { FIRST_USE_TIMEOUT };
+        !self.queue().has_overflowed() && self.last_received.get().elapsed() < limit
     }
 
     /// Sends a ping if it is due.
