@@ -1,5 +1,5 @@
 //! Connects sockets to the hub. One thread serves all clients: it waits for events of all sockets, and visits the
-//! connections that have something to do. The connection that recently used the least computing time comes first, so
+//! connections that have something to do. The connection that recently caused the least work comes first, so
 //! clients that send many requests can't delay others.
 
 mod connection;
@@ -31,9 +31,9 @@ use super::hub::{Hub, SessionId};
 use super::{Listening, Transport};
 use crate::rules::flockwave::FlockwaveRule;
 
-/// The maximum computing time of a connection or socket before others have their turn. A request that began earlier is
+/// The maximum time for messages of a connection before others have their turn. A message that is being processed is
 /// completed.
-const SLICE: Duration = Duration::from_micros(100);
+const SLICE: Duration = Duration::from_micros(25);
 
 /// The maximum number of connections that wait to be accepted.
 const BACKLOG: i32 = 4096;

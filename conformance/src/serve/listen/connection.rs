@@ -15,6 +15,15 @@ use super::{SLICE, Shared};
 /// The number of bytes to read in one step.
 const PIECE: usize = 16 << 10;
 
+/// The maximum number of steps that read in a visit. The second read usually shows that the client has sent nothing more.
+const READS_AT_ONCE: usize = 2;
+
+/// The costs of a visit, of a message and of bytes. They are several times the computing time on an idle machine.
+const COST_PER_VISIT: Duration = Duration::from_micros(100);
+const COST_PER_MESSAGE: Duration = Duration::from_micros(100);
+const COST_PER_RECEIVED_BYTE: Duration = Duration::from_nanos(50);
+const COST_PER_SENT_BYTE: Duration = Duration::from_nanos(10);
+
 /// The time during which a closed connection waits until the client closes it as well. Otherwise, the client could lose
 /// the last messages.
 const LINGER_TIME: Duration = Duration::from_millis(500);
@@ -76,14 +85,39 @@ pub(super) trait Protocol {
 /// The state of a connection after [`Connection::visit`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Visit {
-    /// More messages may be available.
+    /// More bytes arrived during the visit.
     Again,
+    /// Not all received messages were processed.
+    Unfinished,
     /// The connection waits for an event of its stream.
     Rest,
     /// The connection waits for a response.
     Waiting,
     /// The connection has ended.
     End(Reason),
+}
+
+/// The work of a visit.
+#[derive(Clone, Copy, Debug, Default)]
+struct Effort {
+    reads: usize,
+    /// The number of processed messages.
+    messages: u32,
+    /// The number of received bytes.
+    received: u32,
+    /// The number of bytes to send.
+    sent: u32,
+}
+
+impl Effort {
+    /// The cost of this work. Its computing time would be a worse measure, because it contains the time for which the system
+    /// processes the packets of other connections.
+    fn cost(self) -> Duration {
+        COST_PER_VISIT
+            + COST_PER_MESSAGE * self.messages
+            + COST_PER_RECEIVED_BYTE * self.received
+            + COST_PER_SENT_BYTE * self.sent
+    }
 }
 
 /// A connection.
@@ -102,6 +136,8 @@ pub(super) struct Connection {
     closed_at: Option<Instant>,
     /// True if the client closed its side.
     has_ended: bool,
+    /// The work of the current visit.
+    effort: Effort,
 }
 
 impl Connection {
@@ -125,6 +161,7 @@ impl Connection {
             incomplete_since: None,
             closed_at: None,
             has_ended: false,
+            effort: Effort::default(),
         }
     }
 
@@ -143,20 +180,35 @@ impl Connection {
         self.peer.outbox.is_closed()
     }
 
-    /// Sends waiting bytes, and processes messages for a limited time.
-    pub(super) fn visit(&mut self, shared: &mut Shared) -> Visit {
+    /// Sends waiting bytes, and processes messages for a limited time. Returns the cost of this work, too.
+    pub(super) fn visit(&mut self, shared: &mut Shared) -> (Visit, Duration) {
+        self.effort = Effort::default();
+        let pushed = self.peer.outbox.pushed();
+        let visit = self.work(shared);
+        let sent = self.peer.outbox.pushed().saturating_sub(pushed);
+        self.effort.sent = u32::try_from(sent).unwrap_or(u32::MAX);
+        (visit, self.effort.cost())
+    }
+
+    fn work(&mut self, shared: &mut Shared) -> Visit {
         let started = Instant::now();
         loop {
             self.peer.outbox.flush();
             if let Some(reason) = self.peer.outbox.failure() {
                 return Visit::End(reason);
             }
+            let reads = self.effort.reads;
             let visit = if self.is_closed() { self.linger() } else { self.advance(shared) };
             if let Some(visit) = visit {
                 return visit;
             }
-            if started.elapsed() >= SLICE {
-                return Visit::Again;
+            let has_processed = self.effort.messages > 0;
+            if self.effort.reads > reads {
+                if has_processed || self.effort.reads >= READS_AT_ONCE {
+                    return Visit::Again;
+                }
+            } else if has_processed && started.elapsed() >= SLICE && self.protocol.has_rest() {
+                return Visit::Unfinished;
             }
         }
     }
@@ -168,6 +220,7 @@ impl Connection {
         }
         match self.protocol.step(shared, &self.peer) {
             Step::Handled { is_request } => {
+                self.effort.messages += 1;
                 self.last_active = Instant::now();
                 self.incomplete_since = None;
                 self.has_requested |= is_request;
@@ -194,9 +247,13 @@ impl Connection {
     /// Reads bytes. Returns `None` if the connection can continue.
     fn read(&mut self) -> Option<Visit> {
         let mut piece = [0; PIECE];
+        self.effort.reads += 1;
         match (&*self.stream).read(&mut piece) {
             Ok(0) => self.has_ended = true,
-            Ok(length) => self.protocol.feed(&piece[..length]),
+            Ok(length) => {
+                self.effort.received += u32::try_from(length).unwrap_or(u32::MAX);
+                self.protocol.feed(&piece[..length]);
+            }
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
                 let since = self.incomplete_since.unwrap_or_else(Instant::now);
@@ -218,6 +275,7 @@ impl Connection {
         if self.has_ended {
             return Some(Visit::End(Reason::Disconnected));
         }
+        self.effort.reads += 1;
         match (&*self.stream).read(&mut [0; PIECE]) {
             Ok(0) => self.has_ended = true,
             Ok(_) => {}
@@ -253,5 +311,46 @@ impl Connection {
             self.protocol.dismiss(shared, reason);
         }
         self.protocol.end(shared);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write as _;
+    use std::net::{self, TcpListener};
+
+    use super::*;
+    use crate::serve::Options;
+    use crate::serve::family::answer;
+    use crate::serve::hub::Hub;
+    use crate::serve::listen::tcp::LineClient;
+
+    /// Visits a connection once, after its client has sent this text.
+    fn visit(text: &str) -> Visit {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+        let mut client = net::TcpStream::connect(listener.local_addr().expect("a port")).expect("a client");
+        let (stream, address) = listener.accept().expect("a client");
+        client.write_all(text.as_bytes()).expect("sent");
+        // The text has arrived when it can be read.
+        stream.peek(&mut [0]).expect("a byte");
+        stream.set_nonblocking(true).expect("a setting");
+        let mut shared = Shared::new(Hub::new(Options::default(), answer));
+        let stream = TcpStream::from_std(stream);
+        let mut connection = Connection::new(&mut shared, stream, address.ip(), |shared, outbox| {
+            Box::new(LineClient::new(shared, outbox))
+        });
+        connection.visit(&mut shared).0
+    }
+
+    #[test]
+    fn only_a_client_that_sent_many_messages_is_unfinished() {
+        let long = format!(
+            "{{\"$fw.version\":\"1.0\",\"id\":\"a\",\"body\":{{\"type\":\"UAV-INF\",\"ids\":[\"{}\"]}}}}\n",
+            "x".repeat(5000)
+        );
+        assert_eq!(visit(&long), Visit::Rest, "a message may take longer than the slice");
+        assert_eq!(visit(&long[..100]), Visit::Rest);
+        let short = "{\"$fw.version\":\"1.0\",\"id\":\"a\",\"body\":{\"type\":\"SYS-PING\"}}\n";
+        assert_eq!(visit(&short.repeat(200)), Visit::Unfinished);
     }
 }

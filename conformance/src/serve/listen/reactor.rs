@@ -14,7 +14,7 @@ use mio::{Events, Interest, Poll, Token};
 
 use super::connection::{Connection, Visit};
 use super::limits::{CONNECTIONS_PER_ADDRESS, IDLE_TIME, connections};
-use super::schedule::{Schedule, computing_time};
+use super::schedule::Schedule;
 use super::seats::{Admission, SeatLimits, Seats};
 use super::statistics::{Reason, Statistics};
 use super::tcp::LineClient;
@@ -378,14 +378,15 @@ impl Reactor {
 
     fn visit(&mut self, token: Token) {
         let Some(connection) = self.connections.get_mut(&token) else { return };
-        let (before, now) = (computing_time(), Instant::now());
-        let visit = connection.visit(&mut self.shared);
-        self.schedule.charge(token, computing_time().saturating_sub(before));
+        let now = Instant::now();
+        let (visit, cost) = connection.visit(&mut self.shared);
+        self.schedule.charge(token, cost);
         if connection.has_requested() {
             self.seats.touch(&token, true, now);
         }
         match visit {
-            Visit::Again => self.schedule.resume(token, self.shared.started.elapsed()),
+            Visit::Again => self.wake(token),
+            Visit::Unfinished => self.schedule.resume(token, self.shared.started.elapsed()),
             Visit::Waiting => _ = self.waiting.insert(token),
             Visit::Rest => {}
             Visit::End(reason) => self.end(token, reason),

@@ -5,23 +5,23 @@ use std::time::Duration;
 
 use mio::Token;
 
-/// The part of the time that a connection may compute without falling behind others is one in this number. Clients that
-/// send a request now and then thus don't wait for clients that send many.
+/// A connection may cause a cost of one in this number of the elapsed time without falling behind others. Clients that send
+/// a request now and then thus don't wait for clients that send many.
 const FREE_PART: u32 = 200;
 
-/// The maximum computing time that counts against a connection. It limits the time for which others come first.
-const MOST_USED: Duration = Duration::from_millis(50);
+/// The maximum cost that counts against a connection. It limits the time for which others come first.
+const MOST_COST: Duration = Duration::from_millis(50);
 
-/// The additional computing time that counts against a connection that didn't finish its work in its last turn. A new
-/// request thus comes before the work of others, unless that has been waiting for [`FREE_PART`] times this time.
-const HANDICAP: Duration = Duration::from_millis(50);
+/// The additional cost that counts against a connection that didn't finish its work in its last turn. A new request thus
+/// comes before the work of others, unless that has been waiting for [`FREE_PART`] times this time.
+const HANDICAP: Duration = Duration::from_millis(5);
 
-/// The connections that have something to do. The connection that has recently used the least computing time comes
-/// first. Connections that have used the same time take turns.
+/// The connections that have something to do. The connection that recently caused the least cost comes first. Connections
+/// that caused the same cost take turns.
 #[derive(Debug, Default)]
 pub(super) struct Schedule {
     entries: BTreeMap<Token, Entry>,
-    /// The connections to visit, by used time and by the order in which they became ready.
+    /// The connections to visit, by cost and by the order in which they became ready.
     ready: BTreeMap<(Duration, u64), Token>,
     /// The number of times that connections became ready.
     turns: u64,
@@ -29,8 +29,8 @@ pub(super) struct Schedule {
 
 #[derive(Debug, Default)]
 struct Entry {
-    /// The used computing time. It is at least the free part of the elapsed time, so earlier use is forgotten.
-    used: Duration,
+    /// The cost of the work so far. It is at least the free part of the elapsed time, so earlier work is forgotten.
+    cost: Duration,
     /// The position in [`Schedule::ready`].
     position: Option<(Duration, u64)>,
 }
@@ -58,8 +58,8 @@ impl Schedule {
             return;
         }
         let free = elapsed / FREE_PART;
-        entry.used = entry.used.clamp(free, free + MOST_USED);
-        let position = (entry.used + handicap, self.turns);
+        entry.cost = entry.cost.clamp(free, free + MOST_COST);
+        let position = (entry.cost + handicap, self.turns);
         entry.position = Some(position);
         self.turns += 1;
         self.ready.insert(position, token);
@@ -74,10 +74,10 @@ impl Schedule {
         Some(token)
     }
 
-    /// Records the computing time that a connection has used.
-    pub(super) fn charge(&mut self, token: Token, time: Duration) {
+    /// Records the cost of work for a connection.
+    pub(super) fn charge(&mut self, token: Token, cost: Duration) {
         if let Some(entry) = self.entries.get_mut(&token) {
-            entry.used += time;
+            entry.cost += cost;
         }
     }
 
@@ -91,20 +91,6 @@ impl Schedule {
     pub(super) fn is_empty(&self) -> bool {
         self.ready.is_empty()
     }
-}
-
-/// The computing time that this thread has used. Unlike elapsed time, it excludes the time of other programs.
-#[cfg(any(target_os = "linux", target_os = "android", target_os = "macos", target_os = "freebsd"))]
-pub(super) fn computing_time() -> Duration {
-    use nix::time::{ClockId, clock_gettime};
-    clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID).map_or(Duration::ZERO, Duration::from)
-}
-
-/// The elapsed time, on systems where the computing time of a thread isn't available.
-#[cfg(not(any(target_os = "linux", target_os = "android", target_os = "macos", target_os = "freebsd")))]
-pub(super) fn computing_time() -> Duration {
-    static START: std::sync::LazyLock<std::time::Instant> = std::sync::LazyLock::new(std::time::Instant::now);
-    START.elapsed()
 }
 
 #[cfg(test)]
@@ -172,12 +158,12 @@ mod tests {
     }
 
     #[test]
-    fn earlier_use_is_forgotten() {
+    fn earlier_work_is_forgotten() {
         let mut busy = Busy::new(1);
         busy.visit(1_000_000);
         busy.schedule.insert(Token(1), busy.elapsed);
         let visited = busy.visit(2000);
-        let most = usize::try_from(MOST_USED.as_micros() / SLICE.as_micros()).expect("a number");
+        let most = usize::try_from(MOST_COST.as_micros() / SLICE.as_micros()).expect("a number");
         assert!(visited[most + 20..].contains(&0), "the newcomer doesn't stay first forever");
     }
 

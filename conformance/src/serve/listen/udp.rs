@@ -29,7 +29,7 @@ const READS_AT_ONCE: usize = 256;
 const TIME_FOR_CLIENTS: Duration = Duration::from_millis(1);
 
 /// The maximum time to process datagrams from other addresses before connections have their turn.
-const TIME_FOR_OTHERS: Duration = Duration::from_micros(500);
+const TIME_FOR_OTHERS: Duration = Duration::from_millis(1);
 
 /// The maximum number of bytes that wait to be processed, from clients and from other addresses.
 const WAITING_LIMIT: usize = 256 << 10;
