@@ -33,16 +33,21 @@ const EXAMPLES: &str = "Examples:
   uavspec serve --list-bugs";
 
 const LIMITS: &str = "Limits:
-  connections       8192, 4096 per address, and fewer than the process may open files
-  Socket.IO         4096 sessions, 2048 per address, 4 unused sessions per connection
-  UDP               1024 clients, 256 per address, 4 MiB of notifications per received datagram
+  connections       8192, 4096 per address; fewer if the process may open fewer
+                    files
+  Socket.IO         4096 sessions, 2048 per address; 4 per connection that the
+                    client has only opened, for 5 seconds
+  UDP               1024 clients, 256 per address;
+                    4 MiB of notifications per received datagram
   requests          1 MiB, 30 seconds to send one, 10,000 elements per list
   memory            4 MiB per client and 48 MiB in all of messages to send,
                     32 MiB in all of incomplete requests
   operations        1000 pending per client, 5000 in all
   subscriptions     10,000 per client, 50,000 paths in all
-If the server is full, new clients replace clients that never sent a request, then idle clients, and then clients of the
-busiest address. Clients that don't read for 10 seconds are disconnected.";
+
+If the server is full, new clients replace clients that never sent a request,
+then idle clients, and then clients of the busiest address. Clients that don't
+read for 10 seconds are disconnected.";
 
 const STATUS: &str = "Exit status:
   0  normal exit
