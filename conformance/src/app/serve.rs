@@ -40,8 +40,8 @@ const LIMITS: &str = "Limits:
   UDP               1024 clients, 256 per address;
                     4 MiB of notifications per received datagram
   requests          1 MiB, 30 seconds to send one, 10,000 elements per list
-  memory            4 MiB per client and 48 MiB in all of messages to send,
-                    32 MiB in all of incomplete requests
+  memory            4 MiB per client and 32 MiB in all of messages to send,
+                    16 MiB in all of incomplete requests
   operations        1000 pending per client, 5000 in all
   subscriptions     10,000 per client, 50,000 paths in all
 

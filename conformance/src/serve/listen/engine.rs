@@ -16,7 +16,8 @@ use self::session::Session;
 use super::Shared;
 use super::connection::{Peer, Protocol, Step};
 use super::limits::{
-    IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT, SESSION_LIMIT, SESSIONS_PER_ADDRESS, UNUSED_SESSIONS,
+    ABANDONED_SESSIONS, IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT, SESSION_LIMIT, SESSIONS_PER_ADDRESS,
+    UNUSED_SESSIONS,
 };
 use super::outbox::{Outbox, Taken};
 use super::reply::{Pending, Reply};
@@ -39,13 +40,15 @@ const READ_BUFFER: usize = 4 << 10;
 pub(super) struct Sessions {
     all: BTreeMap<String, Rc<Session>>,
     seats: Seats<String>,
+    /// The sessions whose connection ended before they were used.
+    abandoned: VecDeque<String>,
 }
 
 impl Default for Sessions {
     fn default() -> Self {
         let limits =
             SeatLimits { total: SESSION_LIMIT, per_address: SESSIONS_PER_ADDRESS, idle_time: IDLE_TIME };
-        Self { all: BTreeMap::new(), seats: Seats::new(limits) }
+        Self { all: BTreeMap::new(), seats: Seats::new(limits), abandoned: VecDeque::new() }
     }
 }
 
@@ -69,6 +72,11 @@ impl Sessions {
         }
     }
 
+    /// True if the session exists, and its client has only opened it.
+    fn is_unused(&self, sid: &String) -> bool {
+        self.all.get(sid).is_some_and(|session| !session.is_used())
+    }
+
     fn remove(&mut self, sid: &String) {
         self.all.remove(sid);
         self.seats.remove(sid);
@@ -82,11 +90,23 @@ pub(super) struct Unused(VecDeque<String>);
 
 impl Unused {
     fn make_room(&mut self, shared: &mut Shared) {
-        self.0.retain(|sid| shared.sessions.all.get(sid).is_some_and(|session| !session.is_used()));
+        self.0.retain(|sid| shared.sessions.is_unused(sid));
         if self.0.len() >= UNUSED_SESSIONS
             && let Some(oldest) = self.0.pop_front()
         {
             replace(shared, &oldest);
+        }
+    }
+
+    /// Notes that the connection has ended.
+    pub(super) fn abandon(self, shared: &mut Shared) {
+        shared.sessions.abandoned.extend(self.0);
+        while shared.sessions.abandoned.len() > ABANDONED_SESSIONS
+            && let Some(oldest) = shared.sessions.abandoned.pop_front()
+        {
+            if shared.sessions.is_unused(&oldest) {
+                replace(shared, &oldest);
+            }
         }
     }
 }
@@ -366,7 +386,8 @@ impl Protocol for WebSocketClient {
     }
 
     fn capacity(&self) -> usize {
-        self.incomplete + READ_BUFFER
+        // The buffer of the WebSocket doesn't count, because each client has one.
+        self.incomplete
     }
 
     fn idle_limit(&self) -> Option<Duration> {

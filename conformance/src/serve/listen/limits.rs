@@ -11,10 +11,10 @@ pub(super) const REQUEST_LIMIT: usize = 1 << 20;
 pub(super) const QUEUE_LIMIT: usize = 4 << 20;
 
 /// The maximum number of bytes that wait to be sent to all clients, unless each client uses less than its share.
-pub(super) const TOTAL_QUEUED: usize = 48 << 20;
+pub(super) const TOTAL_QUEUED: usize = 32 << 20;
 
 /// The maximum number of bytes of incomplete messages from all clients, unless each client uses less than its share.
-pub(super) const TOTAL_RECEIVED: usize = 32 << 20;
+pub(super) const TOTAL_RECEIVED: usize = 16 << 20;
 
 /// The number of bytes that wait to be sent to a client, above which the server reads no further requests from it.
 pub(super) const PAUSE_LIMIT: usize = 64 << 10;
@@ -34,6 +34,10 @@ pub(super) const SESSIONS_PER_ADDRESS: usize = 2048;
 /// The maximum number of Socket.IO sessions that a connection has opened and not used yet. A proxy may open sessions of
 /// several clients over one connection.
 pub(super) const UNUSED_SESSIONS: usize = 4;
+
+/// The maximum number of Socket.IO sessions whose connection ended before they were used. Some clients use a connection per
+/// request.
+pub(super) const ABANDONED_SESSIONS: usize = 512;
 
 /// The maximum number of clients over UDP.
 pub(super) const PEER_LIMIT: usize = 1024;

@@ -124,6 +124,7 @@ impl Protocol for WebClient {
         if let Some((_, mut pending)) = self.pending.take() {
             pending.end(shared);
         }
+        std::mem::take(&mut self.unused).abandon(shared);
     }
 }
 
