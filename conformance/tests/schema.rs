@@ -219,6 +219,17 @@ fn ignores_bodies_that_schemas_cannot_represent() {
 }
 
 #[test]
+fn an_inner_id_hides_no_references() {
+    let inner = json!({ "$id": "https://example.org/b/", "$ref": "#/$defs/c", "$defs": { "c": {} } });
+    let schema = json!({ "$ref": "#/$defs/a", "$defs": { "a": inner } });
+    let folder = folder(&[("schemas/SOAR-INF.json", schema)]);
+    recording(folder.path(), &[], &[json!({ "type": "SOAR-INF" })]);
+    let (status, _, output) = check(folder.path(), &["--schema", "schemas", "hill.jsonl"]);
+    assert_eq!(status, Some(2), "{output}");
+    assert!(output.contains("SOAR-INF.json: references and an inner schema with the `$id`"), "{output}");
+}
+
+#[test]
 fn schemas_that_double_with_each_reference_are_refused() {
     let level = |at: usize| {
         let reference = json!({ "$ref": format!("#/$defs/level{}", at + 1) });

@@ -109,6 +109,26 @@ fn start<'s>(
     Ok(Open { key, rest, size })
 }
 
+/// The first `$id` below the root of a document that contains references. Other readers resolve references within such a
+/// schema relative to its `$id`.
+pub(super) fn ambiguous_id(root: &Value) -> Option<&str> {
+    let (mut id, mut has_reference) = (None, false);
+    let mut open = vec![root];
+    while let Some(value) = open.pop() {
+        match value {
+            Value::Object(members) => {
+                let own = members.get("$id").and_then(Value::as_str).filter(|_| !std::ptr::eq(value, root));
+                id = id.or(own);
+                has_reference |= members.keys().any(|name| REFERENCES.contains(&name.as_str()));
+                open.extend(members.values());
+            }
+            Value::Array(values) => open.extend(values),
+            _ => {}
+        }
+    }
+    id.filter(|_| has_reference)
+}
+
 /// The anchors of the documents that were searched. A name that occurs twice in a document has no target.
 #[derive(Default)]
 pub(super) struct Anchors<'s>(HashMap<*const Value, HashMap<&'s str, Option<&'s Value>>>);
@@ -215,6 +235,15 @@ mod tests {
         assert_eq!(count("", &embedded, |_, _| None), Err("level0"));
         assert_eq!(decoded("/a%20b/%C3%A9").as_deref(), Some("/a b/é"));
         assert_eq!([decoded("%"), decoded("%zz"), decoded("%ff")], [None, None, None]);
+    }
+
+    #[test]
+    fn only_an_inner_id_makes_references_ambiguous() {
+        let inner = json!({ "$id": "b", "type": "string" });
+        let schema = json!({ "$id": "a", "$ref": "#/$defs/b", "$defs": { "b": inner } });
+        assert_eq!(ambiguous_id(&schema), Some("b"));
+        assert_eq!(ambiguous_id(&json!({ "$id": "a", "$ref": "#/$defs/b", "$defs": { "b": {} } })), None);
+        assert_eq!(ambiguous_id(&json!({ "$id": "a", "properties": { "b": inner } })), None);
     }
 
     #[test]

@@ -194,11 +194,15 @@ struct Files {
     by_address: BTreeMap<String, (PathBuf, Value)>,
     /// The addresses by `$id`.
     by_id: HashMap<String, String>,
+    /// The addresses of files that contain references and a schema with its own `$id`, with that `$id`. It changes the
+    /// meaning of references.
+    embedding: HashMap<String, String>,
 }
 
 impl Files {
     fn read(folder: &Path, number: usize) -> Result<Self, SchemaError> {
-        let mut files = Self { by_address: BTreeMap::new(), by_id: HashMap::new() };
+        let mut files =
+            Self { by_address: BTreeMap::new(), by_id: HashMap::new(), embedding: HashMap::new() };
         let at = |path: &Path, problem: String| SchemaError {
             path: path.to_owned(),
             location: String::new(),
@@ -233,6 +237,9 @@ impl Files {
             if let Some(id) = value["$id"].as_str() {
                 files.by_id.entry(id.trim_end_matches('#').to_owned()).or_insert_with(|| address.clone());
             }
+            if let Some(id) = expansion::ambiguous_id(&value) {
+                files.embedding.insert(address.clone(), id.to_owned());
+            }
             files.by_address.insert(address, (path.to_owned(), value));
         }
         files.set_default_draft();
@@ -253,13 +260,18 @@ impl Files {
     /// Fails with a message if a reference has no known target.
     fn count(&self, address: &str, value: &Value) -> Result<u64, String> {
         let mut anchors = Anchors::default();
+        self.require_clear(address)?;
         let count = expansion::count(address, value, |document, reference| {
             let (file, fragment) = reference.split_once('#').unwrap_or((reference, ""));
             let (address, root) = self.find(if file.is_empty() { document } else { file })?;
+            self.require_clear(address).ok()?;
             Some((address, anchors.fragment(root, fragment)?))
         });
         count.map_err(|reference| {
             let (file, fragment) = reference.split_once('#').unwrap_or((reference, ""));
+            if let Some(Err(problem)) = self.find(file).map(|(address, _)| self.require_clear(address)) {
+                return problem;
+            }
             if file.is_empty() || self.find(file).is_some() {
                 return format!(
                     "unknown reference: nothing in the file has the location `{}`",
@@ -268,6 +280,17 @@ impl Files {
             }
             not_found(file)
         })
+    }
+
+    /// Fails with a message if references in the file have several meanings.
+    fn require_clear(&self, address: &str) -> Result<(), String> {
+        match self.embedding.get(address) {
+            None => Ok(()),
+            Some(id) => Err(format!(
+                "references and an inner schema with the `$id` `{}` in one file: move that schema to its own file",
+                shown(id)
+            )),
+        }
     }
 
     /// Files without `$schema` use the draft named by the first `$schema` found. Often only one file has a `$schema`.
