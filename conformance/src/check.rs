@@ -427,7 +427,9 @@ impl<'d> CheckRun<'d> {
     /// Passes a message to the rules of its channel. The message's values have already been checked.
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
         self.checked += 1;
-        self.include_timestamp(message.timestamp);
+        if self.record_time.is_none() {
+            self.include_timestamp(message.timestamp);
+        }
         for at in &self.channels[channel.index].followers {
             let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
                 checker.message(channel, message, context);
@@ -448,9 +450,11 @@ impl<'d> CheckRun<'d> {
         });
     }
 
-    /// Sets the time of the current record, in µs since 1970.
+    /// Sets the time of the current record, in µs since 1970, and extends the time span to include it. The timestamps of
+    /// messages don't count then, because they may have another clock.
     fn record_at(&mut self, time: u64) {
         self.record_time = Some(time);
+        self.include_timestamp(Some(time));
         self.clock.start(time);
         self.clock.set_utc(time, time);
     }
@@ -468,9 +472,7 @@ impl<'d> CheckRun<'d> {
 
     /// Extends the time span to include a time in seconds.
     fn include_time(&mut self, time: Option<f64>) {
-        let time = time.and_then(microseconds);
-        self.include_timestamp(time);
-        if let Some(time) = time {
+        if let Some(time) = time.and_then(microseconds) {
             self.record_at(time);
         }
     }
