@@ -150,7 +150,7 @@ impl Outputs<'_> {
     fn write(&mut self, report: &Report) -> Vec<String> {
         let mut failures = Vec::new();
         for (index, target) in self.args.files().enumerate() {
-            let written = write(&target.path, |file| match target.kind {
+            let written = write_file(&target.path, |file| match target.kind {
                 // Files have no colours.
                 Kind::Text => {
                     let mut plain = terminal::Guard::new(StripStream::new(file));
@@ -204,7 +204,10 @@ fn folder_for_parts(path: &Path) -> Option<&Path> {
 }
 
 /// Writes a file atomically. If this fails, an existing file stays unchanged.
-fn write(path: &Path, content: impl FnOnce(&mut Box<dyn Write>) -> io::Result<()>) -> io::Result<()> {
+pub(super) fn write_file(
+    path: &Path,
+    content: impl FnOnce(&mut Box<dyn Write>) -> io::Result<()>,
+) -> io::Result<()> {
     let fill = |file: File| {
         let mut file: Box<dyn Write> = Box::new(BufWriter::new(file));
         content(&mut file)?;
@@ -219,7 +222,7 @@ fn write(path: &Path, content: impl FnOnce(&mut Box<dyn Write>) -> io::Result<()
     };
     // A new file in a temporary folder has default permissions. A temporary file would be private.
     let stage = Stage::new(parent(&path))?;
-    let staged = stage.path().join("report");
+    let staged = stage.path().join("file");
     fill(File::create(&staged)?)?;
     fs::rename(staged, path)
 }
@@ -252,8 +255,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("report.json");
         fs::write(&path, "old and long").expect("a file");
-        let write = |path: &Path| super::write(path, |file| file.write_all(b"new"));
-        let failed = super::write(&path, |file| {
+        let write = |path: &Path| super::write_file(path, |file| file.write_all(b"new"));
+        let failed = super::write_file(&path, |file| {
             file.write_all(b"half")?;
             Err(io::Error::other("the disk is full"))
         });

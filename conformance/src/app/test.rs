@@ -13,7 +13,7 @@ use uavspec_codegen::dynamic::Types;
 use super::known::KnownArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
-use super::report::ReportArgs;
+use super::report::{ReportArgs, write_file};
 use super::{Status, outcome_statuses};
 use crate::check::known::Scope;
 use crate::net::Address;
@@ -274,7 +274,7 @@ fn write_cases(path: &Path, cases: &[Case], selected: &[usize], types: &Types) -
             other => other,
         };
     }
-    dump(cases, selected, types, &mut BufWriter::new(File::create(path)?))
+    write_file(path, |file| dump(cases, selected, types, file))
 }
 
 fn read_answers<'c>(
