@@ -1,8 +1,11 @@
 //! The fuzz targets of this crate: one function for each kind of input. A function reads arbitrary bytes, and panics if
 //! a property does not hold. `cargo xtask fuzz` runs the functions.
 
+#[cfg(feature = "db3")]
+pub(crate) mod bag_file;
 mod captures;
 mod lists;
+mod schemas;
 mod server;
 mod testees;
 mod transports;
@@ -28,10 +31,14 @@ pub struct Target {
 pub const TARGETS: &[Target] = &[
     Target { name: "ulog", check: captures::ulog, seeds: captures::ulog_seeds },
     Target { name: "mcap", check: captures::mcap, seeds: captures::mcap_seeds },
+    #[cfg(feature = "db3")]
+    Target { name: "sqlite-bag", check: captures::sqlite_bag, seeds: captures::sqlite_bag_seeds },
+    Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },
     Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
     Target { name: "known-failures", check: lists::known_failures, seeds: lists::known_failure_seeds },
+    Target { name: "body-schema", check: schemas::body_schema, seeds: schemas::body_schema_seeds },
     Target { name: "http", check: transports::http, seeds: transports::http_seeds },
     Target { name: "web-socket", check: transports::web_socket, seeds: transports::web_socket_seeds },
     Target { name: "socket-io", check: transports::socket_io, seeds: transports::socket_io_seeds },

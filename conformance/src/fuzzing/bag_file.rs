@@ -23,18 +23,18 @@ const TABLES: &str = "
 
 /// The content of a bag.
 #[derive(Clone, Default)]
-pub(super) struct Content {
+pub(crate) struct Content {
     /// The definitions: type, encoding, text and hash.
-    pub(super) definitions: Vec<[String; 4]>,
+    pub(crate) definitions: Vec<[String; 4]>,
     /// The topics: id, name, type, encoding and hash.
-    pub(super) topics: Vec<(i64, [String; 4])>,
+    pub(crate) topics: Vec<(i64, [String; 4])>,
     /// The messages: topic, time in ns, and payload.
-    pub(super) messages: Vec<(i64, i64, Vec<u8>)>,
+    pub(crate) messages: Vec<(i64, i64, Vec<u8>)>,
 }
 
 impl Content {
     /// The content of an MCAP file. The log times are those of a regular recording.
-    pub(super) fn of_mcap(bytes: &[u8]) -> Self {
+    pub(crate) fn of_mcap(bytes: &[u8]) -> Self {
         let mut content = Self::default();
         let (mut schemas, mut reader) = (BTreeMap::new(), Reader::new(bytes));
         while let Some(item) = reader.next().expect("bytes can be read") {
@@ -60,14 +60,14 @@ impl Content {
     }
 
     /// Writes a `SQLite` file.
-    pub(super) fn write(&self, path: &Path) {
+    pub(crate) fn write(&self, path: &Path) {
         let connection = Connection::open(path).expect("a database");
         connection.execute_batch(TABLES).expect("tables");
         self.insert(&connection);
     }
 
     /// Adds the rows to existing tables.
-    pub(super) fn insert(&self, connection: &Connection) {
+    pub(crate) fn insert(&self, connection: &Connection) {
         connection.execute_batch("BEGIN").expect("a transaction");
         for [ty, encoding, text, hash] in &self.definitions {
             let row = params![ty, encoding, text, hash];
@@ -86,7 +86,7 @@ impl Content {
     }
 
     /// The bytes of a `SQLite` file.
-    pub(super) fn to_bytes(&self) -> Vec<u8> {
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("bag.db3");
         self.write(&path);
@@ -95,7 +95,7 @@ impl Content {
 }
 
 /// The text of `metadata.yaml`.
-pub(super) fn metadata(storage: &str, files: &[&str], message_count: usize) -> String {
+pub(crate) fn metadata(storage: &str, files: &[&str], message_count: usize) -> String {
     let mut text = format!(
         "rosbag2_bagfile_information:\n  version: 8\n  storage_identifier: {storage}\n  message_count: {message_count}\n  \
          topics_with_message_count: []\n  compression_format: \"\"\n  compression_mode: \"\"\n  relative_file_paths:\n"

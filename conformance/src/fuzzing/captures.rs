@@ -7,6 +7,9 @@ use flate2::write::GzEncoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
 use super::{DEFINITIONS, Pieces};
+#[cfg(feature = "db3")]
+use crate::capture::rosbag::SQLITE_MAGIC;
+use crate::capture::rosbag::metadata::Metadata;
 use crate::capture::{MCAP_MAGIC, ULOG_MAGIC, input};
 use crate::check::{CaptureResult, check_capture, check_json_thoroughly};
 use crate::model::Location;
@@ -32,6 +35,43 @@ pub(super) fn mcap(data: &[u8]) {
     if data.starts_with(&MCAP_MAGIC) {
         capture(data);
     }
+}
+
+/// Checks a bag in `SQLite` format.
+#[cfg(feature = "db3")]
+pub(super) fn sqlite_bag(data: &[u8]) {
+    if data.starts_with(&SQLITE_MAGIC) {
+        capture(data);
+    }
+}
+
+#[cfg(feature = "db3")]
+pub(super) fn sqlite_bag_seeds() -> Vec<Vec<u8>> {
+    let bags = mcap_seeds();
+    bags.iter().map(|bag| super::bag_file::Content::of_mcap(bag).to_bytes()).collect()
+}
+
+/// Reads the metadata of a bag. The names of its files must be those of files in the folder.
+pub(super) fn bag_metadata(data: &[u8]) {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let Some(metadata) = Metadata::parse(text) else { return };
+    let mut names = metadata.files.clone();
+    names.sort();
+    names.dedup();
+    assert_eq!(names.len(), metadata.files.len(), "a file is listed twice");
+    assert!(metadata.encodings.len() + names.len() <= text.len());
+}
+
+pub(super) fn bag_metadata_seeds() -> Vec<Vec<u8>> {
+    let text = "rosbag2_bagfile_information:\n  version: 8\n  storage_identifier: sqlite3\n  message_count: 7\n  \
+                topics_with_message_count:\n    - topic_metadata:\n        name: /wind\n        type: px4_msgs/msg/Wind\n        \
+                serialization_format: cdr\n      message_count: 7\n  compression_format: \"\"\n  relative_file_paths:\n    \
+                - a_0.db3\n    - 'a_1.db3'\n  files: [{path: a_0.db3, message_count: 3}, {path: &a a_1.db3}]\n  ros_distro: iron\n";
+    vec![
+        text.as_bytes().to_vec(),
+        text.replace("  ", " ").into_bytes(),
+        text.replace('\n', "\r\n").into_bytes(),
+    ]
 }
 
 /// Checks JSON messages. The result must be the same without templates.

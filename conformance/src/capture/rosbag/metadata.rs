@@ -74,7 +74,7 @@ impl Metadata {
     }
 
     /// Parses the text of the file. Aliases aren't resolved, since rosbag2 writes none.
-    fn parse(text: &str) -> Option<Self> {
+    pub(crate) fn parse(text: &str) -> Option<Self> {
         let mut found = Self::default();
         let mut levels: Vec<Level> = Vec::new();
         let mut topic = String::new();

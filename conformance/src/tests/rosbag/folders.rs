@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use super::file::{Content, metadata};
 use super::{assert_same, checked, corrupt, flight, summary, violated};
 use crate::capture::input::files;
+use crate::fuzzing::bag_file::{Content, metadata};
 use crate::model::Extent;
 use crate::tests::mcap::file as mcap;
 

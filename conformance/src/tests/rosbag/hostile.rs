@@ -4,8 +4,8 @@ use std::fs;
 
 use rusqlite::Connection;
 
-use super::file::Content;
 use super::{checked, checked_bytes, corrupt, file_with, flight};
+use crate::fuzzing::bag_file::Content;
 use crate::model::{Extent, Location};
 use crate::tests::support::{Random, extent};
 

@@ -2,10 +2,10 @@
 
 use std::fs;
 
-use super::file::Content;
 use super::{assert_same, checked, checked_bytes, corrupt, summary, violated};
 use crate::check::{Basis, CheckStatus};
 use crate::definitions::Definitions;
+use crate::fuzzing::bag_file::Content;
 use crate::px4::comparison::Comparison;
 use crate::tests::mcap::file as mcap;
 use crate::tests::support::shared;
