@@ -427,7 +427,8 @@ impl<'d> CheckRun<'d> {
     /// Passes a message to the rules of its channel. The message's values have already been checked.
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
         self.checked += 1;
-        if self.record_time.is_none() {
+        // A log time of 0 is unknown.
+        if self.record_time.unwrap_or_default() == 0 {
             self.include_timestamp(message.timestamp);
         }
         for at in &self.channels[channel.index].followers {
