@@ -33,6 +33,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "mcap", check: captures::mcap, seeds: captures::mcap_seeds },
     #[cfg(feature = "db3")]
     Target { name: "sqlite-bag", check: captures::sqlite_bag, seeds: captures::sqlite_bag_seeds },
+    #[cfg(feature = "db3")]
     Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },

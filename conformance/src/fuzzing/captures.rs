@@ -9,6 +9,7 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use super::{DEFINITIONS, Pieces};
 #[cfg(feature = "db3")]
 use crate::capture::rosbag::SQLITE_MAGIC;
+#[cfg(feature = "db3")]
 use crate::capture::rosbag::metadata::Metadata;
 use crate::capture::{MCAP_MAGIC, ULOG_MAGIC, input};
 use crate::check::{CaptureResult, check_capture, check_json_thoroughly};
@@ -52,6 +53,7 @@ pub(super) fn sqlite_bag_seeds() -> Vec<Vec<u8>> {
 }
 
 /// Reads the metadata of a bag. The names of its files must be those of files in the folder.
+#[cfg(feature = "db3")]
 pub(super) fn bag_metadata(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };
     let Some(metadata) = Metadata::parse(text) else { return };
@@ -62,6 +64,7 @@ pub(super) fn bag_metadata(data: &[u8]) {
     assert!(metadata.encodings.len() + names.len() <= text.len());
 }
 
+#[cfg(feature = "db3")]
 pub(super) fn bag_metadata_seeds() -> Vec<Vec<u8>> {
     let text = "rosbag2_bagfile_information:\n  version: 8\n  storage_identifier: sqlite3\n  message_count: 7\n  \
                 topics_with_message_count:\n    - topic_metadata:\n        name: /wind\n        type: px4_msgs/msg/Wind\n        \
@@ -71,6 +74,7 @@ pub(super) fn bag_metadata_seeds() -> Vec<Vec<u8>> {
         text.as_bytes().to_vec(),
         text.replace("  ", " ").into_bytes(),
         text.replace('\n', "\r\n").into_bytes(),
+        super::bag_file::metadata("mcap", &["a_0.mcap"], 7).into_bytes(),
     ]
 }
 
