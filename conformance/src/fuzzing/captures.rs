@@ -52,7 +52,7 @@ pub(super) fn sqlite_bag_seeds() -> Vec<Vec<u8>> {
     bags.iter().map(|bag| super::bag_file::Content::of_mcap(bag).to_bytes()).collect()
 }
 
-/// Reads the metadata of a bag. The names of its files must be those of files in the folder.
+/// Reads the metadata of a bag. No file may be listed twice.
 #[cfg(feature = "db3")]
 pub(super) fn bag_metadata(data: &[u8]) {
     let Ok(text) = std::str::from_utf8(data) else { return };

@@ -112,21 +112,23 @@ fn start<'s>(
 /// The first `$id` below the root of a document that contains references. Other readers resolve references within such a
 /// schema relative to its `$id`.
 pub(super) fn ambiguous_id(root: &Value) -> Option<&str> {
-    let (mut id, mut has_reference) = (None, false);
+    let id = values(root).skip(1).find_map(|value| value.get("$id")?.as_str());
+    let has_reference = |value: &Value| REFERENCES.iter().any(|name| value.get(name).is_some());
+    id.filter(|_| values(root).any(has_reference))
+}
+
+/// A value and all values in it. The value itself comes first.
+fn values(root: &Value) -> impl Iterator<Item = &Value> {
     let mut open = vec![root];
-    while let Some(value) = open.pop() {
+    std::iter::from_fn(move || {
+        let value = open.pop()?;
         match value {
-            Value::Object(members) => {
-                let own = members.get("$id").and_then(Value::as_str).filter(|_| !std::ptr::eq(value, root));
-                id = id.or(own);
-                has_reference |= members.keys().any(|name| REFERENCES.contains(&name.as_str()));
-                open.extend(members.values());
-            }
+            Value::Object(members) => open.extend(members.values()),
             Value::Array(values) => open.extend(values),
             _ => {}
         }
-    }
-    id.filter(|_| has_reference)
+        Some(value)
+    })
 }
 
 /// The anchors of the documents that were searched. A name that occurs twice in a document has no target.
@@ -151,19 +153,11 @@ impl<'s> Anchors<'s> {
 /// The anchors of a document.
 fn anchors(root: &Value) -> HashMap<&str, Option<&Value>> {
     let mut anchors: HashMap<&str, Option<&Value>> = HashMap::new();
-    let mut open = vec![root];
-    while let Some(value) = open.pop() {
-        match value {
-            Value::Object(members) => {
-                for name in ["$anchor", "$dynamicAnchor"] {
-                    if let Some(anchor) = members.get(name).and_then(Value::as_str) {
-                        anchors.entry(anchor).and_modify(|known| *known = None).or_insert(Some(value));
-                    }
-                }
-                open.extend(members.values());
+    for value in values(root) {
+        for name in ["$anchor", "$dynamicAnchor"] {
+            if let Some(anchor) = value.get(name).and_then(Value::as_str) {
+                anchors.entry(anchor).and_modify(|known| *known = None).or_insert(Some(value));
             }
-            Value::Array(values) => open.extend(values),
-            _ => {}
         }
     }
     anchors
