@@ -47,6 +47,7 @@ pub(super) fn udp(data: &[u8]) {
 /// Sends messages to the server. Its responses must conform to the specification.
 fn exchange<'m>(messages: impl Iterator<Item = &'m [u8]>, is_datagram: bool) {
     let mut checker = FlockwaveChecker::new(&DEFINITIONS);
+    let (connection, end) = if is_datagram { ("udp-hill", "") } else { ("tcp-hill", "\n") };
     let (mut number, mut recording) = (0, String::new());
     for record in transcript(messages, is_datagram) {
         let text = std::str::from_utf8(&record.bytes).ok().filter(|text| Tree::read(text).is_ok());
@@ -54,10 +55,12 @@ fn exchange<'m>(messages: impl Iterator<Item = &'m [u8]>, is_datagram: bool) {
         let content = match text {
             // A line end between JSON tokens is insignificant.
             Some(text) => format!("\"msg\":{}", text.replace(['\n', '\r'], " ")),
-            None => format!("\"raw\":{}", json!(String::from_utf8_lossy(&record.bytes))),
+            // The line end shows that no later line continues the text.
+            None => format!("\"raw\":{}", json!(format!("{}{end}", String::from_utf8_lossy(&record.bytes)))),
         };
         let direction = if record.side == Side::Server { "in" } else { "out" };
-        let line = format!("{{\"t\":{},\"conn\":\"hill\",\"dir\":\"{direction}\",{content}}}", record.time);
+        let line =
+            format!("{{\"t\":{},\"conn\":\"{connection}\",\"dir\":\"{direction}\",{content}}}", record.time);
         number += 1;
         checker.line(line.as_bytes(), number, false);
         recording += &line;

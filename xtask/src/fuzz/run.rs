@@ -16,6 +16,9 @@ const MAX_MEMORY: u64 = 1024;
 /// The number of lines of output that are printed for an input that violates a property.
 const SHOWN: usize = 40;
 
+/// The maximum length of such a line, in characters.
+const MAX_LINE: usize = 400;
+
 /// The head of the table of all runs.
 pub(super) const HEAD: &str = "target             executions       per s       edges    features      inputs";
 
@@ -83,11 +86,14 @@ fn failure(target: &str, log: &str, artifacts: &Path) -> String {
     let start =
         lines.iter().position(|line| line.contains("panicked at") || line.contains("ERROR: libFuzzer"));
     let shown = &lines[start.unwrap_or_default()..];
-    let shown = &shown[..shown.len().min(SHOWN)];
+    let shown = shown.iter().take(SHOWN).map(|line| match line.char_indices().nth(MAX_LINE) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => (*line).to_owned(),
+    });
     format!(
         "error: {target}: an input violates a property: see {}\n{}",
         artifacts.display(),
-        shown.join("\n")
+        shown.collect::<Vec<_>>().join("\n")
     )
 }
 
@@ -140,5 +146,7 @@ mod tests {
             "error: ulog: an input violates a property: see artifacts\n\
              thread '<unnamed>' panicked at src/a.rs:1:\nthe reason"
         );
+        let text = failure("ulog", &format!("panicked at\n{}", "é".repeat(500)), Path::new("artifacts"));
+        assert!(text.ends_with(&format!("panicked at\n{}…", "é".repeat(MAX_LINE))), "{text}");
     }
 }

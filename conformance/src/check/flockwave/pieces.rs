@@ -61,32 +61,45 @@ impl Pieces {
 fn take_lines<'t>(text: &'t str, done: &mut Vec<String>) -> &'t str {
     let (lines, last) = text.rsplit_once('\n').unwrap_or(("", text));
     for line in lines.lines() {
-        let rest = take_messages(line, done);
-        done.extend(unless_blank(rest));
+        let (messages, rest) = messages(line);
+        take_line(line, messages, rest, done);
     }
-    let rest = take_messages(last, done);
+    let (messages, rest) = messages(last);
     // Recordings may omit the line break at the end of a message, so only JSON can show that more pieces follow.
     match Tree::read(rest) {
-        Err(SyntaxError { problem: TRUNCATED, .. }) if !rest.trim().is_empty() => rest,
+        Err(SyntaxError { problem: TRUNCATED, .. }) if !rest.trim().is_empty() => {
+            done.extend(messages.into_iter().map(str::to_owned));
+            rest
+        }
         _ => {
-            done.extend(unless_blank(rest));
+            take_line(last, messages, rest, done);
             ""
         }
     }
 }
 
-/// Moves the messages at the start of a line to `done`. Returns the remaining text.
-fn take_messages<'t>(line: &'t str, done: &mut Vec<String>) -> &'t str {
-    let mut rest = line;
+/// Moves the messages of a complete line to `done`. If other text follows them, a server can't read the line, so the
+/// line is moved as a whole.
+fn take_line(line: &str, messages: Vec<&str>, rest: &str, done: &mut Vec<String>) {
+    if rest.trim().is_empty() {
+        done.extend(messages.into_iter().map(str::to_owned));
+    } else {
+        done.push(line.to_owned());
+    }
+}
+
+/// The messages at the start of a line, and the remaining text.
+fn messages(line: &str) -> (Vec<&str>, &str) {
+    let (mut messages, mut rest) = (Vec::new(), line);
     loop {
         let end = match Tree::read(rest) {
             Ok(_) => rest.len(),
             Err(error) => error.at,
         };
         let Some((first, after)) = rest.split_at_checked(end).filter(|(first, _)| is_object(first)) else {
-            return rest;
+            return (messages, rest);
         };
-        done.push(first.to_owned());
+        messages.push(first);
         rest = after;
     }
 }
@@ -128,6 +141,11 @@ mod tests {
         assert_eq!(added(&["not a message", r#"{"id":"#]), (vec!["not a message".to_owned()], true));
         assert_eq!(added(&["{\"id\":\n", "1}"]).0, ["{\"id\":", "1}"]);
         assert_eq!(added(&[r#"{"id":"#, r#"{"id":1}"#]).0, [r#"{"id":"#, r#"{"id":1}"#]);
+        // Text after a message makes the line unreadable.
+        let line = r#"{"id":1}]"#;
+        assert_eq!(added(&[line]).0, [line]);
+        assert_eq!(added(&[r#"{"id":1}{"#, "]\n"]).0, [r#"{"id":1}"#, "{]"]);
+        assert_eq!(added(&["{\"id\":1}{\n", "{\"id\":2}"]).0, ["{\"id\":1}{", "{\"id\":2}"]);
     }
 
     #[test]
