@@ -35,6 +35,7 @@ mod watch;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
@@ -253,5 +254,5 @@ fn definitions_with(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Definiti
         terminal::error(error, None);
         Status::Usage
     })?;
-    Ok(definitions.with_schemas(schemas))
+    Ok(definitions.with_schemas(Arc::new(schemas)))
 }

@@ -9,19 +9,28 @@
 //! assert_eq!(definitions.schema.message(id.unwrap()).topics, ["failsafe_flags"]);
 //! ```
 
+mod choice;
+mod index;
+mod library;
+
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::load::read_definitions;
 use uavspec_codegen::msg::{Dialect, Kind};
+use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
+pub(crate) use self::choice::{Choice, Clues, TypeClue};
+pub use self::index::Family;
+pub(crate) use self::index::{Index, ReleaseId};
+pub use self::library::Library;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
 
@@ -34,9 +43,11 @@ pub struct Definitions {
     /// The schema.
     pub schema: Schema,
     by_topic: HashMap<String, MessageId>,
+    /// The messages of other releases that replace messages of the main release.
+    replaced: HashMap<MessageId, MessageId>,
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
-    schemas: Schemas,
+    schemas: Arc<Schemas>,
 }
 
 /// A line of a definition, displayed as `file:number`.
@@ -91,13 +102,46 @@ impl Definitions {
                 by_topic.entry(topic.clone()).or_insert(*id);
             }
         }
-        let (types, defined_schemas) = (OnceLock::new(), OnceLock::new());
-        Self { name, sources, schema, by_topic, types, defined_schemas, schemas: Schemas::default() }
+        Self {
+            name,
+            sources,
+            schema,
+            by_topic,
+            replaced: HashMap::new(),
+            types: OnceLock::new(),
+            defined_schemas: OnceLock::new(),
+            schemas: Arc::default(),
+        }
+    }
+
+    /// Lets the messages of some packages replace the messages with the same ROS names.
+    fn with_replacements(mut self, packages: &[String]) -> Self {
+        let mut originals: HashMap<String, MessageId> = HashMap::new();
+        let mut replacements = Vec::new();
+        for package in &self.schema.packages {
+            let is_replacement = packages.contains(&package.name);
+            for id in &package.messages {
+                let name = ros_name(&self.schema, self.schema.message(*id));
+                if is_replacement {
+                    replacements.push((name, *id));
+                } else {
+                    originals.insert(name, *id);
+                }
+            }
+        }
+        let replaced = replacements.into_iter().filter_map(|(name, id)| Some((*originals.get(&name)?, id)));
+        self.replaced = replaced.collect();
+        self
+    }
+
+    /// The message that replaces a message, or the message itself.
+    fn current(&self, id: MessageId) -> MessageId {
+        self.replaced.get(&id).copied().unwrap_or(id)
     }
 
     /// Adds body schemas for Flockwave message types without a definition.
     #[must_use]
-    pub fn with_schemas(self, schemas: Schemas) -> Self {
+    pub fn with_schemas(self, schemas: Arc<Schemas>) -> Self {
         Self { schemas, ..self }
     }
 
@@ -108,7 +152,7 @@ impl Definitions {
             let is_version = !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit());
             self.by_topic.get(name).filter(|_| is_version)
         };
-        self.by_topic.get(topic).or_else(unversioned).copied()
+        self.by_topic.get(topic).or_else(unversioned).map(|id| self.current(*id))
     }
 
     /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`. Parts and events
@@ -131,7 +175,7 @@ impl Definitions {
             .filter(|known| is_in_package(known))
             .flat_map(|known| &known.messages)
             .find(|id| self.schema.message(**id).name == name)
-            .copied()
+            .map(|id| self.current(*id))
     }
 
     /// The type hashes that a capture may state for a message. Captures state the hash of the service for an event of
