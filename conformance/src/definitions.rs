@@ -27,9 +27,9 @@ use uavspec_codegen::source::Span;
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
-pub(crate) use self::choice::{Choice, Clues, TypeClue};
+pub(crate) use self::choice::{Clues, TypeClue};
 pub use self::index::Family;
-pub(crate) use self::index::{Index, ReleaseId};
+
 pub use self::library::Library;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
@@ -45,9 +45,24 @@ pub struct Definitions {
     by_topic: HashMap<String, MessageId>,
     /// The messages of other releases that replace messages of the main release.
     replaced: HashMap<MessageId, MessageId>,
+    /// The main releases.
+    releases: Vec<LoadedRelease>,
+    /// The releases of packages, by package name.
+    origins: HashMap<String, LoadedRelease>,
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
     schemas: Arc<Schemas>,
+}
+
+/// A release that definitions were read from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct LoadedRelease {
+    /// The family.
+    pub(crate) family: Family,
+    /// The name on the command line, such as `px4@1.16`.
+    pub(crate) label: String,
+    /// The name in text.
+    pub(crate) title: String,
 }
 
 /// A line of a definition, displayed as `file:number`.
@@ -108,6 +123,8 @@ impl Definitions {
             schema,
             by_topic,
             replaced: HashMap::new(),
+            releases: Vec::new(),
+            origins: HashMap::new(),
             types: OnceLock::new(),
             defined_schemas: OnceLock::new(),
             schemas: Arc::default(),
@@ -132,6 +149,16 @@ impl Definitions {
         let replaced = replacements.into_iter().filter_map(|(name, id)| Some((*originals.get(&name)?, id)));
         self.replaced = replaced.collect();
         self
+    }
+
+    /// The main releases of these definitions. Empty if they aren't the definitions of a release.
+    pub(crate) fn releases(&self) -> &[LoadedRelease] {
+        &self.releases
+    }
+
+    /// The release of a message.
+    pub(crate) fn release_of(&self, id: MessageId) -> Option<&LoadedRelease> {
+        self.origins.get(&self.schema.package_of(self.schema.message(id)).name)
     }
 
     /// The message that replaces a message, or the message itself.

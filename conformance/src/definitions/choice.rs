@@ -12,7 +12,7 @@ pub(crate) struct Clues {
     /// The types in a bag, by full ROS name.
     pub(crate) types: BTreeMap<String, TypeClue>,
     /// The firmware's version, as two numbers.
-    pub(crate) version: Option<(u64, u64)>,
+    pub(crate) version: Option<(u8, u8)>,
 }
 
 /// The facts about a type in a bag.
@@ -96,7 +96,10 @@ impl Index {
             }
             let agrees = |row: &&Row| match (&clue.type_hash, clue.size, row.cdr_size) {
                 (Some(hash), ..) => *hash == row.type_hash,
-                (None, Some(size), Some(expected)) => size == expected,
+                // Some writers pad payloads to a multiple of four bytes.
+                (None, Some(size), Some(expected)) => {
+                    size == expected || size == expected.next_multiple_of(4)
+                }
                 _ => true,
             };
             let equal: Vec<_> = rows.into_iter().filter(agrees).collect();
@@ -108,7 +111,7 @@ impl Index {
     }
 
     /// True if the release has this version.
-    fn has_version(&self, release: ReleaseId, version: Option<(u64, u64)>) -> bool {
+    fn has_version(&self, release: ReleaseId, version: Option<(u8, u8)>) -> bool {
         let Some((major, minor)) = version else { return false };
         self.release(release).name == format!("{major}.{minor}")
     }

@@ -12,7 +12,7 @@ use uavspec_definitions::PX4;
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, Schemas};
+use super::{Definitions, LoadedRelease, Schemas};
 
 /// The maximum number of releases, with different messages of other releases, that stay in memory.
 const MAX_STORED: usize = 16;
@@ -104,21 +104,25 @@ impl Library {
         self.index.get_or_init(Index::built_in)
     }
 
-    /// Chooses the definitions for a capture.
-    pub(crate) fn choose(&self, clues: &Clues) -> (Arc<Definitions>, Vec<Choice>) {
-        let base = || (Arc::clone(&self.base), Vec::new());
+    /// The releases that a capture agrees with.
+    fn choices(&self, clues: &Clues) -> Vec<Choice> {
         if self.is_fixed || *clues == Clues::default() {
-            return base();
+            return Vec::new();
         }
         let choose = |family: Family| self.index().choose(clues, family, self.forced.get(&family).copied());
-        let choices: Vec<Choice> = Family::ALL.into_iter().filter_map(choose).collect();
+        Family::ALL.into_iter().filter_map(choose).collect()
+    }
+
+    /// Chooses the definitions for a capture.
+    pub(crate) fn choose(&self, clues: &Clues) -> Arc<Definitions> {
+        let choices = self.choices(clues);
         if choices.is_empty() {
-            return base();
+            return Arc::clone(&self.base);
         }
         let key = Key(choices.iter().map(|choice| (choice.release, choice.others.clone())).collect());
         let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = stored().get(&key) {
-            return (Arc::clone(known), choices);
+            return Arc::clone(known);
         }
         let definitions = Arc::new(self.read(&choices));
         let mut stored = stored();
@@ -126,17 +130,22 @@ impl Library {
             stored.clear();
         }
         stored.insert(key, Arc::clone(&definitions));
-        (definitions, choices)
+        definitions
     }
 
     /// Reads the definitions of releases.
     fn read(&self, choices: &[Choice]) -> Definitions {
         let index = self.index();
         let mut sources = SourceMap::default();
-        let (mut packages, mut replacements, mut titles) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut packages, mut replacements) = (Vec::new(), Vec::new());
+        let (mut releases, mut origins) = (Vec::new(), HashMap::new());
         for choice in choices {
-            let title = index.title(choice.release);
-            packages.append(&mut self.packages(choice.release, None, &mut sources));
+            let loaded = self.loaded(choice.release);
+            for package in self.packages(choice.release, None, &mut sources) {
+                origins.insert(package.name.clone(), loaded.clone());
+                packages.push(package);
+            }
+            releases.push(loaded);
             let mut by_release: BTreeMap<ReleaseId, BTreeSet<&str>> = BTreeMap::new();
             for (name, release) in &choice.others {
                 by_release.entry(*release).or_default().insert(name);
@@ -147,16 +156,28 @@ impl Library {
                     package.name =
                         format!("{}_{}", package.name, index.release(release).name.replace('.', "_"));
                     replacements.push(package.name.clone());
+                    origins.insert(package.name.clone(), self.loaded(release));
                     packages.push(package);
                 }
             }
-            titles.push(title);
         }
         // Tests ensure that the releases have no errors.
         let (schema, _) = read(&sources, &packages);
-        let definitions =
-            Definitions::new(titles.join(", "), sources, schema).with_replacements(&replacements);
-        definitions.with_schemas(Arc::clone(&self.schemas))
+        let titles: Vec<&str> =
+            releases.iter().map(|release: &LoadedRelease| release.title.as_str()).collect();
+        let definitions = Definitions::new(titles.join(", "), sources, schema)
+            .with_replacements(&replacements)
+            .with_schemas(Arc::clone(&self.schemas));
+        Definitions { releases, origins, ..definitions }
+    }
+
+    fn loaded(&self, release: ReleaseId) -> LoadedRelease {
+        let index = self.index();
+        LoadedRelease {
+            family: index.family(release),
+            label: index.label(release),
+            title: index.title(release),
+        }
     }
 
     /// The packages of a release, or only the named definitions with the definitions that they contain.
@@ -263,7 +284,7 @@ mod tests {
         for release in library.index().releases_of(Family::Px4) {
             let label = library.index().label(release);
             let clues = clues(library.index(), &label);
-            let (definitions, choices) = library.choose(&clues);
+            let (definitions, choices) = (library.choose(&clues), library.choices(&clues));
             assert_eq!(choices.len(), 1);
             assert_eq!(library.index().label(choices[0].release), label);
             assert_eq!((choices[0].matching, choices[0].others.len()), (choices[0].known, 0), "{label}");
@@ -281,14 +302,14 @@ mod tests {
         let mut clues = clues(library.index(), "px4@1.14");
         let other = super::tests::clues(library.index(), "px4@1.16").formats;
         clues.formats.insert("vehicle_status".to_owned(), other["vehicle_status"]);
-        let (definitions, choices) = library.choose(&clues);
+        let (definitions, choices) = (library.choose(&clues), library.choices(&clues));
         assert_eq!(choices[0].others.keys().collect::<Vec<_>>(), ["px4_msgs/msg/VehicleStatus"]);
         let id = definitions.message_of_topic("vehicle_status").expect("a definition");
         assert_eq!(definitions.message_of_type("px4_msgs/msg/VehicleStatus"), Some(id));
         assert_eq!(definitions.message_of_type("px4/VehicleStatus"), Some(id));
         let hash = LayoutHashes::default().get(definitions.types().get(id));
         assert_eq!(hash, Some(other["vehicle_status"]));
-        let (again, _) = library.choose(&clues);
+        let again = library.choose(&clues);
         assert!(Arc::ptr_eq(&definitions, &again));
     }
 
