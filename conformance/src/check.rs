@@ -254,28 +254,31 @@ pub(crate) fn check_path(
     reading: Reading<'_>,
 ) -> io::Result<Checked> {
     if let Some(folder) = metadata::folder_of(path) {
-        let definitions = library.choose(&bag::folder_clues(folder));
+        let clues = if library.depends_on_capture() { bag::folder_clues(folder) } else { Clues::default() };
+        let definitions = library.choose(&clues);
         let result = bag::check_folder(folder, &definitions, reading)?;
         return Ok(Checked { result, definitions });
     }
     let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
     let input = reading(input::open(path)?);
-    let mut definitions = Arc::clone(library.base());
+    let mut definitions = None;
     let result = input::decompressed(input)
         .and_then(|(mut bytes, is_plain)| {
             let file = (is_plain && path.is_file()).then_some(path);
             check_source(Source { bytes: &mut bytes, file }, message_id, &mut |kind, source| {
                 if !library.depends_on_capture() {
-                    return (kind.check)(source, message_id, &definitions);
+                    return (kind.check)(source, message_id, library.base());
                 }
                 let mut ahead = Ahead::new(source.bytes);
-                definitions = library.choose(&(kind.clues)(&mut Source { bytes: &mut ahead, file }));
+                let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file });
+                let chosen = definitions.insert(library.choose(&clues));
                 let start = ahead.bytes;
                 let whole = &mut io::Cursor::new(start).chain(source.bytes);
-                (kind.check)(Source { bytes: whole, file }, message_id, &definitions)
+                (kind.check)(Source { bytes: whole, file }, message_id, chosen)
             })
         })
         .unwrap_or_else(unreadable);
+    let definitions = definitions.unwrap_or_else(|| Arc::clone(library.base()));
     Ok(Checked { result, definitions })
 }
 

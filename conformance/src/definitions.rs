@@ -86,20 +86,20 @@ impl Definitions {
     /// The built-in definitions.
     pub fn built_in() -> Self {
         let mut sources = SourceMap::default();
-        let mut package = |name: &str, form, folder: &Dir<'_>| {
-            let mut files: Vec<_> = folder.files().collect();
-            files.sort_by_key(|file| file.path());
-            let ids = files.into_iter().filter_map(|file| {
-                let path = format!("definitions/{name}/{}", terminal::path(file.path()));
-                sources.add(path, file.contents().to_vec()).ok()
-            });
-            PackageInput::new(name, form, ids.collect())
-        };
-        let packages =
-            [package("px4", Form::Msg(Dialect::Px4), &PX4), package("flockwave", Form::Table, &FLOCKWAVE)];
+        let px4 = Self::built_in_px4(&mut sources);
+        let flockwave = embedded("flockwave", Form::Table, &FLOCKWAVE, &mut sources);
         // Tests ensure that the built-in definitions have no errors.
-        let (schema, _) = read(&sources, &packages);
-        Self::new(format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION")), sources, schema)
+        let (schema, _) = read(&sources, &[px4, flockwave]);
+        Self::new(Self::built_in_name(), sources, schema)
+    }
+
+    fn built_in_name() -> String {
+        format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION"))
+    }
+
+    /// The package of the built-in PX4 messages.
+    fn built_in_px4(sources: &mut SourceMap) -> PackageInput {
+        embedded("px4", Form::Msg(Dialect::Px4), &PX4, sources)
     }
 
     /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder
@@ -245,6 +245,17 @@ impl Definitions {
         let text = self.sources.text(id).lines().nth(number - 1).unwrap_or_default();
         Line { file: self.sources.path(id), number, text }
     }
+}
+
+/// A package whose files are embedded in the program.
+fn embedded(name: &str, form: Form, folder: &Dir<'_>, sources: &mut SourceMap) -> PackageInput {
+    let mut files: Vec<_> = folder.files().collect();
+    files.sort_by_key(|file| file.path());
+    let ids = files.into_iter().filter_map(|file| {
+        let path = format!("definitions/{name}/{}", terminal::path(file.path()));
+        sources.add(path, file.contents().to_vec()).ok()
+    });
+    PackageInput::new(name, form, ids.collect())
 }
 
 #[cfg(test)]

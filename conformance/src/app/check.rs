@@ -141,7 +141,7 @@ pub(super) fn report(args: &CheckArgs) -> (Report, Status) {
 
 /// The results of a run, without the subjects.
 struct Finished {
-    definitions: Arc<Definitions>,
+    definitions: String,
     required: Vec<&'static Rule>,
     unreadable: Vec<Unreadable>,
     not_checked: Vec<Unreadable>,
@@ -164,7 +164,7 @@ impl Finished {
 fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Status> {
     let library = super::library(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
-    let message_id = message_id(args, library.base())?;
+    let message_id = message_id(args, &library)?;
     let files = find_files(&args.files)?;
     check_outputs(args, &files)?;
     let mut known = args.known.read()?;
@@ -217,7 +217,7 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
     let status = updated.map_or_else(|status| status, |()| known.finish(&sums));
     let not_checked = files.skipped.iter().map(|(path, reason)| unreadable_file(path, reason)).collect();
     Ok(Finished {
-        definitions: Arc::clone(library.base()),
+        definitions: library.name().to_owned(),
         required,
         unreadable,
         not_checked,
@@ -263,8 +263,9 @@ fn check_outputs(args: &CheckArgs, files: &Files) -> Result<(), Status> {
 }
 
 /// The type of all JSON messages, if it is given. Errors are printed.
-fn message_id(args: &CheckArgs, definitions: &Definitions) -> Result<Option<MessageId>, Status> {
+fn message_id(args: &CheckArgs, library: &Library) -> Result<Option<MessageId>, Status> {
     let Some(name) = &args.message_type else { return Ok(None) };
+    let definitions = library.base();
     definitions.message_of_type(name).map(Some).ok_or_else(|| {
         let messages = definitions.schema.packages.iter().flat_map(|package| {
             let named =

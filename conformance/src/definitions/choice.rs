@@ -36,6 +36,13 @@ pub(crate) struct Choice {
     pub(crate) others: BTreeMap<String, ReleaseId>,
 }
 
+impl Choice {
+    /// A release that was chosen without looking at a capture.
+    pub(crate) fn without_clues(release: ReleaseId) -> Self {
+        Self { release, matching: 0, known: 0, others: BTreeMap::new() }
+    }
+}
+
 /// The releases that agree with a topic or type of a capture.
 struct Match<'c> {
     /// The full ROS name of the definition; for a topic without a match, its name.
