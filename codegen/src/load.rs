@@ -81,7 +81,7 @@ pub fn read_package(name: &str, form: Form, inputs: &[PathBuf]) -> Result<Defini
     complete(load(&Plan::from_arguments(name, form, inputs, Path::new(""), &[]))?)
 }
 
-/// Reads definitions without those that refer to a package outside the inputs.
+/// Reads definitions. Leaves out definitions that refer to a package outside the inputs.
 fn complete(mut loaded: Loaded) -> Result<Definitions, Failure> {
     fail_on_errors(&loaded.diagnostics, &loaded.sources)?;
     let mut left_out = Vec::new();
