@@ -23,6 +23,7 @@ mod flockwave;
 mod json;
 pub(crate) mod known;
 mod log;
+mod observer;
 #[doc(hidden)]
 pub mod parallel;
 mod summary;
@@ -53,6 +54,7 @@ pub use self::json::JsonSummary;
 #[doc(hidden)]
 pub use self::json::check_json_thoroughly;
 pub use self::log::LogSummary;
+pub(crate) use self::observer::Observer;
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
@@ -86,7 +88,7 @@ struct Kind {
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
     /// Checks the readable part of a capture of this kind.
-    check: fn(Source<'_>, Option<MessageId>, &Definitions) -> CaptureResult,
+    check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
 }
 
 /// The bytes of a capture.
@@ -171,6 +173,8 @@ pub struct CaptureResult {
     /// The time from the first to the last timestamp, in µs. In a PX4 log, timestamps before the start of logging don't
     /// count.
     pub duration: u64,
+    /// The last of these timestamps; 0 if there are none.
+    pub end: u64,
     /// The number of messages.
     pub records: u64,
     /// The number of checked messages. Messages are checked if their type is known and they can be decoded.
@@ -196,6 +200,7 @@ impl CaptureResult {
             summary: Summary::Unknown(UnknownSummary { reason: reason.into() }),
             bytes: 0,
             duration: 0,
+            end: 0,
             records: 0,
             checked: 0,
             corruption: Vec::new(),
@@ -219,7 +224,18 @@ pub fn check_capture(
     message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> io::Result<CaptureResult> {
-    check_source(Source { bytes: &mut input, file: None }, message_id, definitions)
+    check_source(Source { bytes: &mut input, file: None }, message_id, CheckRun::new(definitions))
+}
+
+/// Like [`check_capture`], and also passes the records to an observer.
+#[cfg(test)]
+pub(crate) fn observe_capture<'d>(
+    mut input: impl Read,
+    definitions: &'d Definitions,
+    observer: &'d mut dyn Observer,
+) -> io::Result<CaptureResult> {
+    let run = CheckRun::new(definitions).observed(observer);
+    check_source(Source { bytes: &mut input, file: None }, None, run)
 }
 
 /// Like [`check_capture`], for a file, a folder of a bag or standard input. Fails if it can't be opened.
@@ -229,15 +245,34 @@ pub(crate) fn check_path(
     definitions: &Definitions,
     reading: Reading<'_>,
 ) -> io::Result<CaptureResult> {
+    check_path_with(path, message_id, CheckRun::new(definitions), reading)
+}
+
+/// Like [`check_path`], and also passes the records to an observer.
+pub(crate) fn observe_path<'d>(
+    path: &Path,
+    definitions: &'d Definitions,
+    observer: &'d mut dyn Observer,
+    reading: Reading<'_>,
+) -> io::Result<CaptureResult> {
+    check_path_with(path, None, CheckRun::new(definitions).observed(observer), reading)
+}
+
+fn check_path_with(
+    path: &Path,
+    message_id: Option<MessageId>,
+    run: CheckRun<'_>,
+    reading: Reading<'_>,
+) -> io::Result<CaptureResult> {
     if let Some(folder) = metadata::folder_of(path) {
-        return bag::check_folder(folder, definitions, reading);
+        return bag::check_folder(folder, run, reading);
     }
     let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
     let input = reading(input::open(path)?);
     Ok(input::decompressed(input)
         .and_then(|(mut bytes, is_plain)| {
             let file = (is_plain && path.is_file()).then_some(path);
-            check_source(Source { bytes: &mut bytes, file }, message_id, definitions)
+            check_source(Source { bytes: &mut bytes, file }, message_id, run)
         })
         .unwrap_or_else(unreadable))
 }
@@ -246,7 +281,7 @@ pub(crate) fn check_path(
 fn check_source(
     mut input: Source<'_>,
     message_id: Option<MessageId>,
-    definitions: &Definitions,
+    run: CheckRun<'_>,
 ) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
@@ -257,7 +292,7 @@ fn check_source(
         return Ok(unknown_type(&start));
     };
     let source = Source { bytes: &mut io::Cursor::new(&start).chain(input.bytes), file: input.file };
-    let result = (kind.check)(source, message_id, definitions);
+    let result = (kind.check)(source, message_id, run);
     // Other text looks like corrupt JSON until the end.
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
         && !json::starts_like_json(&start);
@@ -296,6 +331,8 @@ struct CheckRun<'d> {
     followers: Vec<Follower>,
     /// The checks of session rules.
     listeners: Listeners<'d>,
+    /// Receives the records in addition to the rules.
+    observer: Option<&'d mut dyn Observer>,
     /// The subscribers of each channel, by channel index.
     channels: Vec<Subscribers>,
     sessions: Sessions,
@@ -371,6 +408,7 @@ impl<'d> CheckRun<'d> {
             findings: Findings::default(),
             followers: followers.collect(),
             listeners: Listeners::new(definitions),
+            observer: None,
             channels: Vec::new(),
             sessions: Sessions::default(),
             records: 0,
@@ -385,6 +423,11 @@ impl<'d> CheckRun<'d> {
             record_time: None,
             logged: None,
         }
+    }
+
+    /// Passes the records to an observer as well.
+    fn observed(self, observer: &'d mut dyn Observer) -> Self {
+        Self { observer: Some(observer), ..self }
     }
 
     /// Reserves the index of a new channel.
@@ -404,6 +447,9 @@ impl<'d> CheckRun<'d> {
                 subscribers.followers.push(at);
                 subscribers.interest = subscribers.interest.max(interest);
             }
+        }
+        if let Some(observer) = &mut self.observer {
+            subscribers.interest = subscribers.interest.max(observer.opened(channel, self.definitions));
         }
         self.channels[channel.index] = subscribers;
     }
@@ -436,6 +482,11 @@ impl<'d> CheckRun<'d> {
                 checker.message(channel, message, context);
             };
             self.followers[*at].check(self.definitions, &mut self.findings, message);
+        }
+        if let Some(observer) = &mut self.observer {
+            let is_known = |time: &u64| *time > 0;
+            let time = self.record_time.filter(is_known).or(message.timestamp.filter(is_known));
+            observer.message(channel, message, time, self.definitions);
         }
         self.place(message.location, message.timestamp);
     }
@@ -480,6 +531,9 @@ impl<'d> CheckRun<'d> {
 
     /// Passes a record of a session to the rules.
     fn session_record(&mut self, record: &SessionRecord<'_>) {
+        if let Some(observer) = &mut self.observer {
+            observer.session_record(record, record.time.and_then(microseconds), self.definitions);
+        }
         let exchange = self.sessions.follow(record, self.definitions.body_schemas());
         self.record(&exchange);
     }
@@ -602,6 +656,7 @@ impl<'d> CheckRun<'d> {
             summary,
             bytes,
             duration: self.first.map_or(0, |first| self.last - first),
+            end: self.last,
             records: self.records,
             checked: self.checked,
             corruption: corruption.into_iter().map(reported).collect(),
