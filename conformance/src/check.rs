@@ -105,7 +105,7 @@ impl Read for Source<'_> {
 }
 
 /// Wraps an input before it is read, for example to show the progress.
-type Reading<'r> = &'r dyn Fn(Box<dyn Read + Send>) -> Box<dyn Read + Send>;
+pub(crate) type Reading<'r> = &'r dyn Fn(Box<dyn Read + Send>) -> Box<dyn Read + Send>;
 
 /// All kinds of captures, in the order of detection.
 static KINDS: [Kind; 6] = [log::ENCRYPTED, log::KIND, bag::MCAP, bag::SQLITE, bag::ROS1, json::KIND];

@@ -15,12 +15,13 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::load::read_definitions;
+use uavspec_codegen::load::{read_definitions, read_definitions_translated};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
+use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
-use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
+use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
@@ -81,6 +82,25 @@ impl Definitions {
     pub fn load(path: &Path) -> Result<Self, Failure> {
         let (sources, schema) = read_definitions(path)?;
         Ok(Self::new(path.to_string_lossy().into_owned(), sources, schema))
+    }
+
+    /// Like [`Self::built_in`], with the translations of the texts.
+    pub(crate) fn built_in_translated() -> (Self, Translations) {
+        let definitions = Self::built_in();
+        let mut sources = SourceMap::default();
+        let catalogues = I18N.files().filter_map(|file| {
+            sources.add(terminal::path(file.path()), file.contents().to_vec()).ok()
+        });
+        let ids: Vec<_> = catalogues.collect();
+        // `cargo xtask lint` ensures that the catalogues have no errors.
+        let (translations, _) = translation::resolve(&sources, &definitions.schema, &ids);
+        (definitions, translations)
+    }
+
+    /// Like [`Self::load`], with the translations of the texts.
+    pub(crate) fn load_translated(path: &Path) -> Result<(Self, Translations), Failure> {
+        let (sources, schema, translations) = read_definitions_translated(path)?;
+        Ok((Self::new(path.to_string_lossy().into_owned(), sources, schema), translations))
     }
 
     fn new(name: String, sources: SourceMap, mut schema: Schema) -> Self {
