@@ -228,7 +228,7 @@ pub fn check_capture(
 }
 
 /// Like [`check_capture`], and also passes the records to an observer.
-#[cfg(test)]
+#[cfg(any(fuzzing, test))]
 pub(crate) fn observe_capture<'d>(
     mut input: impl Read,
     definitions: &'d Definitions,

@@ -14,6 +14,8 @@ mod label;
 mod lane;
 mod px4;
 mod session;
+#[cfg(test)]
+mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -113,6 +115,15 @@ impl Story {
         let mut follower = Follower::new(texts);
         let result = check::observe_path(path, definitions, &mut follower, reading)?;
         Ok(follower.finish(path.to_string_lossy().into_owned(), result, definitions))
+    }
+
+    /// Like [`Self::read`], for bytes in memory.
+    #[cfg(any(fuzzing, test))]
+    pub(crate) fn of_bytes(bytes: &[u8], definitions: &Definitions, texts: Texts) -> Result<Self, String> {
+        let mut follower = Follower::new(texts);
+        let result = check::observe_capture(bytes, definitions, &mut follower);
+        let result = result.map_err(|error| error.to_string())?;
+        follower.finish("capture".to_owned(), result, definitions)
     }
 
     /// The time in UTC of a time since the start.

@@ -194,7 +194,7 @@ impl Px4 {
             }
             TopicKind::Replies => self.arming.reply(open.definition, values, context),
             TopicKind::Requests => self.arming.request(values, context),
-            TopicKind::Registrations => self.arming.registration(name, values, context),
+            TopicKind::Registrations => self.arming.registration(name, open.definition, values, context),
             TopicKind::Events => event(values, &open.subject, context),
         }
         Some(Ok(name))
@@ -221,17 +221,40 @@ impl Open {
         context: &mut Context<'_>,
     ) {
         let topic = TOPICS[self.topic].name;
-        let watched = self.watched.get_or_insert_with(|| watched(topic, fields, has_flags, values));
+        let id = self.definition;
+        let watched = self.watched.get_or_insert_with(|| {
+            let known = defined(id, values, context.definitions);
+            watched(topic, fields, has_flags, known)
+        });
         for field in watched {
             let Some(Number::Int(number)) = values.field(field.index).and_then(FieldValue::number) else {
                 continue;
             };
             match field.lane {
                 Some((lane, known)) if known == number => context.lanes.count(lane),
-                _ => field.changed(topic, &self.subject, self.definition, number, context),
+                _ => field.changed(topic, &self.subject, id, number, context),
             }
         }
     }
+}
+
+/// A field of a message that the definition contains.
+struct Defined<'v> {
+    /// The index in the message.
+    index: usize,
+    name: &'v str,
+    value: FieldValue<'v>,
+}
+
+/// The fields of a message in the order of the definition. Logs have another order.
+fn defined<'v>(id: MessageId, values: DynamicView<'v>, definitions: &Definitions) -> Vec<Defined<'v>> {
+    let fields = &definitions.schema.message(id).fields;
+    let found = fields.iter().filter_map(|field| {
+        let mut all = values.fields().enumerate();
+        let (index, (name, value)) = all.find(|(_, (name, _))| *name == field.name)?;
+        Some(Defined { index, name, value })
+    });
+    found.collect()
 }
 
 /// The fields of a message that make lanes.
@@ -239,10 +262,10 @@ fn watched(
     topic: &str,
     fields: &'static [Field],
     has_flags: bool,
-    values: DynamicView<'_>,
+    values: Vec<Defined<'_>>,
 ) -> Vec<Watched> {
     let mut found = Vec::new();
-    for (index, (name, value)) in values.fields().enumerate() {
+    for (at, Defined { index, name, value }) in values.into_iter().enumerate() {
         let known = fields.iter().position(|field| field.name == name);
         let is_flag = has_flags && matches!(value, FieldValue::Bool(_)) && !name.starts_with(REQUIREMENT);
         if known.is_none() && !is_flag {
@@ -253,7 +276,7 @@ fn watched(
             name: name.to_owned(),
             constants: known.and_then(|at| fields[at].constants.as_ref()),
             // Flags have the order of the definition.
-            rank: rank_of(topic) + known.filter(|_| !has_flags).unwrap_or(index),
+            rank: rank_of(topic) + known.filter(|_| !has_flags).unwrap_or(at),
             lane: None,
         });
     }

@@ -4,6 +4,8 @@
 //! permits this script by its hash, and nothing else. Without the script, the page shows the whole flight.
 
 mod picture;
+#[cfg(test)]
+mod tests;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use uavspec_codegen::emit::docs::markdown::plural;
@@ -21,7 +23,7 @@ const STYLE: &str = include_str!("html/story.css");
 const SCRIPT: &str = include_str!("html/story.js");
 
 /// The SHA-256 hash of the script.
-const SCRIPT_HASH: &str = "sha256-ukZZdmvKNAp25uO8SMiGO49xnTJdFZSyQQtwdy3rKLg=";
+const SCRIPT_HASH: &str = "sha256-ZeZa9x4kSKKdwCaOHxyZSGn6hna8vmizwODE7gF7fZE=";
 
 /// The language of the definitions.
 const ENGLISH: (&str, &str) = ("en", "English");
@@ -134,7 +136,7 @@ fn value(lane: &Lane, value: &Value, story: &Story) -> Markup {
         @for (at, part) in value.parts.iter().enumerate() {
             @if at > 0 { "; " }
             @if is_flag(lane) { (part.name) } @else { code { (shown(&part.name)) } }
-            @if let Some(text) = &part.label { " " (label(text, story)) }
+            @if let Some(text) = &part.label { " – " (label(text, story)) }
         }
     }
 }
@@ -180,7 +182,10 @@ fn flag_table(story: &Story) -> Markup {
                         th scope="col" { "Flag" } th.number scope="col" { "Time set" } th.number scope="col" { "Changes" }
                     } }
                     tbody { @for lane in flags(story) { tr {
-                        th scope="row" { code { (lane_name(lane)) } @if let Some(text) = &lane.label { (label(text, story)) } }
+                        th scope="row" {
+                            code { (lane_name(lane)) }
+                            @if let Some(text) = &lane.label { span.aside { (label(text, story)) } }
+                        }
                         td.number { (duration(lane.set_us())) }
                         td.number { (Grouped(lane.num_changes())) }
                     } } }

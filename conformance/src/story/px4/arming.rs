@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use uavspec_codegen::dynamic::{DynamicView, Value as FieldValue};
 use uavspec_codegen::schema::MessageId;
 
-use super::{event_part, number, rank_of};
+use super::{Defined, defined, event_part, number, rank_of};
 use crate::story::context::Context;
 use crate::story::label::{Item, Label};
 use crate::story::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
@@ -73,7 +73,7 @@ impl Arming {
             }));
         }
         // The requirements of the mode, and the problems of the health component.
-        for (name, value) in values.fields() {
+        for Defined { name, value, .. } in defined(id, values, context.definitions) {
             if matches!(value, FieldValue::Bool(true)) && name != VERDICT {
                 let label = context.texts.label(id, Item::Field(name), context.definitions);
                 parts.push(Part::new(name, label));
@@ -84,7 +84,13 @@ impl Arming {
     }
 
     /// Records a message that registers or removes a component.
-    pub(super) fn registration(&mut self, topic: &str, values: DynamicView<'_>, context: &mut Context<'_>) {
+    pub(super) fn registration(
+        &mut self,
+        topic: &str,
+        definition: MessageId,
+        values: DynamicView<'_>,
+        context: &mut Context<'_>,
+    ) {
         let lane = context.lanes.get((topic, "", topic), || Lane {
             rank: rank_of(topic),
             ..Lane::new(topic, topic, LaneKind::Event)
@@ -96,7 +102,9 @@ impl Arming {
         {
             self.names.insert(id, name.clone());
         }
-        let parts = values.fields().filter(|(name, _)| *name != "timestamp").filter_map(|(name, value)| {
+        let fields = defined(definition, values, context.definitions).into_iter();
+        let fields = fields.filter(|field| field.name != "timestamp");
+        let parts = fields.filter_map(|Defined { name, value, .. }| {
             let shown = match value {
                 FieldValue::Bool(is_set) => return is_set.then(|| Part::new(name, None)),
                 FieldValue::Int(value) => value.to_string(),

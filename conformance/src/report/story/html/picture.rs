@@ -56,11 +56,12 @@ fn section(lane: &Lane) -> (&str, Option<&str>, Option<&str>) {
 
 fn heading(lane: &Lane, story: &Story) -> Markup {
     html! {
-        div.section { span {
+        // The lane itself names its topic.
+        @if lane.name != lane.topic || lane.subject.is_some() { div.section { span {
             code { (shown(&lane.topic)) }
             @if let Some(subject) = &lane.subject { " " (shown(subject)) }
             @if let Some(group) = &lane.group { " – " (label(group, story)) }
-        } }
+        } } }
     }
 }
 
@@ -153,7 +154,8 @@ fn span(lane: &Lane, change: &Change, value: &Value, end: i64, story: &Story) ->
         _ => severity(value).to_owned(),
     };
     html! {
-        @if !(is_flag(lane) && change.value == 0) {
+        // A cleared flag and an empty list leave the track empty.
+        @if !(is_flag(lane) && change.value == 0 || value.parts.is_empty()) {
             // An inner image cuts off texts that don't fit.
             svg.span x=(percent(change.time_us, story)) width=(width(change.time_us, end, story)) height=(HEIGHT) {
                 rect.(class) y="2" width="100%" height=(HEIGHT - 4) {}
