@@ -23,7 +23,7 @@ const STYLE: &str = include_str!("html/story.css");
 const SCRIPT: &str = include_str!("html/story.js");
 
 /// The SHA-256 hash of the script.
-const SCRIPT_HASH: &str = "sha256-ZeZa9x4kSKKdwCaOHxyZSGn6hna8vmizwODE7gF7fZE=";
+const SCRIPT_HASH: &str = "sha256-NJQLFLfSyIAzWC+NOyvU/9UnsV5YO+uz7VblwJiprmY=";
 
 /// The language of the definitions.
 const ENGLISH: (&str, &str) = ("en", "English");

@@ -99,7 +99,10 @@ fn axis(story: &Story) -> Markup {
         @for at in ticks {
             g.tick {
                 line x1=(percent(at, story)) x2=(percent(at, story)) y1="0" y2=(HEIGHT) {}
-                text x=(percent(at, story)) dx="4" y="15" { (tick(at, story)) }
+                // A label at the end would be cut off.
+                @if i128::from(at) * 10 < i128::from(story.duration_us) * 9 {
+                    text x=(percent(at, story)) dx="4" y="15" { (tick(at, story)) }
+                }
             }
         }
     }

@@ -45,12 +45,30 @@
       const x = `${((at * step - origin) / duration) * 100}%`;
       const tick = element("g", { class: "tick" });
       tick.append(element("line", { x1: x, x2: x, y1: 0, y2: 22 }));
-      const label = element("text", { x, dx: 4, y: 15 });
-      label.textContent = text(at * step, step);
-      tick.append(label);
+      // A label at the end would be cut off.
+      if (((at * step - origin) / duration) * whole < whole - 60) {
+        const label = element("text", { x, dx: 4, y: 15 });
+        label.textContent = text(at * step, step);
+        tick.append(label);
+      }
       drawn.push(tick);
     }
     axis.replaceChildren(...drawn);
+  }
+
+  // Moves the names of states into the visible part.
+  const spans = Array.from(chart.querySelectorAll(".span"), (span) => [span.querySelector("text"), parseFloat(span.getAttribute("x")) / 100]);
+  const labels = spans.filter(([label]) => label);
+  function place() {
+    const whole = width();
+    for (const [label, at] of labels) label.setAttribute("x", Math.max(0, chart.scrollLeft - at * whole) + 5);
+  }
+
+  let isPending = false;
+  function draw() {
+    if (isPending) return;
+    isPending = true;
+    requestAnimationFrame(() => { isPending = false; ticks(); place(); });
   }
 
   // Zooms so that the time under `x`, in pixels from the left of the chart, stays there.
@@ -59,7 +77,7 @@
     zoom = Math.min(Math.max(zoom * factor, 1), limit);
     chart.style.setProperty("--zoom", zoom);
     chart.scrollLeft = share * width() - x + names();
-    ticks();
+    draw();
   }
 
   const pan = (share) => { chart.scrollLeft += share * (chart.clientWidth - names()); };
@@ -94,7 +112,7 @@
   for (const [id, key] of [["in", "+"], ["out", "-"], ["whole", "0"]]) {
     document.getElementById(id).addEventListener("click", ACTIONS[key]);
   }
-  chart.addEventListener("scroll", ticks);
-  addEventListener("resize", ticks);
-  ticks();
+  chart.addEventListener("scroll", draw);
+  addEventListener("resize", draw);
+  draw();
 })();
