@@ -88,9 +88,9 @@ impl Definitions {
     pub(crate) fn built_in_translated() -> (Self, Translations) {
         let definitions = Self::built_in();
         let mut sources = SourceMap::default();
-        let catalogues = I18N.files().filter_map(|file| {
-            sources.add(terminal::path(file.path()), file.contents().to_vec()).ok()
-        });
+        let catalogues = I18N
+            .files()
+            .filter_map(|file| sources.add(terminal::path(file.path()), file.contents().to_vec()).ok());
         let ids: Vec<_> = catalogues.collect();
         // `cargo xtask lint` ensures that the catalogues have no errors.
         let (translations, _) = translation::resolve(&sources, &definitions.schema, &ids);

@@ -117,7 +117,8 @@ fn story(args: &ExplainArgs) -> Result<Status, Status> {
         terminal::error(format_args!("{}: {error}", terminal::path(&args.what)), None);
         Status::Unreadable
     };
-    let story = story.map_err(|error| unreadable(&error.to_string()))?.map_err(|reason| unreadable(&reason))?;
+    let story =
+        story.map_err(|error| unreadable(&error.to_string()))?.map_err(|reason| unreadable(&reason))?;
     write(args, &story, &language)?;
     Ok(status(&story))
 }
@@ -130,7 +131,14 @@ fn status(story: &Story) -> Status {
         return Status::Incomplete;
     }
     if story.lanes.is_empty() {
-        terminal::error("nothing to explain", Some("name the definitions of the capture's topics with --definitions"));
+        let help = match story.unreadable_messages {
+            0 => "name the definitions of the capture's topics with --definitions".to_owned(),
+            count => format!(
+                "{} can't be read or violate a rule: `uavspec check` names the reasons",
+                plural(count, "message")
+            ),
+        };
+        terminal::error("nothing to explain", Some(&help));
         return Status::Nothing;
     }
     Status::Conforms

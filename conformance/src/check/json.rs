@@ -121,7 +121,10 @@ pub fn check_json_thoroughly(
     check_with(
         input,
         message_id,
-        JsonChecker { templates: Templates::disabled(), ..JsonChecker::new(message_id, CheckRun::new(definitions)) },
+        JsonChecker {
+            templates: Templates::disabled(),
+            ..JsonChecker::new(message_id, CheckRun::new(definitions))
+        },
     )
 }
 

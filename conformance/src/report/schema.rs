@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use schemars::{JsonSchema, Schema};
 use schemars::generate::SchemaSettings;
 use schemars::transform::RecursiveTransform;
+use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value, json};
 
 use super::{Action, CheckedCapture, Reason, Report, RequestType, Settings, Subject, Unreadable};

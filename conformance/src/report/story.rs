@@ -43,13 +43,16 @@ fn entries(story: &Story) -> Vec<Entry<'_>> {
         entries.extend(listed.map(|(change, value)| Entry { lane, change, value }));
     }
     // The sort is stable, so changes at the same time have the order of the lanes.
-    entries.sort_by_key(|entry| (!entry.change.is_first, if entry.change.is_first { 0 } else { entry.change.time_us }));
+    entries.sort_by_key(|entry| {
+        (!entry.change.is_first, if entry.change.is_first { 0 } else { entry.change.time_us })
+    });
     entries
 }
 
 /// The name of a lane, with its topic and its subject.
 fn lane_name(lane: &Lane) -> String {
-    let name = if lane.name == lane.topic { lane.name.clone() } else { format!("{}.{}", lane.topic, lane.name) };
+    let name =
+        if lane.name == lane.topic { lane.name.clone() } else { format!("{}.{}", lane.topic, lane.name) };
     match &lane.subject {
         Some(subject) => shown(&format!("{name} ({subject})")),
         None => shown(&name),
@@ -80,6 +83,11 @@ fn duration(micros: u64) -> String {
     clock(i64::try_from(micros).unwrap_or(i64::MAX))
 }
 
+/// The plural noun for lanes with flags.
+const fn flag_noun(story: &Story) -> &'static str {
+    if story.is_session { "error codes" } else { "flags" }
+}
+
 /// The flags that were set for some time, or that changed.
 fn flags(story: &Story) -> impl Iterator<Item = &Lane> {
     story.lanes.iter().filter(|lane| is_flag(lane) && lane.num_changes() > 0)
@@ -98,10 +106,11 @@ fn totals(story: &Story) -> (u64, u64) {
 
 /// Remarks on missing parts of the capture and the story.
 fn remarks(story: &Story) -> Vec<String> {
-    let mut remarks: Vec<String> = story.corruption.iter().map(|text| format!("not readable: {}", shown(text))).collect();
+    let mut remarks: Vec<String> =
+        story.corruption.iter().map(|text| format!("not readable: {}", shown(text))).collect();
     if story.unreadable_messages > 0 {
         let count = plural(story.unreadable_messages, "message");
-        remarks.push(format!("{count} can't be read or contain values that violate a rule"));
+        remarks.push(format!("{count} can't be read or violate a rule"));
     }
     if story.values_without_lane > 0 {
         let count = plural(story.values_without_lane, "value");

@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use uavspec_codegen::internal::gist;
 use uavspec_codegen::schema::{Message, MessageId, Schema};
-use uavspec_codegen::translation::{
-    Language, MessageKeys, MessageText, Translations, error_code_key,
-};
+use uavspec_codegen::translation::{Language, MessageKeys, MessageText, Translations, error_code_key};
 
 use crate::definitions::Definitions;
 

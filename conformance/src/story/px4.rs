@@ -258,12 +258,7 @@ fn defined<'v>(id: MessageId, values: DynamicView<'v>, definitions: &Definitions
 }
 
 /// The fields of a message that make lanes.
-fn watched(
-    topic: &str,
-    fields: &'static [Field],
-    has_flags: bool,
-    values: Vec<Defined<'_>>,
-) -> Vec<Watched> {
+fn watched(topic: &str, fields: &'static [Field], has_flags: bool, values: Vec<Defined<'_>>) -> Vec<Watched> {
     let mut found = Vec::new();
     for (at, Defined { index, name, value }) in values.into_iter().enumerate() {
         let known = fields.iter().position(|field| field.name == name);

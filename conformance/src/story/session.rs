@@ -87,7 +87,8 @@ impl Session {
         // A status without the field says nothing about errors.
         let Some(Tree::List(codes)) = state.get("errors") else { return };
         let time = context.time;
-        let uav = self.uavs.entry(id.to_owned()).or_insert_with(|| Uav { first: time, codes: BTreeMap::new() });
+        let uav =
+            self.uavs.entry(id.to_owned()).or_insert_with(|| Uav { first: time, codes: BTreeMap::new() });
         let codes: BTreeSet<u32> = codes.iter().take(MAX_CODES).filter_map(code).collect();
         for code in &codes {
             if !uav.codes.contains_key(code)

@@ -118,7 +118,9 @@ fn tells_the_replies_of_each_component_with_their_reasons() {
     let story = story(&Flight::new(&definitions).lines().to_bytes(), &definitions);
     let replies: Vec<&Lane> = story.lanes.iter().filter(|lane| lane.topic == "arming_check_reply").collect();
     let subjects: Vec<&str> = replies.iter().filter_map(|lane| lane.subject.as_deref()).collect();
-    assert!(matches!(subjects[..], [a, b] if a.starts_with("registration 3, ") && b.starts_with("registration 5, ")));
+    assert!(
+        matches!(subjects[..], [a, b] if a.starts_with("registration 3, ") && b.starts_with("registration 5, "))
+    );
     let refused = &replies[0].values[replies[0].changes[0].value];
     assert_eq!((refused.parts[0].name.as_str(), refused.severity), ("false", Severity::Warning));
     let events = refused.parts.iter().filter(|part| part.name.starts_with("event "));

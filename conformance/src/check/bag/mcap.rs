@@ -17,10 +17,7 @@ pub(in crate::check) const KIND: Kind = Kind {
 
 /// Checks the readable part of an MCAP file.
 #[cfg(test)]
-pub(crate) fn check_mcap(
-    input: impl Read,
-    definitions: &crate::definitions::Definitions,
-) -> CaptureResult {
+pub(crate) fn check_mcap(input: impl Read, definitions: &crate::definitions::Definitions) -> CaptureResult {
     check(input, CheckRun::new(definitions))
 }
 

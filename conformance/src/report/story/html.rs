@@ -11,8 +11,11 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::terminal::guarded;
 
-use super::{STATUSES, duration, entries, flags, is_flag, lane_name, num_quiet, remarks, time, totals};
+use super::{
+    STATUSES, duration, entries, flag_noun, flags, is_flag, lane_name, num_quiet, remarks, time, totals,
+};
 use crate::report::html::{page_foot, page_head};
+use crate::report::outcome::capitalized;
 use crate::story::{Label, Lane, Story, Value};
 use crate::text::{Grouped, shown};
 
@@ -60,7 +63,9 @@ pub(crate) fn to_html(story: &Story, language: &str, command: &str) -> String {
 fn styles(story: &Story) -> String {
     let mut styles = STYLE.to_owned();
     for (tag, _) in languages(story) {
-        styles += &format!("[data-language=\"{tag}\"] [data-label]:not([data-label=\"{tag}\"]) {{ display: none; }}\n");
+        styles += &format!(
+            "[data-language=\"{tag}\"] [data-label]:not([data-label=\"{tag}\"]) {{ display: none; }}\n"
+        );
     }
     styles
 }
@@ -86,8 +91,9 @@ fn head(story: &Story) -> Markup {
             @if !remarks.is_empty() { ul.remarks { @for remark in &remarks { li { (remark) } } } }
             dl.figures {
                 div { dt { "changes" @if more > 0 { ", and " (Grouped(more)) " that aren't listed" } } dd { (Grouped(listed)) } }
-                div { dt { "flags set for some time" } dd { (flags(story).count()) } }
-                div { dt { "flags never set" } dd { (num_quiet(story)) } }
+                div { dt { (flag_noun(story)) " set for some time" } dd { (flags(story).count()) } }
+                // An error code that was never set has no lane.
+                @if !story.is_session { div { dt { "flags never set" } dd { (num_quiet(story)) } } }
             }
         }
     }
@@ -176,10 +182,10 @@ fn flag_table(story: &Story) -> Markup {
     html! {
         @if flags(story).next().is_some() {
             section aria-labelledby="flags" {
-                h2 id="flags" { "Flags" }
+                h2 id="flags" { (capitalized(flag_noun(story))) }
                 table.counts {
                     thead { tr {
-                        th scope="col" { "Flag" } th.number scope="col" { "Time set" } th.number scope="col" { "Changes" }
+                        th scope="col" { "Name" } th.number scope="col" { "Time set" } th.number scope="col" { "Changes" }
                     } }
                     tbody { @for lane in flags(story) { tr {
                         th scope="row" {

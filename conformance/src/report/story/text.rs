@@ -2,7 +2,9 @@
 
 use uavspec_codegen::emit::docs::markdown::plural;
 
-use super::{Entry, STATUSES, duration, entries, flags, is_flag, lane_name, num_quiet, remarks, time, totals};
+use super::{
+    Entry, STATUSES, duration, entries, flags, is_flag, lane_name, num_quiet, remarks, time, totals,
+};
 use crate::story::{Label, Story};
 use crate::text::{shown, wrapped};
 
@@ -17,7 +19,8 @@ pub(crate) fn to_text(story: &Story, language: &str) -> String {
         text.push('\n');
     }
     for entry in &all {
-        let when = if entry.change.is_first { "at start".to_owned() } else { time(story, entry.change.time_us) };
+        let when =
+            if entry.change.is_first { "at start".to_owned() } else { time(story, entry.change.time_us) };
         line(&mut text, &when, &change(entry, language));
     }
     text += &summary(story);
@@ -37,7 +40,10 @@ fn line(text: &mut String, left: &str, right: &str) {
 
 fn change(entry: &Entry<'_>, language: &str) -> String {
     let Entry { lane, value, .. } = entry;
-    let parts = value.parts.iter().map(|part| format!("{}{}", shown(&part.name), label(part.label.as_ref(), language)));
+    let parts = value
+        .parts
+        .iter()
+        .map(|part| format!("{}{}", shown(&part.name), label(part.label.as_ref(), language)));
     let parts: Vec<String> = parts.collect();
     let value = if parts.is_empty() { "none".to_owned() } else { parts.join("; ") };
     if is_flag(lane) {
@@ -55,7 +61,11 @@ fn summary(story: &Story) -> String {
     let (listed, more) = totals(story);
     let mut sections = flags(story).peekable();
     if sections.peek().is_some() {
-        text += "\nTime for which each flag was set:\n";
+        text += if story.is_session {
+            "\nTime for which each error code was set:\n"
+        } else {
+            "\nTime for which each flag was set:\n"
+        };
     }
     for lane in sections {
         let changes = plural(lane.num_changes(), "change");
@@ -63,7 +73,10 @@ fn summary(story: &Story) -> String {
     }
     let quiet = num_quiet(story);
     if quiet > 0 {
-        text += &format!("\n{} never set.\n", if quiet == 1 { "1 flag was".to_owned() } else { format!("{quiet} flags were") });
+        text += &format!(
+            "\n{} never set.\n",
+            if quiet == 1 { "1 flag was".to_owned() } else { format!("{quiet} flags were") }
+        );
     }
     let more = if more > 0 { format!("; {more} more aren't listed") } else { String::new() };
     text += &format!("\n{}{more}.\n", plural(listed, "change"));

@@ -103,7 +103,9 @@ fn pairs(definition: MessageId, values: DynamicView<'_>, context: &Context<'_>) 
     let mut found = Vec::new();
     for (mask, (requirement, _)) in values.fields().enumerate() {
         let Some(required) = requirement.strip_prefix(REQUIREMENT) else { continue };
-        for (flag, (name, _)) in values.fields().enumerate().filter(|(_, (name, _))| belongs_to(name, required)) {
+        for (flag, (name, _)) in
+            values.fields().enumerate().filter(|(_, (name, _))| belongs_to(name, required))
+        {
             let label = context.texts.label(definition, Item::Field(name), context.definitions);
             found.push(Pair { flag, mask, name: name.to_owned(), label, is_set: false, modes: 0 });
         }

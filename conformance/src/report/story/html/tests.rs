@@ -47,7 +47,8 @@ fn hostile_text_is_escaped() {
 #[test]
 fn the_policy_permits_the_script_of_the_page() {
     let page = to_html(&hostile(), "en", "uavspec");
-    let script = page.split("<script>").nth(1).and_then(|rest| rest.split("</script>").next()).expect("a script");
+    let script =
+        page.split("<script>").nth(1).and_then(|rest| rest.split("</script>").next()).expect("a script");
     let hash = format!("'sha256-{}'", BASE64.encode(&Sha256::digest(script.as_bytes())));
     assert!(page.contains(&format!("script-src {hash};")), "the policy must contain {hash}");
     assert!(page.contains("default-src 'none';"));
@@ -70,7 +71,9 @@ fn the_page_is_valid_and_contains_all_languages() {
     assert!(page.contains("<html lang=\"en\" data-language=\"uk\">"));
     for tag in ["en", "uk"] {
         assert!(page.contains(&format!("<span data-label=\"{tag}\" lang=\"{tag}\">")), "{tag}");
-        assert!(page.contains(&format!("[data-language=\"{tag}\"] [data-label]:not([data-label=\"{tag}\"])")));
+        assert!(
+            page.contains(&format!("[data-language=\"{tag}\"] [data-label]:not([data-label=\"{tag}\"])"))
+        );
     }
 }
 
@@ -92,7 +95,9 @@ fn text_fits_into_80_columns_and_has_the_language() {
         let message = json!({ "$fw.version": "1.0", "id": "a", "body": body });
         format!("{}\n", json!({ "t": time, "conn": "tcp#1", "dir": "in", "msg": message }))
     };
-    let story = story([line(1.8e9, &[]), line(1.8e9 + 1.5, &[1, 4, 66]), line(1.8e9 + 3.0, &[1])].concat().as_bytes());
+    let story = story(
+        [line(1.8e9, &[]), line(1.8e9 + 1.5, &[1, 4, 66]), line(1.8e9 + 3.0, &[1])].concat().as_bytes(),
+    );
     let text = to_text(&story, "en");
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     assert!(text.contains("08:00:01.500  UAV-INF.1 GROUND (7) set – The UAV is on the ground\n"), "{text}");
@@ -104,7 +109,9 @@ fn text_fits_into_80_columns_and_has_the_language() {
 #[test]
 fn times_have_minutes_and_milliseconds() {
     use crate::report::story::clock;
-    for (time, text) in [(0, "00:00.000"), (61_234_567, "01:01.234"), (-1_500_000, "-00:01.500"), (-5, "00:00.000")] {
+    for (time, text) in
+        [(0, "00:00.000"), (61_234_567, "01:01.234"), (-1_500_000, "-00:01.500"), (-5, "00:00.000")]
+    {
         assert_eq!(clock(time), text);
     }
     assert_eq!(duration(6_000_000_000), "100:00.000");
