@@ -385,19 +385,20 @@ fn event(values: DynamicView<'_>, subject: &str, context: &mut Context<'_>) {
 /// Describes an event. The upper 8 bits of its id are the component, and the other bits are the event's number.
 fn event_part(values: DynamicView<'_>) -> Option<Part> {
     let id = number(values, "id")?;
-    let mut text = format!("event {id} (component {}, number {})", id >> 24, id & 0x00ff_ffff);
-    if let Some(levels) = number(values, "log_levels") {
-        text += &format!(", log levels {} and {}", levels >> 4, levels & 0xf);
-    }
-    if let Some(FieldValue::Array(arguments)) = values.get("arguments") {
-        let bytes: Vec<i128> = arguments.iter().filter_map(whole).collect();
-        let used = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
-        if used > 0 {
-            let bytes: Vec<String> = bytes[..used].iter().map(|byte| format!("{byte:02x}")).collect();
-            text += &format!(", arguments {}", bytes.join(" "));
-        }
-    }
-    Some(Part::new(text, None))
+    let levels = number(values, "log_levels");
+    let levels = levels.map(|levels| format!(", log levels {} and {}", levels >> 4, levels & 0xf));
+    let arguments = values.get("arguments").and_then(arguments);
+    let name = format!("event {id} (component {}, number {})", id >> 24, id & 0x00ff_ffff);
+    Some(Part::new(name + &levels.unwrap_or_default() + &arguments.unwrap_or_default(), None))
+}
+
+/// The raw arguments of an event without the zeros at the end. Their types aren't known.
+fn arguments(value: FieldValue<'_>) -> Option<String> {
+    let FieldValue::Array(bytes) = value else { return None };
+    let bytes: Vec<i128> = bytes.iter().filter_map(whole).collect();
+    let used = bytes.iter().rposition(|byte| *byte != 0)? + 1;
+    let bytes: Vec<String> = bytes[..used].iter().map(|byte| format!("{byte:02x}")).collect();
+    Some(format!(", arguments {}", bytes.join(" ")))
 }
 
 /// The value of an integer field.

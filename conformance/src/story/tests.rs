@@ -20,7 +20,7 @@ fn story(bytes: &[u8], definitions: &Definitions) -> Story {
 }
 
 /// A flight in which a flag is set in these rounds.
-fn flight_with_flag<'d>(definitions: &'d Definitions, is_set: impl Fn(u64) -> bool) -> Flight<'d> {
+fn flight_with_flag(definitions: &Definitions, is_set: impl Fn(u64) -> bool) -> Flight<'_> {
     let mut flight = Flight::new(definitions);
     let topic = flight.topic("FailsafeFlags").expect("a topic");
     for sent in flight.messages.iter_mut().filter(|sent| sent.topic == topic) {
@@ -280,12 +280,12 @@ fn tells_the_errors_and_modes_of_a_session() {
 
 #[test]
 fn bounds_the_memory_for_hostile_sessions() {
-    let mut text = String::new();
-    for number in 0..3_000 {
+    let lines = (0..3_000).map(|number| {
         let status = json!({ format!("uav {number}"): { "errors": [number], "mode": "x".repeat(500) } });
         let body = json!({ "type": "UAV-INF", "status": status });
-        text += &format!("{}\n", json!({ "$fw.version": "1.0", "id": "a", "body": body }));
-    }
+        json!({ "$fw.version": "1.0", "id": "a", "body": body }).to_string()
+    });
+    let text = lines.collect::<Vec<_>>().join("\n");
     let story = story(text.as_bytes(), &Definitions::built_in());
     assert!(story.lanes.len() <= 2_000, "{}", story.lanes.len());
     assert!(story.values_without_lane > 1_000, "{}", story.values_without_lane);

@@ -61,13 +61,11 @@ pub(crate) fn to_html(story: &Story, language: &str, command: &str) -> String {
 
 /// The style sheet, with a rule for each language: it hides the labels in other languages.
 fn styles(story: &Story) -> String {
-    let mut styles = STYLE.to_owned();
-    for (tag, _) in languages(story) {
-        styles += &format!(
-            "[data-language=\"{tag}\"] [data-label]:not([data-label=\"{tag}\"]) {{ display: none; }}\n"
-        );
-    }
-    styles
+    let hide = |tag: &str| {
+        format!("[data-language=\"{tag}\"] [data-label]:not([data-label=\"{tag}\"]) {{ display: none; }}\n")
+    };
+    let hidden: String = languages(story).map(|(tag, _)| hide(tag)).collect();
+    STYLE.to_owned() + &hidden
 }
 
 /// The tag and the name of each language, English first.

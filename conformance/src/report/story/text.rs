@@ -3,28 +3,21 @@
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::{
-    Entry, STATUSES, duration, entries, flags, is_flag, lane_name, num_quiet, remarks, time, totals,
+    Entry, STATUSES, duration, entries, flag_noun, flags, is_flag, lane_name, num_quiet, remarks, time,
+    totals,
 };
 use crate::story::{Label, Story};
-use crate::text::{shown, wrapped};
+use crate::text::{Grouped, shown, wrapped};
 
 /// The width of the column with times.
 const TIMES: usize = 12;
 
 /// The story as text. `language` is the tag of the labels' language.
 pub(crate) fn to_text(story: &Story, language: &str) -> String {
-    let mut text = format!("{}\n", wrapped(&head(story), 0, 2));
-    let all = entries(story);
-    if !all.is_empty() {
-        text.push('\n');
-    }
-    for entry in &all {
-        let when =
-            if entry.change.is_first { "at start".to_owned() } else { time(story, entry.change.time_us) };
-        line(&mut text, &when, &change(entry, language));
-    }
-    text += &summary(story);
-    text
+    let sections =
+        [vec![paragraph(&head(story))], changes(story, language), durations(story), summary(story)];
+    let sections = sections.iter().filter(|lines| !lines.is_empty()).map(|lines| lines.concat());
+    sections.collect::<Vec<_>>().join("\n")
 }
 
 /// The capture, its start and its duration.
@@ -34,60 +27,64 @@ fn head(story: &Story) -> String {
     format!("{path}: {} long{start}, explained by {definitions}", duration(story.duration_us))
 }
 
-fn line(text: &mut String, left: &str, right: &str) {
-    *text += &format!("{left:>width$}  {}\n", wrapped(right, TIMES + 2, TIMES + 2), width = TIMES);
+fn paragraph(text: &str) -> String {
+    wrapped(text, 0, 2) + "\n"
+}
+
+/// A line with a time.
+fn line(time: &str, text: &str) -> String {
+    format!("{time:>TIMES$}  {}\n", wrapped(text, TIMES + 2, TIMES + 2))
+}
+
+fn changes(story: &Story, language: &str) -> Vec<String> {
+    let lines = entries(story).into_iter().map(|entry| {
+        let at_start = entry.change.is_first.then(|| "at start".to_owned());
+        let when = at_start.unwrap_or_else(|| time(story, entry.change.time_us));
+        line(&when, &change(&entry, language))
+    });
+    lines.collect()
 }
 
 fn change(entry: &Entry<'_>, language: &str) -> String {
     let Entry { lane, value, .. } = entry;
-    let parts = value
-        .parts
-        .iter()
-        .map(|part| format!("{}{}", shown(&part.name), label(part.label.as_ref(), language)));
+    let label = |label: Option<&Label>| {
+        label.map(|label| format!(" – {}", shown(label.in_language(language)))).unwrap_or_default()
+    };
+    let parts = value.parts.iter().map(|part| format!("{}{}", shown(&part.name), label(part.label.as_ref())));
     let parts: Vec<String> = parts.collect();
     let value = if parts.is_empty() { "none".to_owned() } else { parts.join("; ") };
     if is_flag(lane) {
-        return format!("{} {value}{}", lane_name(lane), label(lane.label.as_ref(), language));
+        return format!("{} {value}{}", lane_name(lane), label(lane.label.as_ref()));
     }
     format!("{}: {value}", lane_name(lane))
 }
 
-fn label(label: Option<&Label>, language: &str) -> String {
-    label.map(|label| format!(" – {}", shown(label.in_language(language)))).unwrap_or_default()
+/// The time for which each flag was set.
+fn durations(story: &Story) -> Vec<String> {
+    let heading = format!("Time for which {} were set:\n", flag_noun(story));
+    let lines = flags(story).map(|lane| {
+        let changes = plural(lane.num_changes(), "change");
+        line(&duration(lane.set_us()), &format!("{}, {changes}", lane_name(lane)))
+    });
+    let lines: Vec<String> = lines.collect();
+    if lines.is_empty() { lines } else { [vec![heading], lines].concat() }
 }
 
-fn summary(story: &Story) -> String {
-    let mut text = String::new();
+fn summary(story: &Story) -> Vec<String> {
     let (listed, more) = totals(story);
-    let mut sections = flags(story).peekable();
-    if sections.peek().is_some() {
-        text += if story.is_session {
-            "\nTime for which each error code was set:\n"
-        } else {
-            "\nTime for which each flag was set:\n"
-        };
-    }
-    for lane in sections {
-        let changes = plural(lane.num_changes(), "change");
-        line(&mut text, &duration(lane.set_us()), &format!("{}, {changes}", lane_name(lane)));
-    }
-    let quiet = num_quiet(story);
-    if quiet > 0 {
-        text += &format!(
-            "\n{} never set.\n",
-            if quiet == 1 { "1 flag was".to_owned() } else { format!("{quiet} flags were") }
-        );
-    }
-    let more = if more > 0 { format!("; {more} more aren't listed") } else { String::new() };
-    text += &format!("\n{}{more}.\n", plural(listed, "change"));
+    let more = if more > 0 { format!("; {} more aren't listed", Grouped(more)) } else { String::new() };
+    let quiet = match num_quiet(story) {
+        0 => String::new(),
+        1 => " 1 flag was never set.".to_owned(),
+        count => format!(" {count} flags were never set."),
+    };
+    let mut lines = vec![format!("{}{more}.{quiet}\n", plural(listed, "change"))];
     for (status, heading) in STATUSES {
         let names: Vec<&str> = story.topics(status).collect();
         if !names.is_empty() {
-            text += &format!("{}\n", wrapped(&format!("{heading}: {}", names.join(", ")), 0, 2));
+            lines.push(paragraph(&format!("{heading}: {}", names.join(", "))));
         }
     }
-    for remark in remarks(story) {
-        text += &format!("{}\n", wrapped(&remark, 0, 2));
-    }
-    text
+    lines.extend(remarks(story).iter().map(|remark| paragraph(remark)));
+    lines
 }
