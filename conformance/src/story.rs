@@ -248,9 +248,11 @@ impl Follower {
     }
 }
 
-/// True if a name in a capture denotes a topic: `/fmu/out/vehicle_status`, or the type `px4/VehicleStatus`.
+/// True if a name in a capture denotes a topic: `/fmu/out/vehicle_status_v1`, or the type `px4/VehicleStatus`.
 fn is_same_topic(name: &str, topic: &str) -> bool {
     let last = name.rsplit('/').next().unwrap_or(name);
+    let is_version = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let last = last.rsplit_once("_v").filter(|(_, end)| is_version(end)).map_or(last, |(start, _)| start);
     let letters = |text: &str| text.replace('_', "").to_lowercase();
     letters(last) == letters(topic)
 }

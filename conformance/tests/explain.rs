@@ -77,6 +77,7 @@ fn reports_wrong_usage_and_unreadable_captures() {
     for (name, text) in [
         ("cut.jsonl", &whole[..whole.len() - 20]),
         ("other.jsonl", "{\"type\": \"px4/Glider\", \"message\": {\"timestamp\": 7}}\n"),
+        ("status.jsonl", "{\"type\": \"px4/VehicleStatus\", \"message\": {\"timestamp\": 7}}\n"),
         ("notes.txt", "These are notes."),
     ] {
         fs::write(folder.path().join(name), text).expect("a file");
@@ -91,7 +92,8 @@ fn reports_wrong_usage_and_unreadable_captures() {
         (&["flight.jsonl", "--definitions", "absent"], 2, "absent"),
         (&["flight.jsonl"], 5, "help: 2 messages can't be read"),
         (&["cut.jsonl", "--definitions", "msg"], 6, "incomplete: 1 part of the capture can't be read"),
-        (&["other.jsonl"], 5, "nothing to explain"),
+        (&["other.jsonl"], 5, "help: the capture contains no topics of the story"),
+        (&["status.jsonl", "--definitions", "msg"], 5, "help: name the definitions of vehicle_status with"),
     ] {
         let (status, _, errors) = explain(folder.path(), arguments);
         assert_eq!(status, Some(expected), "{arguments:?}: {errors}");

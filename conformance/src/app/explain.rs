@@ -15,7 +15,7 @@ use super::{Format, Status};
 use crate::definitions::Definitions;
 use crate::model::Extent;
 use crate::report::story::{to_html, to_json, to_text};
-use crate::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts};
+use crate::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
 use crate::text::terminal;
 
 /// The path that means standard input.
@@ -67,8 +67,8 @@ fn after_long_help() -> String {
   uavspec explain session.jsonl --language uk
   uavspec explain flight.mcap --format json
 
-Limits: each lane lists at most {MAX_CHANGES} changes, and the story at most
-{MAX_ALL_CHANGES}. Further changes are counted, and the durations include them.
+Limits: each lane lists at most {MAX_CHANGES} changes, and the story at
+most {MAX_ALL_CHANGES}. Further changes are counted, and the durations include them.
 
 Exit status:
   0  success
@@ -131,12 +131,14 @@ fn status(story: &Story) -> Status {
         return Status::Incomplete;
     }
     if story.lanes.is_empty() {
-        let help = match story.unreadable_messages {
-            0 => "name the definitions of the capture's topics with --definitions".to_owned(),
-            count => format!(
+        let undefined: Vec<&str> = story.topics(TopicStatus::Undefined).collect();
+        let help = match (undefined.as_slice(), story.unreadable_messages) {
+            ([], 0) => "the capture contains no topics of the story".to_owned(),
+            ([], count) => format!(
                 "{} can't be read or violate a rule: `uavspec check` names the reasons",
                 plural(count, "message")
             ),
+            _ => format!("name the definitions of {} with --definitions", undefined.join(", ")),
         };
         terminal::error("nothing to explain", Some(&help));
         return Status::Nothing;

@@ -13,9 +13,9 @@ const MAX_LANES: usize = 2_000;
 pub(crate) const MAX_CHANGES: usize = 500;
 
 /// The maximum number of changes that all lanes contain. Further changes are only counted.
-pub(crate) const MAX_ALL_CHANGES: usize = 20_000;
+pub(crate) const MAX_ALL_CHANGES: usize = 10_000;
 
-/// The maximum number of distinct values in a lane, except for the value that stands for all others.
+/// The maximum number of distinct values in a lane, without the value that represents all others.
 const MAX_VALUES: usize = 500;
 
 /// The maximum length of a name, in characters.
@@ -169,7 +169,7 @@ impl Lane {
         self.changes.iter().filter(|change| !self.is_quiet(change))
     }
 
-    /// The number of changes in `listed`, and of those that aren't stored.
+    /// The number of listed changes, plus the number of changes that aren't stored.
     pub(crate) fn num_changes(&self) -> u64 {
         self.listed().count() as u64 + self.more_changes
     }
@@ -264,6 +264,10 @@ impl Lanes {
     /// Records an event.
     pub(super) fn event(&mut self, lane: usize, time: u64, value: Value) {
         self.count(lane);
+        if self.all[lane].changes.len() >= MAX_CHANGES {
+            self.all[lane].more_changes += 1;
+            return;
+        }
         let value = self.all[lane].value(value);
         self.push(lane, time, value, false);
     }

@@ -115,8 +115,8 @@ fn topic_of(channel: &Channel<'_>, definitions: &Definitions) -> Option<usize> {
 #[derive(Default)]
 pub(super) struct Px4 {
     channels: Vec<Option<Open>>,
-    /// The channels of each topic without an instance, in order of appearance.
-    carriers: Vec<(usize, usize)>,
+    /// The number of channels of each topic that aren't instances.
+    carriers: [usize; TOPICS.len()],
     requirements: Requirements,
     arming: arming::Arming,
 }
@@ -163,13 +163,10 @@ impl Px4 {
         if let Some(instance) = channel.multi_id {
             return if instance == 0 { String::new() } else { format!("instance {instance}") };
         }
-        if !self.carriers.contains(&(topic, channel.index)) {
-            self.carriers.push((topic, channel.index));
-        }
-        let mut same = self.carriers.iter().filter(|(known, _)| *known == topic);
-        match same.position(|(_, index)| *index == channel.index) {
-            None | Some(0) => String::new(),
-            Some(at) => format!("channel {}", at + 1),
+        self.carriers[topic] += 1;
+        match self.carriers[topic] {
+            1 => String::new(),
+            number => format!("channel {number}"),
         }
     }
 
@@ -312,7 +309,7 @@ impl Watched {
     }
 }
 
-/// The constant that a value of a field stands for.
+/// The constant for a value of a field.
 fn constant(
     id: MessageId,
     field: &str,
@@ -382,9 +379,10 @@ fn event(values: DynamicView<'_>, subject: &str, context: &mut Context<'_>) {
     context.lanes.event(lane, context.time, Value::new(vec![part], severity));
 }
 
-/// Describes an event. The upper 8 bits of its id are the component, and the other bits are the event's number.
+/// Describes an event. The upper 8 bits of its id are the component, and the other bits are the event's number. The id 0
+/// means no event.
 fn event_part(values: DynamicView<'_>) -> Option<Part> {
-    let id = number(values, "id")?;
+    let id = number(values, "id").filter(|id| *id != 0)?;
     let levels = number(values, "log_levels");
     let levels = levels.map(|levels| format!(", log levels {} and {}", levels >> 4, levels & 0xf));
     let arguments = values.get("arguments").and_then(arguments);

@@ -84,7 +84,7 @@ impl Session {
         if let Some(mode) = state.get("mode").and_then(Tree::as_str) {
             set((UAV, id, "mode"), 2, value("FlightMode", mode, context.definitions), context);
         }
-        // A status without the field says nothing about errors.
+        // Without the field, the errors are unknown.
         let Some(Tree::List(codes)) = state.get("errors") else { return };
         let time = context.time;
         let uav =

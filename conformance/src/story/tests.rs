@@ -269,7 +269,7 @@ fn tells_the_errors_and_modes_of_a_session() {
     assert_eq!(texts_of(&changes(ground)), [(1_000_000, "set"), (2_000_000, "cleared")]);
     assert!(ground.changes[0].is_first);
     assert_eq!(of("7", "40000").label, None, "the code is unknown");
-    // A status without codes says nothing about them.
+    // Without the field, the errors are unknown.
     assert_eq!(texts_of(&changes(of("8", "66 LOWBAT"))), [(1_000_000, "set")]);
     assert_eq!(of("8", "66 LOWBAT").set_us(), 4_000_000);
     let modes = of("8", "mode");
@@ -291,6 +291,24 @@ fn bounds_the_memory_for_hostile_sessions() {
     assert!(story.values_without_lane > 1_000, "{}", story.values_without_lane);
     let longest = story.lanes.iter().flat_map(|lane| &lane.values).flat_map(|value| &value.parts);
     assert!(longest.map(|part| part.name.len()).max().is_some_and(|length| length < 200));
+}
+
+#[test]
+fn an_event_without_an_id_is_no_event() {
+    let event =
+        json!({ "timestamp": 9, "id": 0, "event_sequence": 3, "arguments": vec![0; 25], "log_levels": 0 });
+    let story = story(&lines(&[("px4/Event", event)]), &Definitions::built_in());
+    assert_eq!(lane(&story, "event", "event").num_changes(), 0);
+}
+
+#[test]
+fn recognizes_the_names_of_topics_in_captures() {
+    for name in ["vehicle_status", "/fmu/out/vehicle_status", "/a/vehicle_status_v12", "px4/VehicleStatus"] {
+        assert!(is_same_topic(name, "vehicle_status"), "{name}");
+    }
+    for name in ["vehicle_status_vx", "vehicle", "/vehicle_status/x", ""] {
+        assert!(!is_same_topic(name, "vehicle_status"), "{name}");
+    }
 }
 
 #[test]
