@@ -9,6 +9,10 @@
 
 #![no_std]
 
+extern crate alloc;
+
+pub mod releases;
+
 pub use include_dir::{Dir, File};
 
 use include_dir::include_dir;

@@ -107,6 +107,7 @@ mod path;
 mod pattern;
 mod prose;
 mod read;
+pub mod release;
 pub mod render;
 pub mod report;
 mod resolve;

@@ -13,6 +13,7 @@ mod files;
 mod lint;
 mod located;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 pub(crate) use self::config::{Config, Inputs, Plan};
@@ -20,12 +21,12 @@ pub(crate) use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,
 };
 pub(crate) use self::lint::PresetName;
-use crate::diagnostic::{Diagnostic, has_errors};
+use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::failure::Failure;
 use crate::msg::Dialect;
 use crate::render;
 use crate::schema::{Form, Schema};
-use crate::source::SourceMap;
+use crate::source::{SourceId, SourceMap};
 use crate::translation::{self, Translations};
 
 /// Reads definitions from a configuration file, a folder that contains one, or a file or folder of PX4 messages.
@@ -44,6 +45,41 @@ pub fn read_definitions_translated(
     let (loaded, schema, translations, diagnostics) = read_translated(&plan_at(path.as_ref())?)?;
     fail_on_errors(&diagnostics, &loaded.sources)?;
     Ok((loaded.sources, schema, translations))
+}
+
+/// Reads the definitions in files and folders. ROS packages in separate folders remain separate packages. Definitions
+/// that refer to a package outside the inputs are left out; also returns their paths.
+///
+/// Fails if the definitions contain other errors; ignores warnings.
+pub fn read_complete(name: &str, form: Form, inputs: &[PathBuf]) -> Result<(Schema, Vec<String>), Failure> {
+    let mut loaded = load(&Plan::from_arguments(name, form, inputs, Path::new(""), &[]))?;
+    fail_on_errors(&loaded.diagnostics, &loaded.sources)?;
+    let mut left_out = Vec::new();
+    loop {
+        let (schema, diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
+        let is_incomplete = |diagnostic: &&Diagnostic| {
+            matches!(diagnostic.problem, Problem::UnknownPackage { .. } | Problem::UnknownType { .. })
+        };
+        let incomplete: BTreeSet<SourceId> = diagnostics
+            .iter()
+            .filter(is_incomplete)
+            .map(|diagnostic| loaded.sources.source_of(diagnostic.span))
+            .collect();
+        // The definitions that were left out are unknown types of the remaining ones.
+        if incomplete.is_empty() || left_out.is_empty() && !refers_to_package(&diagnostics) {
+            fail_on_errors(&diagnostics, &loaded.sources)?;
+            return Ok((schema, left_out));
+        }
+        left_out.extend(incomplete.iter().map(|id| loaded.sources.path(*id).to_owned()));
+        for package in &mut loaded.packages {
+            package.sources.retain(|id| !incomplete.contains(id));
+        }
+    }
+}
+
+/// True if a definition refers to a package outside the inputs.
+fn refers_to_package(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|diagnostic| matches!(diagnostic.problem, Problem::UnknownPackage { .. }))
 }
 
 /// The files that [`read_definitions`] and [`read_definitions_translated`] read from this path, including the

@@ -14,6 +14,7 @@ const LAYERS: &[&[&str]] = &[
     &["load", "rewrite"],
     &["emit"],
     &["report"],
+    &["release"],
     &["breaking", "dynamic", "format", "lint"],
     &["example", "translation"],
     &["read", "render"],

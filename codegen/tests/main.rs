@@ -19,6 +19,7 @@ mod names;
 mod oracle;
 mod origin;
 mod properties;
+mod releases;
 mod support;
 mod type_pages;
 mod vectors;

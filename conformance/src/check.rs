@@ -26,6 +26,7 @@ mod log;
 mod observer;
 #[doc(hidden)]
 pub mod parallel;
+mod release;
 mod summary;
 mod topic;
 
@@ -33,6 +34,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Serialize;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
@@ -55,12 +57,14 @@ pub use self::json::JsonSummary;
 pub use self::json::check_json_thoroughly;
 pub use self::log::LogSummary;
 pub(crate) use self::observer::Observer;
+use self::release::Ahead;
+pub use self::release::{OtherRelease, ReleaseMatch};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
 use crate::capture::input;
 use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
-use crate::definitions::Definitions;
+use crate::definitions::{Clues, Definitions, Library};
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
 use crate::json::Tree;
@@ -87,6 +91,8 @@ struct Kind {
     name: &'static str,
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
+    /// Finds the facts that show the release of a capture. Reads as much of the capture as necessary.
+    clues: fn(&mut Source<'_>) -> Clues,
     /// Checks the readable part of a capture of this kind.
     check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
 }
@@ -150,6 +156,16 @@ impl Describe for UnknownSummary {
 }
 
 impl Summary {
+    /// The releases that the capture was compared with.
+    pub(crate) fn releases(&self) -> &[ReleaseMatch] {
+        match self {
+            Self::Log(summary) => &summary.releases,
+            Self::Mcap(summary) => &summary.releases,
+            Self::Bag(summary) => &summary.releases,
+            Self::Json(_) | Self::Flockwave(_) | Self::Unknown(_) => &[],
+        }
+    }
+
     /// The parts of the summary that human-readable reports print.
     pub(crate) fn describe(&self) -> &dyn Describe {
         match self {
@@ -224,64 +240,101 @@ pub fn check_capture(
     message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> io::Result<CaptureResult> {
-    check_source(Source { bytes: &mut input, file: None }, message_id, CheckRun::new(definitions))
+    let source = Source { bytes: &mut input, file: None };
+    let check =
+        &mut |kind: &Kind, source: Source<'_>| (kind.check)(source, message_id, CheckRun::new(definitions));
+    check_source(source, message_id, check)
 }
 
 /// Like [`check_capture`], and also passes the records to an observer.
 #[cfg(any(fuzzing, test))]
-pub(crate) fn observe_capture<'d>(
+pub(crate) fn observe_capture(
     mut input: impl Read,
-    definitions: &'d Definitions,
-    observer: &'d mut dyn Observer,
+    definitions: &Definitions,
+    observer: &mut dyn Observer,
 ) -> io::Result<CaptureResult> {
-    let run = CheckRun::new(definitions).observed(observer);
-    check_source(Source { bytes: &mut input, file: None }, None, run)
+    let source = Source { bytes: &mut input, file: None };
+    let check = &mut |kind: &Kind, source: Source<'_>| {
+        (kind.check)(source, None, CheckRun::new(definitions).observed(observer))
+    };
+    check_source(source, None, check)
 }
 
-/// Like [`check_capture`], for a file, a folder of a bag or standard input. Fails if it can't be opened.
+/// The result of checking a capture, with the definitions against which it was checked.
+pub(crate) struct Checked {
+    pub(crate) result: CaptureResult,
+    pub(crate) definitions: Arc<Definitions>,
+}
+
+/// Like [`check_capture`], for a file, a folder of a bag or standard input. The library chooses the definitions. Fails if
+/// the path can't be opened.
 pub(crate) fn check_path(
     path: &Path,
     message_id: Option<MessageId>,
-    definitions: &Definitions,
+    library: &Library,
     reading: Reading<'_>,
-) -> io::Result<CaptureResult> {
-    check_path_with(path, message_id, CheckRun::new(definitions), reading)
+) -> io::Result<Checked> {
+    check_path_with(path, message_id, library, None, reading)
 }
 
 /// Like [`check_path`], and also passes the records to an observer.
-pub(crate) fn observe_path<'d>(
+pub(crate) fn observe_path(
     path: &Path,
-    definitions: &'d Definitions,
-    observer: &'d mut dyn Observer,
+    library: &Library,
+    observer: &mut dyn Observer,
     reading: Reading<'_>,
-) -> io::Result<CaptureResult> {
-    check_path_with(path, None, CheckRun::new(definitions).observed(observer), reading)
+) -> io::Result<Checked> {
+    check_path_with(path, None, library, Some(observer), reading)
 }
 
 fn check_path_with(
     path: &Path,
     message_id: Option<MessageId>,
-    run: CheckRun<'_>,
+    library: &Library,
+    mut observer: Option<&mut dyn Observer>,
     reading: Reading<'_>,
-) -> io::Result<CaptureResult> {
+) -> io::Result<Checked> {
     if let Some(folder) = metadata::folder_of(path) {
-        return bag::check_folder(folder, run, reading);
+        let definitions = library.choose(&bag::folder_clues(folder));
+        let run = CheckRun::new(&definitions);
+        let run = match observer {
+            Some(observer) => run.observed(observer),
+            None => run,
+        };
+        let result = bag::check_folder(folder, run, reading)?;
+        return Ok(Checked { result, definitions });
     }
     let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
     let input = reading(input::open(path)?);
-    Ok(input::decompressed(input)
+    let mut definitions = Arc::clone(library.base());
+    let result = input::decompressed(input)
         .and_then(|(mut bytes, is_plain)| {
             let file = (is_plain && path.is_file()).then_some(path);
-            check_source(Source { bytes: &mut bytes, file }, message_id, run)
+            check_source(Source { bytes: &mut bytes, file }, message_id, &mut |kind, source| {
+                let mut start = Vec::new();
+                if library.depends_on_capture() {
+                    let mut ahead = Ahead::new(source.bytes);
+                    definitions = library.choose(&(kind.clues)(&mut Source { bytes: &mut ahead, file }));
+                    start = ahead.bytes;
+                }
+                let whole = &mut io::Cursor::new(start).chain(source.bytes);
+                let run = CheckRun::new(&definitions);
+                let run = match &mut observer {
+                    Some(observer) => run.observed(*observer),
+                    None => run,
+                };
+                (kind.check)(Source { bytes: whole, file }, message_id, run)
+            })
         })
-        .unwrap_or_else(unreadable))
+        .unwrap_or_else(unreadable);
+    Ok(Checked { result, definitions })
 }
 
-/// Checks the readable part of a capture.
+/// Checks the readable part of a capture with `check`, which receives the kind and the whole capture.
 fn check_source(
     mut input: Source<'_>,
     message_id: Option<MessageId>,
-    run: CheckRun<'_>,
+    check: &mut dyn FnMut(&Kind, Source<'_>) -> CaptureResult,
 ) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
@@ -292,7 +345,7 @@ fn check_source(
         return Ok(unknown_type(&start));
     };
     let source = Source { bytes: &mut io::Cursor::new(&start).chain(input.bytes), file: input.file };
-    let result = (kind.check)(source, message_id, run);
+    let result = check(kind, source);
     // Other text looks like corrupt JSON until the end.
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
         && !json::starts_like_json(&start);

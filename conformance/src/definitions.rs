@@ -9,20 +9,29 @@
 //! assert_eq!(definitions.schema.message(id.unwrap()).topics, ["failsafe_flags"]);
 //! ```
 
+mod choice;
+mod index;
+mod library;
+
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::load::{read_definitions, read_definitions_translated};
+use uavspec_codegen::load::read_definitions;
 use uavspec_codegen::msg::{Dialect, Kind};
+use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
 use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
+pub(crate) use self::choice::{Clues, TypeClue};
+pub use self::index::Family;
+
+pub use self::library::Library;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
 
@@ -35,9 +44,26 @@ pub struct Definitions {
     /// The schema.
     pub schema: Schema,
     by_topic: HashMap<String, MessageId>,
+    /// The messages of other releases that replace messages of the main release.
+    replaced: HashMap<MessageId, MessageId>,
+    /// The main releases.
+    releases: Vec<LoadedRelease>,
+    /// The releases of packages, by package name.
+    origins: HashMap<String, LoadedRelease>,
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
-    schemas: Schemas,
+    schemas: Arc<Schemas>,
+}
+
+/// A release that definitions were read from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct LoadedRelease {
+    /// The family.
+    pub(crate) family: Family,
+    /// The name on the command line, such as `px4@1.16`.
+    pub(crate) label: String,
+    /// The name in text.
+    pub(crate) title: String,
 }
 
 /// A line of a definition, displayed as `file:number`.
@@ -97,12 +123,6 @@ impl Definitions {
         (definitions, translations)
     }
 
-    /// Like [`Self::load`], with the translations of the texts.
-    pub(crate) fn load_translated(path: &Path) -> Result<(Self, Translations), Failure> {
-        let (sources, schema, translations) = read_definitions_translated(path)?;
-        Ok((Self::new(path.to_string_lossy().into_owned(), sources, schema), translations))
-    }
-
     fn new(name: String, sources: SourceMap, mut schema: Schema) -> Self {
         schema.add_service_events();
         let mut by_topic = HashMap::new();
@@ -111,13 +131,58 @@ impl Definitions {
                 by_topic.entry(topic.clone()).or_insert(*id);
             }
         }
-        let (types, defined_schemas) = (OnceLock::new(), OnceLock::new());
-        Self { name, sources, schema, by_topic, types, defined_schemas, schemas: Schemas::default() }
+        Self {
+            name,
+            sources,
+            schema,
+            by_topic,
+            replaced: HashMap::new(),
+            releases: Vec::new(),
+            origins: HashMap::new(),
+            types: OnceLock::new(),
+            defined_schemas: OnceLock::new(),
+            schemas: Arc::default(),
+        }
+    }
+
+    /// Lets the messages of some packages replace the messages with the same ROS names.
+    fn with_replacements(mut self, packages: &[String]) -> Self {
+        let mut originals: HashMap<String, MessageId> = HashMap::new();
+        let mut replacements = Vec::new();
+        for package in &self.schema.packages {
+            let is_replacement = packages.contains(&package.name);
+            for id in &package.messages {
+                let name = ros_name(&self.schema, self.schema.message(*id));
+                if is_replacement {
+                    replacements.push((name, *id));
+                } else {
+                    originals.insert(name, *id);
+                }
+            }
+        }
+        let replaced = replacements.into_iter().filter_map(|(name, id)| Some((*originals.get(&name)?, id)));
+        self.replaced = replaced.collect();
+        self
+    }
+
+    /// The main releases of these definitions. Empty if they aren't the definitions of a release.
+    pub(crate) fn releases(&self) -> &[LoadedRelease] {
+        &self.releases
+    }
+
+    /// The release of a message.
+    pub(crate) fn release_of(&self, id: MessageId) -> Option<&LoadedRelease> {
+        self.origins.get(&self.schema.package_of(self.schema.message(id)).name)
+    }
+
+    /// The message that replaces a message, or the message itself.
+    fn current(&self, id: MessageId) -> MessageId {
+        self.replaced.get(&id).copied().unwrap_or(id)
     }
 
     /// Adds body schemas for Flockwave message types without a definition.
     #[must_use]
-    pub fn with_schemas(self, schemas: Schemas) -> Self {
+    pub fn with_schemas(self, schemas: Arc<Schemas>) -> Self {
         Self { schemas, ..self }
     }
 
@@ -128,7 +193,7 @@ impl Definitions {
             let is_version = !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit());
             self.by_topic.get(name).filter(|_| is_version)
         };
-        self.by_topic.get(topic).or_else(unversioned).copied()
+        self.by_topic.get(topic).or_else(unversioned).map(|id| self.current(*id))
     }
 
     /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`. Parts and events
@@ -151,7 +216,7 @@ impl Definitions {
             .filter(|known| is_in_package(known))
             .flat_map(|known| &known.messages)
             .find(|id| self.schema.message(**id).name == name)
-            .copied()
+            .map(|id| self.current(*id))
     }
 
     /// The type hashes that a capture may state for a message. Captures state the hash of the service for an event of

@@ -29,8 +29,11 @@ use self::lane::Lanes;
 pub(crate) use self::lane::{Change, Lane, LaneKind, MAX_ALL_CHANGES, MAX_CHANGES, Severity, Value};
 use self::px4::{Px4, TOPICS};
 use self::session::{Session, TYPES};
-use crate::check::{self, CaptureResult, Clock, Observer, Part as CheckedPart, PartResult, Reading, Summary};
-use crate::definitions::Definitions;
+use crate::check::{
+    self, CaptureResult, Checked, Clock, Observer, Part as CheckedPart, PartResult, Reading, ReleaseMatch,
+    Summary,
+};
+use crate::definitions::{Definitions, Library};
 use crate::flockwave::record::SessionRecord;
 use crate::model::{Channel, Extent, Message};
 use crate::rules::px4::Interest;
@@ -48,8 +51,10 @@ pub(crate) struct Story {
     pub uavspec: String,
     /// The path of the capture.
     pub capture: String,
-    /// The path of the definitions, or the name of the built-in definitions.
+    /// The path of the definitions, the release, or the name of the built-in definitions.
     pub definitions: String,
+    /// The releases that the capture agrees with.
+    pub releases: Vec<ReleaseMatch>,
     /// The time of the start in UTC, if the capture states it.
     pub start_utc: Option<String>,
     /// The time from the start to the last message, in µs.
@@ -108,13 +113,13 @@ impl Story {
     /// Fails if the capture can't be opened.
     pub(crate) fn read(
         path: &Path,
-        definitions: &Definitions,
+        library: &Library,
         texts: Texts,
         reading: Reading<'_>,
     ) -> io::Result<Result<Self, String>> {
         let mut follower = Follower::new(texts);
-        let result = check::observe_path(path, definitions, &mut follower, reading)?;
-        Ok(follower.finish(path.to_string_lossy().into_owned(), result, definitions))
+        let Checked { result, definitions } = check::observe_path(path, library, &mut follower, reading)?;
+        Ok(follower.finish(path.to_string_lossy().into_owned(), result, &definitions))
     }
 
     /// Like [`Self::read`], for bytes in memory.
@@ -202,8 +207,8 @@ impl Follower {
         result: CaptureResult,
         definitions: &Definitions,
     ) -> Result<Story, String> {
-        if let Summary::Unknown(unknown) = result.summary {
-            return Err(unknown.reason);
+        if let Summary::Unknown(unknown) = &result.summary {
+            return Err(unknown.reason.clone());
         }
         self.px4.finish(&mut self.lanes);
         let is_session = matches!(result.summary, Summary::Flockwave(_));
@@ -216,6 +221,7 @@ impl Follower {
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
             capture,
             definitions: definitions.name.clone(),
+            releases: result.summary.releases().to_vec(),
             start_utc: result.clock.utc(start),
             duration_us: end.saturating_sub(start),
             extent: result.extent,

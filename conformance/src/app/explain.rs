@@ -7,12 +7,13 @@ use std::str::FromStr;
 
 use clap::Args;
 use uavspec_codegen::emit::docs::markdown::plural;
+use uavspec_codegen::load::read_definitions_translated;
+use uavspec_codegen::translation::Translations;
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::{print, write_file};
 use super::{Format, Status};
-use crate::definitions::Definitions;
 use crate::model::Extent;
 use crate::report::story::{to_html, to_json, to_text};
 use crate::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
@@ -38,9 +39,10 @@ pub(super) struct ExplainArgs {
     /// A folder with a `metadata.yaml` is a bag. The path `-` means standard input.
     #[arg(value_name = "CAPTURE")]
     what: PathBuf,
-    /// Definitions to use (default: the built-in definitions).
+    /// Definitions to use (default: the release that the capture agrees with).
     ///
-    /// A `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder with such files.
+    /// A release such as px4@1.16, a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder with
+    /// such files.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Language of the labels, such as uk (default: en).
@@ -107,11 +109,12 @@ pub(super) fn explain(args: &ExplainArgs) -> Status {
 
 /// Prints the story of a capture. Errors are printed.
 fn story(args: &ExplainArgs) -> Result<Status, Status> {
-    let (definitions, texts) = definitions(args.definitions.as_deref())?;
+    let library = super::library(args.definitions.as_deref(), &[])?;
+    let texts = texts(args.definitions.as_deref())?;
     let language = language(args.language.as_deref(), &texts.languages())?;
     check_outputs(args)?;
     let progress = Progress::bytes(std::fs::metadata(&args.what).map_or(0, |metadata| metadata.len()));
-    let story = Story::read(&args.what, &definitions, texts, &|input| progress.reading(input));
+    let story = Story::read(&args.what, &library, texts, &|input| progress.reading(input));
     drop(progress);
     let unreadable = |error: &str| {
         terminal::error(format_args!("{}: {error}", terminal::path(&args.what)), None);
@@ -172,14 +175,12 @@ fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
     outputs::check(&inputs, &outputs)
 }
 
-/// Loads the definitions with their texts. Errors are printed.
-fn definitions(path: Option<&Path>) -> Result<(Definitions, Texts), Status> {
-    let Some(path) = path else {
-        let (definitions, translations) = Definitions::built_in_translated();
-        return Ok((definitions, Texts::built_in(translations)));
-    };
-    match Definitions::load_translated(path) {
-        Ok((definitions, translations)) => Ok((definitions, Texts::of(translations))),
+/// The texts of the definitions at a path, or of the built-in definitions. Errors are printed.
+fn texts(path: Option<&Path>) -> Result<Texts, Status> {
+    // A release has no translations.
+    let Some(path) = path.filter(|path| path.exists()) else { return Ok(Texts::of(Translations::default())) };
+    match read_definitions_translated(path) {
+        Ok((_, _, translations)) => Ok(Texts::of(translations)),
         Err(failure) => {
             terminal::eprintln!("{failure}");
             Err(Status::Usage)

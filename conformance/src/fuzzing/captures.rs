@@ -126,7 +126,7 @@ fn capture(data: &[u8]) {
 
 /// Renders the story of a capture in each format. The text must not contain control characters, except line ends.
 fn story(data: &[u8]) {
-    let texts = Texts::built_in(Translations::default());
+    let texts = Texts::of(Translations::default());
     let Ok(story) = Story::of_bytes(data, &DEFINITIONS, texts) else { return };
     let rendered = [to_text(&story, "en"), to_html(&story, "en", "uavspec")];
     for text in rendered.iter().map(String::as_str).chain(to_json(&story).as_deref().ok()) {

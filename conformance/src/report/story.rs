@@ -11,6 +11,7 @@ pub(crate) use self::html::to_html;
 pub(crate) use self::text::to_text;
 use uavspec_codegen::emit::docs::markdown::plural;
 
+use crate::check::ReleaseMatch;
 use crate::story::{Change, Lane, LaneKind, Story, TopicStatus, Value};
 use crate::text::shown;
 
@@ -108,6 +109,7 @@ fn totals(story: &Story) -> (u64, u64) {
 fn remarks(story: &Story) -> Vec<String> {
     let mut remarks: Vec<String> =
         story.corruption.iter().map(|text| format!("not readable: {}", shown(text))).collect();
+    remarks.extend(story.releases.iter().filter_map(ReleaseMatch::problem));
     if story.unreadable_messages > 0 {
         let count = plural(story.unreadable_messages, "message");
         remarks.push(format!("{count} can't be read or violate a rule"));

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use uavspec_codegen::internal::gist;
-use uavspec_codegen::schema::{Message, MessageId, Schema};
+use uavspec_codegen::schema::{ErrorTable, Message, MessageId, Schema};
 use uavspec_codegen::translation::{Language, MessageKeys, MessageText, Translations, error_code_key};
 
 use crate::definitions::Definitions;
@@ -26,7 +26,7 @@ pub(crate) struct Label {
 /// item with the same name is used.
 pub(crate) struct Texts {
     translations: Translations,
-    built_in: Option<(Definitions, Translations)>,
+    built_in: (Definitions, Translations),
 }
 
 /// An item of a message that has a label.
@@ -54,14 +54,15 @@ impl Label {
 }
 
 impl Texts {
-    /// The texts of the built-in definitions.
-    pub(crate) const fn built_in(translations: Translations) -> Self {
-        Self { translations, built_in: None }
+    /// The texts of definitions with these translations.
+    pub(crate) fn of(translations: Translations) -> Self {
+        Self { translations, built_in: Definitions::built_in_translated() }
     }
 
-    /// The texts of other definitions.
-    pub(crate) fn of(translations: Translations) -> Self {
-        Self { translations, built_in: Some(Definitions::built_in_translated()) }
+    /// The definitions of error codes, modes and connections. Definitions without them, such as PX4 definitions, use the
+    /// built-in ones.
+    pub(super) fn of_session<'t>(&'t self, definitions: &'t Definitions) -> &'t Definitions {
+        if definitions.schema.json_types.is_empty() { &self.built_in.0 } else { definitions }
     }
 
     /// The languages other than English, each with its tag and its name.
@@ -71,41 +72,39 @@ impl Texts {
     }
 
     fn all_languages(&self) -> impl Iterator<Item = &Language> {
-        let built_in = self.built_in.iter().flat_map(|(_, translations)| &translations.languages);
-        built_in.chain(&self.translations.languages)
+        self.built_in.1.languages.iter().chain(&self.translations.languages)
     }
 
     /// The label of an item, if it has a text.
     pub(super) fn label(&self, id: MessageId, item: Item<'_>, definitions: &Definitions) -> Option<Label> {
         let message = definitions.schema.message(id);
         let own = Found::of(&definitions.schema, message, item);
-        let built_in = self.built_in.as_ref().and_then(|(definitions, translations)| {
-            let id = definitions.message_of_topic(message.topics.first()?)?;
-            let found = Found::of(&definitions.schema, definitions.schema.message(id), item)?;
-            Some((found, translations))
-        });
-        let text = own.as_ref().or(built_in.as_ref().map(|(found, _)| found))?.text.clone();
+        let (definitions, translations) = &self.built_in;
+        let same = message.topics.first().and_then(|topic| definitions.message_of_topic(topic));
+        let built_in =
+            same.and_then(|id| Found::of(&definitions.schema, definitions.schema.message(id), item));
+        let text = own.as_ref().or(built_in.as_ref())?.text.clone();
         let mut translated = BTreeMap::new();
-        if let Some((found, translations)) = &built_in {
-            found.translate(translations, &mut translated);
-        }
-        if let Some(found) = &own {
-            found.translate(&self.translations, &mut translated);
+        for (found, translations) in [(&built_in, translations), (&own, &self.translations)] {
+            if let Some(found) = found {
+                found.translate(translations, &mut translated);
+            }
         }
         Some(Label { text, translations: translated })
     }
 
     /// The label of an error code, if it is defined.
     pub(super) fn error_code(&self, code: u32, definitions: &Definitions) -> Option<Label> {
-        let package = definitions.schema.packages.iter().find(|package| {
-            package.error_tables.iter().any(|table| table.codes.iter().any(|known| known.code == code))
-        })?;
+        let has_code = |table: &ErrorTable| table.codes.iter().any(|known| known.code == code);
+        let mut packages = definitions.schema.packages.iter();
+        let package = packages.find(|package| package.error_tables.iter().any(has_code))?;
         let mut codes = package.error_tables.iter().flat_map(|table| &table.codes);
         let text = short(&codes.find(|known| known.code == code)?.description);
-        let key = error_code_key(package, code);
+        let found = Found { text, key: error_code_key(package, code) };
         let mut translations = BTreeMap::new();
-        Found { text: text.clone(), key }.translate(&self.translations, &mut translations);
-        Some(Label { text, translations })
+        found.translate(&self.built_in.1, &mut translations);
+        found.translate(&self.translations, &mut translations);
+        Some(Label { text: found.text, translations })
     }
 }
 

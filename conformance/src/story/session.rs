@@ -69,7 +69,7 @@ impl Session {
             if ty == UAV {
                 self.uav(id, state, context);
             } else if let Some(status) = state.get("status").and_then(Tree::as_str) {
-                let value = value("ConnectionStatus", status, context.definitions);
+                let value = value("ConnectionStatus", status, context.texts.of_session(context.definitions));
                 set((ty, id, "status"), 1, value, context);
             }
         }
@@ -82,7 +82,8 @@ impl Session {
             return;
         }
         if let Some(mode) = state.get("mode").and_then(Tree::as_str) {
-            set((UAV, id, "mode"), 2, value("FlightMode", mode, context.definitions), context);
+            let value = value("FlightMode", mode, context.texts.of_session(context.definitions));
+            set((UAV, id, "mode"), 2, value, context);
         }
         // Without the field, the errors are unknown.
         let Some(Tree::List(codes)) = state.get("errors") else { return };
@@ -110,6 +111,7 @@ impl Session {
 /// The lane of a UAV's error code.
 fn error_lane(id: &str, code: u32, context: &mut Context<'_>) -> Option<usize> {
     let Context { definitions, texts, .. } = *context;
+    let definitions = texts.of_session(definitions);
     let tables = definitions.schema.packages.iter().flat_map(|package| &package.error_tables);
     let known = tables.flat_map(|table| &table.codes).find(|known| known.code == code);
     let name = match known.and_then(|known| known.abbreviation.as_deref()) {

@@ -12,7 +12,7 @@ const REQUIRED: &str = "mode_req_attitude";
 const FLAG: &str = "attitude_invalid";
 
 fn texts() -> Texts {
-    Texts::built_in(Definitions::built_in_translated().1)
+    Texts::of(Translations::default())
 }
 
 fn story(bytes: &[u8], definitions: &Definitions) -> Story {

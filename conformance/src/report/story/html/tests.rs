@@ -3,6 +3,7 @@
 use data_encoding::BASE64;
 use serde_json::json;
 use sha2::{Digest as _, Sha256};
+use uavspec_codegen::translation::Translations;
 
 use super::*;
 use crate::definitions::Definitions;
@@ -12,8 +13,8 @@ use crate::story::Texts;
 const HOSTILE: &str = "</script><script>alert(1)</script>\u{1b}[31m\u{202e}\n::error::x";
 
 fn story(bytes: &[u8]) -> Story {
-    let (definitions, translations) = Definitions::built_in_translated();
-    Story::of_bytes(bytes, &definitions, Texts::built_in(translations)).expect("a readable capture")
+    let (definitions, translations) = (Definitions::built_in(), Translations::default());
+    Story::of_bytes(bytes, &definitions, Texts::of(translations)).expect("a readable capture")
 }
 
 /// A session with hostile text in each place that a story shows.
