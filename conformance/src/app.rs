@@ -18,6 +18,7 @@
 
 mod access;
 mod check;
+mod explain;
 mod interrupt;
 mod known;
 mod outcome;
@@ -94,6 +95,10 @@ struct Cli {
 enum Command {
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
+    /// Explain a flight: failsafe flags, modes, arming checks and errors over time.
+    ///
+    /// The story lists the changes in a capture that explain what the vehicle did. All labels come from the definitions.
+    Explain(explain::ExplainArgs),
     /// Test a codec or validator in any language.
     ///
     /// The implementation under test is called a testee. It reads one JSON request per line and writes one JSON
@@ -199,6 +204,7 @@ impl From<&Outcome> for Status {
 pub fn main() -> ExitCode {
     let status = match terminal::parse::<Cli>().command {
         Command::Check(args) => check::check(&args),
+        Command::Explain(args) => explain::explain(&args),
         Command::Test(args) => test::test(&args),
         Command::Testee(command) => testee::testee(&command),
         Command::Probe(args) => probe::run(&args),

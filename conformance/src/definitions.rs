@@ -24,8 +24,9 @@ use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
+use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
-use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
+use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
 pub(crate) use self::choice::{Clues, TypeClue};
 pub use self::index::Family;
@@ -115,6 +116,19 @@ impl Definitions {
         let load::Definitions { sources, schema, left_out } = read_definitions_as(path, dialect)?;
         let loaded = Self::new(path.to_string_lossy().into_owned(), sources, schema);
         Ok(Self { left_out, ..loaded })
+    }
+
+    /// Like [`Self::built_in`], with the translations of the texts.
+    pub(crate) fn built_in_translated() -> (Self, Translations) {
+        let definitions = Self::built_in();
+        let mut sources = SourceMap::default();
+        let catalogues = I18N
+            .files()
+            .filter_map(|file| sources.add(terminal::path(file.path()), file.contents().to_vec()).ok());
+        let ids: Vec<_> = catalogues.collect();
+        // `cargo xtask lint` ensures that the catalogues have no errors.
+        let (translations, _) = translation::resolve(&sources, &definitions.schema, &ids);
+        (definitions, translations)
     }
 
     fn new(name: String, sources: SourceMap, mut schema: Schema) -> Self {

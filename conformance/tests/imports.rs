@@ -12,7 +12,7 @@ const LAYERS: &[&[&str]] = &[
     &["app", "fuzzing"],
     &["report"],
     &["matrix"],
-    &["probe", "serve", "testee", "watch"],
+    &["probe", "serve", "story", "testee", "watch"],
     &["check"],
     &["rules"],
     &["definitions"],
