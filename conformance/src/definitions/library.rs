@@ -170,7 +170,7 @@ impl Library {
         let (family, label) = (index.family(release), index.label(release));
         let text = index.release(release).text();
         let text = match names {
-            Some(names) => selected(&text, names),
+            Some(names) => release::select(&text, names),
             None => text,
         };
         match family {
@@ -215,30 +215,6 @@ fn px4_package(
 /// The lines of a definition without annotations.
 fn declarations(text: &str) -> String {
     text.lines().map(|line| line.split(" # ").next().unwrap_or(line)).collect::<Vec<_>>().join("\n")
-}
-
-/// The named definitions of a release, with the definitions that they contain.
-fn selected(text: &str, names: &BTreeSet<&str>) -> String {
-    let name_of = |entry: &Entry<'_>| format!("{}/{}/{}", entry.package, entry.kind.name(), entry.name);
-    let all: HashMap<String, Entry<'_>> = entries(text).map(|entry| (name_of(&entry), entry)).collect();
-    let mut open: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-    let mut found: BTreeMap<String, &Entry<'_>> = BTreeMap::new();
-    while let Some(name) = open.pop() {
-        let Some(entry) = all.get(&name) else { continue };
-        if found.insert(name, entry).is_some() {
-            continue;
-        }
-        for line in entry.text.lines() {
-            let ty = line.split([' ', '[']).next().unwrap_or_default();
-            let (package, name) = ty.split_once('/').unwrap_or((entry.package, ty));
-            open.push(format!("{package}/msg/{name}"));
-        }
-    }
-    let sections = found.values().map(|entry| {
-        let word = entry.kind.name().to_uppercase();
-        format!("{}\n{word}: {}\n{}", "=".repeat(80), name_of(entry), entry.text)
-    });
-    sections.collect()
 }
 
 #[cfg(test)]
