@@ -18,6 +18,7 @@
 
 mod access;
 mod check;
+mod explain;
 mod interrupt;
 mod known;
 mod outcome;
@@ -93,6 +94,11 @@ struct Cli {
 enum Command {
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
+    /// Explain an error code, a message, a field, a value, a hash or a rule.
+    ///
+    /// The answer names the meaning, the unit, the valid values and the alternatives, the releases of PX4 or ROS 2 that
+    /// contain the item, and the changes in each release.
+    Explain(explain::ExplainArgs),
     /// Test a codec or validator in any language.
     ///
     /// The implementation under test is called a testee. It reads one JSON request per line and writes one JSON
@@ -198,6 +204,7 @@ impl From<&Outcome> for Status {
 pub fn main() -> ExitCode {
     let status = match terminal::parse::<Cli>().command {
         Command::Check(args) => check::check(&args),
+        Command::Explain(args) => explain::explain(&args),
         Command::Test(args) => test::test(&args),
         Command::Testee(command) => testee::testee(&command),
         Command::Probe(args) => probe::run(&args),

@@ -29,7 +29,7 @@ use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
 pub(crate) use self::choice::{Choice, Clues, TypeClue};
 pub use self::index::Family;
-pub(crate) use self::index::{Index, ReleaseId};
+pub(crate) use self::index::{Index, ReleaseId, Row};
 pub use self::library::Library;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::release::{self, Entry, entries};
+use uavspec_codegen::release::{self, entries};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::PX4;
@@ -102,6 +102,12 @@ impl Library {
     /// The fingerprints of all releases.
     pub(crate) fn index(&self) -> &Index {
         self.index.get_or_init(Index::built_in)
+    }
+
+    /// True if the fingerprints of the releases were read.
+    #[cfg(test)]
+    pub(crate) fn has_read_releases(&self) -> bool {
+        self.index.get().is_some()
     }
 
     /// Chooses the definitions for a capture.
