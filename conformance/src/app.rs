@@ -40,7 +40,7 @@ use std::sync::Arc;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
-use crate::definitions::Definitions;
+use crate::definitions::{Definitions, Library};
 use crate::flockwave::body_schema::Schemas;
 #[cfg(test)]
 use crate::report::Report;
@@ -254,12 +254,25 @@ fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
     })
 }
 
+/// Loads definitions from a path or of a release, or the built-in definitions, and adds JSON Schemas for Flockwave types
+/// without a definition. Errors are printed.
+fn library(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Library, Status> {
+    let library = path.map_or_else(|| Ok(Library::built_in()), Library::load).map_err(|failure| {
+        terminal::eprintln!("{failure}");
+        Status::Usage
+    })?;
+    Ok(library.with_schemas(Arc::new(load_schemas(schemas)?)))
+}
+
 /// Loads definitions, and adds JSON Schemas for Flockwave types without a definition. Errors are printed.
 fn definitions_with(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Definitions, Status> {
     let definitions = definitions(path)?;
-    let schemas = Schemas::load(schemas).map_err(|error| {
+    Ok(definitions.with_schemas(Arc::new(load_schemas(schemas)?)))
+}
+
+fn load_schemas(folders: &[PathBuf]) -> Result<Schemas, Status> {
+    Schemas::load(folders).map_err(|error| {
         terminal::error(error, None);
         Status::Usage
-    })?;
-    Ok(definitions.with_schemas(Arc::new(schemas)))
+    })
 }

@@ -25,6 +25,7 @@ pub(crate) mod known;
 mod log;
 #[doc(hidden)]
 pub mod parallel;
+mod release;
 mod summary;
 mod topic;
 
@@ -32,6 +33,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Serialize;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
@@ -53,12 +55,14 @@ pub use self::json::JsonSummary;
 #[doc(hidden)]
 pub use self::json::check_json_thoroughly;
 pub use self::log::LogSummary;
+use self::release::Ahead;
+pub use self::release::{OtherRelease, ReleaseMatch};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
 use crate::capture::input;
 use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
-use crate::definitions::Definitions;
+use crate::definitions::{Clues, Definitions, Library};
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
 use crate::json::Tree;
@@ -85,6 +89,8 @@ struct Kind {
     name: &'static str,
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
+    /// Finds the facts that show the release of a capture. Reads as much of the capture as necessary.
+    clues: fn(&mut Source<'_>) -> Clues,
     /// Checks the readable part of a capture of this kind.
     check: fn(Source<'_>, Option<MessageId>, &Definitions) -> CaptureResult,
 }
@@ -148,6 +154,16 @@ impl Describe for UnknownSummary {
 }
 
 impl Summary {
+    /// The releases that the capture was compared with.
+    pub(crate) fn releases(&self) -> &[ReleaseMatch] {
+        match self {
+            Self::Log(summary) => &summary.releases,
+            Self::Mcap(summary) => &summary.releases,
+            Self::Bag(summary) => &summary.releases,
+            Self::Json(_) | Self::Flockwave(_) | Self::Unknown(_) => &[],
+        }
+    }
+
     /// The parts of the summary that human-readable reports print.
     pub(crate) fn describe(&self) -> &dyn Describe {
         match self {
@@ -219,34 +235,58 @@ pub fn check_capture(
     message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> io::Result<CaptureResult> {
-    check_source(Source { bytes: &mut input, file: None }, message_id, definitions)
+    let source = Source { bytes: &mut input, file: None };
+    check_source(source, message_id, &mut |kind, source| (kind.check)(source, message_id, definitions))
 }
 
-/// Like [`check_capture`], for a file, a folder of a bag or standard input. Fails if it can't be opened.
+/// The result of checking a capture, with the definitions against which it was checked.
+pub(crate) struct Checked {
+    pub(crate) result: CaptureResult,
+    pub(crate) definitions: Arc<Definitions>,
+}
+
+/// Like [`check_capture`], for a file, a folder of a bag or standard input. The library chooses the definitions. Fails if
+/// the path can't be opened.
 pub(crate) fn check_path(
     path: &Path,
     message_id: Option<MessageId>,
-    definitions: &Definitions,
+    library: &Library,
     reading: Reading<'_>,
-) -> io::Result<CaptureResult> {
+) -> io::Result<Checked> {
     if let Some(folder) = metadata::folder_of(path) {
-        return bag::check_folder(folder, definitions, reading);
+        let clues = if library.depends_on_capture() { bag::folder_clues(folder) } else { Clues::default() };
+        let definitions = library.choose(&clues);
+        let result = bag::check_folder(folder, &definitions, reading)?;
+        return Ok(Checked { result, definitions });
     }
     let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
     let input = reading(input::open(path)?);
-    Ok(input::decompressed(input)
+    let mut definitions = None;
+    let result = input::decompressed(input)
         .and_then(|(mut bytes, is_plain)| {
             let file = (is_plain && path.is_file()).then_some(path);
-            check_source(Source { bytes: &mut bytes, file }, message_id, definitions)
+            check_source(Source { bytes: &mut bytes, file }, message_id, &mut |kind, source| {
+                if !library.depends_on_capture() {
+                    return (kind.check)(source, message_id, library.base());
+                }
+                let mut ahead = Ahead::new(source.bytes);
+                let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file });
+                let chosen = definitions.insert(library.choose(&clues));
+                let start = ahead.bytes;
+                let whole = &mut io::Cursor::new(start).chain(source.bytes);
+                (kind.check)(Source { bytes: whole, file }, message_id, chosen)
+            })
         })
-        .unwrap_or_else(unreadable))
+        .unwrap_or_else(unreadable);
+    let definitions = definitions.unwrap_or_else(|| Arc::clone(library.base()));
+    Ok(Checked { result, definitions })
 }
 
-/// Checks the readable part of a capture.
+/// Checks the readable part of a capture with `check`, which receives the kind and the whole capture.
 fn check_source(
     mut input: Source<'_>,
     message_id: Option<MessageId>,
-    definitions: &Definitions,
+    check: &mut dyn FnMut(&Kind, Source<'_>) -> CaptureResult,
 ) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
@@ -257,7 +297,7 @@ fn check_source(
         return Ok(unknown_type(&start));
     };
     let source = Source { bytes: &mut io::Cursor::new(&start).chain(input.bytes), file: input.file };
-    let result = (kind.check)(source, message_id, definitions);
+    let result = check(kind, source);
     // Other text looks like corrupt JSON until the end.
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
         && !json::starts_like_json(&start);

@@ -27,9 +27,9 @@ use uavspec_codegen::source::Span;
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
 
-pub(crate) use self::choice::{Choice, Clues, TypeClue};
+pub(crate) use self::choice::{Clues, TypeClue};
 pub use self::index::Family;
-pub(crate) use self::index::{Index, ReleaseId, Row};
+pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
@@ -45,9 +45,24 @@ pub struct Definitions {
     by_topic: HashMap<String, MessageId>,
     /// The messages of other releases that replace messages of the main release.
     replaced: HashMap<MessageId, MessageId>,
+    /// The main releases.
+    releases: Vec<LoadedRelease>,
+    /// The releases of packages, by package name.
+    origins: HashMap<String, LoadedRelease>,
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
     schemas: Arc<Schemas>,
+}
+
+/// A release that definitions were read from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct LoadedRelease {
+    /// The family.
+    pub(crate) family: Family,
+    /// The name on the command line, such as `px4@1.16`.
+    pub(crate) label: String,
+    /// The name in text.
+    pub(crate) title: String,
 }
 
 /// A line of a definition, displayed as `file:number`.
@@ -71,20 +86,20 @@ impl Definitions {
     /// The built-in definitions.
     pub fn built_in() -> Self {
         let mut sources = SourceMap::default();
-        let mut package = |name: &str, form, folder: &Dir<'_>| {
-            let mut files: Vec<_> = folder.files().collect();
-            files.sort_by_key(|file| file.path());
-            let ids = files.into_iter().filter_map(|file| {
-                let path = format!("definitions/{name}/{}", terminal::path(file.path()));
-                sources.add(path, file.contents().to_vec()).ok()
-            });
-            PackageInput::new(name, form, ids.collect())
-        };
-        let packages =
-            [package("px4", Form::Msg(Dialect::Px4), &PX4), package("flockwave", Form::Table, &FLOCKWAVE)];
+        let px4 = Self::built_in_px4(&mut sources);
+        let flockwave = embedded("flockwave", Form::Table, &FLOCKWAVE, &mut sources);
         // Tests ensure that the built-in definitions have no errors.
-        let (schema, _) = read(&sources, &packages);
-        Self::new(format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION")), sources, schema)
+        let (schema, _) = read(&sources, &[px4, flockwave]);
+        Self::new(Self::built_in_name(), sources, schema)
+    }
+
+    fn built_in_name() -> String {
+        format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION"))
+    }
+
+    /// The package of the built-in PX4 messages.
+    fn built_in_px4(sources: &mut SourceMap) -> PackageInput {
+        embedded("px4", Form::Msg(Dialect::Px4), &PX4, sources)
     }
 
     /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder
@@ -108,6 +123,8 @@ impl Definitions {
             schema,
             by_topic,
             replaced: HashMap::new(),
+            releases: Vec::new(),
+            origins: HashMap::new(),
             types: OnceLock::new(),
             defined_schemas: OnceLock::new(),
             schemas: Arc::default(),
@@ -132,6 +149,16 @@ impl Definitions {
         let replaced = replacements.into_iter().filter_map(|(name, id)| Some((*originals.get(&name)?, id)));
         self.replaced = replaced.collect();
         self
+    }
+
+    /// The main releases of these definitions. Empty if they aren't the definitions of a release.
+    pub(crate) fn releases(&self) -> &[LoadedRelease] {
+        &self.releases
+    }
+
+    /// The release of a message.
+    pub(crate) fn release_of(&self, id: MessageId) -> Option<&LoadedRelease> {
+        self.origins.get(&self.schema.package_of(self.schema.message(id)).name)
     }
 
     /// The message that replaces a message, or the message itself.
@@ -218,6 +245,17 @@ impl Definitions {
         let text = self.sources.text(id).lines().nth(number - 1).unwrap_or_default();
         Line { file: self.sources.path(id), number, text }
     }
+}
+
+/// A package whose files are embedded in the program.
+fn embedded(name: &str, form: Form, folder: &Dir<'_>, sources: &mut SourceMap) -> PackageInput {
+    let mut files: Vec<_> = folder.files().collect();
+    files.sort_by_key(|file| file.path());
+    let ids = files.into_iter().filter_map(|file| {
+        let path = format!("definitions/{name}/{}", terminal::path(file.path()));
+        sources.add(path, file.contents().to_vec()).ok()
+    });
+    PackageInput::new(name, form, ids.collect())
 }
 
 #[cfg(test)]

@@ -254,7 +254,7 @@ fn describe_all(
 }
 
 /// The ROS type hash of a message.
-pub(crate) fn type_hash(schema: &Schema, id: MessageId) -> String {
+pub fn type_hash(schema: &Schema, id: MessageId) -> String {
     let message = schema.message(id);
     Description {
         type_name: ros_name(schema, message),

@@ -5,7 +5,7 @@ use std::fs;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
 use clap::Args;
@@ -20,8 +20,8 @@ use super::required::{RequireArgs, uncovered};
 use super::{Status, outcome_statuses, print_unknown};
 use crate::capture::input::{self, Files};
 use crate::check::known::Scope;
-use crate::check::{self, parallel};
-use crate::definitions::Definitions;
+use crate::check::{self, Checked, parallel};
+use crate::definitions::{Definitions, Library};
 use crate::model::{Reason, Rule};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
 use crate::text::terminal;
@@ -141,7 +141,7 @@ pub(super) fn report(args: &CheckArgs) -> (Report, Status) {
 
 /// The results of a run, without the subjects.
 struct Finished {
-    definitions: Definitions,
+    definitions: String,
     required: Vec<&'static Rule>,
     unreadable: Vec<Unreadable>,
     not_checked: Vec<Unreadable>,
@@ -162,9 +162,9 @@ impl Finished {
 
 /// Checks all files. Passes each capture to `take` as soon as the captures before it are checked.
 fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Status> {
-    let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
+    let library = super::library(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
-    let message_id = message_id(args, &definitions)?;
+    let message_id = message_id(args, &library)?;
     let files = find_files(&args.files)?;
     check_outputs(args, &files)?;
     let mut known = args.known.read()?;
@@ -173,7 +173,7 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
     let kept = Mutex::default();
     let check = |path: &Path, progress: &Progress| {
         let kept = kept.lock().map_or(None, |mut kept: MutexGuard<'_, Kept>| kept.remove(path));
-        kept.unwrap_or_else(|| check_file(path, message_id, &definitions, progress))
+        kept.unwrap_or_else(|| check_file(path, message_id, &library, progress))
     };
     let updated = if known.is_fixing() {
         let mut sums = known.lists.sums(Scope::Rules);
@@ -182,7 +182,7 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
         }
         check_all(&files, args.jobs, &check, |path, result, _| {
             match &result {
-                Ok(found) => count_capture(&known.lists, &mut sums, found),
+                Ok((found, _)) => count_capture(&known.lists, &mut sums, found),
                 Err(_) => count_unread(&known.lists, &mut sums, &path.to_string_lossy()),
             }
             // Standard input and pipes can't be read again.
@@ -201,7 +201,7 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
         count_unread(&known.lists, &mut sums, &file.path);
     }
     check_all(&files, args.jobs, &check, |path, result, progress| match result {
-        Ok(mut found) => {
+        Ok((mut found, definitions)) => {
             count_capture(&known.lists, &mut sums, &found);
             known.excuse(&mut found);
             let subject = Subject::from_capture(found, &definitions, &settings);
@@ -216,18 +216,28 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
     });
     let status = updated.map_or_else(|status| status, |()| known.finish(&sums));
     let not_checked = files.skipped.iter().map(|(path, reason)| unreadable_file(path, reason)).collect();
-    Ok(Finished { definitions, required, unreadable, not_checked, stale: known.stale, status })
+    Ok(Finished {
+        definitions: library.name().to_owned(),
+        required,
+        unreadable,
+        not_checked,
+        stale: known.stale,
+        status,
+    })
 }
 
 /// The results of captures that can't be read again, by path.
-type Kept = BTreeMap<PathBuf, io::Result<CheckedCapture>>;
+type Kept = BTreeMap<PathBuf, CheckedFile>;
+
+/// A checked capture, with the definitions against which it was checked. An error means that it can't be opened.
+type CheckedFile = io::Result<(CheckedCapture, Arc<Definitions>)>;
 
 /// Checks all captures in parallel, and passes the results to `take` in order.
 fn check_all(
     files: &Files,
     jobs: Option<NonZeroUsize>,
-    check: &(impl Fn(&Path, &Progress) -> io::Result<CheckedCapture> + Sync),
-    mut take: impl FnMut(&Path, io::Result<CheckedCapture>, &Progress),
+    check: &(impl Fn(&Path, &Progress) -> CheckedFile + Sync),
+    mut take: impl FnMut(&Path, CheckedFile, &Progress),
 ) {
     let sizes = files.captures.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));
     let progress = Progress::bytes(sizes.sum());
@@ -253,8 +263,9 @@ fn check_outputs(args: &CheckArgs, files: &Files) -> Result<(), Status> {
 }
 
 /// The type of all JSON messages, if it is given. Errors are printed.
-fn message_id(args: &CheckArgs, definitions: &Definitions) -> Result<Option<MessageId>, Status> {
+fn message_id(args: &CheckArgs, library: &Library) -> Result<Option<MessageId>, Status> {
     let Some(name) = &args.message_type else { return Ok(None) };
+    let definitions = library.base();
     definitions.message_of_type(name).map(Some).ok_or_else(|| {
         let messages = definitions.schema.packages.iter().flat_map(|package| {
             let named =
@@ -317,17 +328,19 @@ fn settings(args: &CheckArgs) -> Settings {
 fn check_file(
     path: &Path,
     message_id: Option<MessageId>,
-    definitions: &Definitions,
+    library: &Library,
     progress: &Progress,
-) -> io::Result<CheckedCapture> {
+) -> CheckedFile {
     let started = Instant::now();
-    let result = check::check_path(path, message_id, definitions, &|input| progress.reading(input))?;
-    Ok(CheckedCapture {
+    let Checked { result, definitions } =
+        check::check_path(path, message_id, library, &|input| progress.reading(input))?;
+    let capture = CheckedCapture {
         path: path.to_string_lossy().into_owned(),
         result,
         notes: Vec::new(),
         requests: Vec::new(),
         cut_short: Vec::new(),
         elapsed: started.elapsed().as_millis(),
-    })
+    };
+    Ok((capture, definitions))
 }

@@ -18,7 +18,7 @@ use super::summary::names;
 use super::topic::{definition_of, topic_of};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
 use crate::capture::json::{Event, Reader};
-use crate::definitions::Definitions;
+use crate::definitions::{Clues, Definitions};
 use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Channel, Extent, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
@@ -37,6 +37,7 @@ const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(start),
+    clues: |_| Clues::default(),
     check: |input, message_id, definitions| check_json(input, message_id, definitions),
 };
 

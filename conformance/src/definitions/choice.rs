@@ -12,7 +12,7 @@ pub(crate) struct Clues {
     /// The types in a bag, by full ROS name.
     pub(crate) types: BTreeMap<String, TypeClue>,
     /// The firmware's version, as two numbers.
-    pub(crate) version: Option<(u64, u64)>,
+    pub(crate) version: Option<(u8, u8)>,
 }
 
 /// The facts about a type in a bag.
@@ -34,6 +34,13 @@ pub(crate) struct Choice {
     pub(crate) known: usize,
     /// The types of other releases that the capture agrees with, by full ROS name.
     pub(crate) others: BTreeMap<String, ReleaseId>,
+}
+
+impl Choice {
+    /// A release that was chosen without looking at a capture.
+    pub(crate) fn without_clues(release: ReleaseId) -> Self {
+        Self { release, matching: 0, known: 0, others: BTreeMap::new() }
+    }
 }
 
 /// The releases that agree with a topic or type of a capture.
@@ -96,7 +103,10 @@ impl Index {
             }
             let agrees = |row: &&Row| match (&clue.type_hash, clue.size, row.cdr_size) {
                 (Some(hash), ..) => *hash == row.type_hash,
-                (None, Some(size), Some(expected)) => size == expected,
+                // Some writers pad payloads to a multiple of four bytes.
+                (None, Some(size), Some(expected)) => {
+                    size == expected || size == expected.next_multiple_of(4)
+                }
                 _ => true,
             };
             let equal: Vec<_> = rows.into_iter().filter(agrees).collect();
@@ -108,7 +118,7 @@ impl Index {
     }
 
     /// True if the release has this version.
-    fn has_version(&self, release: ReleaseId, version: Option<(u64, u64)>) -> bool {
+    fn has_version(&self, release: ReleaseId, version: Option<(u8, u8)>) -> bool {
         let Some((major, minor)) = version else { return false };
         self.release(release).name == format!("{major}.{minor}")
     }

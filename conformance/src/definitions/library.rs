@@ -12,7 +12,7 @@ use uavspec_definitions::PX4;
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, Schemas};
+use super::{Definitions, LoadedRelease, Schemas};
 
 /// The maximum number of releases, with different messages of other releases, that stay in memory.
 const MAX_STORED: usize = 16;
@@ -20,17 +20,22 @@ const MAX_STORED: usize = 16;
 /// The ROS package of PX4's messages.
 const PX4_ROS_PACKAGE: &str = "px4_msgs";
 
+/// Documented messages by name: their declarations without comments, and their files.
+type Documented = HashMap<String, (String, &'static str)>;
+
 /// The definitions for a run.
 #[derive(Debug)]
 pub struct Library {
-    /// The definitions for captures that don't show their release.
-    base: Arc<Definitions>,
+    name: String,
+    /// The definitions for captures that don't show their release, read when they are needed.
+    base: OnceLock<Arc<Definitions>>,
     /// True if all captures are checked against the same definitions.
     is_fixed: bool,
     /// The releases that the user demands, by family.
     forced: BTreeMap<Family, ReleaseId>,
     schemas: Arc<Schemas>,
     index: OnceLock<Index>,
+    documented: OnceLock<Documented>,
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
 }
 
@@ -41,12 +46,15 @@ struct Key(Vec<(ReleaseId, BTreeMap<String, ReleaseId>)>);
 impl Library {
     /// The built-in definitions. The release is chosen for each capture.
     pub fn built_in() -> Self {
-        Self::new(Definitions::built_in(), false)
+        Self::new(Definitions::built_in_name(), false)
     }
 
     /// Definitions that apply to all captures.
     pub fn fixed(definitions: Definitions) -> Self {
-        Self::new(definitions, true)
+        let library = Self::new(definitions.name.clone(), true);
+        // The library is new, so the definitions aren't set yet.
+        let _ = library.base.set(Arc::new(definitions));
+        library
     }
 
     /// Definitions from a path, or a release such as `px4@1.16`.
@@ -60,21 +68,20 @@ impl Library {
             return Err(Failure::new(format!("unknown release `{label}`"))
                 .with_hint(format!("the releases are {}", known.join(", "))));
         };
-        let family = index.family(release);
-        library.forced.insert(family, release);
-        let choice = Choice { release, matching: 0, known: 0, others: BTreeMap::new() };
-        let definitions = library.read(&[choice]);
-        library.base = Arc::new(definitions);
+        library.name = index.title(release);
+        library.forced.insert(library.index().family(release), release);
         Ok(library)
     }
 
-    fn new(base: Definitions, is_fixed: bool) -> Self {
+    fn new(name: String, is_fixed: bool) -> Self {
         Self {
-            base: Arc::new(base),
+            name,
+            base: OnceLock::new(),
             is_fixed,
             forced: BTreeMap::new(),
             schemas: Arc::default(),
             index: OnceLock::new(),
+            documented: OnceLock::new(),
             stored: Mutex::default(),
         }
     }
@@ -82,7 +89,7 @@ impl Library {
     /// Adds body schemas for Flockwave message types without a definition.
     #[must_use]
     pub fn with_schemas(mut self, schemas: Arc<Schemas>) -> Self {
-        if let Some(base) = Arc::get_mut(&mut self.base) {
+        if let Some(base) = self.base.get_mut().and_then(Arc::get_mut) {
             base.schemas = Arc::clone(&schemas);
         }
         self.schemas = schemas;
@@ -91,7 +98,20 @@ impl Library {
 
     /// The definitions for captures that don't show their release.
     pub fn base(&self) -> &Arc<Definitions> {
-        &self.base
+        self.base.get_or_init(|| {
+            let forced = self.forced.values();
+            let choices: Vec<Choice> = forced.map(|release| Choice::without_clues(*release)).collect();
+            Arc::new(if choices.is_empty() {
+                Definitions::built_in().with_schemas(Arc::clone(&self.schemas))
+            } else {
+                self.read(&choices)
+            })
+        })
+    }
+
+    /// A name for the definitions: their path, the release that the user demands, or the built-in definitions.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
     }
 
     /// True if the definitions of a capture depend on its release.
@@ -110,21 +130,25 @@ impl Library {
         self.index.get().is_some()
     }
 
-    /// Chooses the definitions for a capture.
-    pub(crate) fn choose(&self, clues: &Clues) -> (Arc<Definitions>, Vec<Choice>) {
-        let base = || (Arc::clone(&self.base), Vec::new());
+    /// The releases that a capture agrees with.
+    fn choices(&self, clues: &Clues) -> Vec<Choice> {
         if self.is_fixed || *clues == Clues::default() {
-            return base();
+            return Vec::new();
         }
         let choose = |family: Family| self.index().choose(clues, family, self.forced.get(&family).copied());
-        let choices: Vec<Choice> = Family::ALL.into_iter().filter_map(choose).collect();
+        Family::ALL.into_iter().filter_map(choose).collect()
+    }
+
+    /// Chooses the definitions for a capture.
+    pub(crate) fn choose(&self, clues: &Clues) -> Arc<Definitions> {
+        let choices = self.choices(clues);
         if choices.is_empty() {
-            return base();
+            return Arc::clone(self.base());
         }
         let key = Key(choices.iter().map(|choice| (choice.release, choice.others.clone())).collect());
         let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = stored().get(&key) {
-            return (Arc::clone(known), choices);
+            return Arc::clone(known);
         }
         let definitions = Arc::new(self.read(&choices));
         let mut stored = stored();
@@ -132,17 +156,22 @@ impl Library {
             stored.clear();
         }
         stored.insert(key, Arc::clone(&definitions));
-        (definitions, choices)
+        definitions
     }
 
     /// Reads the definitions of releases.
     fn read(&self, choices: &[Choice]) -> Definitions {
         let index = self.index();
         let mut sources = SourceMap::default();
-        let (mut packages, mut replacements, mut titles) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut packages, mut replacements) = (Vec::new(), Vec::new());
+        let (mut releases, mut origins) = (Vec::new(), HashMap::new());
         for choice in choices {
-            let title = index.title(choice.release);
-            packages.append(&mut self.packages(choice.release, None, &mut sources));
+            let loaded = self.loaded(choice.release);
+            for package in self.packages(choice.release, None, &mut sources) {
+                origins.insert(package.name.clone(), loaded.clone());
+                packages.push(package);
+            }
+            releases.push(loaded);
             let mut by_release: BTreeMap<ReleaseId, BTreeSet<&str>> = BTreeMap::new();
             for (name, release) in &choice.others {
                 by_release.entry(*release).or_default().insert(name);
@@ -153,16 +182,28 @@ impl Library {
                     package.name =
                         format!("{}_{}", package.name, index.release(release).name.replace('.', "_"));
                     replacements.push(package.name.clone());
+                    origins.insert(package.name.clone(), self.loaded(release));
                     packages.push(package);
                 }
             }
-            titles.push(title);
         }
         // Tests ensure that the releases have no errors.
         let (schema, _) = read(&sources, &packages);
-        let definitions =
-            Definitions::new(titles.join(", "), sources, schema).with_replacements(&replacements);
-        definitions.with_schemas(Arc::clone(&self.schemas))
+        let titles: Vec<&str> =
+            releases.iter().map(|release: &LoadedRelease| release.title.as_str()).collect();
+        let definitions = Definitions::new(titles.join(", "), sources, schema)
+            .with_replacements(&replacements)
+            .with_schemas(Arc::clone(&self.schemas));
+        Definitions { releases, origins, ..definitions }
+    }
+
+    fn loaded(&self, release: ReleaseId) -> LoadedRelease {
+        let index = self.index();
+        LoadedRelease {
+            family: index.family(release),
+            label: index.label(release),
+            title: index.title(release),
+        }
     }
 
     /// The packages of a release, or only the named definitions with the definitions that they contain.
@@ -181,29 +222,27 @@ impl Library {
         };
         match family {
             Family::Ros2 => release::packages(&text, Dialect::Ros2, &format!("{label}/"), sources),
-            Family::Px4 => vec![px4_package(&text, &label, &self.documented(), sources)],
+            Family::Px4 => vec![px4_package(&text, &label, self.documented(), sources)],
         }
     }
 
-    /// The built-in PX4 messages, which are documented: the declarations without comments, and the file.
-    fn documented(&self) -> HashMap<String, (String, &'static str)> {
-        let built_in = Definitions::built_in();
-        let text = release::write(&built_in.schema);
-        let documented = entries(&text).filter_map(|entry| {
-            let file = PX4.get_file(format!("{}.msg", entry.name))?.contents_utf8()?;
-            Some((entry.name.to_owned(), (declarations(entry.text), file)))
-        });
-        documented.collect()
+    /// The built-in PX4 messages, which are documented.
+    fn documented(&self) -> &Documented {
+        self.documented.get_or_init(|| {
+            let mut sources = SourceMap::default();
+            let package = Definitions::built_in_px4(&mut sources);
+            let text = release::write(&read(&sources, &[package]).0);
+            let documented = entries(&text).filter_map(|entry| {
+                let file = PX4.get_file(format!("{}.msg", entry.name))?.contents_utf8()?;
+                Some((entry.name.to_owned(), (declarations(entry.text), file)))
+            });
+            documented.collect()
+        })
     }
 }
 
 /// The package of a PX4 release. A message that is declared like a documented message is replaced by that one.
-fn px4_package(
-    text: &str,
-    label: &str,
-    documented: &HashMap<String, (String, &'static str)>,
-    sources: &mut SourceMap,
-) -> PackageInput {
+fn px4_package(text: &str, label: &str, documented: &Documented, sources: &mut SourceMap) -> PackageInput {
     let mut package = PackageInput::new(Family::Px4.name(), Form::Msg(Dialect::Px4), Vec::new());
     package.ros_package = Some(PX4_ROS_PACKAGE.to_owned());
     for entry in entries(text) {
@@ -245,7 +284,7 @@ mod tests {
         for release in library.index().releases_of(Family::Px4) {
             let label = library.index().label(release);
             let clues = clues(library.index(), &label);
-            let (definitions, choices) = library.choose(&clues);
+            let (definitions, choices) = (library.choose(&clues), library.choices(&clues));
             assert_eq!(choices.len(), 1);
             assert_eq!(library.index().label(choices[0].release), label);
             assert_eq!((choices[0].matching, choices[0].others.len()), (choices[0].known, 0), "{label}");
@@ -263,14 +302,14 @@ mod tests {
         let mut clues = clues(library.index(), "px4@1.14");
         let other = super::tests::clues(library.index(), "px4@1.16").formats;
         clues.formats.insert("vehicle_status".to_owned(), other["vehicle_status"]);
-        let (definitions, choices) = library.choose(&clues);
+        let (definitions, choices) = (library.choose(&clues), library.choices(&clues));
         assert_eq!(choices[0].others.keys().collect::<Vec<_>>(), ["px4_msgs/msg/VehicleStatus"]);
         let id = definitions.message_of_topic("vehicle_status").expect("a definition");
         assert_eq!(definitions.message_of_type("px4_msgs/msg/VehicleStatus"), Some(id));
         assert_eq!(definitions.message_of_type("px4/VehicleStatus"), Some(id));
         let hash = LayoutHashes::default().get(definitions.types().get(id));
         assert_eq!(hash, Some(other["vehicle_status"]));
-        let (again, _) = library.choose(&clues);
+        let again = library.choose(&clues);
         assert!(Arc::ptr_eq(&definitions, &again));
     }
 

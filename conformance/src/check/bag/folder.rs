@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::mcap::McapFile;
 use super::sqlite::{self, SQLITE};
-use super::{BagFile, BagSummary, Channels, MCAP};
+use super::{BagContent, BagFile, BagSummary, Channels, MCAP};
 use crate::capture::input;
 use crate::capture::rosbag::metadata::{self, FILE_NAME, Metadata};
 use crate::check::{CaptureResult, Reading, START, Source, Summary};
@@ -45,7 +45,9 @@ pub(in crate::check) fn check_folder(
         let text = format!("{FILE_NAME} counts {expected} messages, but the files contain {found}");
         bag.corruption("", Location::Message(found), &text, Extent::WithGaps);
     }
-    Ok(bag.finish(bytes, |channels, dialects| Summary::Bag(BagSummary { channels, dialects, ..summary })))
+    Ok(bag.finish(bytes, |BagContent { channels, dialects, releases }| {
+        Summary::Bag(BagSummary { channels, dialects, releases, ..summary })
+    }))
 }
 
 /// Checks the readable part of a file. Returns the number of bytes read. Fails if the file can't be opened.

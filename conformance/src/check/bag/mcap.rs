@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::Read;
 
-use super::{Channels, Declared, MAX_NAME, McapSummary, digest};
+use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Item, Reader};
 use crate::check::{CaptureResult, Kind, Logged, Summary, has_magic};
@@ -13,6 +13,7 @@ use crate::model::{Extent, Location};
 pub(in crate::check) const KIND: Kind = Kind {
     name: "MCAP",
     detect: |start| has_magic(start, &MCAP_MAGIC),
+    clues: super::clues::mcap,
     check: |source, _, definitions| check_mcap(source, definitions),
 };
 
@@ -22,8 +23,8 @@ pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> Capture
     let mut file = McapFile::new(&mut channels, "");
     let bytes = file.read(input);
     let (profile, library) = (file.profile, file.library);
-    channels.finish(bytes, |channels, dialects| {
-        Summary::Mcap(McapSummary { profile, library, channels, dialects })
+    channels.finish(bytes, |BagContent { channels, dialects, releases }| {
+        Summary::Mcap(McapSummary { profile, library, channels, dialects, releases })
     })
 }
 
