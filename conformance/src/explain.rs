@@ -30,7 +30,7 @@ use crate::rules::rule;
 /// The maximum length of a word, in bytes. Longer words are not names.
 pub(crate) const MAX_WORD: usize = 200;
 
-/// The maximum number of fields with the same name of which the one that can have a value is searched.
+/// The maximum number of candidates that are searched for the only field that can have a value.
 const MAX_COMPARED: usize = 8;
 
 /// A word that can't be explained.

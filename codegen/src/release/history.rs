@@ -180,7 +180,7 @@ impl Versions<'_> {
             }
             // There is one finding for each category of users.
             let own = format!("`{}.", stem(sources.path(sources.source_of(finding.span))));
-            let change = change(finding, &own, old, new);
+            let change = change(&finding, &own, old, new);
             if step.changes.last() != Some(&change) {
                 step.changes.push(change);
             }
@@ -232,7 +232,7 @@ impl Step {
 }
 
 /// The change that a finding describes. `own` is the start of the names of the definition's fields and constants.
-fn change(finding: Finding, own: &str, old: &Version, new: &Version) -> Change {
+fn change(finding: &Finding, own: &str, old: &Version, new: &Version) -> Change {
     let sides = finding.sides.unwrap_or_default();
     Change {
         rule: finding.rule,

@@ -29,7 +29,7 @@ pub(super) struct Annotation {
     pub(super) line: String,
     /// The annotation.
     pub(super) text: String,
-    /// How uavspec knows the constants.
+    /// The source of the constants.
     pub(super) known_from: String,
 }
 

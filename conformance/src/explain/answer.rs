@@ -61,7 +61,8 @@ pub(crate) struct Code {
 /// A hash.
 #[derive(Debug, Serialize)]
 pub(crate) struct Hash {
-    pub(crate) hash: String,
+    #[serde(rename = "hash")]
+    pub(crate) digits: String,
     /// `uorb` or `type_hash`.
     pub(crate) form: &'static str,
     pub(crate) definitions: Vec<Hashed>,
@@ -165,7 +166,7 @@ pub(crate) struct Values {
     pub(crate) prefixes: Vec<String>,
     /// True if each value is a mask of bits.
     pub(crate) flags: bool,
-    /// How uavspec knows that the field uses these constants.
+    /// The source from which uavspec knows that the field uses these constants.
     pub(crate) known_from: String,
     pub(crate) members: Vec<Member>,
 }

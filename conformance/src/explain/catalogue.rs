@@ -156,11 +156,15 @@ impl<'l> Catalogue<'l> {
         documented.fields.iter().find(is_same)
     }
 
-    /// The documentation of a constant, if the documented constant has the same value.
+    /// The documentation of a constant, if the documented constant has the same value. PX4 shortened some names:
+    /// `BATTERY_WARNING_LOW` became `WARNING_LOW`.
     pub(super) fn description_of(&self, schema: &Schema, message: &Message, constant: &Constant) -> String {
         let documented = self.documented(&ros_name(schema, message));
         let mut constants = documented.into_iter().flat_map(|message| &message.constants);
-        let found = constants.find(|other| other.name == constant.name && other.value == constant.value);
+        let found = constants.find(|other| {
+            let rest = other.name.strip_suffix(&constant.name);
+            rest.is_some_and(|rest| rest.is_empty() || rest.ends_with('_')) && other.value == constant.value
+        });
         found.map(|other| other.description.clone()).unwrap_or_default()
     }
 }

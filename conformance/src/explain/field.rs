@@ -15,7 +15,7 @@ pub(super) struct Located {
     pub(super) definition: Definition,
     /// The indices of the message and of the field.
     at: (usize, usize),
-    /// How uavspec knows the constants.
+    /// The source of the constants.
     known_from: String,
 }
 

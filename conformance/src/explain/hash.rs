@@ -52,6 +52,6 @@ pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Option<Hash> {
             }),
         }
     }
-    let hash = if form == "uorb" { format!("0x{hash}") } else { hash };
-    (!definitions.is_empty()).then_some(Hash { hash, form, definitions })
+    let digits = if form == "uorb" { format!("0x{hash}") } else { hash };
+    (!definitions.is_empty()).then_some(Hash { digits, form, definitions })
 }

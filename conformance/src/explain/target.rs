@@ -60,7 +60,7 @@ fn definitions(catalogue: &Catalogue<'_>, word: &str) -> Vec<(String, ReleaseId)
     let is_topic = |topic: &String| topic == word || unversioned.is_some_and(|(start, _)| topic == start);
     let rows = catalogue.rows().filter(|row| is_named(&row.name, word) || row.topics.iter().any(is_topic));
     let newest = rows.filter_map(|row| Some((row.name.clone(), catalogue.newest(&row.name)?)));
-    newest_of_each_family(catalogue, newest.collect())
+    newest_of_each_family(catalogue, &newest.collect())
 }
 
 /// True if a full name is meant by a word: the full name, or parts of it such as `px4/VehicleStatus`.
@@ -78,7 +78,7 @@ fn is_named(full_name: &str, word: &str) -> bool {
 /// The definitions of each family in the newest release that has some, messages before services.
 fn newest_of_each_family(
     catalogue: &Catalogue<'_>,
-    found: BTreeMap<String, ReleaseId>,
+    found: &BTreeMap<String, ReleaseId>,
 ) -> Vec<(String, ReleaseId)> {
     let index = catalogue.library().index();
     let rank = |release: ReleaseId| (!index.is_moving(release), release);
@@ -93,7 +93,7 @@ fn newest_of_each_family(
         .collect()
 }
 
-/// The item in the newest release of the definition, or in the newest one that has the item.
+/// The item in the newest release of the definition. If that release lacks the item, the newest release with the item.
 fn newest_item(
     catalogue: &Catalogue<'_>,
     name: &str,
@@ -157,7 +157,7 @@ fn declared(catalogue: &Catalogue<'_>, word: &str) -> Vec<Target> {
         }
     }
     let all: Vec<String> = found.keys().cloned().collect();
-    let newest = newest_of_each_family(catalogue, found);
+    let newest = newest_of_each_family(catalogue, &found);
     let is_message = |(name, _): &&(String, ReleaseId)| name.contains("/msg/");
     let messages: Vec<&(String, ReleaseId)> = newest.iter().filter(is_message).collect();
     let best: Vec<&(String, ReleaseId)> =

@@ -159,6 +159,12 @@ fn fields_have_a_unit_a_range_and_documentation() {
     assert!(field["description"].as_str().is_some_and(|text| text.starts_with("State of charge")), "{field}");
     let nested = answer("arming_check_reply.events[0].id");
     assert_eq!((&nested["message"], &nested["type"]), (&json!("px4_msgs/msg/Event"), &json!("uint32")));
+    let renamed = answer("failsafe_flags.battery_warning=2");
+    let description = renamed["asked"]["meaning"][0]["description"].as_str();
+    assert!(
+        description.is_some_and(|text| !text.is_empty()),
+        "the documentation of BATTERY_WARNING_CRITICAL"
+    );
     let command = answer("VEHICLE_CMD_NAV_TAKEOFF");
     assert_eq!(command["parameters"][3]["unit"], "deg");
     assert_eq!(command["parameters"][3]["range"], "0 to 360");

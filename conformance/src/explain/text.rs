@@ -94,7 +94,7 @@ fn error_code(code: &ErrorCode) -> String {
 fn hash(hash: &Hash) -> String {
     let mut lines = Lines::default();
     let form = if hash.form == "uorb" { "uORB message hash" } else { "ROS 2 type hash" };
-    lines.line(2, &format!("{}: {form}", hash.hash));
+    lines.line(2, &format!("{}: {form}", hash.digits));
     let definitions = hash.definitions.iter().map(|found| {
         let mut releases = found.releases.join(", ");
         if found.documented {
