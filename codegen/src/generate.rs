@@ -11,10 +11,9 @@ use self::parallel::in_parallel;
 use crate::diagnostic::has_errors;
 use crate::emit::Input;
 use crate::failure::Failure;
-use crate::load::{Config, Plan, read_translated};
+use crate::load::{Config, Loaded, Plan, read_translated};
 use crate::render;
 use crate::schema::Schema;
-use crate::source::SourceMap;
 use crate::translation::Translations;
 
 /// The result of [`generate`].
@@ -62,7 +61,7 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     if has_errors(&diagnostics) {
         return Err(Failure::new(format!("the definitions contain errors\n{rendered}")));
     }
-    let folders = emit_all(&plan, &schema, &translations, &loaded.sources)?;
+    let folders = emit_all(&plan, &loaded, &schema, &translations)?;
     let mut inputs = loaded.files;
     inputs.insert(0, config.to_path_buf());
     let changed = write(&folders, &inputs)?;
@@ -76,12 +75,13 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
 /// Runs the emitters of the plan. Fails if a name in the definitions is not a file name on all systems.
 pub(crate) fn emit_all(
     plan: &Plan,
+    loaded: &Loaded,
     schema: &Schema,
     translations: &Translations,
-    sources: &SourceMap,
 ) -> Result<Vec<Folder>, Failure> {
+    let Loaded { sources, releases, .. } = loaded;
     guard::check_names(schema, sources)?;
-    let input = Input { schema, translations, sources };
+    let input = Input { schema, translations, sources, releases };
     in_parallel(&plan.outputs, |output| {
         Ok(Folder { path: output.path.clone(), files: output.output.emit(input)? })
     })

@@ -21,10 +21,14 @@
 
 mod entries;
 mod fingerprint;
+mod history;
+mod selection;
 mod text;
 
 pub use self::entries::{Entry, Section, entries, packages, sections};
 pub use self::fingerprint::{Fingerprint, LayoutHashes, fingerprints};
+pub use self::history::{Change, ReleaseText, Releases, Step, history};
+pub use self::selection::{full_name, select};
 pub use self::text::write;
 
 /// A key that sorts releases from the oldest to the newest: by the numbers in their names. Names come after numbers.

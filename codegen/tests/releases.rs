@@ -2,7 +2,10 @@
 
 use crate::support;
 
+use std::fs;
 use std::path::Path;
+
+use tempfile::TempDir;
 
 use uavspec_codegen::breaking::{Between, breaking};
 use uavspec_codegen::diagnostic::has_errors;
@@ -84,4 +87,57 @@ fn subfolders(folder: &Path) -> Vec<std::path::PathBuf> {
     let mut folders: Vec<_> = entries.filter(|path| path.is_dir()).collect();
     folders.sort();
     folders
+}
+
+/// A folder with a `uavspec.toml`, a definition, and the releases 1.9 and 1.10.
+fn configured(dialect: &str, releases: &str) -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |path: &str, text: &str| {
+        let path = folder.path().join(path);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(path, text).expect("a file");
+    };
+    let include = if dialect == "table" { "*.md" } else { "*.msg" };
+    write(
+        "uavspec.toml",
+        &format!(
+            "[output]\ndocs = \"docs\"\n\n[[package]]\nname = \"sky\"\ndialect = \"{dialect}\"\ninclude = [\"{include}\"]\n\
+             releases = \"{releases}\"\n"
+        ),
+    );
+    write("Wind.msg", "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] Speed\n");
+    write("empty/README.md", "Nothing yet\n");
+    let heading = format!("{}\nMSG: px4_msgs/msg/Wind\nuint64 timestamp\n", "=".repeat(80));
+    write("releases/1.9.msg", &heading);
+    write("releases/1.10.msg", &format!("{heading}float32 speed\n"));
+    write("releases/README.md", "Facts\n");
+    folder
+}
+
+#[test]
+fn releases_of_a_package_are_read_in_their_order() {
+    let folder = configured("px4", "releases");
+    let generated = uavspec_codegen::generate(folder.path().join("uavspec.toml")).expect("no errors");
+    let page = fs::read_to_string(folder.path().join("docs/sky/Wind.md")).expect("a page");
+    assert!(
+        page.contains("\n| `1.9` | oldest known release |\n| `1.10` | `speed` (float32) was added |\n"),
+        "{page}"
+    );
+    let releases =
+        generated.inputs.iter().filter(|path| path.parent() == Some(&folder.path().join("releases")));
+    assert_eq!(releases.count(), 2);
+}
+
+#[test]
+fn releases_that_cannot_be_read_are_errors() {
+    let failure = |dialect: &str, releases: &str| {
+        let folder = configured(dialect, releases);
+        let config = folder.path().join("uavspec.toml");
+        uavspec_codegen::generate(config).expect_err("an error").to_string()
+    };
+    assert!(failure("px4", "none").contains("none: "), "{}", failure("px4", "none"));
+    assert!(failure("px4", "empty").contains("no releases in "), "{}", failure("px4", "empty"));
+    let table = failure("table", "releases");
+    assert!(table.contains("a package of the `table` dialect has no `releases`"), "{table}");
+    assert!(table.contains("8:12"), "{table}");
 }

@@ -95,9 +95,11 @@ struct Cli {
 enum Command {
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
-    /// Explain a flight: failsafe flags, modes, arming checks and errors over time.
+    /// Explain a capture, an error code, a message, a field, a value, a hash or a rule.
     ///
-    /// The story lists the changes in a capture that explain what the vehicle did. All labels come from the definitions.
+    /// The story of a capture lists the changes that explain what the vehicle did: failsafe flags, modes, arming checks
+    /// and errors. For a word, the answer names the meaning, the unit, the valid values and the alternatives, the
+    /// releases of PX4 or ROS 2 that contain the item, and the changes in each release.
     Explain(explain::ExplainArgs),
     /// Test a codec or validator in any language.
     ///

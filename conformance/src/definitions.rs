@@ -30,7 +30,7 @@ use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
 pub(crate) use self::choice::{Clues, TypeClue};
 pub use self::index::Family;
-
+pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;

@@ -21,6 +21,7 @@ pub mod app;
 pub mod capture;
 pub mod check;
 pub mod definitions;
+mod explain;
 mod flockwave;
 #[cfg(any(fuzzing, test))]
 #[doc(hidden)]

@@ -10,6 +10,7 @@ use graph::Imports;
 /// The modules in layers, from the top down: each imports only modules in lower layers.
 const LAYERS: &[&[&str]] = &[
     &["app", "fuzzing"],
+    &["explain"],
     &["report"],
     &["matrix"],
     &["probe", "serve", "story", "testee", "watch"],

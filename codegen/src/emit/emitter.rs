@@ -10,6 +10,7 @@ use serde::de::DeserializeOwned;
 use super::file::OutputFile;
 use crate::failure::Failure;
 use crate::path::seen_from;
+use crate::release::Releases;
 use crate::schema::Schema;
 use crate::source::SourceMap;
 use crate::translation::Translations;
@@ -36,6 +37,8 @@ pub struct Input<'a> {
     pub translations: &'a Translations,
     /// Source texts of the definitions.
     pub sources: &'a SourceMap,
+    /// The releases of the packages.
+    pub releases: &'a Releases,
 }
 
 /// Options of one emitter.

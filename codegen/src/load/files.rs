@@ -17,6 +17,7 @@ use crate::msg::{self, Dialect, Kind};
 use crate::name::package_problem;
 use crate::path::normalise;
 use crate::read::PackageInput;
+use crate::release::{ReleaseText, Releases, age};
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::terminal;
@@ -36,6 +37,8 @@ pub(crate) struct Loaded {
     pub(crate) paths: BTreeMap<SourceId, PathBuf>,
     /// Translation catalogues, if requested.
     pub(crate) catalogues: Vec<SourceId>,
+    /// The releases of each package, if requested.
+    pub(crate) releases: Releases,
     /// The configuration file, to which findings may point.
     pub(crate) config: Option<Span>,
 }
@@ -52,9 +55,10 @@ pub(crate) fn load_into(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failu
     Ok(loader.loaded)
 }
 
-/// Reads all sources of `plan`, and the translation catalogues.
+/// Reads all sources of `plan`, the translation catalogues, and the releases of the packages.
 pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, SourceMap::default())?;
+    loader.releases()?;
     loader.ros_dependencies()?;
     loader.catalogues()?;
     Ok(loader.loaded)
@@ -75,6 +79,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
             files: Vec::new(),
             paths: BTreeMap::new(),
             catalogues: Vec::new(),
+            releases: Releases::new(),
             config: None,
         },
         folders: BTreeMap::new(),
@@ -199,6 +204,21 @@ impl Loader<'_> {
         files.sort();
         files.dedup();
         self.loaded.catalogues = self.read_all(&files)?;
+        Ok(())
+    }
+
+    /// Reads the releases of the packages.
+    fn releases(&mut self) -> Result<(), Failure> {
+        for package in &self.plan.packages {
+            let Some(folder) = &package.releases else { continue };
+            let (mut files, mut releases) = (releases_in(folder)?, Vec::new());
+            for path in &files {
+                let text = fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
+                releases.push(ReleaseText { name: release_name(path), text });
+            }
+            self.loaded.files.append(&mut files);
+            self.loaded.releases.insert(package.name.clone(), releases);
+        }
         Ok(())
     }
 
@@ -343,6 +363,27 @@ fn is_catalogue(path: &Path) -> bool {
 
 fn files_below(folder: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
     search(folder, |path| is_definition(path, form))
+}
+
+/// The releases in a folder, from the oldest to the newest: one `.msg` file for each release.
+fn releases_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let entries = fs::read_dir(folder).map_err(|error| unreadable(folder, &error))?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+    let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(|error| unreadable(folder, &error))?;
+    let is_release = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "msg");
+    let mut files: Vec<PathBuf> = paths.into_iter().filter(is_release).collect();
+    if files.is_empty() {
+        return Err(Failure::new(format!("no releases in {}", terminal::path(folder))).with_hint(
+            "a release is a file such as 1.16.msg, which contains all definitions of the release",
+        ));
+    }
+    files.sort_by_cached_key(|path| age(&release_name(path)));
+    Ok(files)
+}
+
+/// The name of a release: the name of its file without the extension.
+fn release_name(path: &Path) -> String {
+    path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 fn search(folder: &Path, is_match: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, Failure> {

@@ -6,7 +6,7 @@ use sha2::{Digest as _, Sha256};
 
 use crate::dynamic::{MessageType, PlacedElement, Types};
 use crate::msg::Kind;
-use crate::schema::fingerprint::ros_name;
+use crate::schema::fingerprint::{interface_name, ros_name};
 use crate::schema::{Form, Schema, shape_text};
 
 /// The fingerprints of a definition. Comments, constants and units don't change them.
@@ -47,7 +47,7 @@ pub fn fingerprints(schema: &Schema) -> Vec<Fingerprint> {
         let services = package.interfaces.iter().filter(|interface| interface.kind == Kind::Service);
         found.extend(services.filter_map(|service| {
             Some(Fingerprint {
-                name: format!("{}/{}/{}", package.ros_package, service.kind.name(), service.name),
+                name: interface_name(package, service),
                 topics: Vec::new(),
                 layout: None,
                 cdr_size: None,

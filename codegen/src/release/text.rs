@@ -35,8 +35,7 @@ fn write_package(text: &mut String, schema: &Schema, package: &Package, kind: Ki
     let interfaces = package.interfaces.iter().filter(|interface| interface.kind == kind);
     let interfaces = interfaces.map(|Interface { name, parts, .. }| (name.as_str(), parts.as_slice()));
     for (name, parts) in messages.chain(interfaces) {
-        let (line, word) = ("=".repeat(SEPARATOR), heading_word(kind));
-        let _ = writeln!(text, "{line}\n{word}: {}/{}/{name}", package.ros_package, kind.name());
+        write_heading(text, kind, &format!("{}/{}/{name}", package.ros_package, kind.name()));
         for (at, id) in parts.iter().enumerate() {
             if at > 0 {
                 text.push_str("---\n");
@@ -44,6 +43,11 @@ fn write_package(text: &mut String, schema: &Schema, package: &Package, kind: Ki
             write_part(text, schema, schema.message(*id), dialect);
         }
     }
+}
+
+/// Writes the lines before a definition.
+pub(super) fn write_heading(text: &mut String, kind: Kind, full_name: &str) {
+    let _ = writeln!(text, "{}\n{}: {full_name}", "=".repeat(SEPARATOR), heading_word(kind));
 }
 
 /// A declaration in a definition.

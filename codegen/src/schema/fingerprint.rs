@@ -19,7 +19,7 @@ use uavspec_runtime::Scalar;
 
 use super::id::MessageId;
 use super::layout::EMPTY_MEMBER;
-use super::model::{Element, Interface, Message, Schema, Type, shape_text};
+use super::model::{Element, Interface, Message, Package, Schema, Type, shape_text};
 use crate::msg::Kind;
 use crate::msg::ast::Shape;
 
@@ -147,6 +147,11 @@ impl DescribedField {
 pub fn ros_name(schema: &Schema, message: &Message) -> String {
     let package = &schema.package_of(message).ros_package;
     format!("{package}/{}/{}", message.kind.name(), message.name)
+}
+
+/// The full ROS name of a service or action.
+pub(crate) fn interface_name(package: &Package, interface: &Interface) -> String {
+    format!("{}/{}/{}", package.ros_package, interface.kind.name(), interface.name)
 }
 
 fn described_fields(schema: &Schema, message: &Message) -> Vec<DescribedField> {

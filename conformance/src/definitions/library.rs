@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::release::{self, Entry, entries};
+use uavspec_codegen::release::{self, entries};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::PX4;
@@ -130,6 +130,12 @@ impl Library {
         self.index.get_or_init(Index::built_in)
     }
 
+    /// True if the fingerprints of the releases were read.
+    #[cfg(test)]
+    pub(crate) fn has_read_releases(&self) -> bool {
+        self.index.get().is_some()
+    }
+
     /// The releases that a capture agrees with.
     fn choices(&self, clues: &Clues) -> Vec<Choice> {
         if self.is_fixed || *clues == Clues::default() {
@@ -217,7 +223,7 @@ impl Library {
         let (family, label) = (index.family(release), index.label(release));
         let text = index.release(release).text();
         let text = match names {
-            Some(names) => selected(&text, names),
+            Some(names) => release::select(&text, names),
             None => text,
         };
         match family {
@@ -260,30 +266,6 @@ fn px4_package(text: &str, label: &str, documented: &Documented, sources: &mut S
 /// The lines of a definition without annotations.
 fn declarations(text: &str) -> String {
     text.lines().map(|line| line.split(" # ").next().unwrap_or(line)).collect::<Vec<_>>().join("\n")
-}
-
-/// The named definitions of a release, with the definitions that they contain.
-fn selected(text: &str, names: &BTreeSet<&str>) -> String {
-    let name_of = |entry: &Entry<'_>| format!("{}/{}/{}", entry.package, entry.kind.name(), entry.name);
-    let all: HashMap<String, Entry<'_>> = entries(text).map(|entry| (name_of(&entry), entry)).collect();
-    let mut open: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
-    let mut found: BTreeMap<String, &Entry<'_>> = BTreeMap::new();
-    while let Some(name) = open.pop() {
-        let Some(entry) = all.get(&name) else { continue };
-        if found.insert(name, entry).is_some() {
-            continue;
-        }
-        for line in entry.text.lines() {
-            let ty = line.split([' ', '[']).next().unwrap_or_default();
-            let (package, name) = ty.split_once('/').unwrap_or((entry.package, ty));
-            open.push(format!("{package}/msg/{name}"));
-        }
-    }
-    let sections = found.values().map(|entry| {
-        let word = entry.kind.name().to_uppercase();
-        format!("{}\n{word}: {}\n{}", "=".repeat(80), name_of(entry), entry.text)
-    });
-    sections.collect()
 }
 
 #[cfg(test)]
