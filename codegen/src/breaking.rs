@@ -60,8 +60,10 @@ mod rule;
 mod topic_added;
 mod topic_removed;
 
-use self::comparison::Comparison;
+pub(crate) use self::comparison::Comparison;
 pub use self::message::Between;
+pub(crate) use self::message::{ALIKE, ConstantChange, FieldChange, Pair};
+pub(crate) use self::order::likeness;
 pub use self::rule::{Category, Rule};
 use self::rule::{Check, Sink};
 pub use crate::example::Example;
