@@ -77,6 +77,7 @@ pub mod breaking;
 mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod conversion;
 pub mod diagnostic;
 mod directive;
 pub mod dynamic;
