@@ -28,6 +28,7 @@ mod expression;
 mod hints;
 mod json;
 mod plan;
+mod request;
 
 pub use self::build::{Conversions, Version};
 pub use self::expression::{Binary, Computed, Expression, Unary, ValueKind};
@@ -35,3 +36,4 @@ pub use self::expression::{Binary, Computed, Expression, Unary, ValueKind};
 pub use self::hints::read as read_hints;
 pub use self::hints::{Hints, Mistake};
 pub use self::plan::{Conversion, Copy, Elements, Loss, LossKind, Narrowing, Neutral, Step, Undecided};
+pub use self::request::{Answer, Request, answer};

@@ -77,6 +77,7 @@ pub mod breaking;
 mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg_attr(not(feature = "files"), allow(dead_code))]
 pub mod conversion;
 pub mod diagnostic;
 mod directive;
@@ -137,7 +138,7 @@ pub use source::{SourceId, SourceMap};
 /// Parsers and examples for the tests of this crate.
 #[doc(hidden)]
 pub mod internal {
-    pub use crate::example::{Example, catalogues, is_catalogue, packages};
+    pub use crate::example::{CONVERTED, Example, catalogues, hints, is_catalogue, is_hints, packages};
     pub use crate::msg::annotation::Note;
     pub use crate::msg::parse as parse_definition;
     pub use crate::table::parse as parse_page;

@@ -109,15 +109,15 @@ impl Conversions {
 
 impl Hints {
     /// The hints that apply to none of the conversions that use them, each with its location and the reason.
-    pub fn unused(
+    pub(super) fn unused(
         &self,
         conversions: &[&Conversions],
-        sources: &[(Version<'_>, Version<'_>)],
+        versions: &[(Version<'_>, Version<'_>)],
     ) -> Vec<Mistake> {
         let is_unused = |at: &usize| !conversions.iter().any(|found| found.applied.get(*at) == Some(&true));
         let unused = (0..self.hints.len()).filter(is_unused).map(|at| {
             let hint = &self.hints[at];
-            let reason = sources.iter().find_map(|(old, new)| closest(hint, *old, *new));
+            let reason = versions.iter().find_map(|(old, new)| closest(hint, *old, *new));
             let (span, message) = reason.unwrap_or_else(|| {
                 let [old, new] = &hint.messages;
                 (old.span, format!("no package has the messages `{}` and `{}`", old.text, new.text))

@@ -1,4 +1,4 @@
-//! The decisions that follow from definitions alone, and those that don't.
+//! Tests of what definitions decide, and of what stays undecided.
 
 use serde_json::json;
 use uavspec_codegen::conversion::{Elements, Step};
