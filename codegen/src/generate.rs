@@ -8,13 +8,14 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use self::output::{Difference, Folder, compare, write};
 use self::parallel::in_parallel;
-use crate::diagnostic::has_errors;
+use crate::conversion::{Answer, Conversions, answer};
+use crate::diagnostic::{Level, has_errors};
 use crate::emit::Input;
 use crate::failure::Failure;
-use crate::load::{Config, Plan, read_translated};
+use crate::finding::Finding;
+use crate::load::{Config, Loaded, Plan, read_translated};
 use crate::render;
 use crate::schema::Schema;
-use crate::source::SourceMap;
 use crate::translation::Translations;
 
 /// The result of [`generate`].
@@ -62,7 +63,7 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     if has_errors(&diagnostics) {
         return Err(Failure::new(format!("the definitions contain errors\n{rendered}")));
     }
-    let folders = emit_all(&plan, &schema, &translations, &loaded.sources)?;
+    let folders = emit_all(&plan, &schema, &translations, &loaded)?;
     let mut inputs = loaded.files;
     inputs.insert(0, config.to_path_buf());
     let changed = write(&folders, &inputs)?;
@@ -78,11 +79,29 @@ pub(crate) fn emit_all(
     plan: &Plan,
     schema: &Schema,
     translations: &Translations,
-    sources: &SourceMap,
+    loaded: &Loaded,
 ) -> Result<Vec<Folder>, Failure> {
+    let sources = &loaded.sources;
     guard::check_names(schema, sources)?;
-    let input = Input { schema, translations, sources };
+    let conversions = conversions(schema, loaded)?;
+    let input = Input { schema, translations, sources, conversions: &conversions };
     in_parallel(&plan.outputs, |output| {
         Ok(Folder { path: output.path.clone(), files: output.output.emit(input)? })
     })
+}
+
+/// The conversions that the plan requests. Fails if a hint has a mistake.
+fn conversions(schema: &Schema, loaded: &Loaded) -> Result<Vec<Conversions>, Failure> {
+    let answers = answer(&loaded.sources, schema, &loaded.conversions);
+    let mistakes = answers.iter().flat_map(Answer::mistakes).map(|mistake| {
+        let mut finding = Finding::new("hint-invalid", Level::Error, mistake.span, mistake.message);
+        finding.help(mistake.help);
+        finding
+    });
+    let mistakes: Vec<Finding> = mistakes.collect();
+    if !mistakes.is_empty() {
+        let rendered = render::findings(&mistakes, &loaded.sources, false);
+        return Err(Failure::new(format!("the hints contain errors\n{rendered}")));
+    }
+    Ok(answers.into_iter().flat_map(|answer| answer.conversions).collect())
 }

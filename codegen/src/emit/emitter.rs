@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 
 use super::file::OutputFile;
+use crate::conversion::Conversions;
 use crate::failure::Failure;
 use crate::path::seen_from;
 use crate::schema::Schema;
@@ -36,6 +37,8 @@ pub struct Input<'a> {
     pub translations: &'a Translations,
     /// Source texts of the definitions.
     pub sources: &'a SourceMap,
+    /// The conversions between packages.
+    pub conversions: &'a [Conversions],
 }
 
 /// Options of one emitter.
