@@ -62,8 +62,7 @@ mod topic_removed;
 
 pub(crate) use self::comparison::Comparison;
 pub use self::message::Between;
-pub(crate) use self::message::{ALIKE, ConstantChange, FieldChange, Pair};
-pub(crate) use self::order::likeness;
+pub(crate) use self::message::{ConstantChange, FieldChange, Pair};
 pub use self::rule::{Category, Rule};
 use self::rule::{Check, Sink};
 pub use crate::example::Example;

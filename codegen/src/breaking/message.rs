@@ -24,7 +24,7 @@ pub(super) const VERSION: &str = "MESSAGE_VERSION";
 pub(super) const QUEUE_LENGTH: &str = "ORB_QUEUE_LENGTH";
 
 /// The minimum similarity between a renamed item and the original.
-pub(crate) const ALIKE: f64 = 0.5;
+const ALIKE: f64 = 0.5;
 
 /// A message in both versions.
 #[derive(Debug)]

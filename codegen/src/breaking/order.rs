@@ -85,7 +85,7 @@ const MAX_NAME_LEN: usize = 100;
 
 /// The similarity of two names, from 0 to 1, by edit distance. The similarity is 1 if the longer name ends with all
 /// words of the shorter name, as in `wind_speed` and `speed`.
-pub(crate) fn likeness(left: &str, right: &str) -> f64 {
+pub(super) fn likeness(left: &str, right: &str) -> f64 {
     if left.len() > MAX_NAME_LEN || right.len() > MAX_NAME_LEN {
         return 0.0;
     }

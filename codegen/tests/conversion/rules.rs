@@ -55,16 +55,21 @@ fn narrowing_policies_decide() {
 }
 
 #[test]
-fn renamed_fields_are_copied_only_if_their_names_are_similar() {
-    let found = convert(&[("Glider", "float32 sink_rate\n")], &[("Glider", "float32 sinking_rate\n")], "");
+fn renamed_fields_are_copied_only_if_their_comments_are_the_same() {
+    let old = "float32 sink  # Sink rate\n";
+    let found = convert(&[("Glider", old)], &[("Glider", "float32 rate_of_sink  # Sink rate\n")], "");
     assert_eq!(found.problems(), "");
-    assert_eq!(found.converted(found.forward("Glider"), r#"{"sink_rate": 2}"#)["sinking_rate"], json!(2.0));
-    let text = undecided("float32 sink\n", "float32 bearing\n", "");
-    assert!(text.contains("`Glider.bearing` may be `sink` under another name"), "{text}");
-    let hint = "[[hint]]\nmessage = \"Glider\"\nrename = { sink = \"bearing\" }\n";
-    assert_eq!(undecided("float32 sink\n", "float32 bearing\n", hint), "");
-    let hint = "[[hint]]\nmessage = \"Glider\"\nnew.bearing = 0\nold.sink = nan\n";
-    assert_eq!(undecided("float32 sink\n", "float32 bearing\n", hint), "");
+    let new = found.converted(found.forward("Glider"), r#"{"sink": 2}"#);
+    assert_eq!(new["rate_of_sink"], json!(2.0));
+    for new in ["float32 sink_filtered  # Filtered sink rate\n", "float32 bearing  # Bearing\n"] {
+        let name = new.split_whitespace().nth(1).expect("a name");
+        let text = undecided(old, new, "");
+        assert!(text.contains(&format!("`Glider.{name}` may be `sink` under another name")), "{text}");
+        let hint = format!("[[hint]]\nmessage = \"Glider\"\nrename = {{ sink = \"{name}\" }}\n");
+        assert_eq!(undecided(old, new, &hint), "");
+        let hint = format!("[[hint]]\nmessage = \"Glider\"\nnew.{name} = 0\nold.sink = nan\n");
+        assert_eq!(undecided(old, new, &hint), "");
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Matches the constants that give names to the values of a field.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use super::direction::{Direction, Side};
 use crate::breaking::ConstantChange;
@@ -13,6 +13,8 @@ use crate::schema::{Constant, Field, Shape};
 struct Names<'a> {
     /// Constants and values, in declaration order. The values of flags are masks if the field has an enum.
     values: Vec<(&'a Constant, i128)>,
+    /// The values by name.
+    by_name: HashMap<&'a str, i128>,
     is_flags: Option<bool>,
 }
 
@@ -55,20 +57,27 @@ pub(super) fn map<'a>(
         ));
         return mapped;
     }
+    let renamed = renamed(direction);
+    let hinted: HashMap<&str, &str> =
+        hinted.iter().map(|[name, to]| (name.text.as_str(), to.text.as_str())).collect();
     let mut pairs = Vec::new();
     let mut absent = Vec::new();
     for (constant, value) in &from.values {
-        let hint = hinted.iter().find(|[name, _]| name.text == constant.name);
-        let found = match hint {
-            Some([_, name]) => to.value(&name.text).or_else(|| plain_value(direction.to, &name.text)),
-            None => counterpart(direction, &to, constant),
+        let name = constant.name.as_str();
+        let found = match hinted.get(name) {
+            Some(name) => to.value(name).or_else(|| plain_value(direction.to, name)),
+            None => to.value(name).or_else(|| to.value(renamed.get(name)?)),
         };
         match found {
             Some(found) => pairs.push((*value, found)),
-            None if decisions.same.contains(&constant.name.as_str()) => pairs.push((*value, *value)),
-            None => absent.push(constant.name.as_str()),
+            None if decisions.same.contains(&name) => pairs.push((*value, *value)),
+            None => absent.push((name, *value)),
         }
     }
+    // Another name of the same value may have a counterpart.
+    let known: BTreeSet<i128> = pairs.iter().map(|(value, _)| *value).collect();
+    let absent: Vec<&str> =
+        absent.into_iter().filter(|(_, value)| !known.contains(value)).map(|(name, _)| name).collect();
     if !absent.is_empty() {
         mapped.undecided =
             Some(undecided(direction, (source, target), &absent, "has values without a counterpart"));
@@ -98,17 +107,23 @@ fn elements(mut pairs: Vec<(i128, i128)>, is_flags: bool) -> Option<Elements> {
 
 /// The constants whose values another source value has as well after the conversion.
 fn merged<'a>(from: &Names<'a>, pairs: &[(i128, i128)]) -> Vec<&'a str> {
-    let is_merged =
-        |(value, target): &(i128, i128)| pairs.iter().any(|(other, same)| same == target && other != value);
-    let values: BTreeSet<i128> =
-        pairs.iter().filter(|pair| is_merged(pair)).map(|(value, _)| *value).collect();
+    let mut sources: HashMap<i128, BTreeSet<i128>> = HashMap::new();
+    for (value, target) in pairs {
+        sources.entry(*target).or_default().insert(*value);
+    }
+    let values: BTreeSet<i128> = sources.into_values().filter(|values| values.len() > 1).flatten().collect();
     let named = from.values.iter().filter(|(_, value)| values.contains(value));
     named.map(|(constant, _)| constant.name.as_str()).collect()
 }
 
-impl Names<'_> {
+impl<'a> Names<'a> {
+    fn new(values: Vec<(&'a Constant, i128)>, is_flags: Option<bool>) -> Self {
+        let by_name = values.iter().map(|(constant, value)| (constant.name.as_str(), *value)).collect();
+        Self { values, by_name, is_flags }
+    }
+
     fn value(&self, name: &str) -> Option<i128> {
-        self.values.iter().find(|(constant, _)| constant.name == name).map(|(_, value)| *value)
+        self.by_name.get(name).copied()
     }
 }
 
@@ -116,16 +131,14 @@ fn plain_value(side: Side<'_>, name: &str) -> Option<i128> {
     constant((side.schema, side.message), name)?.value.as_int()
 }
 
-/// The value of a constant with the same name, or with the new name of a renamed constant.
-fn counterpart(direction: &Direction<'_>, to: &Names<'_>, constant: &Constant) -> Option<i128> {
-    let renamed = direction.constants.iter().find_map(|change| match change {
-        ConstantChange::Renamed(old, new) => {
-            let (from, to) = if direction.is_forward { (old, new) } else { (new, old) };
-            (from.name == constant.name).then_some(to.name.as_str())
-        }
+/// The new names of renamed constants, by their names in the source.
+fn renamed<'a>(direction: &Direction<'a>) -> HashMap<&'a str, &'a str> {
+    let changes = direction.constants.iter().filter_map(|change| match change {
+        ConstantChange::Renamed(old, new) if direction.is_forward => Some((old, new)),
+        ConstantChange::Renamed(old, new) => Some((new, old)),
         _ => None,
     });
-    to.value(&constant.name).or_else(|| to.value(renamed?))
+    changes.map(|(from, to)| (from.name.as_str(), to.name.as_str())).collect()
 }
 
 /// The named values of `field`. If only the field on the other side has an enum, the constants with its prefixes are the
@@ -140,7 +153,7 @@ fn names<'a>(side: Side<'a>, field: &'a Field, other: (Side<'a>, &'a Field)) -> 
             let value = if is_bound { Some(member.value) } else { constant.value.as_int() };
             Some((constant, value?))
         });
-        return Some(Names { values: values.collect(), is_flags: Some(found.is_flags) });
+        return Some(Names::new(values.collect(), Some(found.is_flags)));
     }
     let reference = other.1.enumeration?;
     let found = other.0.schema.enumeration(reference);
@@ -158,7 +171,7 @@ fn names<'a>(side: Side<'a>, field: &'a Field, other: (Side<'a>, &'a Field)) -> 
         })
     });
     let values = constants.filter_map(|constant| Some((constant, constant.value.as_int()?)));
-    Some(Names { values: values.collect(), is_flags: None })
+    Some(Names::new(values.collect(), None))
 }
 
 fn undecided(

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::breaking::{ALIKE, ConstantChange, FieldChange, Pair, likeness};
+use crate::breaking::{ConstantChange, FieldChange, Pair};
 use crate::schema::{Message, MessageId, Schema};
 
 /// The matched messages of both packages, by old and new id.
@@ -43,10 +43,5 @@ impl<'a> Direction<'a> {
     /// Sorts a pair of a source and a target item into old and new.
     pub(super) fn old_and_new<T>(&self, from: T, to: T) -> (T, T) {
         if self.is_forward { (from, to) } else { (to, from) }
-    }
-
-    /// True if two fields have similar names, so that a rename is certain.
-    pub(super) fn is_alike(from: &str, to: &str) -> bool {
-        likeness(from, to) >= ALIKE
     }
 }

@@ -57,7 +57,8 @@ impl<'a> FieldBuilder<'_, 'a> {
         &self.direction.to.message.fields[self.target]
     }
 
-    /// The source field with the same name, the field that a hint renames, or the field that was certainly renamed.
+    /// The source field with the same name, the field that a hint renames, or the
+    /// renamed field with the same comment.
     fn source(&mut self) -> Option<usize> {
         let target = self.field();
         let fields = &self.direction.from.message.fields;
@@ -71,7 +72,10 @@ impl<'a> FieldBuilder<'_, 'a> {
         if is_claimed {
             return None;
         }
-        if *name == target.name || Direction::is_alike(name, &target.name) {
+        // Similar names are not enough: `altitude_filtered` and `altitude_reference` are different quantities.
+        let has_same_comment =
+            !target.description.is_empty() && fields[source].description == target.description;
+        if *name == target.name || has_same_comment {
             return Some(source);
         }
         let (old, new) = self.direction.old_and_new(name, &target.name);

@@ -16,7 +16,7 @@ use self::field::Fields;
 use self::way::Way;
 use super::context::Context;
 use super::file::{documentation, header, inner_documentation, layout_file, module_declaration};
-use super::identifier::ident;
+use super::identifier::{Scope, ident};
 use crate::conversion::{Conversion, Conversions, Step};
 use crate::emit::file::OutputFile;
 use crate::prose;
@@ -40,6 +40,7 @@ pub(super) fn files<'c>(
     let name = |package: usize| context.schema.packages[package].name.as_str();
     let mut files = Vec::new();
     let mut declarations = Vec::new();
+    let mut scope = Scope::default();
     for found in conversions {
         let both = [(found.old, found.new, &found.forward), (found.new, found.old, &found.backward)];
         for (from, to, conversions) in both {
@@ -49,7 +50,7 @@ pub(super) fn files<'c>(
                 names: [name(from), name(to)],
                 conversions: conversions.iter().map(AsRef::as_ref).collect(),
             };
-            let file = format!("{}_to_{}", way.modules[0], way.modules[1]);
+            let file = scope.unique(&format!("{}_to_{}", way.modules[0], way.modules[1]));
             let doc = documentation(&format!("From `{}` to `{}`.", way.names[0], way.names[1]));
             let declaration = module_declaration(MODULE, &file);
             declarations.push(quote!(#doc #declaration));

@@ -7,7 +7,6 @@ use uavspec_runtime::Scalar;
 use super::expression::Source;
 use super::way::Way;
 use crate::conversion::{Conversion, Copy, Elements, Expression, Narrowing, Neutral, Step};
-use crate::emit::rust::identifier::ident;
 use crate::emit::rust::message::field_names;
 use crate::emit::rust::types;
 use crate::schema::{Element, Field, Message, Shape};
@@ -58,12 +57,8 @@ impl Fields<'_> {
     /// A number as the type of a field's elements.
     fn wrapped(&self, field: &Field, number: TokenStream) -> TokenStream {
         let Some(reference) = field.enumeration else { return number };
-        let context = self.way.context;
-        let place = context.place(reference.message);
-        let modules = place.modules[1..].iter().map(|module| ident(module));
-        let package = ident(self.way.modules[1]);
-        let name = ident(&context.enum_names[reference.message.0 as usize][reference.index]);
-        quote!(#package::#(#modules::)* #name(#number))
+        let path = self.way.enumeration(reference, 1);
+        quote!(#path(#number))
     }
 
     /// The same value for each element of an array.
