@@ -16,5 +16,8 @@ use include_dir::include_dir;
 /// PX4 messages, one `.msg` file per message.
 pub static PX4: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/px4");
 
+/// Hints for conversions between releases of PX4, in TOML.
+pub static PX4_HINTS: &str = include_str!("hints/px4.toml");
+
 /// Markdown pages of the Flockwave protocol.
 pub static FLOCKWAVE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/flockwave");
