@@ -35,7 +35,7 @@ impl Conversion {
     }
 }
 
-/// The same value for each element of a field.
+/// A field with `value` in each element.
 fn spread(field: &Field, value: &Value) -> Value {
     match field.ty.shape {
         Shape::Array(length) => Value::Array(vec![value.clone(); length as usize]),

@@ -37,7 +37,7 @@ impl Answer {
         mistakes
     }
 
-    /// The hints that apply to no message, each with the reason. A file with mistakes has no unused hints.
+    /// The hints that are never used, each with the reason. A file with mistakes has no unused hints.
     pub fn unused(&self, schema: &Schema) -> Vec<Mistake> {
         if !self.hints.mistakes.is_empty() {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! `hint-unused`: a hint that applies to no message.
+//! `hint-unused`: a hint that is never used.
 
 use super::rule::{Check, Converted, Levels, Rule, Sink};
 use crate::diagnostic::Level;
@@ -6,7 +6,7 @@ use crate::example::Example;
 
 pub(super) const RULE: Rule = Rule {
     id: "hint-unused",
-    statement: "A hint that applies to no message.",
+    statement: "A hint that is never used.",
     why: "A name in the hint is misspelled, or the hint is about other versions. Hints that are shared between projects may cover \
         more versions than each project uses.",
     fix: "Correct the name, or remove the hint.",

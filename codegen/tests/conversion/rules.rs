@@ -1,4 +1,4 @@
-//! Tests of what definitions decide, and of what stays undecided.
+//! Tests of the differences that definitions decide, and of the undecided ones.
 
 use serde_json::json;
 use uavspec_codegen::conversion::{Elements, Step};

@@ -55,6 +55,9 @@ float32 share
 bool is_valid
 uint16[40] added
 float32[2] unknown  # [m] [@invalid NaN] Unknown
+uint64 mask
+int32 offset
+float64 large
 ";
 
 const PARTS: [&str; 2] = ["uint8 id\nint64 code\n", "int64 code\nuint16 id\nbool is_new\n"];
@@ -66,6 +69,9 @@ narrow = { narrow = "nearest", neutral = "neutral", rounded = "nearest" }
 new.limit = "if mode == old.MODE_B and not is_valid then limit - 300 else -limit + 0x10 * 2 | 1"
 new.share = "share / 2 + limit"
 new.is_valid = "share != share or faults & ~old.FAULT_B == 0 and is_valid == true"
+new.mask = "if is_valid then 0xffffffffffffffff else 0"
+new.offset = "if is_valid then -0x80000001 else ~0"
+new.large = "if is_valid then -0x100000000 else 1"
 
 [[hint]]
 message = "Part"

@@ -62,6 +62,8 @@ fn hints_compute_values() {
         assert_eq!(new.limit, expected, "{mode} {is_valid} {limit}");
         assert_eq!(new.share, 1.5 + f32::from(limit));
         assert_eq!(new.is_valid, is_valid);
+        let large = if is_valid { (u64::MAX, i32::MIN, -4_294_967_296.0) } else { (0, -1, 1.0) };
+        assert_eq!((new.mask, new.offset, new.large), large);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Computed values as Rust expressions. Integers are `i128`, floats `f64`.
 
-use proc_macro2::{Ident, TokenStream};
+use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 
 use crate::conversion::{Binary, Expression, Unary, ValueKind};
@@ -19,7 +19,12 @@ impl Source<'_> {
     pub(super) fn value(&self, expression: &Expression) -> TokenStream {
         match expression {
             Expression::Bool(value) => quote!(#value),
-            Expression::Int(value) => types::integer(*value),
+            Expression::Int(value) if i32::try_from(*value).is_ok() => types::integer(*value),
+            Expression::Int(value) => {
+                // The compiler assumes i32 if all operands are literals.
+                let magnitude = Literal::i128_suffixed(value.saturating_abs());
+                if value.is_negative() { quote!(-#magnitude) } else { quote!(#magnitude) }
+            }
             Expression::Float(value) => types::float64(*value),
             Expression::Field(index, kind) => self.field(*index, *kind),
             Expression::AsFloat(operand) => {

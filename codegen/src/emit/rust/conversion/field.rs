@@ -61,7 +61,7 @@ impl Fields<'_> {
         quote!(#path(#number))
     }
 
-    /// The same value for each element of an array.
+    /// A field with `element` in each place.
     fn spread(field: &Field, element: TokenStream) -> TokenStream {
         match field.ty.shape {
             Shape::Single => element,
@@ -110,8 +110,8 @@ impl Fields<'_> {
             (Expression::Int(value), Some(_)) => types::integer(clamped(field, *value)),
             (_, Some((low, high))) => {
                 let (low, high, ty) = (types::integer(low), types::integer(high), types::primitive(scalar));
-                let value = source.operand(expression);
-                quote!(#value.clamp(#low, #high) as #ty)
+                let value = source.value(expression);
+                quote!(i128::clamp(#value, #low, #high) as #ty)
             }
             (_, None) if scalar == Scalar::Float32 => {
                 let value = source.operand(expression);
