@@ -11,7 +11,7 @@
 //! use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};
 //!
 //! let mut sources = SourceMap::default();
-//! let packages = [("old", "uint8 count\n"), ("new", "uint16 count\nbool is_full\n")].map(|(name, text)| {
+//! let packages = [("old", "uint8 count\n"), ("new", "bool is_full\nuint8 count\n")].map(|(name, text)| {
 //!     let id = sources.add(format!("{name}/Tank.msg"), text.into()).unwrap();
 //!     PackageInput::new(name, Form::Msg(Dialect::Px4), vec![id])
 //! });
@@ -19,7 +19,7 @@
 //! let conversions = Conversions::within(&schema, "old", "new", &Hints::default()).unwrap();
 //! let conversion = &conversions.forward[0];
 //! assert!(conversion.is_decided());
-//! assert!(matches!(conversion.steps[0], Step::Copy(_)));
+//! assert!(matches!(conversion.steps[1], Step::Copy(_)));
 //! assert_eq!(conversions.backward[0].losses[0].text, "`is_full` is dropped");
 //! ```
 
