@@ -124,7 +124,109 @@ fn check_span(sources: &SourceMap, span: Span) {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::{configuration, hints, known_findings, translations};
+
+    /// Expressions of random tokens.
+    fn expression() -> impl Strategy<Value = String> {
+        let tokens = [
+            "if",
+            "then",
+            "else",
+            "not",
+            "and",
+            "or",
+            "nan",
+            "true",
+            "mode",
+            "is_on",
+            "sink",
+            "count",
+            "list",
+            "MODE_A",
+            "old.MODE_A",
+            "new.MODE_C",
+            "absent",
+            "old.",
+            "(",
+            ")",
+            "==",
+            "<",
+            ">=",
+            "+",
+            "-",
+            "*",
+            "/",
+            "&",
+            "|",
+            "^",
+            "~",
+            "0",
+            "1",
+            "0xffffffffff",
+            "1e400",
+            "1.5",
+            "ä",
+        ];
+        let token = proptest::sample::select(tokens.to_vec());
+        // Operands and operators that alternate are often valid.
+        let operand = proptest::sample::select(vec![
+            "mode",
+            "count",
+            "sink",
+            "is_on",
+            "0",
+            "(1 + mode)",
+            "-1.5",
+            "~count",
+        ]);
+        let operator = proptest::sample::select(vec!["==", "<", "+", "*", "/", "&", "|", "and", "or"]);
+        let alternating =
+            (operand.clone(), prop::collection::vec((operator, operand), 0..6)).prop_map(|(first, rest)| {
+                rest.into_iter().fold(first.to_owned(), |text, (operator, operand)| {
+                    format!("{text} {operator} {operand}")
+                })
+            });
+        let condition = (alternating.clone(), alternating.clone(), alternating.clone())
+            .prop_map(|(condition, yes, no)| format!("if {condition} == 1 then {yes} else {no}"));
+        prop_oneof![
+            prop::collection::vec(token, 0..12).prop_map(|tokens| tokens.join(" ")),
+            alternating,
+            condition,
+        ]
+    }
+
+    fn line() -> impl Strategy<Value = String> {
+        let field =
+            proptest::sample::select(vec!["mode", "is_on", "sink", "count", "list", "mask", "absent"]);
+        let side = proptest::sample::select(vec!["old", "new"]);
+        let lines = vec![
+            "versions = [0, 1]",
+            "versions = [-1, 99999999999]",
+            "topic = \"tow\"",
+            "same = [\"mode\", \"MODE_B\"]",
+            "narrow = { mode = \"nearest\", count = \"neutral\", sink = \"nearest\" }",
+            "rename = { sink = \"count\" }",
+            "new.mode = { MODE_A = \"MODE_C\", MODE_B = \"MODE_A\" }",
+            "old.mask = 0xffff_ffff_ffff_ffff",
+            "\n[[hint]]\nmessage = \"Tow\"",
+            "\n[[hint]]\nmessage = \"Glider\"",
+        ];
+        prop_oneof![
+            1 => proptest::sample::select(lines).prop_map(str::to_owned),
+            2 => (side, field, expression()).prop_map(|(side, field, value)| format!("{side}.{field} = \"{value}\"")),
+        ]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn random_hints_cause_no_panic_and_no_invalid_code(lines in prop::collection::vec(line(), 1..6)) {
+            hints(format!("[[hint]]\nmessage = \"Glider\"\n{}\n", lines.join("\n")).as_bytes());
+        }
+    }
 
     #[test]
     fn the_properties_hold_for_correct_and_truncated_files() {

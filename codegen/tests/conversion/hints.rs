@@ -1,6 +1,8 @@
 //! Mistakes in hints.
 
-use super::support::convert;
+use uavspec_codegen::msg::Dialect;
+
+use super::support::{convert, convert_dialect};
 
 const OLD: &str = "uint8 count\nuint8 MODE_A = 1\nfloat32 sink\nuint8[2] list\n";
 const NEW: &str = "uint8 count\nuint8 MODE_A = 2\nuint8 MODE_B = 3\nfloat32 bank_angle_of_left_wing\nfloat32 sink\nuint8[2] list\nbool is_new\n";
@@ -89,6 +91,19 @@ fn checks_the_types_of_expressions() {
             found.conversions.mistakes.iter().map(|mistake| mistake.message.as_str()).collect();
         assert_eq!(text, [expected], "{hint}");
     }
+}
+
+#[test]
+fn texts_strings_and_sequences_are_not_computed() {
+    let convert = |dialect, ty: &str| {
+        let text = format!("{ty} a\n");
+        let hints = "[[hint]]\nmessage = \"Glider\"\nnew.a = 65\n";
+        convert_dialect(dialect, &[("Glider", &text)], &[("Glider", &text)], hints).problems()
+    };
+    assert_eq!(convert(Dialect::Px4, "char[4]"), "3:5: `a`: a text can't be computed\n");
+    assert_eq!(convert(Dialect::Ros2, "uint8[]"), "3:5: `a`: a sequence can't be computed\n");
+    let expected = "3:5: `a`: only numbers and truth values can be computed\n";
+    assert_eq!(convert(Dialect::Ros2, "string"), expected);
 }
 
 #[test]

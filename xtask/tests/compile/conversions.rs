@@ -55,6 +55,7 @@ float32 share
 bool is_valid
 uint16[40] added
 float32[2] unknown  # [m] [@invalid NaN] Unknown
+char[9] tower     # [@invalid 0]
 uint64 mask
 int32 offset
 float64 large

@@ -6,7 +6,7 @@ use uavspec_runtime::Scalar;
 
 use super::constants;
 use super::direction::{self, Direction};
-use super::neutral::neutral;
+use super::neutral::{is_text, neutral};
 use crate::conversion::expression::{Expression, Name, Names, Side, ValueKind, typed};
 use crate::conversion::expression::{Node, NodeKind};
 use crate::conversion::hints::{Decisions, HintValue, Key, Mistake, constant};
@@ -15,7 +15,7 @@ use crate::conversion::plan::{
 };
 use crate::msg::attribute::FRAME;
 use crate::msg::constraint::INVALID;
-use crate::schema::{Dialect, Element, Field, Form, Shape};
+use crate::schema::{Element, Field, Shape};
 use crate::value::Value;
 
 pub(super) struct FieldBuilder<'f, 'a> {
@@ -233,11 +233,7 @@ impl<'a> FieldBuilder<'_, 'a> {
     fn compare_types(&self, source: &Field, target: &Field) -> Compared {
         let is_single = |field: &Field| field.ty.shape == Shape::Single;
         let (from, to) = (self.direction.from, self.direction.to);
-        let is_text =
-            |side: direction::Side<'_>, field: &Field| match side.schema.package_of(side.message).form {
-                Form::Msg(dialect) => field.is_text(dialect),
-                Form::Table => field.is_text(Dialect::Ros2),
-            };
+        let is_text = |side: direction::Side<'_>, field| is_text(side.schema, side.message, field);
         match (is_text(from, source), is_text(to, target)) {
             (true, true) => return Compared::Elements(Elements::Text),
             (false, false) if is_single(source) == is_single(target) => {}
@@ -308,6 +304,12 @@ impl<'a> FieldBuilder<'_, 'a> {
         let Element::Scalar(scalar) = target.ty.element else {
             return self.mistaken(key, "only numbers and truth values can be computed");
         };
+        if is_text(self.direction.to.schema, self.direction.to.message, target) {
+            return self.mistaken(key, "a text can't be computed");
+        }
+        if matches!(target.ty.shape, Shape::Bounded(_) | Shape::Sequence) {
+            return self.mistaken(key, "a sequence can't be computed");
+        }
         if target.ty.shape != Shape::Single
             && !matches!(node.kind, NodeKind::Bool(_) | NodeKind::Int(_) | NodeKind::Float(_))
         {
