@@ -60,8 +60,9 @@ mod rule;
 mod topic_added;
 mod topic_removed;
 
-use self::comparison::Comparison;
+pub(crate) use self::comparison::Comparison;
 pub use self::message::Between;
+pub(crate) use self::message::{ConstantChange, FieldChange, Pair};
 pub use self::rule::{Category, Rule};
 use self::rule::{Check, Sink};
 pub use crate::example::Example;

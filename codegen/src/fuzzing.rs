@@ -4,7 +4,12 @@
 use std::path::Path;
 
 use crate::cli;
+use crate::conversion::{Conversions, Request, answer};
+use crate::dynamic::Types;
 use crate::load::Config;
+use crate::msg::Dialect;
+use crate::read::{PackageInput, read};
+use crate::schema::{Form, Schema};
 use crate::source::{SourceMap, Span};
 use crate::translation::catalogue;
 
@@ -50,6 +55,65 @@ pub fn known_findings(data: &[u8]) {
     assert_eq!(again, fixed, "a second fix changes the list");
 }
 
+/// The definitions that fuzzed hints convert.
+const CONVERTED: [(&str, &str); 4] = [
+    (
+        "old",
+        "uint32 MESSAGE_VERSION = 0\nuint8 MODE_A = 0\nuint8 MODE_B = 1\nuint8 mode  # [@enum MODE]\nbool is_on\nfloat32 sink\nint64 count\nuint16[2] list\n",
+    ),
+    (
+        "new",
+        "uint32 MESSAGE_VERSION = 1\nuint8 MODE_A = 1\nuint8 MODE_C = 2\nuint16 mode  # [@enum MODE]\nbool is_on\nfloat64 sink\nint8 count\nuint16[3] list\nuint32 mask\n",
+    ),
+    ("old", "uint8 a\n# TOPICS tow\n"),
+    ("new", "uint8 a\n# TOPICS tow\n"),
+];
+
+/// Reads hints, and converts a message with them. The generated code must be valid Rust.
+pub fn hints(data: &[u8]) {
+    let mut sources = SourceMap::default();
+    let mut packages: Vec<PackageInput> = Vec::new();
+    for (at, (package, text)) in CONVERTED.into_iter().enumerate() {
+        let name = if at < 2 { "Glider" } else { "Tow" };
+        let Ok(id) = sources.add(format!("{package}/{name}.msg"), text.into()) else { return };
+        match packages.iter_mut().find(|found| found.name == package) {
+            Some(found) => found.sources.push(id),
+            None => packages.push(PackageInput::new(package, Form::Msg(Dialect::Px4), vec![id])),
+        }
+    }
+    let (schema, _) = read(&sources, &packages);
+    let Ok(id) = sources.add("hints.toml", data.to_vec()) else { return };
+    let request = Request { from: "old".to_owned(), to: "new".to_owned(), hints: Some(id) };
+    for answer in answer(&sources, &schema, &[request]) {
+        for mistake in answer.mistakes().iter().chain(&answer.unused(&schema)) {
+            check_span(&sources, mistake.span);
+        }
+        convert(&schema, &answer.conversions);
+        #[cfg(feature = "rust")]
+        {
+            let options = crate::emit::rust::Options::default();
+            let files =
+                crate::emit::rust::emit_with_conversions(&schema, &sources, &answer.conversions, &options);
+            let invalid = files.iter().find(|file| file.text.contains("compile_error!"));
+            assert!(invalid.is_none(), "{invalid:?}");
+        }
+    }
+}
+
+/// Converts the initial message of each decided conversion. The result must have the type of the target.
+fn convert(schema: &Schema, conversions: &[Conversions]) {
+    let types = Types::new(schema);
+    for found in conversions.iter().flat_map(|found| found.forward.iter().chain(&found.backward)) {
+        let [source, target] = [found.from, found.to].map(|id| types.get(id));
+        let (Ok(message), Ok(initial)) = (source.default().to_json(), target.default().to_json()) else {
+            return;
+        };
+        let converted = found.convert_json((schema, schema), &message, &initial);
+        let read = target.from_json(&converted).map(|_| ());
+        assert!(!found.is_decided() || read.is_ok(), "{read:?}: {converted}");
+    }
+}
+
 /// A span must be within its source, and must not split a character.
 fn check_span(sources: &SourceMap, span: Span) {
     let whole = sources.span(sources.source_of(span));
@@ -60,16 +124,124 @@ fn check_span(sources: &SourceMap, span: Span) {
 
 #[cfg(test)]
 mod tests {
-    use super::{configuration, known_findings, translations};
+    use proptest::prelude::*;
+
+    use super::{configuration, hints, known_findings, translations};
+
+    /// Expressions of random tokens.
+    fn expression() -> impl Strategy<Value = String> {
+        let tokens = [
+            "if",
+            "then",
+            "else",
+            "not",
+            "and",
+            "or",
+            "nan",
+            "true",
+            "mode",
+            "is_on",
+            "sink",
+            "count",
+            "list",
+            "MODE_A",
+            "old.MODE_A",
+            "new.MODE_C",
+            "absent",
+            "old.",
+            "(",
+            ")",
+            "==",
+            "<",
+            ">=",
+            "+",
+            "-",
+            "*",
+            "/",
+            "&",
+            "|",
+            "^",
+            "~",
+            "0",
+            "1",
+            "0xffffffffff",
+            "1e400",
+            "1.5",
+            "ä",
+        ];
+        let token = proptest::sample::select(tokens.to_vec());
+        // Operands and operators that alternate are often valid.
+        let operand = proptest::sample::select(vec![
+            "mode",
+            "count",
+            "sink",
+            "is_on",
+            "0",
+            "(1 + mode)",
+            "-1.5",
+            "~count",
+        ]);
+        let operator = proptest::sample::select(vec!["==", "<", "+", "*", "/", "&", "|", "and", "or"]);
+        let alternating =
+            (operand.clone(), prop::collection::vec((operator, operand), 0..6)).prop_map(|(first, rest)| {
+                rest.into_iter().fold(first.to_owned(), |text, (operator, operand)| {
+                    format!("{text} {operator} {operand}")
+                })
+            });
+        let condition = (alternating.clone(), alternating.clone(), alternating.clone())
+            .prop_map(|(condition, yes, no)| format!("if {condition} == 1 then {yes} else {no}"));
+        prop_oneof![
+            prop::collection::vec(token, 0..12).prop_map(|tokens| tokens.join(" ")),
+            alternating,
+            condition,
+        ]
+    }
+
+    fn line() -> impl Strategy<Value = String> {
+        let field =
+            proptest::sample::select(vec!["mode", "is_on", "sink", "count", "list", "mask", "absent"]);
+        let side = proptest::sample::select(vec!["old", "new"]);
+        let lines = vec![
+            "versions = [0, 1]",
+            "versions = [-1, 99999999999]",
+            "topic = \"tow\"",
+            "same = [\"mode\", \"MODE_B\"]",
+            "narrow = { mode = \"nearest\", count = \"neutral\", sink = \"nearest\" }",
+            "rename = { sink = \"count\" }",
+            "new.mode = { MODE_A = \"MODE_C\", MODE_B = \"MODE_A\" }",
+            "old.mask = 0xffff_ffff_ffff_ffff",
+            "\n[[hint]]\nmessage = \"Tow\"",
+            "\n[[hint]]\nmessage = \"Glider\"",
+        ];
+        prop_oneof![
+            1 => proptest::sample::select(lines).prop_map(str::to_owned),
+            2 => (side, field, expression()).prop_map(|(side, field, value)| format!("{side}.{field} = \"{value}\"")),
+        ]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn random_hints_cause_no_panic_and_no_invalid_code(lines in prop::collection::vec(line(), 1..6)) {
+            hints(format!("[[hint]]\nmessage = \"Glider\"\n{}\n", lines.join("\n")).as_bytes());
+        }
+    }
 
     #[test]
     fn the_properties_hold_for_correct_and_truncated_files() {
         let config = "[output]\nrust = \"out\"\n\n[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
         let list = "# list\n\n[[known]]\nrule = \"unit-missing\"\nsubject = \"px4/*\"\ncount = 1\nreason = \"old\"\n";
         let catalogue = "# note\nmsgid \"\"\nmsgstr \"\"\n\"Language: uk\\n\"\n\n#, fuzzy\nmsgctxt \"a\"\nmsgid \"b\"\nmsgstr \"c\"\n";
-        for (check, text) in
-            [(configuration as fn(&[u8]), config), (known_findings, list), (translations, catalogue)]
-        {
+        let converted = "[[hint]]\nmessage = \"Glider\"\nversions = [0, 1]\nnew.mode = { MODE_B = \"MODE_C\" }\n\
+                         old.mode = { MODE_C = \"MODE_B\" }\nnew.mask = \"if old.MODE_B < mode and not is_on then 7 else count\"\n\
+                         narrow = { sink = \"nearest\", count = \"neutral\" }\nsame = [\"list\"]\n";
+        for (check, text) in [
+            (configuration as fn(&[u8]), config),
+            (known_findings, list),
+            (translations, catalogue),
+            (hints, converted),
+        ] {
             for end in 0..=text.len() {
                 check(&text.as_bytes()[..end]);
             }

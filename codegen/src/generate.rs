@@ -8,9 +8,11 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use self::output::{Difference, Folder, compare, write};
 use self::parallel::in_parallel;
-use crate::diagnostic::has_errors;
+use crate::conversion::{Answer, Conversions, answer};
+use crate::diagnostic::{Level, has_errors};
 use crate::emit::Input;
 use crate::failure::Failure;
+use crate::finding::Finding;
 use crate::load::{Config, Loaded, Plan, read_translated};
 use crate::render;
 use crate::schema::Schema;
@@ -81,8 +83,25 @@ pub(crate) fn emit_all(
 ) -> Result<Vec<Folder>, Failure> {
     let Loaded { sources, releases, .. } = loaded;
     guard::check_names(schema, sources)?;
-    let input = Input { schema, translations, sources, releases };
+    let conversions = conversions(schema, loaded)?;
+    let input = Input { schema, translations, sources, releases, conversions: &conversions };
     in_parallel(&plan.outputs, |output| {
         Ok(Folder { path: output.path.clone(), files: output.output.emit(input)? })
     })
+}
+
+/// The conversions that the plan requests. Fails if a hint has a mistake.
+fn conversions(schema: &Schema, loaded: &Loaded) -> Result<Vec<Conversions>, Failure> {
+    let answers = answer(&loaded.sources, schema, &loaded.conversions);
+    let mistakes = answers.iter().flat_map(Answer::mistakes).map(|mistake| {
+        let mut finding = Finding::new("hint-invalid", Level::Error, mistake.span, mistake.message);
+        finding.help(mistake.help);
+        finding
+    });
+    let mistakes: Vec<Finding> = mistakes.collect();
+    if !mistakes.is_empty() {
+        let rendered = render::findings(&mistakes, &loaded.sources, false);
+        return Err(Failure::new(format!("the hints contain errors\n{rendered}")));
+    }
+    Ok(answers.into_iter().flat_map(|answer| answer.conversions).collect())
 }

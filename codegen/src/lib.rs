@@ -4,7 +4,8 @@
 //!  text ──msg, table──▶ syntax tree ──resolve──────────▶ Schema ──▶ emit (rust, json_schema, docs, vectors, typescript, python)
 //!                            │                                ├──▶ dynamic (codecs and checks at run time)
 //!                            └──▶ format                      ├──▶ lint ──────┐
-//!                                                             └──▶ breaking ──┴──▶ report
+//!                                                             ├──▶ breaking ──┴──▶ report
+//!                                                             └──▶ conversion (between packages) ──▶ emit rust
 //! ```
 //!
 //! A stage uses only the types of the stage directly before it. Reading doesn't stop at the first error: each stage
@@ -41,6 +42,8 @@
 //!   key, so emitters can detect text that has no translation.
 //! - TypeScript and Python output includes the translated labels, so users who generate code from other definitions get
 //!   labels too. Each language file contains only the text in that language; missing text falls back to English.
+//! - [`conversion`] matches messages like [`breaking`](mod@breaking), but copies a renamed field only if its comment is the
+//!   same. A wrong match in a comparison is a misleading finding; in a conversion, it is wrong data.
 //! - A comparison of two sets of definitions uses one [`SourceMap`], so a finding can refer to locations in both.
 //! - TypeScript and Python are printed from one intermediate form (`emit::binding`), so their names can't differ.
 //! - The JSON and the verdict of a test vector come from the model, and the bytes come from [`dynamic`]. The vector's
@@ -77,6 +80,8 @@ pub mod breaking;
 mod characters;
 #[cfg(feature = "cli")]
 pub mod cli;
+#[cfg_attr(not(feature = "files"), allow(dead_code))]
+pub mod conversion;
 pub mod diagnostic;
 mod directive;
 pub mod dynamic;
@@ -137,7 +142,7 @@ pub use source::{SourceId, SourceMap};
 /// Parsers and examples for the tests of this crate.
 #[doc(hidden)]
 pub mod internal {
-    pub use crate::example::{Example, catalogues, is_catalogue, packages};
+    pub use crate::example::{CONVERTED, Example, catalogues, hints, is_catalogue, is_hints, packages};
     pub use crate::msg::annotation::Note;
     pub use crate::msg::parse as parse_definition;
     pub use crate::prose::gist;

@@ -35,6 +35,7 @@ mod comment_continued;
 mod comment_lost;
 mod constant_comment_missing;
 mod constant_without_enum;
+mod conversion_undecided;
 mod count_missing;
 mod description_missing;
 mod duplicate_topic;
@@ -47,6 +48,8 @@ mod field_comment_missing;
 mod frame_unknown;
 mod header_end;
 mod header_missing;
+mod hint_invalid;
+mod hint_unused;
 mod invisible_character;
 mod leading_white_space;
 mod malformed_annotation;
@@ -92,9 +95,10 @@ pub use self::fix::apply;
 #[cfg(feature = "cli")]
 pub(crate) use self::ignore::similar;
 pub(crate) use self::rule::Check;
-use self::rule::Sink;
+use self::rule::{Converted, Sink};
 pub use self::rule::{Levels, Measured, Preset, Rule};
 pub use self::settings::{Ignore, Settings};
+use crate::conversion;
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 pub use crate::example::Example;
 use crate::finding::Finding;
@@ -117,6 +121,7 @@ pub const RULES: &[&Rule] = &[
     &comment_lost::RULE,
     &constant_comment_missing::RULE,
     &constant_without_enum::RULE,
+    &conversion_undecided::RULE,
     &count_missing::RULE,
     &description_missing::RULE,
     &duplicate_topic::RULE,
@@ -129,6 +134,8 @@ pub const RULES: &[&Rule] = &[
     &frame_unknown::RULE,
     &header_end::RULE,
     &header_missing::RULE,
+    &hint_invalid::RULE,
+    &hint_unused::RULE,
     &ignore::INVALID,
     &invisible_character::RULE,
     &leading_white_space::RULE,
@@ -195,6 +202,7 @@ pub fn lint(
     linter.check(&parsed, &diagnostics, &mut findings);
     let mut selected = selected(sources, &schema, &parsed);
     selected.extend(catalogues);
+    selected.extend(settings.conversions.iter().filter_map(|request| request.hints));
     findings.retain(|finding| {
         finding.level == Level::Error && rule(finding.rule).is_none()
             || selected.contains(&sources.source_of(finding.span))
@@ -240,6 +248,9 @@ impl Linter<'_> {
             .collect();
         let subjects = subject::subjects(self.sources, self.schema, parsed, &invalid);
         let texts = subject::texts(self.sources, parsed);
+        // If definitions can't be read, messages would appear to be missing.
+        let requests = if has_errors(diagnostics) { &[] } else { self.settings.conversions.as_slice() };
+        let answers = conversion::answer(self.sources, self.schema, requests);
         for rule in RULES {
             let Some(level) = self.settings.level(rule) else { continue };
             let first = findings.len();
@@ -251,6 +262,10 @@ impl Linter<'_> {
                     let has_tables = |package: &&Package| package.form == Form::Table;
                     let packages = self.schema.packages.iter().filter(has_tables);
                     packages.for_each(|package| check(package, self.sources, &mut sink));
+                }
+                Check::Conversion(check) => {
+                    let converted = answers.iter().map(|answer| Converted { schema: self.schema, answer });
+                    converted.for_each(|converted| check(&converted, &mut sink));
                 }
                 Check::Reader(_) | Check::Ignores => {}
             }

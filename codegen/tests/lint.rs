@@ -14,9 +14,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
+use uavspec_codegen::conversion::Request;
 use uavspec_codegen::diagnostic::{Level, Problem};
 use uavspec_codegen::finding::Finding;
-use uavspec_codegen::internal::{Example, catalogues, is_catalogue, packages};
+use uavspec_codegen::internal::{CONVERTED, Example, catalogues, hints, is_catalogue, is_hints, packages};
 use uavspec_codegen::lint::{Preset, RULES, Rule, Settings, apply, lint, rule};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
@@ -32,7 +33,7 @@ fn fixtures() -> PathBuf {
 fn all() -> Settings {
     let others = RULES.iter().filter(|rule| rule.levels.strict.is_none());
     let levels = others.map(|rule| (rule.id.to_owned(), rule.levels.px4)).collect();
-    Settings { preset: Preset::Strict, levels, ignores: Vec::new() }
+    Settings { preset: Preset::Strict, levels, ..Settings::default() }
 }
 
 /// The findings of all rules for the given files.
@@ -40,8 +41,12 @@ fn judge(files: &[File]) -> (SourceMap, Vec<Finding>) {
     let mut sources = SourceMap::default();
     let files = files.iter().map(|(path, text)| (path.as_str(), text.as_str()));
     let packages = packages(files.clone(), "", &mut sources);
-    let catalogues = catalogues(files, "", &mut sources);
-    let findings = lint(&sources, &packages, &catalogues, &all());
+    let catalogues = catalogues(files.clone(), "", &mut sources);
+    let hints = hints(files, "", &mut sources);
+    let [from, to] = CONVERTED.map(|example| example.package().to_owned());
+    let conversions = hints.map(|hints| Request { from, to, hints: Some(hints) });
+    let settings = Settings { conversions: conversions.into_iter().collect(), ..all() };
+    let findings = lint(&sources, &packages, &catalogues, &settings);
     (sources, findings)
 }
 
@@ -263,8 +268,9 @@ fn fixes_preserve_the_meaning_of_real_definitions() {
             }
         }
     }
-    // Catalogues have no automatic fixes.
-    for rule in RULES.iter().filter(|rule| !is_catalogue(rule.bad.path)) {
+    // Catalogues and hints have no automatic fixes.
+    let is_definition = |rule: &&&Rule| !is_catalogue(rule.bad.path) && !is_hints(rule.bad.path);
+    for rule in RULES.iter().filter(is_definition) {
         let example = rule.bad;
         let dialect = if example.path.starts_with("ros2/") { Dialect::Ros2 } else { Dialect::Px4 };
         let form = Kind::of(example.path).map_or(Form::Table, |_| Form::Msg(dialect));

@@ -4,6 +4,7 @@ mod attributes;
 mod bindings;
 mod breaking;
 mod constraints;
+mod conversion;
 mod dynamic;
 mod edge;
 mod emitters;

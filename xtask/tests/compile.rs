@@ -1,6 +1,8 @@
 //! Tests that generated code compiles without warnings under the lints of this workspace, and that its JSON and CDR
 //! match those of other tools. The definitions include conflicting names and the whole corpus.
 
+mod conversions;
+
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};

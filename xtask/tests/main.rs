@@ -5,6 +5,7 @@ mod baseline;
 mod breaking;
 mod cli;
 mod compile;
+mod conversions;
 mod downstream;
 mod lint;
 mod modules;

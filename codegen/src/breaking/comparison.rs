@@ -64,8 +64,18 @@ pub(crate) enum CodeChange<'a> {
 impl<'a> Comparison<'a> {
     /// Matches two versions.
     pub(crate) fn new(old: &'a Schema, new: &'a Schema, between: Between) -> Self {
+        Self::of_packages((old, new), packages(old, new), &[], between)
+    }
+
+    /// Matches pairs of packages, and the messages of `others`, which may have different names.
+    pub(crate) fn of_packages(
+        (old, new): (&'a Schema, &'a Schema),
+        packages: Vec<(Option<&'a Package>, Option<&'a Package>)>,
+        others: &[(MessageId, MessageId)],
+        between: Between,
+    ) -> Self {
         let mut matcher = Matcher { old, new, twins: Vec::new(), changes: Vec::new(), codes: Vec::new() };
-        for (before, after) in packages(old, new) {
+        for (before, after) in packages {
             matcher.messages(before, after);
             matcher.interfaces(before, after);
             matcher.codes(before, after);
@@ -80,7 +90,8 @@ impl<'a> Comparison<'a> {
             new_signatures: signatures.of(new),
             between,
         };
-        let pairs = matcher.twins.iter().map(|(before, after)| context.pair(*before, *after)).collect();
+        let pairs = matcher.twins.iter().chain(others);
+        let pairs = pairs.map(|(before, after)| context.pair(*before, *after)).collect();
         Self { pairs, changes: matcher.changes, codes: matcher.codes }
     }
 }

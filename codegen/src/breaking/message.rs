@@ -37,6 +37,8 @@ pub(crate) struct Pair<'a> {
     pub old: &'a Message,
     /// The new message.
     pub new: &'a Message,
+    /// The ids of the old and the new message.
+    pub ids: (MessageId, MessageId),
     /// The fields.
     pub fields: Vec<FieldChange>,
     /// The constants, except constants with a special meaning in PX4.
@@ -181,6 +183,7 @@ impl<'a> PairOf<'a, '_> {
             new_schema: self.new,
             old: before,
             new: after,
+            ids: (old, new),
             fields: self.fields(before, after),
             constants: constants(before, after),
             between: self.between,

@@ -151,6 +151,7 @@ fn settings(plan: &Plan, loaded: &Loaded, args: &LintArgs) -> Settings {
         preset: args.preset.or(plan.lint.preset).map_or_else(Preset::default, Preset::from),
         levels: plan.lint.levels.clone(),
         ignores: ignores.collect(),
+        conversions: loaded.conversions.clone(),
     };
     for rule in args.rule.iter().filter_map(|id| rule(id)) {
         if settings.level(rule).is_none() {

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 
 use super::file::OutputFile;
+use crate::conversion::Conversions;
 use crate::failure::Failure;
 use crate::path::seen_from;
 use crate::release::Releases;
@@ -39,6 +40,8 @@ pub struct Input<'a> {
     pub sources: &'a SourceMap,
     /// The releases of the packages.
     pub releases: &'a Releases,
+    /// The conversions between packages.
+    pub conversions: &'a [Conversions],
 }
 
 /// Options of one emitter.

@@ -17,6 +17,7 @@
 //! ```
 
 mod context;
+mod conversion;
 mod enumeration;
 mod error_code;
 mod file;
@@ -43,6 +44,7 @@ use self::identifier::{Scope, ident, module_name};
 use super::emitter::{Input, Output};
 use super::file::OutputFile;
 use super::origin::Origins;
+use crate::conversion::Conversions;
 #[cfg(feature = "files")]
 use crate::failure::Failure;
 use crate::prose;
@@ -69,7 +71,7 @@ impl Default for Options {
 #[cfg(feature = "files")]
 impl Output for Options {
     fn emit(&self, input: Input<'_>) -> Result<Vec<OutputFile>, Failure> {
-        Ok(emit(input.schema, input.sources, self))
+        Ok(emit_with_conversions(input.schema, input.sources, input.conversions, self))
     }
 }
 
@@ -90,6 +92,16 @@ struct InterfaceModule {
 
 /// Creates the module tree of the whole schema, with `options.root` as the root file.
 pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<OutputFile> {
+    emit_with_conversions(schema, sources, &[], options)
+}
+
+/// Like [`emit`], with conversions between packages of the schema in the module `conversions`.
+pub fn emit_with_conversions(
+    schema: &Schema,
+    sources: &SourceMap,
+    conversions: &[Conversions],
+    options: &Options,
+) -> Vec<OutputFile> {
     let mut context = Context {
         schema,
         origins: Origins::new(schema, sources),
@@ -98,6 +110,9 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
     };
     let mut root_scope = Scope::default();
     root_scope.unique(options.root.trim_end_matches(".rs"));
+    if !conversions.is_empty() {
+        root_scope.unique(conversion::MODULE);
+    }
     let mut packages = Vec::new();
     for package in &schema.packages {
         if !package.is_empty() {
@@ -106,11 +121,23 @@ pub fn emit(schema: &Schema, sources: &SourceMap, options: &Options) -> Vec<Outp
             packages.push((package, module, modules));
         }
     }
-    let mut files = vec![OutputFile { path: options.root.clone(), text: root(&packages, options) }];
+    let mut files = vec![OutputFile {
+        path: options.root.clone(),
+        text: root(&packages, !conversions.is_empty(), options),
+    }];
     for (package, module, modules) in &packages {
         files.append(&mut package_files(&context, package, module, modules));
     }
     files.append(&mut message_files(&context));
+    if !conversions.is_empty() {
+        let module = |package: usize| {
+            let name = &schema.packages[package].name;
+            let found = packages.iter().find(|(found, ..)| found.name == *name);
+            // Packages without messages have no module, and no conversions either.
+            found.map_or("", |(_, module, _)| module.as_str())
+        };
+        files.append(&mut conversion::files(&context, conversions, &module));
+    }
     files.sort_by(|left, right| left.path.cmp(&right.path));
     files
 }
@@ -189,13 +216,14 @@ fn set_place(context: &mut Context<'_>, id: MessageId, place: Place, scope: &mut
     context.places[id.0 as usize] = Some(place);
 }
 
-fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
+fn root(packages: &[(&Package, String, Modules)], has_conversions: bool, options: &Options) -> String {
     let modules = packages.iter().map(|(package, module, _)| {
         let module = ident(module);
         let doc = documentation(&format!("Package `{}`.", package.name));
         // The generator formats the code.
         quote!(#doc #[rustfmt::skip] pub mod #module;)
     });
+    let conversions = has_conversions.then(conversion::declaration);
     let no_std = (options.root == "lib.rs").then(|| quote!(#![no_std]));
     let doc = inner_documentation(
         "Types of drone interface definitions. Each package is a module.\n\n\
@@ -220,6 +248,7 @@ fn root(packages: &[(&Package, String, Modules)], options: &Options) -> String {
         #![allow(clippy::too_long_first_doc_paragraph)]
         #![allow(clippy::unreadable_literal)]
         #(#modules)*
+        #conversions
     };
     header("the definitions") + &layout_file(tokens)
 }

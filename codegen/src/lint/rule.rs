@@ -1,10 +1,11 @@
 //! Lint rules and their findings.
 
 use super::subject::{SourceText, Subject};
+use crate::conversion::Answer;
 use crate::diagnostic::{Diagnostic, Level};
 use crate::example::Example;
 use crate::finding::{Edit, Finding};
-use crate::schema::Package;
+use crate::schema::{Package, Schema};
 use crate::source::{SourceMap, Span};
 
 /// A lint rule.
@@ -82,8 +83,17 @@ pub(crate) enum Check {
     Message(fn(&Subject<'_>, &mut Sink<'_>)),
     /// Checks the error codes of each package.
     ErrorCodes(fn(&Package, &SourceMap, &mut Sink<'_>)),
+    /// Checks the conversions that share a file with hints.
+    Conversion(fn(&Converted<'_>, &mut Sink<'_>)),
     /// Checks the ignore comments.
     Ignores,
+}
+
+/// Conversions that share a file with hints.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Converted<'a> {
+    pub(super) schema: &'a Schema,
+    pub(super) answer: &'a Answer,
 }
 
 /// The fix function for rules that have no automatic fix.

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::rule::{Preset, Rule};
+use crate::conversion::Request;
 use crate::diagnostic::Level;
 use crate::source::{SourceId, Span};
 
@@ -15,6 +16,8 @@ pub struct Settings {
     pub levels: BTreeMap<String, Option<Level>>,
     /// The ignores in the configuration.
     pub ignores: Vec<Ignore>,
+    /// The conversions to check.
+    pub conversions: Vec<Request>,
 }
 
 impl Settings {

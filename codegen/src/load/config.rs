@@ -40,6 +40,17 @@ struct File {
     lint: Lint,
     #[serde(default)]
     translations: Translations,
+    #[serde(default, rename = "conversion")]
+    conversions: Vec<Conversion>,
+}
+
+/// A pair of packages to convert between.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Conversion {
+    from: Spanned<String>,
+    to: Spanned<String>,
+    hints: Option<PathBuf>,
 }
 
 /// Translation catalogues.
@@ -87,8 +98,19 @@ pub(crate) struct Plan {
     pub(crate) lint: PlannedLint,
     /// The glob patterns of translation catalogues, and the folder that they are relative to.
     pub(crate) catalogues: (PathBuf, Vec<String>),
+    /// The conversions between packages.
+    pub(crate) conversions: Vec<PlannedConversion>,
     /// The Git revision of the sources; `None` for the working tree.
     pub(crate) revision: Option<String>,
+}
+
+/// A pair of packages to convert between.
+#[derive(Debug)]
+pub(crate) struct PlannedConversion {
+    pub(crate) from: String,
+    pub(crate) to: String,
+    /// The file with hints.
+    pub(crate) hints: Option<PathBuf>,
 }
 
 /// A package to read.
@@ -192,6 +214,8 @@ impl Config {
             let message = "a package of the `table` dialect has no `releases`";
             return Err(unreadable_at(&self.path, &self.text, releases.span(), message));
         }
+        let conversions = conversions(self.file.conversions, &self.file.packages, folder)
+            .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
         let packages = self
             .file
             .packages
@@ -217,7 +241,16 @@ impl Config {
         let lint = self.file.lint.plan(folder, &self.path, &self.text)?;
         let config = Some((self.path, self.text));
         let catalogues = (folder.clone(), self.file.translations.include);
-        Ok(Plan { root: normalise(&root), packages, outputs, config, lint, catalogues, revision: None })
+        Ok(Plan {
+            root: normalise(&root),
+            packages,
+            outputs,
+            config,
+            lint,
+            catalogues,
+            conversions,
+            revision: None,
+        })
     }
 }
 
@@ -256,6 +289,51 @@ fn outputs(
     EMITTERS.iter().filter_map(|emitter| Some((emitter, configured.get(emitter.name)?))).map(read).collect()
 }
 
+/// The maximum edit distance between an unknown package and a suggestion.
+const MAX_DISTANCE: usize = 2;
+
+/// Checks the packages of the `conversion` tables. Errors contain a location and a message.
+fn conversions(
+    tables: Vec<Conversion>,
+    packages: &[Package],
+    folder: &Path,
+) -> Result<Vec<PlannedConversion>, (Range<usize>, String)> {
+    let mut planned: Vec<PlannedConversion> = Vec::new();
+    for Conversion { from, to, hints } in tables {
+        for name in [&from, &to] {
+            check_package(name, packages)?;
+        }
+        if from.get_ref() == to.get_ref() {
+            return Err((to.span(), "`from` and `to` are the same package".to_owned()));
+        }
+        let pair = |from: &str, to: &str| (from.min(to).to_owned(), from.max(to).to_owned());
+        let found = pair(from.get_ref(), to.get_ref());
+        if planned.iter().any(|other| pair(&other.from, &other.to) == found) {
+            let message = format!("the conversion between `{}` and `{}` is repeated", found.0, found.1);
+            return Err((from.span(), message));
+        }
+        let hints = hints.map(|path| normalise(&folder.join(path)));
+        planned.push(PlannedConversion { from: from.into_inner(), to: to.into_inner(), hints });
+    }
+    Ok(planned)
+}
+
+/// Checks that a package with `.msg` files has this name.
+fn check_package(name: &Spanned<String>, packages: &[Package]) -> Result<(), (Range<usize>, String)> {
+    let found = packages.iter().find(|package| package.name.get_ref() == name.get_ref());
+    let Some(package) = found else {
+        let names = packages.iter().map(|package| package.name.get_ref());
+        let nearest = names.map(|known| (strsim::damerau_levenshtein(known, name.get_ref()), known)).min();
+        let advice = nearest.filter(|(distance, _)| *distance <= MAX_DISTANCE);
+        let advice = advice.map_or_else(String::new, |(_, known)| format!("; did you mean `{known}`?"));
+        return Err((name.span(), format!("no package `{}`{advice}", name.get_ref())));
+    };
+    if matches!(package.dialect, DialectName::Table) {
+        return Err((name.span(), "packages of pages can't be converted".to_owned()));
+    }
+    Ok(())
+}
+
 impl Plan {
     /// A plan for one package, without a configuration file.
     pub(crate) fn from_arguments(
@@ -287,6 +365,7 @@ impl Plan {
             config: None,
             lint: PlannedLint::default(),
             catalogues: (PathBuf::new(), Vec::new()),
+            conversions: Vec::new(),
             revision: None,
         }
     }

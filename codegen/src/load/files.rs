@@ -10,6 +10,7 @@ use walkdir::WalkDir;
 
 use super::config::{Inputs, Plan, PlannedPackage};
 use super::located::failure_at;
+use crate::conversion::Request;
 use crate::diagnostic::Diagnostic;
 use crate::failure::Failure;
 use crate::msg::ast::{Element, Item};
@@ -39,6 +40,8 @@ pub(crate) struct Loaded {
     pub(crate) catalogues: Vec<SourceId>,
     /// The releases of each package, if requested.
     pub(crate) releases: Releases,
+    /// The conversions that the plan requests. Their hints are read if catalogues are requested.
+    pub(crate) conversions: Vec<Request>,
     /// The configuration file, to which findings may point.
     pub(crate) config: Option<Span>,
 }
@@ -55,12 +58,13 @@ pub(crate) fn load_into(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failu
     Ok(loader.loaded)
 }
 
-/// Reads all sources of `plan`, the translation catalogues, and the releases of the packages.
+/// Reads all sources of `plan`, the translation catalogues, the releases of the packages, and the hints for conversions.
 pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, SourceMap::default())?;
     loader.releases()?;
     loader.ros_dependencies()?;
     loader.catalogues()?;
+    loader.conversions()?;
     Ok(loader.loaded)
 }
 
@@ -80,6 +84,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
             paths: BTreeMap::new(),
             catalogues: Vec::new(),
             releases: Releases::new(),
+            conversions: Vec::new(),
             config: None,
         },
         folders: BTreeMap::new(),
@@ -219,6 +224,25 @@ impl Loader<'_> {
             self.loaded.files.append(&mut files);
             self.loaded.releases.insert(package.name.clone(), releases);
         }
+        Ok(())
+    }
+
+    /// Reads the hints of conversions. A file that several conversions share is read once.
+    fn conversions(&mut self) -> Result<(), Failure> {
+        let plan = self.plan;
+        let mut read: BTreeMap<&Path, Option<SourceId>> = BTreeMap::new();
+        for path in plan.conversions.iter().filter_map(|conversion| conversion.hints.as_deref()) {
+            if !read.contains_key(path) {
+                let found = self.read_all(&[path.to_path_buf()])?;
+                read.insert(path, found.first().copied());
+            }
+        }
+        let requests = plan.conversions.iter().map(|conversion| Request {
+            from: conversion.from.clone(),
+            to: conversion.to.clone(),
+            hints: conversion.hints.as_deref().and_then(|path| *read.get(path)?),
+        });
+        self.loaded.conversions = requests.collect();
         Ok(())
     }
 

@@ -71,22 +71,33 @@ impl Schema {
 }
 
 /// True if NaN is invalid in a float field. NaN is invalid if the definition constrains the field and doesn't mention
-/// NaN. NaN may be mentioned in the field's annotations, or in the texts of the field, the group or the message.
+/// NaN.
 ///
 /// Unconstrained fields may be NaN, which is common in valid logs. In ROS 2, the users of a message decide whether NaN
 /// is valid.
 fn forbids_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
-    let is_nan = |stated: &Stated| matches!(stated.value(), Some(Value::Float(value)) if value.is_nan());
+    dialect == Dialect::Px4 && !field.constraints.is_empty() && !mentions_nan(message, field)
+}
+
+/// True if the definition mentions NaN in the field's annotations, or in the texts of the field, the group or the
+/// message.
+fn mentions_nan(message: &Message, field: &Field) -> bool {
     let group = field.group.and_then(|group| message.groups.get(group));
-    let has_meaning = || {
-        field.constraints.iter().any(|found| is_nan(&found.stated) || mentions_nan(&found.text))
-            || mentions_nan(&field.description)
-            || group.into_iter().chain([&message.docs]).any(|docs| mentions_nan(&docs.text()))
-    };
-    dialect == Dialect::Px4 && !field.constraints.is_empty() && !has_meaning()
+    field.gives_nan_a_meaning()
+        || group.into_iter().chain([&message.docs]).any(|docs| text_mentions_nan(&docs.text()))
+}
+
+impl Field {
+    /// True if the definition mentions NaN in the annotations or the text of the field.
+    pub(crate) fn gives_nan_a_meaning(&self) -> bool {
+        let is_nan = |stated: &Stated| matches!(stated.value(), Some(Value::Float(value)) if value.is_nan());
+        let constraints = &self.constraints;
+        constraints.iter().any(|found| is_nan(&found.stated) || text_mentions_nan(&found.text))
+            || text_mentions_nan(&self.description)
+    }
 }
 
 /// True if a text mentions NaN.
-fn mentions_nan(text: &str) -> bool {
+fn text_mentions_nan(text: &str) -> bool {
     text.split(|character: char| !character.is_alphanumeric()).any(|word| word.eq_ignore_ascii_case("nan"))
 }

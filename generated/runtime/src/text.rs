@@ -19,6 +19,20 @@ impl<const N: usize> Text<N> {
     pub fn as_str(&self) -> Result<&str, core::str::Utf8Error> {
         core::str::from_utf8(self.bytes())
     }
+
+    /// The text with space for `M` bytes. A longer text is cut before the first character that doesn't fit.
+    pub fn resized<const M: usize>(&self) -> Text<M> {
+        let bytes = self.bytes();
+        let is_start = |at: usize| bytes.get(at).is_none_or(|byte| byte & 0xC0 != 0x80);
+        // A character has at most four bytes. If there is no start among them, the text isn't UTF-8 and is cut anywhere.
+        let room = bytes.len().min(M);
+        let end = (room.saturating_sub(3)..=room).rev().find(|at| is_start(*at)).unwrap_or(room);
+        let mut resized = [0; M];
+        for (to, from) in resized.iter_mut().zip(&bytes[..end]) {
+            *to = *from;
+        }
+        Text(resized)
+    }
 }
 
 impl<const N: usize> Default for Text<N> {
@@ -89,6 +103,19 @@ mod tests {
         assert_eq!("ab".parse(), Ok(Text(*b"ab\0")));
         assert_eq!("abcd".parse::<Text<3>>(), Err(TextError::TooLong { len: 4, room: 3 }));
         assert_eq!("a\0".parse::<Text<3>>(), Err(TextError::Nul));
+    }
+
+    #[test]
+    fn a_text_is_cut_between_characters() {
+        assert_eq!(Text(*b"ab\0c").resized::<6>(), Text(*b"ab\0\0\0\0"));
+        let text: Text<8> = "aäö".parse().expect("a text");
+        assert_eq!(text.resized::<5>().as_str(), Ok("aäö"));
+        assert_eq!(text.resized::<4>().as_str(), Ok("aä"));
+        assert_eq!(text.resized::<3>().as_str(), Ok("aä"));
+        assert_eq!(text.resized::<2>().as_str(), Ok("a"));
+        assert_eq!(Text([0x80; 6]).resized::<4>(), Text([0x80; 4]));
+        let wide: Text<4> = "😀".parse().expect("a text");
+        assert_eq!(wide.resized::<3>().as_str(), Ok(""));
     }
 
     #[test]

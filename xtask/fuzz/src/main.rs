@@ -27,6 +27,7 @@ const OWN_TARGETS: &[Target] = &[
     Target { name: "format", check: definitions::format, seeds: seeds::files },
     Target { name: "fixes", check: definitions::fixes, seeds: seeds::files },
     Target { name: "configuration", check: fuzzing::configuration, seeds: seeds::configurations },
+    Target { name: "hints", check: fuzzing::hints, seeds: seeds::hints },
     Target { name: "translations", check: fuzzing::translations, seeds: seeds::translations },
     Target { name: "known-findings", check: fuzzing::known_findings, seeds: seeds::known_findings },
     Target { name: "dynamic", check: dynamic::dynamic, seeds: seeds::dynamic },

@@ -1,6 +1,6 @@
 //! The inputs that a first run of the targets for definitions and codecs starts from.
 
-use uavspec_definitions::{FLOCKWAVE, PX4};
+use uavspec_definitions::{FLOCKWAVE, PX4, PX4_HINTS};
 
 /// The maximum length of a page, in bytes.
 const MAX_PAGE: usize = 4 << 10;
@@ -64,6 +64,16 @@ pub(crate) fn configurations() -> Vec<Vec<u8>> {
                  preset = \"strict\"\n\n[lint.levels]\nunit-missing = \"off\"\n\n[[lint.ignore]]\nrule = \"name-style\"\n\
                  path = \"a/*\"\nreason = \"old\"\n\n[output.rust]\npath = \"out\"\n";
     vec![own, lint.to_vec()]
+}
+
+/// Hints for conversions.
+pub(crate) fn hints() -> Vec<Vec<u8>> {
+    let constants = "[[hint]]\nmessage = \"Glider\"\nversions = [0, 1]\nnew.mode = { MODE_B = \"MODE_C\" }\n\
+                     old.mode = \"if mode == 2 then MODE_B else old.MODE_A\"\nrename = { sink = \"sink\" }\n";
+    let policies = "[[hint]]\nold_message = \"Tow\"\nnew_message = \"Tow\"\ntopic = \"tow\"\n\n[[hint]]\nmessage = \"Glider\"\n\
+                    narrow = { sink = \"nearest\", count = \"neutral\" }\nsame = [\"MODE_A\"]\n\
+                    new.mask = \"count & ~0xff | 1 + 2 * 3\"\nnew.is_on = \"not is_on or sink / 2 >= nan and true\"\n";
+    vec![constants.into(), policies.into(), PX4_HINTS.into()]
 }
 
 /// Translation catalogues.

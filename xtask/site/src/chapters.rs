@@ -33,6 +33,7 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
         &[
             chapter("codegen, fmt, inspect", "xtask/site/guide/codegen.md", "guide/codegen.md"),
             chapter("Use it in your build", "xtask/site/guide/your-build.md", "guide/your-build.md"),
+            chapter("Convert between releases", "xtask/site/guide/conversions.md", "guide/conversions.md"),
             chapter("Rust", "generated/README.md", "guide/rust.md"),
             chapter(
                 "TypeScript and Python",

@@ -53,7 +53,8 @@ struct Parts<'c> {
     fields: Vec<Ident>,
 }
 
-fn field_names(message: &Message) -> Vec<Ident> {
+/// The names of the fields of the struct.
+pub(super) fn field_names(message: &Message) -> Vec<Ident> {
     let mut scope = Scope::default();
     message.fields.iter().map(|field| ident(&scope.unique(&snake_case(&field.name)))).collect()
 }

@@ -1,9 +1,10 @@
 //! The rules of `lint`. The output in the examples comes from the rules themselves.
 
 use super::chapter::{Chapter, Listing, OVERVIEW, RulePage, rule_link};
+use crate::conversion::Request;
 use crate::diagnostic::Level;
 use crate::emit::docs::markdown::{Table, code, gist, link, text_column, with_code};
-use crate::example::{catalogues, is_catalogue, packages};
+use crate::example::{CONVERTED, catalogues, hints, is_catalogue, is_hints, packages};
 use crate::finding::Finding;
 use crate::lint::{Check, Levels, Measured, Preset, RULES, Rule, Settings, lint};
 use crate::msg::{Dialect, Kind};
@@ -125,9 +126,10 @@ fn configuration(rule: &Rule) -> String {
         return format!("To switch the rule off, {off}. See {guide}.");
     }
     let ignore = match form(rule.bad.path) {
-        _ if is_catalogue(rule.bad.path) => {
+        _ if is_catalogue(rule.bad.path) || is_hints(rule.bad.path) => {
+            let file = if is_hints(rule.bad.path) { "file" } else { "catalogue" };
             format!(
-                "add an entry to `lint.ignore` with the rule {}, the path of the catalogue and a reason",
+                "add an entry to `lint.ignore` with the rule {}, the path of the {file} and a reason",
                 code(id)
             )
         }
@@ -149,7 +151,17 @@ fn lint_bad_example(rule: &Rule) -> (SourceMap, Vec<Finding>) {
     let catalogues = catalogues(rule.bad.files(), "", &mut sources);
     let level = rule.levels.px4.or(rule.levels.strict).unwrap_or(Level::Warning);
     let levels = [(rule.id.to_owned(), Some(level))].into();
-    let settings = Settings { preset: Preset::Strict, levels, ignores: Vec::new() };
+    let hints = hints(rule.bad.files(), "", &mut sources);
+    let conversions = hints.map(|hints| {
+        let [from, to] = CONVERTED.map(|example| example.package().to_owned());
+        Request { from, to, hints: Some(hints) }
+    });
+    let settings = Settings {
+        preset: Preset::Strict,
+        levels,
+        ignores: Vec::new(),
+        conversions: conversions.into_iter().collect(),
+    };
     let mut findings = lint(&sources, &packages, &catalogues, &settings);
     findings.retain(|finding| finding.rule == rule.id);
     (sources, findings)

@@ -1,0 +1,124 @@
+//! Builds the conversion of one message.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::constants::changed;
+use super::direction::Direction;
+use super::field::FieldBuilder;
+use super::{Builder, nested};
+use crate::breaking::Pair;
+use crate::conversion::plan::{Conversion, Copy, Elements, Loss, LossKind, Step};
+use crate::schema::{Element, Field, Shape};
+
+impl<'a> Builder<'_, 'a> {
+    pub(super) fn build(&mut self, pair: &'a Pair<'a>) -> Conversion {
+        let direction = Direction::new(pair, self.pairs, self.is_forward);
+        let (from, to) = direction.old_and_new(pair.ids.0, pair.ids.1);
+        let mut mistakes = Vec::new();
+        let decisions = self.decisions(pair);
+        let mut used = BTreeSet::new();
+        let mut conversion = Conversion {
+            from,
+            to,
+            steps: Vec::new(),
+            losses: Vec::new(),
+            undecided: Vec::new(),
+            blocked_by: None,
+        };
+        let mut steps = Vec::new();
+        for target in 0..direction.to.message.fields.len() {
+            let mut field = FieldBuilder {
+                direction: &direction,
+                decisions: &decisions,
+                target,
+                conversion: &mut conversion,
+                used: &mut used,
+                mistakes: &mut mistakes,
+            };
+            steps.push(field.step());
+        }
+        conversion.undecided.extend(changed(&direction, &used, &decisions));
+        self.found.mistakes.append(&mut mistakes);
+        conversion.steps = steps;
+        self.resolve_nested(&direction, &mut conversion);
+        limit_counts(&direction, &mut conversion);
+        add_losses(&direction, &mut conversion);
+        conversion
+    }
+
+    /// Replaces the placeholders of nested conversions.
+    fn resolve_nested(&mut self, direction: &Direction<'a>, conversion: &mut Conversion) {
+        for (target, step) in conversion.steps.iter_mut().enumerate() {
+            let Step::Copy(copy) = step else { continue };
+            let element = |fields: &[Field], at: usize| match fields[at].ty.element {
+                Element::Message(id) => Some(id),
+                Element::Scalar(_) | Element::String { .. } => None,
+            };
+            let source = element(&direction.from.message.fields, copy.source);
+            let (Some(from), Some(to)) = (source, element(&direction.to.message.fields, target)) else {
+                continue;
+            };
+            let ids = direction.old_and_new(from, to);
+            if let Some(found) = self.conversion(ids) {
+                if !found.is_decided() {
+                    conversion.blocked_by.get_or_insert(to);
+                }
+                copy.elements = Elements::Message(found);
+            }
+        }
+    }
+}
+
+/// Limits fields that count the elements of an array that is cut.
+fn limit_counts(direction: &Direction<'_>, conversion: &mut Conversion) {
+    for (target, step) in conversion.steps.iter_mut().enumerate() {
+        let Step::Copy(Copy { source, at_most, .. }) = step else { continue };
+        let counted = |fields: &[Field], field: usize| {
+            let array = fields.get(fields[field].counts?)?;
+            match array.ty.shape {
+                Shape::Array(length) | Shape::Bounded(length) => Some(length),
+                Shape::Single | Shape::Sequence => None,
+            }
+        };
+        let Some(length) = counted(&direction.to.message.fields, target) else { continue };
+        let before = counted(&direction.from.message.fields, *source);
+        if before.is_none_or(|before| before > length) {
+            *at_most = Some(length);
+        }
+    }
+}
+
+/// Lists the source fields that no step copies, and the losses of nested messages.
+fn add_losses(direction: &Direction<'_>, conversion: &mut Conversion) {
+    let mut copied = BTreeSet::new();
+    let mut read = BTreeSet::new();
+    let mut inner = Vec::new();
+    for step in &conversion.steps {
+        match step {
+            Step::Copy(copy) => {
+                copied.insert(copy.source);
+                let name = &direction.from.message.fields[copy.source].name;
+                for loss in nested(step).map(Arc::as_ref).into_iter().flat_map(|nested| &nested.losses) {
+                    let text = format!("in `{name}`, {}", loss.text);
+                    inner.push(Loss { source: Some(copy.source), kind: LossKind::Nested, text });
+                }
+            }
+            Step::Compute(expression) => expression.fields(&mut |field| {
+                read.insert(field);
+            }),
+            Step::Fill(_) => {}
+        }
+    }
+    conversion.losses.append(&mut inner);
+    for (at, field) in direction.from.message.fields.iter().enumerate() {
+        let name = &field.name;
+        let (kind, text) = match (copied.contains(&at), read.contains(&at)) {
+            (true, _) => continue,
+            (_, true) => (LossKind::Computed, format!("`{name}` is only used to compute other values")),
+            _ => (LossKind::Dropped, format!("`{name}` is dropped")),
+        };
+        conversion.losses.push(Loss { source: Some(at), kind, text });
+    }
+    conversion.losses.sort_by_key(|loss| loss.source);
+}

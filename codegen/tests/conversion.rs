@@ -1,0 +1,8 @@
+//! Tests of conversions between packages.
+
+mod corpus;
+mod hints;
+mod properties;
+mod rules;
+mod steps;
+mod support;

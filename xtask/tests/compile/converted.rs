@@ -1,0 +1,88 @@
+//! Tests that generated conversions convert as their definitions and hints require.
+
+use conversions::{new, old, ros_new, ros_old, ros_shared};
+
+fn glider() -> old::Glider {
+    old::Glider {
+        count: 4,
+        parts: core::array::from_fn(|at| old::Part { id: at as u8, code: -1 }),
+        part: old::Part { id: 9, code: i64::MIN },
+        grown: [1, 2, 3],
+        cut: core::array::from_fn(|at| at as u8),
+        wide: [0.5, f32::INFINITY],
+        narrow: 1000,
+        neutral: -1,
+        rounded: 0.1,
+        short: "abcd".parse().unwrap(),
+        long: "aäöü".parse().unwrap(),
+        many: [7; 40],
+        is_valid: true,
+        dropped: 1,
+        ..Default::default()
+    }
+}
+
+#[test]
+fn values_are_converted() {
+    let new = new::Glider::from(&glider());
+    assert_eq!(new.count, 3);
+    assert_eq!(new.parts[2], new::Part { code: -1, id: 2, is_new: false });
+    assert_eq!(new.part, new::Part { code: i64::MIN, id: 9, is_new: false });
+    assert_eq!(new.grown, [1, 2, 3, 9, 9]);
+    assert_eq!(new.cut, [0, 1]);
+    assert_eq!(new.wide, [0.5, f64::INFINITY]);
+    assert_eq!((new.narrow, new.neutral, new.rounded), (127, 3, 0.1_f32));
+    assert_eq!((new.short.as_str(), new.long.as_str()), (Ok("abcd"), Ok("aä")));
+    assert_eq!((new.many[39], new.many[40]), (7, 0));
+    assert_eq!(new.added, [0; 40]);
+    assert!(new.unknown.iter().all(|value| value.is_nan()));
+}
+
+#[test]
+fn constants_are_converted_by_name() {
+    for (mode, faults, new_mode, new_faults) in [(0, 0, 0, 0), (1, 1, 2, 2), (2, 2, 1, 1), (9, 0x83, 9, 0x83)]
+    {
+        let old = old::Glider {
+            mode: old::glider::Mode(mode),
+            wide_mode: old::glider::Mode(mode),
+            faults: old::glider::Fault(faults),
+            ..glider()
+        };
+        let new = new::Glider::from(&old);
+        assert_eq!((new.mode.0, new.faults.0, new.wide_mode.0), (new_mode, new_faults, i32::from(new_mode)));
+    }
+}
+
+#[test]
+fn hints_compute_values() {
+    let cases = [(1, false, 5, 0), (1, true, 5, 27), (0, false, 200, 0), (0, false, 4, 29)];
+    for (mode, is_valid, limit, expected) in cases {
+        let old = old::Glider { mode: old::glider::Mode(mode), is_valid, limit, share: 3.0, ..glider() };
+        let new = new::Glider::from(&old);
+        assert_eq!(new.limit, expected, "{mode} {is_valid} {limit}");
+        assert_eq!(new.share, 1.5 + f32::from(limit));
+        assert_eq!(new.is_valid, is_valid);
+        let large = if is_valid { (u64::MAX, i32::MIN, -4_294_967_296.0) } else { (0, -1, 1.0) };
+        assert_eq!((new.mask, new.offset, new.large), large);
+    }
+}
+
+#[test]
+fn messages_of_ros_and_services_are_converted() {
+    let from = ros_old::Box {
+        header: ros_shared::Header { name: "frame".to_owned() },
+        data: vec![1, 2, 3],
+        names: vec!["äöü".to_owned(), "a".to_owned()],
+        few: vec![4],
+        parts: vec![ros_old::Part { id: 1 }],
+        text: "unchanged".to_owned(),
+        level: vec![5],
+    };
+    let to = ros_new::Box::from(&from);
+    assert_eq!(to.header, from.header);
+    assert_eq!((to.data, to.names), (vec![1, 2], vec!["äö".to_owned(), "a".to_owned()]));
+    assert_eq!((to.few, to.parts[0].id, to.text), ([4, 8], 1_u16, from.text));
+    assert_eq!((to.level, to.speed), (vec![5], 2.5));
+    let request = ros_new::srv::TowRequest::from(&ros_old::srv::TowRequest { height: 3 });
+    assert_eq!(request.height, 3_u16);
+}
