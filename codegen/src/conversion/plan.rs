@@ -18,6 +18,9 @@ pub struct Conversion {
     pub steps: Vec<Step>,
     /// The data that the conversion loses.
     pub losses: Vec<Loss>,
+    /// The indices of target fields that may get a value that the target's definition excludes. All other fields satisfy
+    /// their definition if the source does.
+    pub unchecked: Vec<usize>,
     /// The parts that neither the definitions nor the hints decide.
     pub undecided: Vec<Undecided>,
     /// A nested message whose conversion is undecided.

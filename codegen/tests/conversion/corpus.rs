@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use uavspec_codegen::conversion::{Conversion, Conversions, Hints, read_hints};
+use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{PackageInput, Schema, SourceMap, read};
@@ -89,4 +90,40 @@ fn decides_the_hand_written_steps_between_real_releases() {
             assert!(conversion.is_decided(), "{name}");
         }
     }
+}
+
+/// If the initial message of the source satisfies its definition, the converted message satisfies the target's, except
+/// for the listed fields.
+#[test]
+fn converted_messages_of_real_releases_validate() {
+    let Some(folder) = shared("corpus/px4") else { return };
+    let mut sources = SourceMap::default();
+    let schema = releases(&mut sources, &folder);
+    let hints = published_hints(&mut sources);
+    let types = Types::new(&schema);
+    let mut count = 0;
+    for pair in RELEASES.windows(2) {
+        let found = Conversions::within(&schema, pair[0], pair[1], &hints).expect("both packages");
+        let decided = found.forward.iter().chain(&found.backward).filter(|found| found.is_decided());
+        for conversion in decided {
+            let source = types.get(conversion.from).default();
+            let initial = types.get(conversion.to).default().to_json().expect("JSON");
+            let message = source.to_json().expect("JSON");
+            let converted = conversion.convert_json((&schema, &schema), &message, &initial);
+            let read = types.get(conversion.to).from_json(&converted);
+            let name = &schema.message(conversion.to).name;
+            let read = read.unwrap_or_else(|error| panic!("{} {name}: {error}", pair[1]));
+            if source.validate().is_empty() {
+                for violation in read.validate() {
+                    let path = violation.to_string();
+                    let field = path.split(['.', '[', ':']).next().unwrap_or_default();
+                    let fields = &schema.message(conversion.to).fields;
+                    let is_listed = conversion.unchecked.iter().any(|at| fields[*at].name == field);
+                    assert!(is_listed, "{pair:?} {name}: {path}");
+                }
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 2000, "{count}");
 }

@@ -185,6 +185,15 @@ fn a_new_field_without_a_valid_neutral_value_is_undecided() {
 }
 
 #[test]
+fn lists_fields_whose_valid_values_differ() {
+    let [old, new] =
+        ["", "[@range 1, 2] "].map(|range| format!("float32 a  # {range}A\nfloat32 b  # [@range 0, 1] B\n"));
+    let found = convert(&[("Glider", &old)], &[("Glider", &new)], "");
+    assert_eq!(found.forward("Glider").unchecked, [0]);
+    assert!(found.backward("Glider").unchecked.is_empty());
+}
+
+#[test]
 fn undecided_nested_messages_block_the_messages_that_contain_them() {
     let found = convert(
         &[("Glider", "Rate rate\n"), ("Rate", "float32 sink  # [m/s] Rate\n")],

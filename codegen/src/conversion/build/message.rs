@@ -23,6 +23,7 @@ impl<'a> Builder<'_, 'a> {
             to,
             steps: Vec::new(),
             losses: Vec::new(),
+            unchecked: Vec::new(),
             undecided: Vec::new(),
             blocked_by: None,
         };
@@ -44,6 +45,7 @@ impl<'a> Builder<'_, 'a> {
         self.resolve_nested(&direction, &mut conversion);
         limit_counts(&direction, &mut conversion);
         add_losses(&direction, &mut conversion);
+        conversion.unchecked = unchecked(&direction, &conversion);
         conversion
     }
 
@@ -121,4 +123,22 @@ fn add_losses(direction: &Direction<'_>, conversion: &mut Conversion) {
         conversion.losses.push(Loss { source: Some(at), kind, text });
     }
     conversion.losses.sort_by_key(|loss| loss.source);
+}
+
+/// The fields of the target whose valid values differ from those of their source.
+fn unchecked(direction: &Direction<'_>, conversion: &Conversion) -> Vec<usize> {
+    let (from, to) = (direction.from, direction.to);
+    let is_unchecked = |(target, step): &(usize, &Step)| {
+        let restriction = to.schema.restriction(to.message, &to.message.fields[*target]);
+        match step {
+            Step::Fill(_) => false,
+            Step::Compute(_) => restriction.is_some(),
+            Step::Copy(copy) => {
+                let source = from.schema.restriction(from.message, &from.message.fields[copy.source]);
+                nested(step).is_some_and(|nested| !nested.unchecked.is_empty())
+                    || restriction.is_some() && restriction != source
+            }
+        }
+    };
+    conversion.steps.iter().enumerate().filter(is_unchecked).map(|(target, _)| target).collect()
 }

@@ -152,6 +152,14 @@ impl Way<'_> {
         if !computed.is_empty() {
             let _ = write!(text, "\n\nFields with a value from hints: {}.", computed.join(", "));
         }
+        if !conversion.unchecked.is_empty() {
+            let names = conversion.unchecked.iter().map(|field| prose::code(&target.fields[*field].name));
+            let _ = write!(
+                text,
+                "\n\nFields whose valid values differ, so that the converted value may be invalid: {}.",
+                names.collect::<Vec<_>>().join(", ")
+            );
+        }
         if conversion.losses.is_empty() {
             text += "\n\nNo data is lost.";
             return text;
