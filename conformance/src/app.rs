@@ -39,6 +39,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::{Parser, Subcommand, ValueEnum};
+use uavspec_codegen::msg::Dialect;
 
 use crate::definitions::{Definitions, Library};
 use crate::flockwave::body_schema::Schemas;
@@ -255,11 +256,15 @@ fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
 
 /// Loads definitions from a path or of a release, or the built-in definitions, and adds JSON Schemas for Flockwave types
 /// without a definition. Errors are printed.
-fn library(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Library, Status> {
-    let library = path.map_or_else(|| Ok(Library::built_in()), Library::load).map_err(|failure| {
+fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -> Result<Library, Status> {
+    let loaded = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, dialect));
+    let library = loaded.map_err(|failure| {
         terminal::eprintln!("{failure}");
         Status::Usage
     })?;
+    for file in library.left_out() {
+        terminal::eprintln!("warning: {file} is left out: it refers to a package that isn't in the folder");
+    }
     Ok(library.with_schemas(Arc::new(load_schemas(schemas)?)))
 }
 

@@ -255,7 +255,7 @@ pub(crate) fn observe_capture(
 ) -> io::Result<CaptureResult> {
     let source = Source { bytes: &mut input, file: None };
     let check = &mut |kind: &Kind, source: Source<'_>| {
-        (kind.check)(source, None, CheckRun::new(definitions).observed(observer))
+        (kind.check)(source, None, CheckRun::observed_by(definitions, Some(observer)))
     };
     check_source(source, None, check)
 }
@@ -295,38 +295,33 @@ fn check_path_with(
     reading: Reading<'_>,
 ) -> io::Result<Checked> {
     if let Some(folder) = metadata::folder_of(path) {
-        let definitions = library.choose(&bag::folder_clues(folder));
-        let run = CheckRun::new(&definitions);
-        let run = match observer {
-            Some(observer) => run.observed(observer),
-            None => run,
-        };
-        let result = bag::check_folder(folder, run, reading)?;
+        let clues = if library.depends_on_capture() { bag::folder_clues(folder) } else { Clues::default() };
+        let definitions = library.choose(&clues);
+        let result = bag::check_folder(folder, CheckRun::observed_by(&definitions, observer), reading)?;
         return Ok(Checked { result, definitions });
     }
     let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
     let input = reading(input::open(path)?);
-    let mut definitions = Arc::clone(library.base());
+    let mut definitions = None;
     let result = input::decompressed(input)
         .and_then(|(mut bytes, is_plain)| {
             let file = (is_plain && path.is_file()).then_some(path);
             check_source(Source { bytes: &mut bytes, file }, message_id, &mut |kind, source| {
                 let mut start = Vec::new();
+                let mut clues = Clues::default();
                 if library.depends_on_capture() {
                     let mut ahead = Ahead::new(source.bytes);
-                    definitions = library.choose(&(kind.clues)(&mut Source { bytes: &mut ahead, file }));
+                    clues = (kind.clues)(&mut Source { bytes: &mut ahead, file });
                     start = ahead.bytes;
                 }
+                let chosen = definitions.insert(library.choose(&clues));
                 let whole = &mut io::Cursor::new(start).chain(source.bytes);
-                let run = CheckRun::new(&definitions);
-                let run = match &mut observer {
-                    Some(observer) => run.observed(*observer),
-                    None => run,
-                };
+                let run = CheckRun::observed_by(chosen, observer.as_deref_mut());
                 (kind.check)(Source { bytes: whole, file }, message_id, run)
             })
         })
         .unwrap_or_else(unreadable);
+    let definitions = definitions.unwrap_or_else(|| Arc::clone(library.base()));
     Ok(Checked { result, definitions })
 }
 
@@ -478,9 +473,16 @@ impl<'d> CheckRun<'d> {
         }
     }
 
-    /// Passes the records to an observer as well.
-    fn observed(self, observer: &'d mut dyn Observer) -> Self {
-        Self { observer: Some(observer), ..self }
+    /// Creates a run that passes the records to an observer as well, if there is one.
+    fn observed_by<'o: 'd>(
+        definitions: &'d Definitions,
+        observer: Option<&'d mut (dyn Observer + 'o)>,
+    ) -> Self {
+        let mut run = Self::new(definitions);
+        if let Some(observer) = observer {
+            run.observer = Some(observer);
+        }
+        run
     }
 
     /// Reserves the index of a new channel.

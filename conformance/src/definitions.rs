@@ -19,7 +19,7 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::load::read_definitions;
+use uavspec_codegen::load::{self, read_definitions_as};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
@@ -43,6 +43,8 @@ pub struct Definitions {
     sources: SourceMap,
     /// The schema.
     pub schema: Schema,
+    /// The paths of definitions that were left out, because they refer to other packages.
+    pub(crate) left_out: Vec<String>,
     by_topic: HashMap<String, MessageId>,
     /// The messages of other releases that replace messages of the main release.
     replaced: HashMap<MessageId, MessageId>,
@@ -87,27 +89,33 @@ impl Definitions {
     /// The built-in definitions.
     pub fn built_in() -> Self {
         let mut sources = SourceMap::default();
-        let mut package = |name: &str, form, folder: &Dir<'_>| {
-            let mut files: Vec<_> = folder.files().collect();
-            files.sort_by_key(|file| file.path());
-            let ids = files.into_iter().filter_map(|file| {
-                let path = format!("definitions/{name}/{}", terminal::path(file.path()));
-                sources.add(path, file.contents().to_vec()).ok()
-            });
-            PackageInput::new(name, form, ids.collect())
-        };
-        let packages =
-            [package("px4", Form::Msg(Dialect::Px4), &PX4), package("flockwave", Form::Table, &FLOCKWAVE)];
+        let px4 = Self::built_in_px4(&mut sources);
+        let flockwave = embedded("flockwave", Form::Table, &FLOCKWAVE, &mut sources);
         // Tests ensure that the built-in definitions have no errors.
-        let (schema, _) = read(&sources, &packages);
-        Self::new(format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION")), sources, schema)
+        let (schema, _) = read(&sources, &[px4, flockwave]);
+        Self::new(Self::built_in_name(), sources, schema)
     }
 
-    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder
-    /// with such files.
+    fn built_in_name() -> String {
+        format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION"))
+    }
+
+    /// The package of the built-in PX4 messages.
+    fn built_in_px4(sources: &mut SourceMap) -> PackageInput {
+        embedded("px4", Form::Msg(Dialect::Px4), &PX4, sources)
+    }
+
+    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, or files of PX4 messages or ROS 2
+    /// interfaces. The dialect is detected.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        let (sources, schema) = read_definitions(path)?;
-        Ok(Self::new(path.to_string_lossy().into_owned(), sources, schema))
+        Self::load_as(path, None)
+    }
+
+    /// Like `load`, but with a given dialect.
+    fn load_as(path: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
+        let load::Definitions { sources, schema, left_out } = read_definitions_as(path, dialect)?;
+        let loaded = Self::new(path.to_string_lossy().into_owned(), sources, schema);
+        Ok(Self { left_out, ..loaded })
     }
 
     /// Like [`Self::built_in`], with the translations of the texts.
@@ -135,6 +143,7 @@ impl Definitions {
             name,
             sources,
             schema,
+            left_out: Vec::new(),
             by_topic,
             replaced: HashMap::new(),
             releases: Vec::new(),
@@ -259,6 +268,17 @@ impl Definitions {
         let text = self.sources.text(id).lines().nth(number - 1).unwrap_or_default();
         Line { file: self.sources.path(id), number, text }
     }
+}
+
+/// A package whose files are embedded in the program.
+fn embedded(name: &str, form: Form, folder: &Dir<'_>, sources: &mut SourceMap) -> PackageInput {
+    let mut files: Vec<_> = folder.files().collect();
+    files.sort_by_key(|file| file.path());
+    let ids = files.into_iter().filter_map(|file| {
+        let path = format!("definitions/{name}/{}", terminal::path(file.path()));
+        sources.add(path, file.contents().to_vec()).ok()
+    });
+    PackageInput::new(name, form, ids.collect())
 }
 
 #[cfg(test)]

@@ -109,7 +109,7 @@ pub(super) fn explain(args: &ExplainArgs) -> Status {
 
 /// Prints the story of a capture. Errors are printed.
 fn story(args: &ExplainArgs) -> Result<Status, Status> {
-    let library = super::library(args.definitions.as_deref(), &[])?;
+    let library = super::library(args.definitions.as_deref(), None, &[])?;
     let texts = texts(args.definitions.as_deref())?;
     let language = language(args.language.as_deref(), &texts.languages())?;
     check_outputs(args)?;

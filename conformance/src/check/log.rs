@@ -120,7 +120,7 @@ impl Describe for LogSummary {
         let differing =
             with_result(FormatResult::Differs).map(|format| (format.topic, shown(&format.message)));
         let definitions = Line::new("definitions", text).list("differs", differing);
-        release_lines(&self.releases).chain([definitions]).collect()
+        release_lines(&self.releases, definitions)
     }
 
     fn noun(&self) -> &'static str {

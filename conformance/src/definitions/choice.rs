@@ -28,12 +28,19 @@ pub(crate) struct TypeClue {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Choice {
     pub(crate) release: ReleaseId,
-    /// The number of topics or types that are the same in the release.
+    /// The number of topics or types that match the release.
     pub(crate) matching: usize,
     /// The number of topics or types that some release of the family defines.
     pub(crate) known: usize,
     /// The types of other releases that the capture agrees with, by full ROS name.
     pub(crate) others: BTreeMap<String, ReleaseId>,
+}
+
+impl Choice {
+    /// A release that was chosen without looking at a capture.
+    pub(crate) fn without_clues(release: ReleaseId) -> Self {
+        Self { release, matching: 0, known: 0, others: BTreeMap::new() }
+    }
 }
 
 /// The releases that agree with a topic or type of a capture.
@@ -166,7 +173,7 @@ mod tests {
     #[test]
     fn the_version_decides_between_equal_releases() {
         let index = Index::built_in();
-        // This message is the same in all releases.
+        // All releases define this message in one way.
         let mut clues = clues(&index, &[("cpuload", "px4@1.13")]);
         let release = |clues: &Clues| chosen(&index, clues).expect("a release").0;
         let newest = release(&clues);

@@ -20,17 +20,22 @@ const MAX_STORED: usize = 16;
 /// The ROS package of PX4's messages.
 const PX4_ROS_PACKAGE: &str = "px4_msgs";
 
+/// Documented messages by name: their declarations without comments, and their files.
+type Documented = HashMap<String, (String, &'static str)>;
+
 /// The definitions for a run.
 #[derive(Debug)]
 pub struct Library {
-    /// The definitions for captures that don't show their release.
-    base: Arc<Definitions>,
+    name: String,
+    /// The definitions for captures that don't show their release, read when they are needed.
+    base: OnceLock<Arc<Definitions>>,
     /// True if all captures are checked against the same definitions.
     is_fixed: bool,
     /// The releases that the user demands, by family.
     forced: BTreeMap<Family, ReleaseId>,
     schemas: Arc<Schemas>,
     index: OnceLock<Index>,
+    documented: OnceLock<Documented>,
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
 }
 
@@ -41,18 +46,22 @@ struct Key(Vec<(ReleaseId, BTreeMap<String, ReleaseId>)>);
 impl Library {
     /// The built-in definitions. The release is chosen for each capture.
     pub fn built_in() -> Self {
-        Self::new(Definitions::built_in(), false)
+        Self::new(Definitions::built_in_name(), false)
     }
 
     /// Definitions that apply to all captures.
     pub fn fixed(definitions: Definitions) -> Self {
-        Self::new(definitions, true)
+        let library = Self::new(definitions.name.clone(), true);
+        // The library is new, so the definitions aren't set yet.
+        let _ = library.base.set(Arc::new(definitions));
+        library
     }
 
-    /// Definitions from a path, or a release such as `px4@1.16`.
-    pub fn load(text: &Path) -> Result<Self, Failure> {
+    /// Definitions from a path, or a release such as `px4@1.16`. The dialect of the definitions at the path is detected
+    /// unless it is given.
+    pub fn load(text: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
         let label = text.to_str().filter(|text| text.contains('@') && !Path::new(text).exists());
-        let Some(label) = label else { return Definitions::load(text).map(Self::fixed) };
+        let Some(label) = label else { return Definitions::load_as(text, dialect).map(Self::fixed) };
         let mut library = Self::built_in();
         let index = library.index();
         let Some(release) = index.find(label) else {
@@ -60,21 +69,20 @@ impl Library {
             return Err(Failure::new(format!("unknown release `{label}`"))
                 .with_hint(format!("the releases are {}", known.join(", "))));
         };
-        let family = index.family(release);
-        library.forced.insert(family, release);
-        let choice = Choice { release, matching: 0, known: 0, others: BTreeMap::new() };
-        let definitions = library.read(&[choice]);
-        library.base = Arc::new(definitions);
+        library.name = index.title(release);
+        library.forced.insert(library.index().family(release), release);
         Ok(library)
     }
 
-    fn new(base: Definitions, is_fixed: bool) -> Self {
+    fn new(name: String, is_fixed: bool) -> Self {
         Self {
-            base: Arc::new(base),
+            name,
+            base: OnceLock::new(),
             is_fixed,
             forced: BTreeMap::new(),
             schemas: Arc::default(),
             index: OnceLock::new(),
+            documented: OnceLock::new(),
             stored: Mutex::default(),
         }
     }
@@ -82,7 +90,7 @@ impl Library {
     /// Adds body schemas for Flockwave message types without a definition.
     #[must_use]
     pub fn with_schemas(mut self, schemas: Arc<Schemas>) -> Self {
-        if let Some(base) = Arc::get_mut(&mut self.base) {
+        if let Some(base) = self.base.get_mut().and_then(Arc::get_mut) {
             base.schemas = Arc::clone(&schemas);
         }
         self.schemas = schemas;
@@ -91,7 +99,25 @@ impl Library {
 
     /// The definitions for captures that don't show their release.
     pub fn base(&self) -> &Arc<Definitions> {
-        &self.base
+        self.base.get_or_init(|| {
+            let forced = self.forced.values();
+            let choices: Vec<Choice> = forced.map(|release| Choice::without_clues(*release)).collect();
+            Arc::new(if choices.is_empty() {
+                Definitions::built_in().with_schemas(Arc::clone(&self.schemas))
+            } else {
+                self.read(&choices)
+            })
+        })
+    }
+
+    /// The paths of definitions that were left out, because they refer to other packages.
+    pub(crate) fn left_out(&self) -> &[String] {
+        self.base.get().map_or(&[], |base| &base.left_out)
+    }
+
+    /// A name for the definitions: their path, the release that the user demands, or the built-in definitions.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
     }
 
     /// True if the definitions of a capture depend on its release.
@@ -117,7 +143,7 @@ impl Library {
     pub(crate) fn choose(&self, clues: &Clues) -> Arc<Definitions> {
         let choices = self.choices(clues);
         if choices.is_empty() {
-            return Arc::clone(&self.base);
+            return Arc::clone(self.base());
         }
         let key = Key(choices.iter().map(|choice| (choice.release, choice.others.clone())).collect());
         let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
@@ -196,29 +222,27 @@ impl Library {
         };
         match family {
             Family::Ros2 => release::packages(&text, Dialect::Ros2, &format!("{label}/"), sources),
-            Family::Px4 => vec![px4_package(&text, &label, &self.documented(), sources)],
+            Family::Px4 => vec![px4_package(&text, &label, self.documented(), sources)],
         }
     }
 
-    /// The built-in PX4 messages, which are documented: the declarations without comments, and the file.
-    fn documented(&self) -> HashMap<String, (String, &'static str)> {
-        let built_in = Definitions::built_in();
-        let text = release::write(&built_in.schema);
-        let documented = entries(&text).filter_map(|entry| {
-            let file = PX4.get_file(format!("{}.msg", entry.name))?.contents_utf8()?;
-            Some((entry.name.to_owned(), (declarations(entry.text), file)))
-        });
-        documented.collect()
+    /// The built-in PX4 messages, which are documented.
+    fn documented(&self) -> &Documented {
+        self.documented.get_or_init(|| {
+            let mut sources = SourceMap::default();
+            let package = Definitions::built_in_px4(&mut sources);
+            let text = release::write(&read(&sources, &[package]).0);
+            let documented = entries(&text).filter_map(|entry| {
+                let file = PX4.get_file(format!("{}.msg", entry.name))?.contents_utf8()?;
+                Some((entry.name.to_owned(), (declarations(entry.text), file)))
+            });
+            documented.collect()
+        })
     }
 }
 
 /// The package of a PX4 release. A message that is declared like a documented message is replaced by that one.
-fn px4_package(
-    text: &str,
-    label: &str,
-    documented: &HashMap<String, (String, &'static str)>,
-    sources: &mut SourceMap,
-) -> PackageInput {
+fn px4_package(text: &str, label: &str, documented: &Documented, sources: &mut SourceMap) -> PackageInput {
     let mut package = PackageInput::new(Family::Px4.name(), Form::Msg(Dialect::Px4), Vec::new());
     package.ros_package = Some(PX4_ROS_PACKAGE.to_owned());
     for entry in entries(text) {
@@ -315,7 +339,7 @@ mod tests {
 
     #[test]
     fn documented_messages_keep_their_documentation() {
-        let library = Library::load(Path::new("px4@1.15")).expect("a release");
+        let library = Library::load(Path::new("px4@1.15"), None).expect("a release");
         let battery = library.base().message_of_topic("battery_status").expect("a definition");
         assert_eq!(
             library.base().line(library.base().schema.message(battery).span).file,
@@ -330,7 +354,7 @@ mod tests {
 
     #[test]
     fn unknown_releases_are_named() {
-        let error = Library::load(Path::new("px4@1.2")).expect_err("an unknown release").to_string();
+        let error = Library::load(Path::new("px4@1.2"), None).expect_err("an unknown release").to_string();
         assert!(
             error.starts_with("error: unknown release `px4@1.2`\n  help: the releases are px4@1.13, "),
             "{error}"

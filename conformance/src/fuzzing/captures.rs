@@ -13,7 +13,7 @@ use crate::capture::rosbag::SQLITE_MAGIC;
 #[cfg(feature = "db3")]
 use crate::capture::rosbag::metadata::Metadata;
 use crate::capture::{MCAP_MAGIC, ULOG_MAGIC, input};
-use crate::check::{CaptureResult, check_capture, check_json_thoroughly};
+use crate::check::{CaptureResult, Summary, check_capture, check_json_thoroughly};
 use crate::model::Location;
 use crate::report::story::{to_html, to_json, to_text};
 use crate::report::{CheckedCapture, Settings, Subject, subject_text};
@@ -88,6 +88,10 @@ pub(super) fn json(data: &[u8]) {
     }
     capture(data);
     let fast = result(check_capture(data, None, &DEFINITIONS));
+    // Some bytes that could start a byte order mark start other files.
+    if matches!(fast.summary, Summary::Unknown(_)) {
+        return;
+    }
     let thorough = check_json_thoroughly(data, None, &DEFINITIONS);
     assert_eq!(rendered(fast), rendered(thorough), "templates change the result");
 }
