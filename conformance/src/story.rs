@@ -119,7 +119,7 @@ impl Story {
     ) -> io::Result<Result<Self, String>> {
         let mut follower = Follower::new(texts);
         let Checked { result, definitions } = check::observe_path(path, library, &mut follower, reading)?;
-        Ok(follower.finish(path.to_string_lossy().into_owned(), result, &definitions))
+        Ok(follower.finish(path.to_string_lossy().into_owned(), &result, &definitions))
     }
 
     /// Like [`Self::read`], for bytes in memory.
@@ -128,7 +128,7 @@ impl Story {
         let mut follower = Follower::new(texts);
         let result = check::observe_capture(bytes, definitions, &mut follower);
         let result = result.map_err(|error| error.to_string())?;
-        follower.finish("capture".to_owned(), result, definitions)
+        follower.finish("capture".to_owned(), &result, definitions)
     }
 
     /// The time in UTC of a time since the start.
@@ -204,7 +204,7 @@ impl Follower {
     fn finish(
         mut self,
         capture: String,
-        result: CaptureResult,
+        result: &CaptureResult,
         definitions: &Definitions,
     ) -> Result<Story, String> {
         if let Summary::Unknown(unknown) = &result.summary {

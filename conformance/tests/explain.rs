@@ -103,6 +103,28 @@ fn reports_wrong_usage_and_unreadable_captures() {
 }
 
 #[test]
+fn definitions_without_error_codes_use_the_built_in_ones() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let body = json!({ "type": "UAV-INF", "status": { "7": { "errors": [1] } } });
+    let message = json!({ "$fw.version": "1.0", "id": "a", "body": body });
+    let line = json!({ "t": 1.8e9, "conn": "tcp#1", "dir": "in", "msg": message });
+    fs::write(folder.path().join("session.jsonl"), format!("{line}\n")).expect("a file");
+    fs::create_dir_all(folder.path().join("sky_msgs/msg")).expect("a folder");
+    fs::write(folder.path().join("sky_msgs/package.xml"), "<package/>").expect("a file");
+    fs::write(
+        folder.path().join("sky_msgs/msg/Wind.msg"),
+        "builtin_interfaces/Time stamp\nfloat32[] speed\n",
+    )
+    .expect("a file");
+    for definitions in ["px4@1.16", "sky_msgs"] {
+        let arguments = ["session.jsonl", "--language", "uk", "--definitions", definitions];
+        let (status, printed, errors) = explain(folder.path(), &arguments);
+        assert_eq!(status, Some(0), "{definitions}: {errors}");
+        assert!(printed.contains("UAV-INF.1 GROUND (7) set – БПЛА на землі"), "{definitions}: {printed}");
+    }
+}
+
+#[test]
 fn explains_real_logs() {
     let Some((logs, definitions)) = shared("corpus/ulog").zip(shared("corpus/px4/1.13")) else { return };
     let definitions = definitions.to_str().expect("a path");

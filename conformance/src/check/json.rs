@@ -219,8 +219,6 @@ struct JsonChecker<'d> {
 impl<'d> JsonChecker<'d> {
     fn new(message_id: Option<MessageId>, run: CheckRun<'d>) -> Self {
         let definitions = run.definitions;
-        // Templates drop texts, which an observer needs.
-        let templates = if run.observer.is_some() { Templates::disabled() } else { Templates::default() };
         let mut checker = Self {
             run,
             plans: Plans::new(&definitions.schema, &px4::VALUES),
@@ -230,7 +228,7 @@ impl<'d> JsonChecker<'d> {
                 by_type: HashMap::new(),
                 by_topic: HashMap::new(),
             },
-            templates,
+            templates: Templates::default(),
             advertised: HashMap::new(),
             skipped: 0,
             has_objects: false,

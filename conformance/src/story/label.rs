@@ -93,6 +93,18 @@ impl Texts {
         Some(Label { text, translations: translated })
     }
 
+    /// The label of a field's value in the built-in definitions. Releases of PX4 have renamed the prefixes of constants, so
+    /// `name` is the name without the prefix.
+    pub(super) fn built_in_value(&self, message: &Message, field: &str, name: &str) -> Option<Label> {
+        let definitions = &self.built_in.0;
+        let schema = &definitions.schema;
+        let same = schema.message(definitions.message_of_topic(message.topics.first()?)?);
+        let bound = same.fields.iter().find(|known| known.name == field)?.enumeration?;
+        let member = schema.enumeration(bound).members.iter().find(|member| member.name == name)?;
+        let constant = &schema.message(bound.message).constants[member.constant];
+        self.label(bound.message, Item::Constant(&constant.name), definitions)
+    }
+
     /// The label of an error code, if it is defined.
     pub(super) fn error_code(&self, code: u32, definitions: &Definitions) -> Option<Label> {
         let has_code = |table: &ErrorTable| table.codes.iter().any(|known| known.code == code);

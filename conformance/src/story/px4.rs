@@ -319,8 +319,8 @@ fn constant(
     texts: &Texts,
 ) -> Part {
     let schema = &definitions.schema;
-    let fields = &schema.message(id).fields;
-    let bound = fields.iter().find(|known| known.name == field).and_then(|field| field.enumeration);
+    let message = schema.message(id);
+    let bound = message.fields.iter().find(|known| known.name == field).and_then(|field| field.enumeration);
     let found = match bound {
         Some(reference) => {
             let members = &schema.enumeration(reference).members;
@@ -331,7 +331,8 @@ fn constant(
     };
     let Some((id, name, at)) = found else { return Part::new(number.to_string(), None) };
     let constant = &schema.message(id).constants[at];
-    Part::new(name, texts.label(id, Item::Constant(&constant.name), definitions))
+    let label = texts.label(id, Item::Constant(&constant.name), definitions);
+    Part::new(name, label.or_else(|| texts.built_in_value(message, field, name)))
 }
 
 /// The message, the name without the prefix, and the index of the first constant with a value and one of the prefixes.

@@ -208,6 +208,20 @@ fn uses_the_built_in_texts_only_if_definitions_have_none() {
 }
 
 #[test]
+fn finds_the_texts_of_constants_with_other_prefixes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let battery = "uint64 timestamp\nuint8 warning\nuint8 WARNING_LOW = 1\nuint8 WARNING_GONE = 2\n";
+    fs::write(folder.path().join("BatteryStatus.msg"), battery).expect("a file");
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    let status =
+        |time: u64, warning: u8| ("px4/BatteryStatus", json!({ "timestamp": time, "warning": warning }));
+    let story = story(&lines(&[status(1, 1), status(2, 2)]), &definitions);
+    let values = &lane(&story, "battery_status", "warning").values;
+    let labels = values.iter().map(|value| value.parts[0].label.as_ref().map(|label| &*label.text));
+    assert_eq!(labels.collect::<Vec<_>>(), [Some("Low voltage"), None]);
+}
+
+#[test]
 fn lists_the_topics_that_are_missing_or_have_no_definition() {
     let definitions = Definitions::built_in();
     let flight = flight_with_flag(&definitions, |_| false);

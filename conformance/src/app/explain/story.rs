@@ -19,6 +19,9 @@ use crate::report::story::{to_html, to_json, to_text};
 use crate::story::{Story, Texts, TopicStatus};
 use crate::text::terminal;
 
+/// The configuration file of definitions.
+const CONFIGURATION: &str = "uavspec.toml";
+
 /// The language of the definitions.
 const ENGLISH: &str = "en";
 
@@ -106,8 +109,12 @@ fn check_outputs(path: &Path, args: &ExplainArgs) -> Result<(), Status> {
 
 /// The texts of the definitions at a path, or of the built-in definitions. Errors are printed.
 fn texts(path: Option<&Path>) -> Result<Texts, Status> {
-    // A release has no translations.
-    let Some(path) = path.filter(|path| path.exists()) else { return Ok(Texts::of(Translations::default())) };
+    // Only a configuration file names catalogues.
+    let is_configured = |path: &&Path| {
+        path.is_file() && path.extension().is_some_and(|extension| extension == "toml")
+            || path.join(CONFIGURATION).is_file()
+    };
+    let Some(path) = path.filter(is_configured) else { return Ok(Texts::of(Translations::default())) };
     match read_definitions_translated(path) {
         Ok((_, _, translations)) => Ok(Texts::of(translations)),
         Err(failure) => {

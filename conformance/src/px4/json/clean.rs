@@ -8,7 +8,7 @@ use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_runtime::Scalar;
 
 use super::dialect::{Dialect, Dialects};
-use super::value::Leaf;
+use super::value::{Leaf, keep_bytes};
 use crate::json::{Token, Tokens, Unclear, base64};
 use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans};
 
@@ -112,15 +112,12 @@ impl<'p> Reading<'p, '_> {
                     && let Some(bytes) = field.as_base64(text, self.is_rosbridge, is_element)
                 {
                     self.clean.dialects.insert(Dialect::Base64);
-                    keep_bytes(self.values, at, &bytes);
+                    keep_bytes(self.values, at..at + bytes.len(), &bytes);
                     return if field.check_bytes(&bytes) { Ok(()) } else { Err(Unclear) };
                 }
                 let leaf = Leaf::from_token(&token).filter(|_| !is_array).ok_or(Unclear)?;
                 field.check(leaf).map_err(|_| Unclear)?;
-                match (field.element, leaf) {
-                    (Element::Text(_), Leaf::Text(text)) => keep_bytes(self.values, at, text.as_bytes()),
-                    _ => field.keep(self.values, at, leaf),
-                }
+                field.keep(self.values, at, leaf);
                 Ok(())
             }
         }
@@ -156,15 +153,8 @@ impl<'p> Reading<'p, '_> {
         })?;
         self.clean.dialects.insert(Dialect::NumbersForText);
         field.check_text(&bytes).map_err(|_| Unclear)?;
-        keep_bytes(self.values, at, &bytes);
+        keep_bytes(self.values, at..at + room as usize, &bytes);
         Ok(())
-    }
-}
-
-/// Stores bytes at an offset in memory, if `values` isn't empty.
-fn keep_bytes(values: &mut [u8], at: usize, bytes: &[u8]) {
-    if let Some(slot) = values.get_mut(at..at + bytes.len()) {
-        slot.copy_from_slice(bytes);
     }
 }
 

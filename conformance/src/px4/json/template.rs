@@ -9,7 +9,7 @@ use uavspec_codegen::schema::{MessageId, Shape};
 
 use super::clean::Clean;
 use super::dialect::Dialects;
-use super::value::Leaf;
+use super::value::{Leaf, keep_bytes};
 use crate::json::{Tokens, Unclear};
 use crate::px4::values::{Element, FieldPlan, Plans};
 
@@ -24,7 +24,7 @@ const TYPE_KEYS: [&str; 5] = ["op", "topic", "type", "msg", "message"];
 pub(crate) struct Template {
     text: String,
     steps: Vec<Step>,
-    /// The numbers and booleans in memory layout; empty if they aren't needed.
+    /// The values except for strings in memory layout; empty if they aren't needed.
     values: Vec<u8>,
     timestamp: Option<u64>,
     /// The differences between the current message and the template.
@@ -85,7 +85,7 @@ impl Template {
         Some(Clean { timestamp: self.timestamp, dialects: Dialects::default() })
     }
 
-    /// The numbers and booleans of the latest message, in memory layout.
+    /// The values of the latest message except for strings, in memory layout.
     pub(crate) fn values(&self) -> &[u8] {
         &self.values
     }
@@ -150,7 +150,17 @@ impl Template {
             if slot.is_timestamp {
                 self.timestamp = Some(u64::from_le_bytes(change.bytes));
             }
-            slot.field(plans).put(&mut self.values, slot.at, change.bytes);
+            let field = slot.field(plans);
+            match field.element {
+                Element::Text(_) => {
+                    let step = self.steps[change.step];
+                    let token = Tokens::new(&self.text[step.start..step.end]).token();
+                    if let Some(leaf) = token.as_ref().ok().and_then(Leaf::from_token) {
+                        field.keep(&mut self.values, slot.at, leaf);
+                    }
+                }
+                _ => field.put(&mut self.values, slot.at, change.bytes),
+            }
         }
     }
 }
@@ -187,8 +197,12 @@ impl FieldPlan {
 
     /// Stores a value or an element at its offset in memory, if `values` isn't empty.
     pub(super) fn keep(&self, values: &mut [u8], at: usize, leaf: Leaf<'_>) {
-        if !values.is_empty() {
-            self.put(values, at, self.bytes(leaf));
+        match (self.element, leaf) {
+            _ if values.is_empty() => {}
+            (Element::Text(room), Leaf::Text(text)) => {
+                keep_bytes(values, at..at + room as usize, text.as_bytes());
+            }
+            _ => self.put(values, at, self.bytes(leaf)),
         }
     }
 }
@@ -276,10 +290,9 @@ impl Learner<'_> {
         template.steps.push(Step { start, end: tokens.at(), slot });
         if let Some(slot) = slot {
             let field = slot.field(self.plans);
-            let bytes = field.bytes(leaf);
-            field.put(&mut template.values, slot.at, bytes);
+            field.keep(&mut template.values, slot.at, leaf);
             if slot.is_timestamp {
-                template.timestamp = Some(u64::from_le_bytes(bytes));
+                template.timestamp = Some(u64::from_le_bytes(field.bytes(leaf)));
             }
         }
         Ok(())

@@ -1,6 +1,7 @@
 //! The checks of JSON values against the types of their fields.
 
 use std::fmt;
+use std::ops::Range;
 
 use uavspec_codegen::schema::Shape;
 use uavspec_runtime::{Number, Scalar};
@@ -36,6 +37,16 @@ impl Leaf<'_> {
             Self::Text(_) => 0,
         };
         bits.to_le_bytes()
+    }
+}
+
+/// Stores bytes in a part of the memory, and fills the rest of the part with zeros. The bytes must fit.
+pub(super) fn keep_bytes(values: &mut [u8], part: Range<usize>, bytes: &[u8]) {
+    if let Some(part) = values.get_mut(part)
+        && let Some((used, rest)) = part.split_at_mut_checked(bytes.len())
+    {
+        used.copy_from_slice(bytes);
+        rest.fill(0);
     }
 }
 
