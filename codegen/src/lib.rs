@@ -140,5 +140,6 @@ pub mod internal {
     pub use crate::example::{Example, catalogues, is_catalogue, packages};
     pub use crate::msg::annotation::Note;
     pub use crate::msg::parse as parse_definition;
+    pub use crate::prose::gist;
     pub use crate::table::parse as parse_page;
 }

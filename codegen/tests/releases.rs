@@ -70,15 +70,15 @@ fn facts_keep_the_meaning_of_all_releases() {
     let Some(folder) = support::shared("corpus/ros2-distros") else { return };
     for release in subfolders(&folder) {
         let inputs = [release];
-        let (schema, _) = uavspec_codegen::load::read_complete("ros2", Form::Msg(Dialect::Ros2), &inputs)
+        let loaded = uavspec_codegen::load::read_package("ros2", Form::Msg(Dialect::Ros2), &inputs)
             .expect("definitions");
-        let text = release::write(&schema);
+        let text = release::write(&loaded.schema);
         let mut sources = SourceMap::default();
         let packages = release::packages(&text, Dialect::Ros2, "", &mut sources);
         let (read_again, diagnostics) = read(&sources, &packages);
         assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
         assert_eq!(release::write(&read_again), text);
-        assert_eq!(fingerprints(&read_again), fingerprints(&schema));
+        assert_eq!(fingerprints(&read_again), fingerprints(&loaded.schema));
     }
 }
 

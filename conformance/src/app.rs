@@ -39,6 +39,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use clap::{Parser, Subcommand, ValueEnum};
+use uavspec_codegen::msg::Dialect;
 
 use crate::definitions::{Definitions, Library};
 use crate::flockwave::body_schema::Schemas;
@@ -94,10 +95,13 @@ struct Cli {
 enum Command {
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
-    /// Explain an error code, a message, a field, a value, a hash or a rule.
+    /// Explain a flight, or what a word means: a code, a message, a field, a value, a hash or a rule.
     ///
-    /// The answer names the meaning, the unit, the valid values and the alternatives, the releases of PX4 or ROS 2 that
-    /// contain the item, and the changes in each release.
+    /// If WHAT is a capture, the story lists the changes that explain what the vehicle did. All labels come from the
+    /// definitions.
+    ///
+    /// Otherwise, WHAT is a word. The answer names the meaning, the unit, the valid values and the alternatives, the
+    /// releases of PX4 or ROS 2 that contain the item, and the changes in each release.
     Explain(explain::ExplainArgs),
     /// Test a codec or validator in any language.
     ///
@@ -256,11 +260,15 @@ fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
 
 /// Loads definitions from a path or of a release, or the built-in definitions, and adds JSON Schemas for Flockwave types
 /// without a definition. Errors are printed.
-fn library(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Library, Status> {
-    let library = path.map_or_else(|| Ok(Library::built_in()), Library::load).map_err(|failure| {
+fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -> Result<Library, Status> {
+    let loaded = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, dialect));
+    let library = loaded.map_err(|failure| {
         terminal::eprintln!("{failure}");
         Status::Usage
     })?;
+    for file in library.left_out() {
+        terminal::eprintln!("warning: {file} is left out: it refers to a package that isn't in the folder");
+    }
     Ok(library.with_schemas(Arc::new(load_schemas(schemas)?)))
 }
 

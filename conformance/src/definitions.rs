@@ -19,13 +19,14 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::load::read_definitions;
+use uavspec_codegen::load::{self, read_definitions_as};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
+use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
-use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
+use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
 pub(crate) use self::choice::{Clues, TypeClue};
 pub use self::index::Family;
@@ -42,6 +43,8 @@ pub struct Definitions {
     sources: SourceMap,
     /// The schema.
     pub schema: Schema,
+    /// The paths of definitions that were left out, because they refer to other packages.
+    pub(crate) left_out: Vec<String>,
     by_topic: HashMap<String, MessageId>,
     /// The messages of other releases that replace messages of the main release.
     replaced: HashMap<MessageId, MessageId>,
@@ -102,11 +105,30 @@ impl Definitions {
         embedded("px4", Form::Msg(Dialect::Px4), &PX4, sources)
     }
 
-    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder
-    /// with such files.
+    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, or files of PX4 messages or ROS 2
+    /// interfaces. The dialect is detected.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        let (sources, schema) = read_definitions(path)?;
-        Ok(Self::new(path.to_string_lossy().into_owned(), sources, schema))
+        Self::load_as(path, None)
+    }
+
+    /// Like `load`, but with a given dialect.
+    fn load_as(path: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
+        let load::Definitions { sources, schema, left_out } = read_definitions_as(path, dialect)?;
+        let loaded = Self::new(path.to_string_lossy().into_owned(), sources, schema);
+        Ok(Self { left_out, ..loaded })
+    }
+
+    /// Like [`Self::built_in`], with the translations of the texts.
+    pub(crate) fn built_in_translated() -> (Self, Translations) {
+        let definitions = Self::built_in();
+        let mut sources = SourceMap::default();
+        let catalogues = I18N
+            .files()
+            .filter_map(|file| sources.add(terminal::path(file.path()), file.contents().to_vec()).ok());
+        let ids: Vec<_> = catalogues.collect();
+        // `cargo xtask lint` ensures that the catalogues have no errors.
+        let (translations, _) = translation::resolve(&sources, &definitions.schema, &ids);
+        (definitions, translations)
     }
 
     fn new(name: String, sources: SourceMap, mut schema: Schema) -> Self {
@@ -121,6 +143,7 @@ impl Definitions {
             name,
             sources,
             schema,
+            left_out: Vec::new(),
             by_topic,
             replaced: HashMap::new(),
             releases: Vec::new(),

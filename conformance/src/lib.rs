@@ -35,6 +35,7 @@ mod px4;
 pub mod report;
 pub mod rules;
 pub mod serve;
+mod story;
 pub mod testee;
 #[cfg(test)]
 mod tests;

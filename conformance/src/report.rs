@@ -49,6 +49,7 @@ mod sarif;
 mod schema;
 mod short;
 mod spool;
+pub(crate) mod story;
 mod stream;
 mod testee;
 mod text;

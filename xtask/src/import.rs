@@ -6,10 +6,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use uavspec_codegen::load::{self, Definitions};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::release::{self, Fingerprint};
 use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::{SourceMap, load, read};
+use uavspec_codegen::{SourceMap, read};
 
 use crate::paths::{repository, shown};
 
@@ -74,8 +75,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
     let folder = repository().join(FOLDER);
     if let (Some(family), Some(release)) = (arguments.family, &arguments.release) {
         let form = Form::Msg(family.dialect());
-        let (schema, left_out) = load::read_complete(family.dialect().name(), form, &arguments.input)
-            .map_err(|failure| crate::message_of(&failure))?;
+        let Definitions { schema, left_out, .. } =
+            load::read_package(family.dialect().name(), form, &arguments.input)
+                .map_err(|failure| crate::message_of(&failure))?;
         for path in left_out {
             eprintln!("left out: {path} refers to a package outside the inputs");
         }
@@ -187,7 +189,8 @@ mod tests {
             let folder = corpus.join(&name);
             if family == Family::Px4 && folder.exists() {
                 let form = Form::Msg(Dialect::Px4);
-                let (schema, left_out) = load::read_complete("px4", form, &[folder]).expect("definitions");
+                let Definitions { schema, left_out, .. } =
+                    load::read_package("px4", form, &[folder]).expect("definitions");
                 assert_eq!(left_out, Vec::<String>::new());
                 let path = repository().join(FOLDER).join(format!("px4/{name}.{EXTENSION}"));
                 assert!(fs::read_to_string(path).expect("a release") == text_of(&schema), "{name} differs");

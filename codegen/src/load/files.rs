@@ -290,7 +290,7 @@ fn referenced_packages(sources: &SourceMap, package: &PackageInput) -> BTreeSet<
 }
 
 /// Name and folder of the ROS package that contains `file`, if the file's folder is `msg`, `srv` or `action`.
-fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
+pub(super) fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
     let kind_folder = file.parent()?;
     if !matches!(kind_folder.file_name()?.to_str()?, "msg" | "srv" | "action") {
         return None;
@@ -315,6 +315,11 @@ fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
     files.sort();
     files.dedup();
     Ok(files)
+}
+
+/// The `.msg`, `.srv` and `.action` files at a path.
+pub(super) fn definitions_at(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    files_at(path, Form::Msg(Dialect::Px4))
 }
 
 /// The file at `path`, or all definitions below it if `path` is a folder.

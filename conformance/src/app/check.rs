@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::MessageId;
 
 use super::known::{KnownArgs, count_capture, count_unread};
@@ -28,6 +29,7 @@ use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg
+  uavspec check --definitions px4@1.16 flight.ulg
   uavspec check --definitions ../px4_msgs/msg logs/
   uavspec check --format json flight.ulg > report.json
   uavspec check --report html=report.html,junit=report.xml flight.ulg
@@ -82,11 +84,16 @@ pub(super) struct CheckArgs {
     /// unless they are hidden.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Definitions to check against (default: built-in).
+    /// Definitions to check against (default: chosen for each capture).
     ///
-    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files.
-    #[arg(long, value_name = "PATH")]
+    /// A release such as px4@1.16 or ros2@jazzy, a uavspec.toml file, a folder that contains one, or a folder of PX4
+    /// messages or ROS 2 packages. By default, uavspec compares each capture with all releases of PX4 since 1.13 and of
+    /// ROS 2's common interfaces, and checks it against the release that agrees best.
+    #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
+    /// Dialect of the definitions in a folder (default: detected).
+    #[arg(long, value_name = "DIALECT", requires = "definitions")]
+    dialect: Option<DialectName>,
     /// Schemas for other Flockwave types (repeatable).
     ///
     /// All JSON Schemas (.json) in the folder and its subfolders are read. Types that have a definition are checked
@@ -112,6 +119,24 @@ pub(super) struct CheckArgs {
     known: KnownArgs,
     #[command(flatten)]
     report: ReportArgs,
+}
+
+/// The name of a dialect.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum DialectName {
+    /// PX4's uORB messages
+    Px4,
+    /// ROS 2 interfaces
+    Ros2,
+}
+
+impl From<DialectName> for Dialect {
+    fn from(name: DialectName) -> Self {
+        match name {
+            DialectName::Px4 => Self::Px4,
+            DialectName::Ros2 => Self::Ros2,
+        }
+    }
 }
 
 pub(super) fn check(args: &CheckArgs) -> Status {
@@ -162,7 +187,8 @@ impl Finished {
 
 /// Checks all files. Passes each capture to `take` as soon as the captures before it are checked.
 fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Status> {
-    let library = super::library(args.definitions.as_deref(), &args.schemas)?;
+    let dialect = args.dialect.map(Dialect::from);
+    let library = super::library(args.definitions.as_deref(), dialect, &args.schemas)?;
     let required = args.require.rules()?;
     let message_id = message_id(args, &library)?;
     let files = find_files(&args.files)?;
@@ -308,6 +334,9 @@ fn settings(args: &CheckArgs) -> Settings {
     let mut arguments = Vec::new();
     if let Some(path) = &args.definitions {
         arguments.extend(["--definitions".to_owned(), path.to_string_lossy().into_owned()]);
+    }
+    if let Some(dialect) = args.dialect {
+        arguments.extend(["--dialect".to_owned(), Dialect::from(dialect).name().to_owned()]);
     }
     for folder in &args.schemas {
         arguments.extend(["--schema".to_owned(), folder.to_string_lossy().into_owned()]);

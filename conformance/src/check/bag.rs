@@ -39,7 +39,6 @@ use super::coverage::{Parts, Unit};
 use super::release::{ReleaseMatch, release_matches};
 use super::topic::{definition_of, is_same_type};
 use super::{CaptureResult, CheckRun, Logged, Summary};
-use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Detail, Extent, Findings, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
@@ -113,9 +112,9 @@ struct Channels<'d> {
 }
 
 impl<'d> Channels<'d> {
-    fn new(definitions: &'d Definitions) -> Self {
+    fn new(run: CheckRun<'d>) -> Self {
         Self {
-            run: CheckRun::new(definitions),
+            run,
             schemas: Schemas::default(),
             open: Vec::new(),
             by_digest: HashMap::new(),

@@ -14,7 +14,7 @@ use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, time_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
-use crate::definitions::{Clues, Definitions};
+use crate::definitions::Clues;
 use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
 use crate::px4::comparison::{Comparison, compare};
 use crate::px4::memory::{Plan, shared_fields};
@@ -25,7 +25,7 @@ pub(super) const KIND: Kind = Kind {
     name: "ULog",
     detect: |start| has_magic(start, &ULOG_MAGIC),
     clues: |source| clues(&mut *source.bytes),
-    check: |input, _, definitions| check_ulog(input, definitions),
+    check: |input, _, run| check_log(input, run),
 };
 
 /// The kind for encrypted logs, which are detected but can't be read.
@@ -120,7 +120,7 @@ impl Describe for LogSummary {
         let differing =
             with_result(FormatResult::Differs).map(|format| (format.topic, shown(&format.message)));
         let definitions = Line::new("definitions", text).list("differs", differing);
-        release_lines(&self.releases).chain([definitions]).collect()
+        release_lines(&self.releases, definitions)
     }
 
     fn noun(&self) -> &'static str {
@@ -152,8 +152,13 @@ fn clues(input: impl Read) -> Clues {
 }
 
 /// Checks the readable part of a PX4 log.
-pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
-    let mut checker = LogChecker::new(definitions);
+#[cfg(test)]
+pub(crate) fn check_ulog(input: impl Read, definitions: &crate::definitions::Definitions) -> CaptureResult {
+    check_log(input, CheckRun::new(definitions))
+}
+
+fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
+    let mut checker = LogChecker::new(run);
     let mut reader = Reader::new(input);
     let mut log = Log::default();
     loop {
@@ -226,9 +231,9 @@ struct LogChecker<'d> {
 }
 
 impl<'d> LogChecker<'d> {
-    fn new(definitions: &'d Definitions) -> Self {
+    fn new(run: CheckRun<'d>) -> Self {
         let (open, timed) = (Vec::new(), BTreeSet::new());
-        let (run, parts) = (CheckRun::new(definitions), Parts::default());
+        let parts = Parts::default();
         Self { run, open, timed, parts, firmware: None, dropouts: 0, latest: None }
     }
 

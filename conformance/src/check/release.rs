@@ -30,7 +30,7 @@ pub struct ReleaseMatch {
 }
 
 impl ReleaseMatch {
-    /// The reason why the release isn't the one that sent the messages: most topics match no release.
+    /// The reason why the capture is probably from another release: most topics match no known release.
     pub(crate) fn problem(&self) -> Option<String> {
         let Self { title, matching, topics, others, .. } = self;
         let known = matching + others.len() as u64;
@@ -90,14 +90,21 @@ pub(super) fn release_matches<'t>(
     matches.filter(|found| found.topics > 0).collect()
 }
 
-/// The lines about releases in reports for people.
-pub(super) fn release_lines(matches: &[ReleaseMatch]) -> impl Iterator<Item = Line> {
-    matches.iter().map(|found| {
+/// The lines about releases in reports for people. `compared` is the line about all topics.
+pub(super) fn release_lines(matches: &[ReleaseMatch], compared: Line) -> Vec<Line> {
+    if let [ReleaseMatch { title, others, .. }] = matches
+        && others.is_empty()
+    {
+        let text = format!("{}: {}", shown(title), compared.text);
+        return vec![Line { text, ..compared }];
+    }
+    let releases = matches.iter().map(|found| {
         let ReleaseMatch { title, matching, topics, others, .. } = found;
         let text = format!("{}: {matching} of {topics} topics match", shown(title));
-        Line::new("release", text)
-            .list("other", others.iter().map(|other| (other.topic.as_str(), shown(&other.release))))
-    })
+        let others = others.iter().map(|other| (other.topic.as_str(), shown(&other.release)));
+        Line::new("release", text).list("other", others)
+    });
+    releases.chain([compared]).collect()
 }
 
 /// A reader that keeps the bytes that it reads, up to a limit. It then ends.

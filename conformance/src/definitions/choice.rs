@@ -28,7 +28,7 @@ pub(crate) struct TypeClue {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Choice {
     pub(crate) release: ReleaseId,
-    /// The number of topics or types that are the same in the release.
+    /// The number of topics or types that match the release.
     pub(crate) matching: usize,
     /// The number of topics or types that some release of the family defines.
     pub(crate) known: usize,
@@ -173,7 +173,7 @@ mod tests {
     #[test]
     fn the_version_decides_between_equal_releases() {
         let index = Index::built_in();
-        // This message is the same in all releases.
+        // All releases define this message in one way.
         let mut clues = clues(&index, &[("cpuload", "px4@1.13")]);
         let release = |clues: &Clues| chosen(&index, clues).expect("a release").0;
         let newest = release(&clues);

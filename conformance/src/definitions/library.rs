@@ -57,10 +57,11 @@ impl Library {
         library
     }
 
-    /// Definitions from a path, or a release such as `px4@1.16`.
-    pub fn load(text: &Path) -> Result<Self, Failure> {
+    /// Definitions from a path, or a release such as `px4@1.16`. The dialect of the definitions at the path is detected
+    /// unless it is given.
+    pub fn load(text: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
         let label = text.to_str().filter(|text| text.contains('@') && !Path::new(text).exists());
-        let Some(label) = label else { return Definitions::load(text).map(Self::fixed) };
+        let Some(label) = label else { return Definitions::load_as(text, dialect).map(Self::fixed) };
         let mut library = Self::built_in();
         let index = library.index();
         let Some(release) = index.find(label) else {
@@ -107,6 +108,11 @@ impl Library {
                 self.read(&choices)
             })
         })
+    }
+
+    /// The paths of definitions that were left out, because they refer to other packages.
+    pub(crate) fn left_out(&self) -> &[String] {
+        self.base.get().map_or(&[], |base| &base.left_out)
     }
 
     /// A name for the definitions: their path, the release that the user demands, or the built-in definitions.
@@ -315,7 +321,7 @@ mod tests {
 
     #[test]
     fn documented_messages_keep_their_documentation() {
-        let library = Library::load(Path::new("px4@1.15")).expect("a release");
+        let library = Library::load(Path::new("px4@1.15"), None).expect("a release");
         let battery = library.base().message_of_topic("battery_status").expect("a definition");
         assert_eq!(
             library.base().line(library.base().schema.message(battery).span).file,
@@ -330,7 +336,7 @@ mod tests {
 
     #[test]
     fn unknown_releases_are_named() {
-        let error = Library::load(Path::new("px4@1.2")).expect_err("an unknown release").to_string();
+        let error = Library::load(Path::new("px4@1.2"), None).expect_err("an unknown release").to_string();
         assert!(
             error.starts_with("error: unknown release `px4@1.2`\n  help: the releases are px4@1.13, "),
             "{error}"

@@ -18,7 +18,7 @@ static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 const RELEASES: [&str; 7] = ["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"];
 
 fn release(name: &str) -> Library {
-    Library::load(Path::new(&format!("px4@{name}"))).expect("a release")
+    Library::load(Path::new(&format!("px4@{name}")), None).expect("a release")
 }
 
 /// Writes a file, and checks it.

@@ -229,7 +229,7 @@ fn real_recordings_have_the_same_findings_in_both_formats() {
     };
     let config = ["std_msgs", "rcl_interfaces", "builtin_interfaces"].map(package).concat();
     fs::write(folder.path().join("uavspec.toml"), config).expect("a file");
-    let loaded = Library::load(&folder.path().join("uavspec.toml")).expect("definitions");
+    let loaded = Library::load(&folder.path().join("uavspec.toml"), None).expect("definitions");
     let automatic = Library::built_in();
     let (mut num_files, mut num_bags, mut num_checked) = (0, 0, 0);
     for entry in walkdir::WalkDir::new(bags.join("sqlite3")) {

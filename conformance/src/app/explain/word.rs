@@ -8,44 +8,28 @@ use crate::definitions::{Library, ReleaseId};
 use crate::explain::{Unknown, explain, to_text};
 use crate::text::terminal;
 
-pub(super) const EXAMPLES: &str = "Examples:
-  uavspec explain 134
-  uavspec explain LOWBAT
-  uavspec explain vehicle_status
-  uavspec explain vehicle_status.nav_state=17
-  uavspec explain mode_req_mission=0x80
-  uavspec explain VEHICLE_CMD_NAV_TAKEOFF --release px4@1.18
-  uavspec explain sensor_msgs/msg/Imu --format json
-  uavspec explain PX-RANGE-01";
-
-pub(super) const STATUS: &str = "Exit status:
-  0  success
-  2  invalid usage, or a word is unknown
-  3  standard output can't be written";
-
-/// Explains words. Words that are unknown are errors, which are printed after the other answers.
-pub(super) fn explain_words(words: &[String], release: Option<&str>, format: Format) -> Status {
+/// Explains a word, by all releases or by one. Errors are printed.
+pub(super) fn explain_word(word: &str, release: Option<&str>, format: Format) -> Status {
     let library = Library::built_in();
     let release = match release.map(|label| find(&library, label)).transpose() {
         Ok(release) => release,
         Err(unknown) => return fail(&unknown),
     };
-    let (mut explanations, mut unknown) = (Vec::new(), Vec::new());
-    for word in words {
-        match explain(&library, word, release) {
-            Ok(explanation) => explanations.push(explanation),
-            Err(problem) => unknown.push(problem),
+    let explanation = match explain(&library, word, release) {
+        Ok(explanation) => explanation,
+        Err(unknown) => return fail(&unknown),
+    };
+    let text = match format {
+        Format::Text => to_text(&explanation),
+        Format::Json => json_text::pretty(&explanation),
+    };
+    match print(&text) {
+        Ok(()) => Status::Conforms,
+        Err(error) => {
+            terminal::error(format_args!("standard output: {error}"), None);
+            Status::Unreadable
         }
     }
-    let text = match format {
-        Format::Text => explanations.iter().map(to_text).collect::<Vec<_>>().join("\n"),
-        Format::Json => json_text::pretty(&explanations),
-    };
-    if let Err(error) = print(&text) {
-        terminal::error(format_args!("standard output: {error}"), None);
-        return Status::Unreadable;
-    }
-    unknown.iter().map(fail).max().unwrap_or(Status::Conforms)
 }
 
 /// Prints an error.

@@ -45,7 +45,7 @@ fn declarations(input: impl Read) -> Clues {
     let mut reader = Reader::new(input);
     let mut clues = Clues::default();
     let mut schemas: HashMap<u16, (String, Option<String>)> = HashMap::new();
-    // The types of channels whose schema has no text.
+    // The types of channels whose schema is empty.
     let mut unknown: HashMap<u16, String> = HashMap::new();
     while let Ok(Some(item)) = reader.next() {
         match item.event {

@@ -8,20 +8,19 @@ use super::sqlite::{self, SQLITE};
 use super::{BagContent, BagFile, BagSummary, Channels, MCAP};
 use crate::capture::input;
 use crate::capture::rosbag::metadata::{self, FILE_NAME, Metadata};
-use crate::check::{CaptureResult, Reading, START, Source, Summary};
-use crate::definitions::Definitions;
+use crate::check::{CaptureResult, CheckRun, Reading, START, Source, Summary};
 use crate::model::{Extent, Location};
 
 /// Checks the readable parts of a bag's files. Fails if `metadata.yaml` can't be read.
 pub(in crate::check) fn check_folder(
     folder: &Path,
-    definitions: &Definitions,
+    run: CheckRun<'_>,
     reading: Reading<'_>,
 ) -> io::Result<CaptureResult> {
     let Some(metadata) = Metadata::read(folder)? else {
         return Ok(CaptureResult::unknown(format!("its {FILE_NAME} isn't the metadata of a rosbag2 bag")));
     };
-    let mut bag = Channels::new(definitions);
+    let mut bag = Channels::new(run);
     let mut summary = BagSummary {
         storage: metadata.storage,
         distribution: metadata.distribution,

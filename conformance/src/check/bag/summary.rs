@@ -200,5 +200,5 @@ fn lines(channels: &[BagChannel], dialects: Dialects, releases: &[ReleaseMatch])
         .list("not read", rows.iter().filter_map(|row| Some((row.topic, row.not_read()?))))
         .list("undefined", with_result(ChannelResult::Undefined).map(|row| (row.topic, schema(row))));
     line.lists.push(List { label: "dialect", items: dialects.iter().map(|one| one.to_string()).collect() });
-    release_lines(releases).chain([line]).collect()
+    release_lines(releases, line)
 }
