@@ -95,10 +95,12 @@ struct Cli {
 enum Command {
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
-    /// Explain a capture, an error code, a message, a field, a value, a hash or a rule.
+    /// Explain a flight, or what a word means: a code, a message, a field, a value, a hash or a rule.
     ///
-    /// The story of a capture lists the changes that explain what the vehicle did: failsafe flags, modes, arming checks
-    /// and errors. For a word, the answer names the meaning, the unit, the valid values and the alternatives, the
+    /// If WHAT is a capture, the story lists the changes that explain what the vehicle did. All labels come from the
+    /// definitions.
+    ///
+    /// Otherwise, WHAT is a word. The answer names the meaning, the unit, the valid values and the alternatives, the
     /// releases of PX4 or ROS 2 that contain the item, and the changes in each release.
     Explain(explain::ExplainArgs),
     /// Test a codec or validator in any language.

@@ -84,6 +84,12 @@ fn reports_wrong_usage_and_unreadable_captures() {
     }
     for (arguments, expected, message) in [
         (&["absent.ulg"][..], 3, "error: absent.ulg: no such file or folder"),
+        (&["vehicle_status", "--language", "uk"], 3, "error: vehicle_status: no such file or folder"),
+        (&["vehicle_statu"], 2, "help: did you mean vehicle_status?"),
+        (&["134", "--release", "px4@1.2"], 2, "error: --release px4@1.2: unknown release"),
+        (&["134", "--release", "px4@1.16", "--language", "uk"], 2, "cannot be used with"),
+        (&["flight.jsonl", "--release", "px4@1.16"], 2, "help: use `--definitions px4@1.16` for a capture"),
+        (&["a\u{1b}[31m\nb"], 2, "error: a\\u{1b}[31m\\nb: unknown"),
         (&["notes.txt"], 3, "error: notes.txt: unknown file type"),
         (&["flight.jsonl", "--language", "xx"], 2, "help: expected one of en, uk"),
         (&["flight.jsonl", "--report", "html=flight.jsonl"], 2, "would overwrite the input flight.jsonl"),
@@ -103,25 +109,20 @@ fn reports_wrong_usage_and_unreadable_captures() {
 }
 
 #[test]
-fn definitions_without_error_codes_use_the_built_in_ones() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let body = json!({ "type": "UAV-INF", "status": { "7": { "errors": [1] } } });
-    let message = json!({ "$fw.version": "1.0", "id": "a", "body": body });
-    let line = json!({ "t": 1.8e9, "conn": "tcp#1", "dir": "in", "msg": message });
-    fs::write(folder.path().join("session.jsonl"), format!("{line}\n")).expect("a file");
-    fs::create_dir_all(folder.path().join("sky_msgs/msg")).expect("a folder");
-    fs::write(folder.path().join("sky_msgs/package.xml"), "<package/>").expect("a file");
-    fs::write(
-        folder.path().join("sky_msgs/msg/Wind.msg"),
-        "builtin_interfaces/Time stamp\nfloat32[] speed\n",
-    )
-    .expect("a file");
-    for definitions in ["px4@1.16", "sky_msgs"] {
-        let arguments = ["session.jsonl", "--language", "uk", "--definitions", definitions];
-        let (status, printed, errors) = explain(folder.path(), &arguments);
-        assert_eq!(status, Some(0), "{definitions}: {errors}");
-        assert!(printed.contains("UAV-INF.1 GROUND (7) set – БПЛА на землі"), "{definitions}: {printed}");
-    }
+fn explains_words_that_are_no_paths() {
+    let folder = folder_with_flight("");
+    let (status, printed, errors) = explain(folder.path(), &["134"]);
+    assert_eq!((status, errors.as_str()), (Some(0), ""));
+    assert!(printed.starts_with("Error code 134 LOWBAT: error\n"), "{printed}");
+    let (status, printed, _) = explain(folder.path(), &["vehicle_status.nav_state=17", "--format", "json"]);
+    assert_eq!(
+        (status, printed.starts_with("{\n  \"word\": \"vehicle_status.nav_state=17\",\n")),
+        (Some(0), true)
+    );
+    // The path of a file is a capture, even if its name is a word.
+    fs::write(folder.path().join("134"), "notes").expect("a file");
+    let (status, _, errors) = explain(folder.path(), &["134"]);
+    assert_eq!(status, Some(3), "{errors}");
 }
 
 #[test]

@@ -1,65 +1,79 @@
 //! `uavspec explain`.
 
-mod story;
 mod word;
 
+use std::collections::BTreeMap;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use clap::Args;
+use uavspec_codegen::emit::docs::markdown::plural;
+use uavspec_codegen::load::read_definitions_translated;
+use uavspec_codegen::translation::Translations;
 
-use self::story::{Page, story};
-use self::word::explain_words;
+use super::outputs::{self, Inputs, Output};
+use super::progress::Progress;
+use super::report::{print, write_file};
 use super::{Format, Status};
-use crate::story::{MAX_ALL_CHANGES, MAX_CHANGES};
+use crate::capture::input::is_capture;
+use crate::model::Extent;
+use crate::report::story::{to_html, to_json, to_text};
+use crate::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
 use crate::text::terminal;
 
 /// The path that means standard input.
 const STANDARD_INPUT: &str = "-";
 
+/// The configuration file of definitions.
+const CONFIGURATION: &str = "uavspec.toml";
+
+/// The language of the definitions.
+const ENGLISH: &str = "en";
+
 const EXAMPLES: &str = "Examples:
   uavspec explain flight.ulg
   uavspec explain flight.ulg --report html=story.html
   uavspec explain session.jsonl --language uk
+  uavspec explain flight.mcap --format json
   uavspec explain 134
-  uavspec explain LOWBAT
   uavspec explain vehicle_status.nav_state=17
-  uavspec explain mode_req_mission=0x80
-  uavspec explain VEHICLE_CMD_NAV_TAKEOFF --release px4@1.18
-  uavspec explain sensor_msgs/msg/Imu --format json
-  uavspec explain PX-RANGE-01";
+  uavspec explain mode_req_mission=0x80 --release px4@1.18
+  uavspec explain VEHICLE_CMD_NAV_TAKEOFF
+  uavspec explain sensor_msgs/msg/Imu --format json";
 
 /// Arguments of `explain`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = after_long_help())]
 pub(super) struct ExplainArgs {
-    /// A capture, or words to explain.
+    /// Capture or word to explain.
     ///
     /// A capture is a log, a bag, messages or a recorded session. A folder with a `metadata.yaml` is a bag. The path `-`
     /// means standard input.
     ///
     /// A word is an error code or its abbreviation, a topic, a message, a field, a value of a field, a constant, a
-    /// uORB message hash, a ROS type hash, or a rule. A name that several messages use lists all of them. If a file has
-    /// the name of a word, the file is explained.
-    #[arg(required = true, value_name = "CAPTURE|WORD")]
-    what: Vec<PathBuf>,
-    /// Definitions for a capture (default: the release that it agrees with).
+    /// uORB message hash, a ROS type hash, or a rule. An existing path is never a word.
+    #[arg(value_name = "WHAT")]
+    what: PathBuf,
+    /// Explain a word by one release only, such as px4@1.16 (default: all).
+    #[arg(long, value_name = "RELEASE", conflicts_with_all = ["definitions", "language", "report"])]
+    release: Option<String>,
+    /// Definitions to use (default: the release that the capture agrees with).
     ///
-    /// A release such as px4@1.16, a `uavspec.toml`, a folder that contains one, or a folder with definitions.
-    #[arg(long, value_name = "PATH|RELEASE")]
+    /// A release such as px4@1.16, a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder with
+    /// such files.
+    #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
-    /// Language of the labels in a story, such as uk (default: en).
+    /// Language of the labels, such as uk (default: en).
     ///
     /// The languages are those of the catalogues that belong to the definitions. Labels without a translation stay in
     /// English. The HTML report contains all languages.
     #[arg(long, value_name = "LANGUAGE")]
     language: Option<String>,
-    /// Explain words by one release only, such as px4@1.16 (default: all).
-    #[arg(long, value_name = "RELEASE")]
-    release: Option<String>,
     /// Output format: text or json.
     #[arg(long, value_name = "FORMAT", default_value = "text", hide_possible_values = true)]
     format: Format,
-    /// Also write a page with a picture of the story: html=FILE.
+    /// Also write a page with a picture: html=FILE.
     ///
     /// The page is a single file that needs no network. A report never replaces an input.
     #[arg(long, value_name = "html=FILE")]
@@ -70,50 +84,144 @@ fn after_long_help() -> String {
     format!(
         "{EXAMPLES}
 
-Limits: each lane of a story lists at most {MAX_CHANGES} changes, and the story at
+Limits: each lane lists at most {MAX_CHANGES} changes, and the story at
 most {MAX_ALL_CHANGES}. Further changes are counted, and the durations include them.
 
 Exit status:
   0  success
-  2  invalid usage, an unknown word, or unreadable definitions
-  3  the capture can't be opened or has an unknown type, or an output can't be
+  2  invalid usage, unreadable definitions, or an unknown word
+  3  the capture can't be opened or has an unknown type, or a report can't be
      written
   5  the capture has no topics of the story that have a definition
   6  incomplete: some data can't be read"
     )
 }
 
-/// Runs `uavspec explain`. An existing path and `-` are captures, and all other arguments are words.
+/// The file for the page.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Page(PathBuf);
+
+impl FromStr for Page {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('=') {
+            Some(("html", path)) if !path.is_empty() => Ok(Self(path.into())),
+            _ => Err("expected html=FILE, such as html=story.html".to_owned()),
+        }
+    }
+}
+
+/// Runs `uavspec explain`. An existing path and `-` are captures.
 pub(super) fn explain(args: &ExplainArgs) -> Status {
-    let is_capture = |path: &&PathBuf| *path == Path::new(STANDARD_INPUT) || path.exists();
-    let Some(capture) = args.what.iter().find(is_capture) else {
-        return match args.story_option() {
-            None => explain_words(&args.what, args.release.as_deref(), args.format),
-            Some(option) => refuse(&format!("{option} applies to captures, but no argument is a file")),
-        };
+    if args.what == Path::new(STANDARD_INPUT) || args.what.exists() {
+        let Some(release) = &args.release else { return story(args).unwrap_or_else(|status| status) };
+        let help = format!("use `--definitions {release}` for a capture");
+        terminal::error("--release applies to words only", Some(&help));
+        return Status::Usage;
+    }
+    let has_options = args.definitions.is_some() || args.language.is_some() || args.report.is_some();
+    if has_options || is_capture(&args.what) {
+        let problem = format!("{}: no such file or folder", terminal::path(&args.what));
+        terminal::error(problem, Some("name a log, a bag, a file with messages or a recorded session"));
+        return Status::Unreadable;
+    }
+    word::explain_word(&args.what.to_string_lossy(), args.release.as_deref(), args.format)
+}
+
+/// Prints the story of a capture. Errors are printed.
+fn story(args: &ExplainArgs) -> Result<Status, Status> {
+    let library = super::library(args.definitions.as_deref(), None, &[])?;
+    let texts = texts(args.definitions.as_deref())?;
+    let language = language(args.language.as_deref(), &texts.languages())?;
+    check_outputs(args)?;
+    let progress = Progress::bytes(std::fs::metadata(&args.what).map_or(0, |metadata| metadata.len()));
+    let story = Story::read(&args.what, &library, texts, &|input| progress.reading(input));
+    drop(progress);
+    let unreadable = |error: &str| {
+        terminal::error(format_args!("{}: {error}", terminal::path(&args.what)), None);
+        Status::Unreadable
     };
-    if args.what.len() > 1 {
-        return refuse(&format!("{} is a capture: explain it alone", terminal::path(capture)));
-    }
-    if args.release.is_some() {
-        return refuse("--release applies to words: name the definitions of a capture with --definitions");
-    }
-    story(capture, args).unwrap_or_else(|status| status)
+    let story =
+        story.map_err(|error| unreadable(&error.to_string()))?.map_err(|reason| unreadable(&reason))?;
+    write(args, &story, &language)?;
+    Ok(status(&story))
 }
 
-impl ExplainArgs {
-    /// An option that applies only to captures.
-    fn story_option(&self) -> Option<&'static str> {
-        let options = [
-            ("--definitions", self.definitions.is_some()),
-            ("--language", self.language.is_some()),
-            ("--report", self.report.is_some()),
-        ];
-        options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+/// The exit status of a story.
+fn status(story: &Story) -> Status {
+    if story.extent != Extent::Whole {
+        let count = plural(story.corruption.len() as u64, "part");
+        terminal::error(format_args!("incomplete: {count} of the capture can't be read"), None);
+        return Status::Incomplete;
+    }
+    if story.lanes.is_empty() {
+        let undefined: Vec<&str> = story.topics(TopicStatus::Undefined).collect();
+        let help = match (undefined.as_slice(), story.unreadable_messages) {
+            ([], 0) => "the capture contains no topics of the story".to_owned(),
+            ([], count) => format!(
+                "{} can't be read or violate a rule: `uavspec check` names the reasons",
+                plural(count, "message")
+            ),
+            _ => format!("name the definitions of {} with --definitions", undefined.join(", ")),
+        };
+        terminal::error("nothing to explain", Some(&help));
+        return Status::Nothing;
+    }
+    Status::Conforms
+}
+
+/// Prints the story, and writes the page. Errors are printed.
+fn write(args: &ExplainArgs, story: &Story, language: &str) -> Result<(), Status> {
+    let text = match args.format {
+        Format::Text => Ok(to_text(story, language)),
+        Format::Json => to_json(story).map_err(std::io::Error::from),
+    };
+    let printed = text.and_then(|text| print(&text)).map_err(|error| format!("standard output: {error}"));
+    let written = args.report.as_ref().map_or(Ok(()), |Page(path)| {
+        let page = to_html(story, language, &super::command());
+        write_file(path, |file| file.write_all(page.as_bytes()))
+            .map_err(|error| format!("{}: can't write the report: {error}", terminal::path(path)))
+    });
+    let failures = [printed, written].into_iter().filter_map(Result::err);
+    let failures = failures.inspect(|failure| terminal::error(failure, None)).count();
+    if failures == 0 { Ok(()) } else { Err(Status::Unreadable) }
+}
+
+/// Checks that the page doesn't replace an input. Errors are printed.
+fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
+    let inputs =
+        Inputs { files: vec![&args.what], definitions: args.definitions.as_deref(), ..Inputs::default() };
+    let outputs: Vec<Output<'_>> =
+        args.report.iter().map(|Page(path)| Output::new("--report html", path)).collect();
+    outputs::check(&inputs, &outputs)
+}
+
+/// The texts of the definitions at a path, or of the built-in definitions. Errors are printed.
+fn texts(path: Option<&Path>) -> Result<Texts, Status> {
+    // Only a configuration file names catalogues.
+    let is_configured = |path: &&Path| {
+        path.is_file() && path.extension().is_some_and(|extension| extension == "toml")
+            || path.join(CONFIGURATION).is_file()
+    };
+    let Some(path) = path.filter(is_configured) else { return Ok(Texts::of(Translations::default())) };
+    match read_definitions_translated(path) {
+        Ok((_, _, translations)) => Ok(Texts::of(translations)),
+        Err(failure) => {
+            terminal::eprintln!("{failure}");
+            Err(Status::Usage)
+        }
     }
 }
 
-fn refuse(problem: &str) -> Status {
-    terminal::error(problem, None);
-    Status::Usage
+/// The tag of the labels' language. Errors are printed.
+fn language(wanted: Option<&str>, languages: &BTreeMap<String, String>) -> Result<String, Status> {
+    let wanted = wanted.unwrap_or(ENGLISH);
+    let known = std::iter::once(ENGLISH).chain(languages.keys().map(String::as_str));
+    if let Some(tag) = known.clone().find(|tag| tag.eq_ignore_ascii_case(wanted)) {
+        return Ok(tag.to_owned());
+    }
+    let help = format!("expected one of {}", known.collect::<Vec<_>>().join(", "));
+    terminal::error(format_args!("--language {}: no such language", terminal::shown(wanted)), Some(&help));
+    Err(Status::Usage)
 }

@@ -150,7 +150,7 @@ fn depth_of(pattern: &Path, folder: &Path) -> usize {
 }
 
 /// True if the file name has a capture extension.
-fn is_capture(path: &Path) -> bool {
+pub(crate) fn is_capture(path: &Path) -> bool {
     let unpacked = if has_extension(path, &PACKED) { path.with_extension("") } else { path.to_path_buf() };
     has_extension(&unpacked, &EXTENSIONS)
 }

@@ -1,7 +1,5 @@
 //! Explains words by the definitions of all releases.
 
-use std::path::PathBuf;
-
 use uavspec_codegen::json_text;
 
 use crate::app::report::print;
@@ -10,29 +8,28 @@ use crate::definitions::{Library, ReleaseId};
 use crate::explain::{Unknown, explain, to_text};
 use crate::text::terminal;
 
-/// Explains words. Words that are unknown are errors, which are printed after the other answers.
-pub(super) fn explain_words(words: &[PathBuf], release: Option<&str>, format: Format) -> Status {
+/// Explains a word, by all releases or by one. Errors are printed.
+pub(super) fn explain_word(word: &str, release: Option<&str>, format: Format) -> Status {
     let library = Library::built_in();
     let release = match release.map(|label| find(&library, label)).transpose() {
         Ok(release) => release,
         Err(unknown) => return fail(&unknown),
     };
-    let (mut explanations, mut unknown) = (Vec::new(), Vec::new());
-    for word in words {
-        match explain(&library, &word.to_string_lossy(), release) {
-            Ok(explanation) => explanations.push(explanation),
-            Err(problem) => unknown.push(problem),
+    let explanation = match explain(&library, word, release) {
+        Ok(explanation) => explanation,
+        Err(unknown) => return fail(&unknown),
+    };
+    let text = match format {
+        Format::Text => to_text(&explanation),
+        Format::Json => json_text::pretty(&explanation),
+    };
+    match print(&text) {
+        Ok(()) => Status::Conforms,
+        Err(error) => {
+            terminal::error(format_args!("standard output: {error}"), None);
+            Status::Unreadable
         }
     }
-    let text = match format {
-        Format::Text => explanations.iter().map(to_text).collect::<Vec<_>>().join("\n"),
-        Format::Json => json_text::pretty(&explanations),
-    };
-    if let Err(error) = print(&text) {
-        terminal::error(format_args!("standard output: {error}"), None);
-        return Status::Unreadable;
-    }
-    unknown.iter().map(fail).max().unwrap_or(Status::Conforms)
 }
 
 /// Prints an error.
