@@ -14,11 +14,14 @@ pub struct Failure {
 impl std::error::Error for Failure {}
 
 impl Failure {
-    pub(crate) fn new(message: impl Into<String>) -> Self {
+    /// Creates a failure without a hint.
+    pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), hint: None }
     }
 
-    pub(crate) fn with_hint(mut self, hint: impl Into<String>) -> Self {
+    /// Adds a hint about what to do.
+    #[must_use]
+    pub fn with_hint(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self
     }

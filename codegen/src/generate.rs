@@ -63,7 +63,7 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
     if has_errors(&diagnostics) {
         return Err(Failure::new(format!("the definitions contain errors\n{rendered}")));
     }
-    let folders = emit_all(&plan, &schema, &translations, &loaded)?;
+    let folders = emit_all(&plan, &loaded, &schema, &translations)?;
     let mut inputs = loaded.files;
     inputs.insert(0, config.to_path_buf());
     let changed = write(&folders, &inputs)?;
@@ -77,14 +77,14 @@ pub fn generate(config: impl AsRef<Path>) -> Result<Generated, Failure> {
 /// Runs the emitters of the plan. Fails if a name in the definitions is not a file name on all systems.
 pub(crate) fn emit_all(
     plan: &Plan,
+    loaded: &Loaded,
     schema: &Schema,
     translations: &Translations,
-    loaded: &Loaded,
 ) -> Result<Vec<Folder>, Failure> {
-    let sources = &loaded.sources;
+    let Loaded { sources, releases, .. } = loaded;
     guard::check_names(schema, sources)?;
     let conversions = conversions(schema, loaded)?;
-    let input = Input { schema, translations, sources, conversions: &conversions };
+    let input = Input { schema, translations, sources, releases, conversions: &conversions };
     in_parallel(&plan.outputs, |output| {
         Ok(Folder { path: output.path.clone(), files: output.output.emit(input)? })
     })

@@ -112,6 +112,7 @@ mod path;
 mod pattern;
 mod prose;
 mod read;
+pub mod release;
 pub mod render;
 pub mod report;
 mod resolve;
@@ -144,5 +145,6 @@ pub mod internal {
     pub use crate::example::{CONVERTED, Example, catalogues, hints, is_catalogue, is_hints, packages};
     pub use crate::msg::annotation::Note;
     pub use crate::msg::parse as parse_definition;
+    pub use crate::prose::gist;
     pub use crate::table::parse as parse_page;
 }

@@ -9,67 +9,128 @@
 //! ```
 
 mod config;
+mod dialect;
 mod files;
 mod lint;
 mod located;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 pub(crate) use self::config::{Config, Inputs, Plan};
+use self::dialect::detected;
+use self::files::definitions_at;
 pub(crate) use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,
 };
 pub(crate) use self::lint::PresetName;
-use crate::diagnostic::{Diagnostic, has_errors};
+use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::failure::Failure;
 use crate::msg::Dialect;
 use crate::render;
 use crate::schema::{Form, Schema};
-use crate::source::SourceMap;
+use crate::source::{SourceId, SourceMap};
 use crate::translation::{self, Translations};
 
-/// Reads definitions from a configuration file, a folder that contains one, or a file or folder of PX4 messages.
+/// Definitions that were read from a path.
+#[derive(Debug)]
+pub struct Definitions {
+    /// The sources.
+    pub sources: SourceMap,
+    /// The schema.
+    pub schema: Schema,
+    /// The paths of definitions that refer to a package outside the path. They aren't part of the schema.
+    pub left_out: Vec<String>,
+}
+
+/// Reads definitions from a configuration file, a folder that contains one, or files and folders of PX4 messages or ROS 2
+/// packages. The dialect is detected.
 ///
 /// Fails if the definitions contain errors; ignores warnings.
 pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), Failure> {
-    let (loaded, schema, diagnostics) = read(&plan_at(path.as_ref())?)?;
+    let Definitions { sources, schema, .. } = read_definitions_as(path.as_ref(), None)?;
+    Ok((sources, schema))
+}
+
+/// Like [`read_definitions`], but with a given dialect unless the path has a configuration file.
+pub fn read_definitions_as(path: &Path, dialect: Option<Dialect>) -> Result<Definitions, Failure> {
+    let plan = plan_at(path, dialect)?;
+    let loaded = load(&plan)?;
+    if plan.config.is_none() {
+        return complete(loaded);
+    }
+    let (schema, mut diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
+    diagnostics.extend(loaded.diagnostics);
     fail_on_errors(&diagnostics, &loaded.sources)?;
-    Ok((loaded.sources, schema))
+    Ok(Definitions { sources: loaded.sources, schema, left_out: Vec::new() })
 }
 
 /// Like [`read_definitions`], but also reads the translations. Fails if the translations contain errors.
 pub fn read_definitions_translated(
     path: impl AsRef<Path>,
 ) -> Result<(SourceMap, Schema, Translations), Failure> {
-    let (loaded, schema, translations, diagnostics) = read_translated(&plan_at(path.as_ref())?)?;
+    let (loaded, schema, translations, diagnostics) = read_translated(&plan_at(path.as_ref(), None)?)?;
     fail_on_errors(&diagnostics, &loaded.sources)?;
     Ok((loaded.sources, schema, translations))
+}
+
+/// Reads the definitions in files and folders. ROS packages in separate folders remain separate packages.
+///
+/// Fails if the definitions contain errors other than references to packages outside the inputs; ignores warnings.
+pub fn read_package(name: &str, form: Form, inputs: &[PathBuf]) -> Result<Definitions, Failure> {
+    complete(load(&Plan::from_arguments(name, form, inputs, Path::new(""), &[]))?)
+}
+
+/// Reads definitions. Leaves out definitions that refer to a package outside the inputs.
+fn complete(mut loaded: Loaded) -> Result<Definitions, Failure> {
+    fail_on_errors(&loaded.diagnostics, &loaded.sources)?;
+    let mut left_out = Vec::new();
+    loop {
+        let (schema, diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
+        let is_incomplete = |diagnostic: &&Diagnostic| {
+            matches!(diagnostic.problem, Problem::UnknownPackage { .. } | Problem::UnknownType { .. })
+        };
+        let incomplete: BTreeSet<SourceId> = diagnostics
+            .iter()
+            .filter(is_incomplete)
+            .map(|diagnostic| loaded.sources.source_of(diagnostic.span))
+            .collect();
+        // The definitions that were left out are unknown types of the remaining ones.
+        if incomplete.is_empty() || left_out.is_empty() && !refers_to_package(&diagnostics) {
+            fail_on_errors(&diagnostics, &loaded.sources)?;
+            return Ok(Definitions { sources: loaded.sources, schema, left_out });
+        }
+        left_out.extend(incomplete.iter().map(|id| loaded.sources.path(*id).to_owned()));
+        for package in &mut loaded.packages {
+            package.sources.retain(|id| !incomplete.contains(id));
+        }
+    }
+}
+
+/// True if a definition refers to a package outside the inputs.
+fn refers_to_package(diagnostics: &[Diagnostic]) -> bool {
+    diagnostics.iter().any(|diagnostic| matches!(diagnostic.problem, Problem::UnknownPackage { .. }))
 }
 
 /// The files that [`read_definitions`] and [`read_definitions_translated`] read from this path, including the
 /// configuration file.
 pub fn definition_files(path: impl AsRef<Path>) -> Result<Vec<PathBuf>, Failure> {
-    let plan = plan_at(path.as_ref())?;
+    let plan = plan_at(path.as_ref(), None)?;
     let mut files = load_with_catalogues(&plan)?.files;
     files.extend(plan.config.map(|(path, _)| PathBuf::from(path)));
     Ok(files)
 }
 
 /// The plan for a path given to [`read_definitions`].
-fn plan_at(path: &Path) -> Result<Plan, Failure> {
+fn plan_at(path: &Path, dialect: Option<Dialect>) -> Result<Plan, Failure> {
     let file = if path.is_file() { Some(path.to_path_buf()) } else { Config::in_folder(path) };
-    match file {
-        Some(file) if file.extension().is_some_and(|extension| extension == "toml") => {
-            Config::read(&file)?.plan()
-        }
-        _ => Ok(Plan::from_arguments(
-            "px4",
-            Form::Msg(Dialect::Px4),
-            &[path.to_path_buf()],
-            Path::new(""),
-            &[],
-        )),
+    if let Some(file) = file.filter(|file| file.extension().is_some_and(|extension| extension == "toml")) {
+        return Config::read(&file)?.plan();
     }
+    let (detected, name) = detected(&definitions_at(path)?);
+    let dialect = dialect.unwrap_or(detected);
+    let name = if dialect == detected { name } else { dialect.name().to_owned() };
+    Ok(Plan::from_arguments(&name, Form::Msg(dialect), &[path.to_path_buf()], Path::new(""), &[]))
 }
 
 fn fail_on_errors(diagnostics: &[Diagnostic], sources: &SourceMap) -> Result<(), Failure> {

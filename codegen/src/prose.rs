@@ -70,7 +70,7 @@ pub(crate) fn percent_encoded(text: &str) -> String {
 }
 
 /// The first sentence of the text, truncated to `limit` characters.
-pub(crate) fn gist(text: &str, limit: usize) -> String {
+pub fn gist(text: &str, limit: usize) -> String {
     let sentence = &text[..sentence_end(text)];
     let Some((cut, _)) = sentence.char_indices().nth(limit) else { return sentence.to_owned() };
     let end = sentence[..cut].rfind(char::is_whitespace).unwrap_or(cut);

@@ -15,7 +15,7 @@ const LAYERS: &[&[&str]] = &[
     &["emit"],
     &["report"],
     &["format", "lint"],
-    &["conversion"],
+    &["conversion", "release"],
     &["breaking", "dynamic"],
     &["example", "translation"],
     &["read", "render"],

@@ -20,6 +20,7 @@ mod names;
 mod oracle;
 mod origin;
 mod properties;
+mod releases;
 mod support;
 mod type_pages;
 mod vectors;

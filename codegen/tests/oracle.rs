@@ -18,7 +18,7 @@ fn oracle(path: &Path) -> Json {
 
 #[test]
 fn px4_layouts_hashes_and_topics_match_the_generator_of_px4() {
-    for release in ["main", "1.16", "1.15"] {
+    for release in ["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"] {
         let Some(folder) = support::shared(&format!("corpus/px4/{release}")) else { return };
         let Some(expected) = support::shared(&format!("oracle/uorb/{release}.json")) else { return };
         let (sources, schema, diagnostics) = support::px4(&folder);
@@ -74,7 +74,7 @@ fn type_hashes(schema: &Schema, with_package: bool) -> Vec<(String, String)> {
 
 #[test]
 fn ros_type_hashes_match_rosidl() {
-    for release in ["main", "1.16", "1.15"] {
+    for release in ["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"] {
         let Some(folder) = support::shared(&format!("corpus/px4/{release}/msg")) else { return };
         let Some(expected) = support::shared(&format!("oracle/rihs01/{release}.json")) else { return };
         let (_, schema, _) = support::px4(&folder);

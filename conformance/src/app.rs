@@ -18,6 +18,7 @@
 
 mod access;
 mod check;
+mod explain;
 mod interrupt;
 mod known;
 mod outcome;
@@ -35,10 +36,12 @@ mod watch;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::{Parser, Subcommand, ValueEnum};
+use uavspec_codegen::msg::Dialect;
 
-use crate::definitions::Definitions;
+use crate::definitions::{Definitions, Library};
 use crate::flockwave::body_schema::Schemas;
 #[cfg(test)]
 use crate::report::Report;
@@ -92,6 +95,12 @@ struct Cli {
 enum Command {
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
+    /// Explain a capture, an error code, a message, a field, a value, a hash or a rule.
+    ///
+    /// The story of a capture lists the changes that explain what the vehicle did: failsafe flags, modes, arming checks
+    /// and errors. For a word, the answer names the meaning, the unit, the valid values and the alternatives, the
+    /// releases of PX4 or ROS 2 that contain the item, and the changes in each release.
+    Explain(explain::ExplainArgs),
     /// Test a codec or validator in any language.
     ///
     /// The implementation under test is called a testee. It reads one JSON request per line and writes one JSON
@@ -197,6 +206,7 @@ impl From<&Outcome> for Status {
 pub fn main() -> ExitCode {
     let status = match terminal::parse::<Cli>().command {
         Command::Check(args) => check::check(&args),
+        Command::Explain(args) => explain::explain(&args),
         Command::Test(args) => test::test(&args),
         Command::Testee(command) => testee::testee(&command),
         Command::Probe(args) => probe::run(&args),
@@ -246,12 +256,29 @@ fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
     })
 }
 
+/// Loads definitions from a path or of a release, or the built-in definitions, and adds JSON Schemas for Flockwave types
+/// without a definition. Errors are printed.
+fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -> Result<Library, Status> {
+    let loaded = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, dialect));
+    let library = loaded.map_err(|failure| {
+        terminal::eprintln!("{failure}");
+        Status::Usage
+    })?;
+    for file in library.left_out() {
+        terminal::eprintln!("warning: {file} is left out: it refers to a package that isn't in the folder");
+    }
+    Ok(library.with_schemas(Arc::new(load_schemas(schemas)?)))
+}
+
 /// Loads definitions, and adds JSON Schemas for Flockwave types without a definition. Errors are printed.
 fn definitions_with(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Definitions, Status> {
     let definitions = definitions(path)?;
-    let schemas = Schemas::load(schemas).map_err(|error| {
+    Ok(definitions.with_schemas(Arc::new(load_schemas(schemas)?)))
+}
+
+fn load_schemas(folders: &[PathBuf]) -> Result<Schemas, Status> {
+    Schemas::load(folders).map_err(|error| {
         terminal::error(error, None);
         Status::Usage
-    })?;
-    Ok(definitions.with_schemas(schemas))
+    })
 }

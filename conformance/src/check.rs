@@ -23,8 +23,10 @@ mod flockwave;
 mod json;
 pub(crate) mod known;
 mod log;
+mod observer;
 #[doc(hidden)]
 pub mod parallel;
+mod release;
 mod summary;
 mod topic;
 
@@ -32,6 +34,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io::{self, Read};
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::Serialize;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
@@ -53,12 +56,15 @@ pub use self::json::JsonSummary;
 #[doc(hidden)]
 pub use self::json::check_json_thoroughly;
 pub use self::log::LogSummary;
+pub(crate) use self::observer::Observer;
+use self::release::Ahead;
+pub use self::release::{OtherRelease, ReleaseMatch};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
 use crate::capture::input;
 use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
-use crate::definitions::Definitions;
+use crate::definitions::{Clues, Definitions, Library};
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
 use crate::json::Tree;
@@ -85,8 +91,10 @@ struct Kind {
     name: &'static str,
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
+    /// Finds the facts that show the release of a capture. Reads as much of the capture as necessary.
+    clues: fn(&mut Source<'_>) -> Clues,
     /// Checks the readable part of a capture of this kind.
-    check: fn(Source<'_>, Option<MessageId>, &Definitions) -> CaptureResult,
+    check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
 }
 
 /// The bytes of a capture.
@@ -103,7 +111,7 @@ impl Read for Source<'_> {
 }
 
 /// Wraps an input before it is read, for example to show the progress.
-type Reading<'r> = &'r dyn Fn(Box<dyn Read + Send>) -> Box<dyn Read + Send>;
+pub(crate) type Reading<'r> = &'r dyn Fn(Box<dyn Read + Send>) -> Box<dyn Read + Send>;
 
 /// All kinds of captures, in the order of detection.
 static KINDS: [Kind; 6] = [log::ENCRYPTED, log::KIND, bag::MCAP, bag::SQLITE, bag::ROS1, json::KIND];
@@ -148,6 +156,16 @@ impl Describe for UnknownSummary {
 }
 
 impl Summary {
+    /// The releases that the capture was compared with.
+    pub(crate) fn releases(&self) -> &[ReleaseMatch] {
+        match self {
+            Self::Log(summary) => &summary.releases,
+            Self::Mcap(summary) => &summary.releases,
+            Self::Bag(summary) => &summary.releases,
+            Self::Json(_) | Self::Flockwave(_) | Self::Unknown(_) => &[],
+        }
+    }
+
     /// The parts of the summary that human-readable reports print.
     pub(crate) fn describe(&self) -> &dyn Describe {
         match self {
@@ -171,6 +189,8 @@ pub struct CaptureResult {
     /// The time from the first to the last timestamp, in µs. In a PX4 log, timestamps before the start of logging don't
     /// count.
     pub duration: u64,
+    /// The last of these timestamps; 0 if there are none.
+    pub end: u64,
     /// The number of messages.
     pub records: u64,
     /// The number of checked messages. Messages are checked if their type is known and they can be decoded.
@@ -196,6 +216,7 @@ impl CaptureResult {
             summary: Summary::Unknown(UnknownSummary { reason: reason.into() }),
             bytes: 0,
             duration: 0,
+            end: 0,
             records: 0,
             checked: 0,
             corruption: Vec::new(),
@@ -219,34 +240,96 @@ pub fn check_capture(
     message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> io::Result<CaptureResult> {
-    check_source(Source { bytes: &mut input, file: None }, message_id, definitions)
+    let source = Source { bytes: &mut input, file: None };
+    let check =
+        &mut |kind: &Kind, source: Source<'_>| (kind.check)(source, message_id, CheckRun::new(definitions));
+    check_source(source, message_id, check)
 }
 
-/// Like [`check_capture`], for a file, a folder of a bag or standard input. Fails if it can't be opened.
+/// Like [`check_capture`], and also passes the records to an observer.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn observe_capture(
+    mut input: impl Read,
+    definitions: &Definitions,
+    observer: &mut dyn Observer,
+) -> io::Result<CaptureResult> {
+    let source = Source { bytes: &mut input, file: None };
+    let check = &mut |kind: &Kind, source: Source<'_>| {
+        (kind.check)(source, None, CheckRun::observed_by(definitions, Some(observer)))
+    };
+    check_source(source, None, check)
+}
+
+/// The result of checking a capture, with the definitions against which it was checked.
+pub(crate) struct Checked {
+    pub(crate) result: CaptureResult,
+    pub(crate) definitions: Arc<Definitions>,
+}
+
+/// Like [`check_capture`], for a file, a folder of a bag or standard input. The library chooses the definitions. Fails if
+/// the path can't be opened.
 pub(crate) fn check_path(
     path: &Path,
     message_id: Option<MessageId>,
-    definitions: &Definitions,
+    library: &Library,
     reading: Reading<'_>,
-) -> io::Result<CaptureResult> {
+) -> io::Result<Checked> {
+    check_path_with(path, message_id, library, None, reading)
+}
+
+/// Like [`check_path`], and also passes the records to an observer.
+pub(crate) fn observe_path(
+    path: &Path,
+    library: &Library,
+    observer: &mut dyn Observer,
+    reading: Reading<'_>,
+) -> io::Result<Checked> {
+    check_path_with(path, None, library, Some(observer), reading)
+}
+
+fn check_path_with(
+    path: &Path,
+    message_id: Option<MessageId>,
+    library: &Library,
+    mut observer: Option<&mut dyn Observer>,
+    reading: Reading<'_>,
+) -> io::Result<Checked> {
     if let Some(folder) = metadata::folder_of(path) {
-        return bag::check_folder(folder, definitions, reading);
+        let clues = if library.depends_on_capture() { bag::folder_clues(folder) } else { Clues::default() };
+        let definitions = library.choose(&clues);
+        let result = bag::check_folder(folder, CheckRun::observed_by(&definitions, observer), reading)?;
+        return Ok(Checked { result, definitions });
     }
     let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
     let input = reading(input::open(path)?);
-    Ok(input::decompressed(input)
+    let mut definitions = None;
+    let result = input::decompressed(input)
         .and_then(|(mut bytes, is_plain)| {
             let file = (is_plain && path.is_file()).then_some(path);
-            check_source(Source { bytes: &mut bytes, file }, message_id, definitions)
+            check_source(Source { bytes: &mut bytes, file }, message_id, &mut |kind, source| {
+                let mut start = Vec::new();
+                let mut clues = Clues::default();
+                if library.depends_on_capture() {
+                    let mut ahead = Ahead::new(source.bytes);
+                    clues = (kind.clues)(&mut Source { bytes: &mut ahead, file });
+                    start = ahead.bytes;
+                }
+                let chosen = definitions.insert(library.choose(&clues));
+                let whole = &mut io::Cursor::new(start).chain(source.bytes);
+                let run = CheckRun::observed_by(chosen, observer.as_deref_mut());
+                (kind.check)(Source { bytes: whole, file }, message_id, run)
+            })
         })
-        .unwrap_or_else(unreadable))
+        .unwrap_or_else(unreadable);
+    let definitions = definitions.unwrap_or_else(|| Arc::clone(library.base()));
+    Ok(Checked { result, definitions })
 }
 
-/// Checks the readable part of a capture.
+/// Checks the readable part of a capture with `check`, which receives the kind and the whole capture.
 fn check_source(
     mut input: Source<'_>,
     message_id: Option<MessageId>,
-    definitions: &Definitions,
+    check: &mut dyn FnMut(&Kind, Source<'_>) -> CaptureResult,
 ) -> io::Result<CaptureResult> {
     let mut start = Vec::new();
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
@@ -257,7 +340,7 @@ fn check_source(
         return Ok(unknown_type(&start));
     };
     let source = Source { bytes: &mut io::Cursor::new(&start).chain(input.bytes), file: input.file };
-    let result = (kind.check)(source, message_id, definitions);
+    let result = check(kind, source);
     // Other text looks like corrupt JSON until the end.
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
         && !json::starts_like_json(&start);
@@ -296,6 +379,8 @@ struct CheckRun<'d> {
     followers: Vec<Follower>,
     /// The checks of session rules.
     listeners: Listeners<'d>,
+    /// Receives the records in addition to the rules.
+    observer: Option<&'d mut dyn Observer>,
     /// The subscribers of each channel, by channel index.
     channels: Vec<Subscribers>,
     sessions: Sessions,
@@ -371,6 +456,7 @@ impl<'d> CheckRun<'d> {
             findings: Findings::default(),
             followers: followers.collect(),
             listeners: Listeners::new(definitions),
+            observer: None,
             channels: Vec::new(),
             sessions: Sessions::default(),
             records: 0,
@@ -385,6 +471,18 @@ impl<'d> CheckRun<'d> {
             record_time: None,
             logged: None,
         }
+    }
+
+    /// Creates a run that passes the records to an observer as well, if there is one.
+    fn observed_by<'o: 'd>(
+        definitions: &'d Definitions,
+        observer: Option<&'d mut (dyn Observer + 'o)>,
+    ) -> Self {
+        let mut run = Self::new(definitions);
+        if let Some(observer) = observer {
+            run.observer = Some(observer);
+        }
+        run
     }
 
     /// Reserves the index of a new channel.
@@ -404,6 +502,9 @@ impl<'d> CheckRun<'d> {
                 subscribers.followers.push(at);
                 subscribers.interest = subscribers.interest.max(interest);
             }
+        }
+        if let Some(observer) = &mut self.observer {
+            subscribers.interest = subscribers.interest.max(observer.opened(channel, self.definitions));
         }
         self.channels[channel.index] = subscribers;
     }
@@ -436,6 +537,11 @@ impl<'d> CheckRun<'d> {
                 checker.message(channel, message, context);
             };
             self.followers[*at].check(self.definitions, &mut self.findings, message);
+        }
+        if let Some(observer) = &mut self.observer {
+            let is_known = |time: &u64| *time > 0;
+            let time = self.record_time.filter(is_known).or(message.timestamp.filter(is_known));
+            observer.message(channel, message, time, self.definitions);
         }
         self.place(message.location, message.timestamp);
     }
@@ -480,6 +586,9 @@ impl<'d> CheckRun<'d> {
 
     /// Passes a record of a session to the rules.
     fn session_record(&mut self, record: &SessionRecord<'_>) {
+        if let Some(observer) = &mut self.observer {
+            observer.session_record(record, record.time.and_then(microseconds), self.definitions);
+        }
         let exchange = self.sessions.follow(record, self.definitions.body_schemas());
         self.record(&exchange);
     }
@@ -602,6 +711,7 @@ impl<'d> CheckRun<'d> {
             summary,
             bytes,
             duration: self.first.map_or(0, |first| self.last - first),
+            end: self.last,
             records: self.records,
             checked: self.checked,
             corruption: corruption.into_iter().map(reported).collect(),

@@ -9,19 +9,29 @@
 //! assert_eq!(definitions.schema.message(id.unwrap()).topics, ["failsafe_flags"]);
 //! ```
 
+mod choice;
+mod index;
+mod library;
+
 use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::load::read_definitions;
+use uavspec_codegen::load::{self, read_definitions_as};
 use uavspec_codegen::msg::{Dialect, Kind};
+use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
+use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
-use uavspec_definitions::{Dir, FLOCKWAVE, PX4};
+use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
+pub(crate) use self::choice::{Clues, TypeClue};
+pub use self::index::Family;
+pub(crate) use self::index::{ReleaseId, Row};
+pub use self::library::Library;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
 
@@ -33,10 +43,29 @@ pub struct Definitions {
     sources: SourceMap,
     /// The schema.
     pub schema: Schema,
+    /// The paths of definitions that were left out, because they refer to other packages.
+    pub(crate) left_out: Vec<String>,
     by_topic: HashMap<String, MessageId>,
+    /// The messages of other releases that replace messages of the main release.
+    replaced: HashMap<MessageId, MessageId>,
+    /// The main releases.
+    releases: Vec<LoadedRelease>,
+    /// The releases of packages, by package name.
+    origins: HashMap<String, LoadedRelease>,
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
-    schemas: Schemas,
+    schemas: Arc<Schemas>,
+}
+
+/// A release that definitions were read from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct LoadedRelease {
+    /// The family.
+    pub(crate) family: Family,
+    /// The name on the command line, such as `px4@1.16`.
+    pub(crate) label: String,
+    /// The name in text.
+    pub(crate) title: String,
 }
 
 /// A line of a definition, displayed as `file:number`.
@@ -60,27 +89,46 @@ impl Definitions {
     /// The built-in definitions.
     pub fn built_in() -> Self {
         let mut sources = SourceMap::default();
-        let mut package = |name: &str, form, folder: &Dir<'_>| {
-            let mut files: Vec<_> = folder.files().collect();
-            files.sort_by_key(|file| file.path());
-            let ids = files.into_iter().filter_map(|file| {
-                let path = format!("definitions/{name}/{}", terminal::path(file.path()));
-                sources.add(path, file.contents().to_vec()).ok()
-            });
-            PackageInput::new(name, form, ids.collect())
-        };
-        let packages =
-            [package("px4", Form::Msg(Dialect::Px4), &PX4), package("flockwave", Form::Table, &FLOCKWAVE)];
+        let px4 = Self::built_in_px4(&mut sources);
+        let flockwave = embedded("flockwave", Form::Table, &FLOCKWAVE, &mut sources);
         // Tests ensure that the built-in definitions have no errors.
-        let (schema, _) = read(&sources, &packages);
-        Self::new(format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION")), sources, schema)
+        let (schema, _) = read(&sources, &[px4, flockwave]);
+        Self::new(Self::built_in_name(), sources, schema)
     }
 
-    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder
-    /// with such files.
+    fn built_in_name() -> String {
+        format!("the definitions of uavspec {}", env!("CARGO_PKG_VERSION"))
+    }
+
+    /// The package of the built-in PX4 messages.
+    fn built_in_px4(sources: &mut SourceMap) -> PackageInput {
+        embedded("px4", Form::Msg(Dialect::Px4), &PX4, sources)
+    }
+
+    /// Loads definitions from a path: a `uavspec.toml`, a folder that contains one, or files of PX4 messages or ROS 2
+    /// interfaces. The dialect is detected.
     pub fn load(path: &Path) -> Result<Self, Failure> {
-        let (sources, schema) = read_definitions(path)?;
-        Ok(Self::new(path.to_string_lossy().into_owned(), sources, schema))
+        Self::load_as(path, None)
+    }
+
+    /// Like `load`, but with a given dialect.
+    fn load_as(path: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
+        let load::Definitions { sources, schema, left_out } = read_definitions_as(path, dialect)?;
+        let loaded = Self::new(path.to_string_lossy().into_owned(), sources, schema);
+        Ok(Self { left_out, ..loaded })
+    }
+
+    /// Like [`Self::built_in`], with the translations of the texts.
+    pub(crate) fn built_in_translated() -> (Self, Translations) {
+        let definitions = Self::built_in();
+        let mut sources = SourceMap::default();
+        let catalogues = I18N
+            .files()
+            .filter_map(|file| sources.add(terminal::path(file.path()), file.contents().to_vec()).ok());
+        let ids: Vec<_> = catalogues.collect();
+        // `cargo xtask lint` ensures that the catalogues have no errors.
+        let (translations, _) = translation::resolve(&sources, &definitions.schema, &ids);
+        (definitions, translations)
     }
 
     fn new(name: String, sources: SourceMap, mut schema: Schema) -> Self {
@@ -91,13 +139,59 @@ impl Definitions {
                 by_topic.entry(topic.clone()).or_insert(*id);
             }
         }
-        let (types, defined_schemas) = (OnceLock::new(), OnceLock::new());
-        Self { name, sources, schema, by_topic, types, defined_schemas, schemas: Schemas::default() }
+        Self {
+            name,
+            sources,
+            schema,
+            left_out: Vec::new(),
+            by_topic,
+            replaced: HashMap::new(),
+            releases: Vec::new(),
+            origins: HashMap::new(),
+            types: OnceLock::new(),
+            defined_schemas: OnceLock::new(),
+            schemas: Arc::default(),
+        }
+    }
+
+    /// Lets the messages of some packages replace the messages with the same ROS names.
+    fn with_replacements(mut self, packages: &[String]) -> Self {
+        let mut originals: HashMap<String, MessageId> = HashMap::new();
+        let mut replacements = Vec::new();
+        for package in &self.schema.packages {
+            let is_replacement = packages.contains(&package.name);
+            for id in &package.messages {
+                let name = ros_name(&self.schema, self.schema.message(*id));
+                if is_replacement {
+                    replacements.push((name, *id));
+                } else {
+                    originals.insert(name, *id);
+                }
+            }
+        }
+        let replaced = replacements.into_iter().filter_map(|(name, id)| Some((*originals.get(&name)?, id)));
+        self.replaced = replaced.collect();
+        self
+    }
+
+    /// The main releases of these definitions. Empty if they aren't the definitions of a release.
+    pub(crate) fn releases(&self) -> &[LoadedRelease] {
+        &self.releases
+    }
+
+    /// The release of a message.
+    pub(crate) fn release_of(&self, id: MessageId) -> Option<&LoadedRelease> {
+        self.origins.get(&self.schema.package_of(self.schema.message(id)).name)
+    }
+
+    /// The message that replaces a message, or the message itself.
+    fn current(&self, id: MessageId) -> MessageId {
+        self.replaced.get(&id).copied().unwrap_or(id)
     }
 
     /// Adds body schemas for Flockwave message types without a definition.
     #[must_use]
-    pub fn with_schemas(self, schemas: Schemas) -> Self {
+    pub fn with_schemas(self, schemas: Arc<Schemas>) -> Self {
         Self { schemas, ..self }
     }
 
@@ -108,7 +202,7 @@ impl Definitions {
             let is_version = !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit());
             self.by_topic.get(name).filter(|_| is_version)
         };
-        self.by_topic.get(topic).or_else(unversioned).copied()
+        self.by_topic.get(topic).or_else(unversioned).map(|id| self.current(*id))
     }
 
     /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`. Parts and events
@@ -131,7 +225,7 @@ impl Definitions {
             .filter(|known| is_in_package(known))
             .flat_map(|known| &known.messages)
             .find(|id| self.schema.message(**id).name == name)
-            .copied()
+            .map(|id| self.current(*id))
     }
 
     /// The type hashes that a capture may state for a message. Captures state the hash of the service for an event of
@@ -174,6 +268,17 @@ impl Definitions {
         let text = self.sources.text(id).lines().nth(number - 1).unwrap_or_default();
         Line { file: self.sources.path(id), number, text }
     }
+}
+
+/// A package whose files are embedded in the program.
+fn embedded(name: &str, form: Form, folder: &Dir<'_>, sources: &mut SourceMap) -> PackageInput {
+    let mut files: Vec<_> = folder.files().collect();
+    files.sort_by_key(|file| file.path());
+    let ids = files.into_iter().filter_map(|file| {
+        let path = format!("definitions/{name}/{}", terminal::path(file.path()));
+        sources.add(path, file.contents().to_vec()).ok()
+    });
+    PackageInput::new(name, form, ids.collect())
 }
 
 #[cfg(test)]

@@ -21,6 +21,7 @@ pub mod app;
 pub mod capture;
 pub mod check;
 pub mod definitions;
+mod explain;
 mod flockwave;
 #[cfg(any(fuzzing, test))]
 #[doc(hidden)]
@@ -34,6 +35,7 @@ mod px4;
 pub mod report;
 pub mod rules;
 pub mod serve;
+mod story;
 pub mod testee;
 #[cfg(test)]
 mod tests;

@@ -49,6 +49,7 @@ mod sarif;
 mod schema;
 mod short;
 mod spool;
+pub(crate) mod story;
 mod stream;
 mod testee;
 mod text;
@@ -376,14 +377,14 @@ impl Report {
         reasons: Vec<Reason>,
     ) -> Self {
         let totals = Totals::of(&subjects);
-        Self { subjects, ..Self::of_totals(action, command, definitions, totals, unreadable, reasons) }
+        Self { subjects, ..Self::of_totals(action, command, &definitions.name, totals, unreadable, reasons) }
     }
 
     /// Creates the report of a run whose subjects are only known by their totals.
     pub(crate) fn of_totals(
         action: Action,
         command: String,
-        definitions: &Definitions,
+        definitions: &str,
         totals: Totals,
         unreadable: Vec<Unreadable>,
         reasons: Vec<Reason>,
@@ -394,7 +395,7 @@ impl Report {
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
             action,
             command,
-            definitions: definitions.name.clone(),
+            definitions: definitions.to_owned(),
             outcome: Outcome::for_run(action, &totals, &unreadable, remarks),
             reasons,
             rules: totals.rules(),

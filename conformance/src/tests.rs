@@ -12,6 +12,7 @@ mod live_matrix;
 mod mcap;
 mod mutants;
 mod outcomes;
+mod releases;
 mod report;
 mod reports;
 #[cfg(feature = "db3")]

@@ -10,9 +10,10 @@ use graph::Imports;
 /// The modules in layers, from the top down: each imports only modules in lower layers.
 const LAYERS: &[&[&str]] = &[
     &["app", "fuzzing"],
+    &["explain"],
     &["report"],
     &["matrix"],
-    &["probe", "serve", "testee", "watch"],
+    &["probe", "serve", "story", "testee", "watch"],
     &["check"],
     &["rules"],
     &["definitions"],

@@ -6,6 +6,7 @@
 mod bench;
 mod docs;
 mod fuzz;
+mod import;
 mod interop;
 mod package;
 mod paths;
@@ -62,6 +63,14 @@ enum Command {
 
 The document has the format CycloneDX 1.6. The same Cargo.lock leads to the same document.")]
     Sbom(sbom::Arguments),
+    /// Import the definitions of a release
+    #[command(after_help = "Examples:
+  cargo xtask import px4 --release 1.18 --input ../px4_msgs
+  cargo xtask import ros2 --release jazzy --input ../common_interfaces
+  cargo xtask import --check
+
+Writes definitions/releases/FAMILY/NAME.msg, and definitions/releases/fingerprints.tsv. Comments are left out.")]
+    Import(import::Arguments),
     /// Test third-party tools with the published schemas
     #[command(after_help = "Examples:
   cargo xtask interop                    run all available tools
@@ -101,6 +110,7 @@ fn main() -> ExitCode {
         Command::Docs(arguments) => docs::run(arguments),
         Command::Package(arguments) => package::run(arguments),
         Command::Interop(arguments) => interop::run(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
         Command::Fuzz(arguments) => fuzz::run(&arguments),
         Command::Sbom(arguments) => sbom::run(arguments),
         Command::Bench { benchmark } => bench::run(benchmark),

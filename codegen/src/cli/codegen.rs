@@ -85,7 +85,7 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
     if has_errors(&diagnostics) {
         return Ok(false);
     }
-    let folders = emit_all(&plan, &schema, &translations, &loaded)?;
+    let folders = emit_all(&plan, &loaded, &schema, &translations)?;
     let config = plan.config.iter().map(|(path, _)| PathBuf::from(path));
     let inputs: Vec<PathBuf> = loaded.files.iter().cloned().chain(config).collect();
     if args.check {

@@ -38,6 +38,8 @@ mod enums;
 mod error_codes;
 mod fields;
 mod groups;
+mod histories;
+mod history;
 mod index;
 mod interface;
 mod json;

@@ -11,6 +11,7 @@ use super::file::OutputFile;
 use crate::conversion::Conversions;
 use crate::failure::Failure;
 use crate::path::seen_from;
+use crate::release::Releases;
 use crate::schema::Schema;
 use crate::source::SourceMap;
 use crate::translation::Translations;
@@ -39,6 +40,8 @@ pub struct Input<'a> {
     pub sources: &'a SourceMap,
     /// The conversions between packages.
     pub conversions: &'a [Conversions],
+    /// The releases of the packages.
+    pub releases: &'a Releases,
 }
 
 /// Options of one emitter.

@@ -72,6 +72,7 @@ struct Package {
     ros_package: Option<String>,
     origin: Option<String>,
     revision: Option<String>,
+    releases: Option<Spanned<PathBuf>>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -125,6 +126,8 @@ pub(crate) struct PlannedPackage {
     pub(crate) ros_package: Option<String>,
     pub(crate) origin: Option<String>,
     pub(crate) revision: Option<String>,
+    /// The folder with earlier releases of the package.
+    pub(crate) releases: Option<PathBuf>,
 }
 
 /// The location of a package's definitions.
@@ -206,6 +209,13 @@ impl Config {
             .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
         let conversions = conversions(self.file.conversions, &self.file.packages, folder)
             .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
+        let is_table = |package: &&Package| matches!(package.dialect, DialectName::Table);
+        if let Some(releases) =
+            self.file.packages.iter().filter(is_table).find_map(|package| package.releases.as_ref())
+        {
+            let message = "a package of the `table` dialect has no `releases`";
+            return Err(unreadable_at(&self.path, &self.text, releases.span(), message));
+        }
         let packages = self
             .file
             .packages
@@ -225,6 +235,7 @@ impl Config {
                 ros_package: package.ros_package,
                 origin: package.origin,
                 revision: package.revision,
+                releases: package.releases.map(|releases| folder.join(releases.into_inner())),
             })
             .collect();
         let lint = self.file.lint.plan(folder, &self.path, &self.text)?;
@@ -345,6 +356,7 @@ impl Plan {
             ros_package: None,
             origin: None,
             revision: None,
+            releases: None,
         };
         Self {
             root: PathBuf::new(),

@@ -18,6 +18,7 @@ use crate::msg::{self, Dialect, Kind};
 use crate::name::package_problem;
 use crate::path::normalise;
 use crate::read::PackageInput;
+use crate::release::{ReleaseText, Releases, age};
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::terminal;
@@ -39,6 +40,8 @@ pub(crate) struct Loaded {
     pub(crate) catalogues: Vec<SourceId>,
     /// The conversions that the plan requests. Their hints are read if catalogues are requested.
     pub(crate) conversions: Vec<Request>,
+    /// The releases of each package, if requested.
+    pub(crate) releases: Releases,
     /// The configuration file, to which findings may point.
     pub(crate) config: Option<Span>,
 }
@@ -55,9 +58,10 @@ pub(crate) fn load_into(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failu
     Ok(loader.loaded)
 }
 
-/// Reads all sources of `plan`, the translation catalogues and the hints for conversions.
+/// Reads all sources of `plan`, the translation catalogues, the releases of the packages, and the hints for conversions.
 pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, SourceMap::default())?;
+    loader.releases()?;
     loader.ros_dependencies()?;
     loader.catalogues()?;
     loader.conversions()?;
@@ -80,6 +84,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
             paths: BTreeMap::new(),
             catalogues: Vec::new(),
             conversions: Vec::new(),
+            releases: Releases::new(),
             config: None,
         },
         folders: BTreeMap::new(),
@@ -226,6 +231,21 @@ impl Loader<'_> {
         Ok(())
     }
 
+    /// Reads the releases of the packages.
+    fn releases(&mut self) -> Result<(), Failure> {
+        for package in &self.plan.packages {
+            let Some(folder) = &package.releases else { continue };
+            let (mut files, mut releases) = (releases_in(folder)?, Vec::new());
+            for path in &files {
+                let text = fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
+                releases.push(ReleaseText { name: release_name(path), text });
+            }
+            self.loaded.files.append(&mut files);
+            self.loaded.releases.insert(package.name.clone(), releases);
+        }
+        Ok(())
+    }
+
     /// A path as displayed in diagnostics and output.
     fn shown(&self, path: &Path) -> String {
         let path = shown(path, &self.plan.root);
@@ -294,7 +314,7 @@ fn referenced_packages(sources: &SourceMap, package: &PackageInput) -> BTreeSet<
 }
 
 /// Name and folder of the ROS package that contains `file`, if the file's folder is `msg`, `srv` or `action`.
-fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
+pub(super) fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
     let kind_folder = file.parent()?;
     if !matches!(kind_folder.file_name()?.to_str()?, "msg" | "srv" | "action") {
         return None;
@@ -319,6 +339,11 @@ fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
     files.sort();
     files.dedup();
     Ok(files)
+}
+
+/// The `.msg`, `.srv` and `.action` files at a path.
+pub(super) fn definitions_at(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    files_at(path, Form::Msg(Dialect::Px4))
 }
 
 /// The file at `path`, or all definitions below it if `path` is a folder.
@@ -362,6 +387,27 @@ fn is_catalogue(path: &Path) -> bool {
 
 fn files_below(folder: &Path, form: Form) -> Result<Vec<PathBuf>, Failure> {
     search(folder, |path| is_definition(path, form))
+}
+
+/// The releases in a folder, from the oldest to the newest: one `.msg` file for each release.
+fn releases_in(folder: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let entries = fs::read_dir(folder).map_err(|error| unreadable(folder, &error))?;
+    let paths = entries.map(|entry| entry.map(|entry| entry.path()));
+    let paths: Vec<PathBuf> = paths.collect::<Result<_, _>>().map_err(|error| unreadable(folder, &error))?;
+    let is_release = |path: &PathBuf| path.extension().is_some_and(|extension| extension == "msg");
+    let mut files: Vec<PathBuf> = paths.into_iter().filter(is_release).collect();
+    if files.is_empty() {
+        return Err(Failure::new(format!("no releases in {}", terminal::path(folder))).with_hint(
+            "a release is a file such as 1.16.msg, which contains all definitions of the release",
+        ));
+    }
+    files.sort_by_cached_key(|path| age(&release_name(path)));
+    Ok(files)
+}
+
+/// The name of a release: the name of its file without the extension.
+fn release_name(path: &Path) -> String {
+    path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 fn search(folder: &Path, is_match: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, Failure> {

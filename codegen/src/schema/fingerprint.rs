@@ -19,7 +19,7 @@ use uavspec_runtime::Scalar;
 
 use super::id::MessageId;
 use super::layout::EMPTY_MEMBER;
-use super::model::{Element, Interface, Message, Schema, Type, shape_text};
+use super::model::{Element, Interface, Message, Package, Schema, Type, shape_text};
 use crate::msg::Kind;
 use crate::msg::ast::Shape;
 
@@ -149,6 +149,11 @@ pub fn ros_name(schema: &Schema, message: &Message) -> String {
     format!("{package}/{}/{}", message.kind.name(), message.name)
 }
 
+/// The full ROS name of a service or action.
+pub(crate) fn interface_name(package: &Package, interface: &Interface) -> String {
+    format!("{}/{}/{}", package.ros_package, interface.kind.name(), interface.name)
+}
+
 fn described_fields(schema: &Schema, message: &Message) -> Vec<DescribedField> {
     if message.fields.is_empty() {
         return vec![DescribedField::scalar(EMPTY_MEMBER, Scalar::UInt8)];
@@ -249,7 +254,7 @@ fn describe_all(
 }
 
 /// The ROS type hash of a message.
-pub(crate) fn type_hash(schema: &Schema, id: MessageId) -> String {
+pub fn type_hash(schema: &Schema, id: MessageId) -> String {
     let message = schema.message(id);
     Description {
         type_name: ros_name(schema, message),

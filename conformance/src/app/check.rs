@@ -5,10 +5,11 @@ use std::fs;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::MessageId;
 
 use super::known::{KnownArgs, count_capture, count_unread};
@@ -20,14 +21,15 @@ use super::required::{RequireArgs, uncovered};
 use super::{Status, outcome_statuses, print_unknown};
 use crate::capture::input::{self, Files};
 use crate::check::known::Scope;
-use crate::check::{self, parallel};
-use crate::definitions::Definitions;
+use crate::check::{self, Checked, parallel};
+use crate::definitions::{Definitions, Library};
 use crate::model::{Reason, Rule};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
 use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg
+  uavspec check --definitions px4@1.16 flight.ulg
   uavspec check --definitions ../px4_msgs/msg logs/
   uavspec check --format json flight.ulg > report.json
   uavspec check --report html=report.html,junit=report.xml flight.ulg
@@ -82,11 +84,16 @@ pub(super) struct CheckArgs {
     /// unless they are hidden.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Definitions to check against (default: built-in).
+    /// Definitions to check against (default: chosen for each capture).
     ///
-    /// A uavspec.toml file, a folder that contains one, or a folder of .msg files.
-    #[arg(long, value_name = "PATH")]
+    /// A release such as px4@1.16 or ros2@jazzy, a uavspec.toml file, a folder that contains one, or a folder of PX4
+    /// messages or ROS 2 packages. By default, uavspec compares each capture with all releases of PX4 since 1.13 and of
+    /// ROS 2's common interfaces, and checks it against the release that agrees best.
+    #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
+    /// Dialect of the definitions in a folder (default: detected).
+    #[arg(long, value_name = "DIALECT", requires = "definitions")]
+    dialect: Option<DialectName>,
     /// Schemas for other Flockwave types (repeatable).
     ///
     /// All JSON Schemas (.json) in the folder and its subfolders are read. Types that have a definition are checked
@@ -112,6 +119,24 @@ pub(super) struct CheckArgs {
     known: KnownArgs,
     #[command(flatten)]
     report: ReportArgs,
+}
+
+/// The name of a dialect.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum DialectName {
+    /// PX4's uORB messages
+    Px4,
+    /// ROS 2 interfaces
+    Ros2,
+}
+
+impl From<DialectName> for Dialect {
+    fn from(name: DialectName) -> Self {
+        match name {
+            DialectName::Px4 => Self::Px4,
+            DialectName::Ros2 => Self::Ros2,
+        }
+    }
 }
 
 pub(super) fn check(args: &CheckArgs) -> Status {
@@ -141,7 +166,7 @@ pub(super) fn report(args: &CheckArgs) -> (Report, Status) {
 
 /// The results of a run, without the subjects.
 struct Finished {
-    definitions: Definitions,
+    definitions: String,
     required: Vec<&'static Rule>,
     unreadable: Vec<Unreadable>,
     not_checked: Vec<Unreadable>,
@@ -162,9 +187,10 @@ impl Finished {
 
 /// Checks all files. Passes each capture to `take` as soon as the captures before it are checked.
 fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Status> {
-    let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
+    let dialect = args.dialect.map(Dialect::from);
+    let library = super::library(args.definitions.as_deref(), dialect, &args.schemas)?;
     let required = args.require.rules()?;
-    let message_id = message_id(args, &definitions)?;
+    let message_id = message_id(args, &library)?;
     let files = find_files(&args.files)?;
     check_outputs(args, &files)?;
     let mut known = args.known.read()?;
@@ -173,7 +199,7 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
     let kept = Mutex::default();
     let check = |path: &Path, progress: &Progress| {
         let kept = kept.lock().map_or(None, |mut kept: MutexGuard<'_, Kept>| kept.remove(path));
-        kept.unwrap_or_else(|| check_file(path, message_id, &definitions, progress))
+        kept.unwrap_or_else(|| check_file(path, message_id, &library, progress))
     };
     let updated = if known.is_fixing() {
         let mut sums = known.lists.sums(Scope::Rules);
@@ -182,7 +208,7 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
         }
         check_all(&files, args.jobs, &check, |path, result, _| {
             match &result {
-                Ok(found) => count_capture(&known.lists, &mut sums, found),
+                Ok((found, _)) => count_capture(&known.lists, &mut sums, found),
                 Err(_) => count_unread(&known.lists, &mut sums, &path.to_string_lossy()),
             }
             // Standard input and pipes can't be read again.
@@ -201,7 +227,7 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
         count_unread(&known.lists, &mut sums, &file.path);
     }
     check_all(&files, args.jobs, &check, |path, result, progress| match result {
-        Ok(mut found) => {
+        Ok((mut found, definitions)) => {
             count_capture(&known.lists, &mut sums, &found);
             known.excuse(&mut found);
             let subject = Subject::from_capture(found, &definitions, &settings);
@@ -216,18 +242,28 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
     });
     let status = updated.map_or_else(|status| status, |()| known.finish(&sums));
     let not_checked = files.skipped.iter().map(|(path, reason)| unreadable_file(path, reason)).collect();
-    Ok(Finished { definitions, required, unreadable, not_checked, stale: known.stale, status })
+    Ok(Finished {
+        definitions: library.name().to_owned(),
+        required,
+        unreadable,
+        not_checked,
+        stale: known.stale,
+        status,
+    })
 }
 
 /// The results of captures that can't be read again, by path.
-type Kept = BTreeMap<PathBuf, io::Result<CheckedCapture>>;
+type Kept = BTreeMap<PathBuf, CheckedFile>;
+
+/// A checked capture, with the definitions against which it was checked. An error means that it can't be opened.
+type CheckedFile = io::Result<(CheckedCapture, Arc<Definitions>)>;
 
 /// Checks all captures in parallel, and passes the results to `take` in order.
 fn check_all(
     files: &Files,
     jobs: Option<NonZeroUsize>,
-    check: &(impl Fn(&Path, &Progress) -> io::Result<CheckedCapture> + Sync),
-    mut take: impl FnMut(&Path, io::Result<CheckedCapture>, &Progress),
+    check: &(impl Fn(&Path, &Progress) -> CheckedFile + Sync),
+    mut take: impl FnMut(&Path, CheckedFile, &Progress),
 ) {
     let sizes = files.captures.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));
     let progress = Progress::bytes(sizes.sum());
@@ -253,8 +289,9 @@ fn check_outputs(args: &CheckArgs, files: &Files) -> Result<(), Status> {
 }
 
 /// The type of all JSON messages, if it is given. Errors are printed.
-fn message_id(args: &CheckArgs, definitions: &Definitions) -> Result<Option<MessageId>, Status> {
+fn message_id(args: &CheckArgs, library: &Library) -> Result<Option<MessageId>, Status> {
     let Some(name) = &args.message_type else { return Ok(None) };
+    let definitions = library.base();
     definitions.message_of_type(name).map(Some).ok_or_else(|| {
         let messages = definitions.schema.packages.iter().flat_map(|package| {
             let named =
@@ -298,6 +335,9 @@ fn settings(args: &CheckArgs) -> Settings {
     if let Some(path) = &args.definitions {
         arguments.extend(["--definitions".to_owned(), path.to_string_lossy().into_owned()]);
     }
+    if let Some(dialect) = args.dialect {
+        arguments.extend(["--dialect".to_owned(), Dialect::from(dialect).name().to_owned()]);
+    }
     for folder in &args.schemas {
         arguments.extend(["--schema".to_owned(), folder.to_string_lossy().into_owned()]);
     }
@@ -317,17 +357,19 @@ fn settings(args: &CheckArgs) -> Settings {
 fn check_file(
     path: &Path,
     message_id: Option<MessageId>,
-    definitions: &Definitions,
+    library: &Library,
     progress: &Progress,
-) -> io::Result<CheckedCapture> {
+) -> CheckedFile {
     let started = Instant::now();
-    let result = check::check_path(path, message_id, definitions, &|input| progress.reading(input))?;
-    Ok(CheckedCapture {
+    let Checked { result, definitions } =
+        check::check_path(path, message_id, library, &|input| progress.reading(input))?;
+    let capture = CheckedCapture {
         path: path.to_string_lossy().into_owned(),
         result,
         notes: Vec::new(),
         requests: Vec::new(),
         cut_short: Vec::new(),
         elapsed: started.elapsed().as_millis(),
-    })
+    };
+    Ok((capture, definitions))
 }

@@ -188,7 +188,7 @@ fn report(
     }
     let (totals, command) = (outputs.finish(), super::command());
     let reasons = uncovered(required, &totals);
-    let report = Report::of_totals(Action::Probe, command, definitions, totals, unreadable, reasons);
+    let report = Report::of_totals(Action::Probe, command, &definitions.name, totals, unreadable, reasons);
     let status = outputs.deliver(&report.with_stale(known.stale)).max(known_status);
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {

@@ -190,7 +190,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
     let mut outputs = args.report.start(Action::Test, &args.known);
     outputs.add(subject);
     let (totals, command) = (outputs.finish(), super::command());
-    let report = Report::of_totals(Action::Test, command, &definitions, totals, Vec::new(), Vec::new());
+    let report = Report::of_totals(Action::Test, command, &definitions.name, totals, Vec::new(), Vec::new());
     outputs.deliver(&report.with_stale(known.stale)).max(known_status)
 }
 

@@ -6,6 +6,7 @@
 //! values apply only to the fields that match.
 
 mod cdr;
+mod clues;
 mod folder;
 mod json_schema;
 mod mcap;
@@ -17,11 +18,13 @@ mod summary;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hasher as _};
+use std::rc::Rc;
 
 use uavspec_codegen::schema::MessageId;
 use uavspec_codegen::source::Span;
 
-use self::cdr::{CdrChecker, decompressed};
+use self::cdr::{CdrChecker, TypeSource, decompressed};
+pub(super) use self::clues::folder as folder_clues;
 pub(super) use self::folder::check_folder;
 pub(super) use self::mcap::KIND as MCAP;
 #[cfg(test)]
@@ -33,9 +36,9 @@ pub(super) use self::sqlite::{ROS1, SQLITE};
 use self::stated::Stated;
 pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Unit};
+use super::release::{ReleaseMatch, release_matches};
 use super::topic::{definition_of, is_same_type};
 use super::{CaptureResult, CheckRun, Logged, Summary};
-use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Detail, Extent, Findings, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
@@ -84,6 +87,14 @@ impl BagFile<'_> {
     const SINGLE: Self = Self { name: "", encodings: None };
 }
 
+/// The content of a bag, for its summary.
+struct BagContent {
+    channels: Vec<BagChannel>,
+    /// The accepted deviations of JSON messages.
+    dialects: Dialects,
+    releases: Vec<ReleaseMatch>,
+}
+
 /// The channels of a bag, with their messages. The files of a bag are read one after the other.
 struct Channels<'d> {
     run: CheckRun<'d>,
@@ -101,9 +112,9 @@ struct Channels<'d> {
 }
 
 impl<'d> Channels<'d> {
-    fn new(definitions: &'d Definitions) -> Self {
+    fn new(run: CheckRun<'d>) -> Self {
         Self {
-            run: CheckRun::new(definitions),
+            run,
             schemas: Schemas::default(),
             open: Vec::new(),
             by_digest: HashMap::new(),
@@ -139,8 +150,10 @@ impl<'d> Channels<'d> {
         let definitions = self.run.definitions;
         let definition = definition_of(&declared.topic, schema, definitions);
         let mut open = Open::new(declared, schema, definition, location, self.run.number_channel());
-        if let (Some(message_id), true) = (definition, matches!(declared.encoding.as_str(), "cdr" | "json")) {
-            self.read(&mut open, declared, message_id);
+        match (definition, declared.encoding.as_str()) {
+            (Some(message_id), "cdr" | "json") => self.read(&mut open, declared, message_id),
+            (None, "cdr") => self.read_own(&mut open, declared),
+            _ => {}
         }
         self.malformed_hash(&open, declared, definition);
         self.open.push(open);
@@ -193,14 +206,11 @@ impl<'d> Channels<'d> {
             open.status = CheckStatus::Checked(Basis::Unusable(defect.to_string()));
             return;
         }
-        // Creating a plan takes time, so check the limit first.
-        if self.steps >= MAX_STEPS {
-            open.status = CheckStatus::Checked(Basis::TooMany);
-            return;
-        }
-        let check = CdrChecker::new(message_id, stated, definitions, &open.identity.name);
-        self.steps += check.steps();
-        open.fields = Some(check.fields(definitions).into());
+        let source = match stated {
+            Some(stated) => TypeSource::Differing(stated, message_id),
+            None => TypeSource::Definition(message_id),
+        };
+        let Some(check) = self.checker(open, source) else { return };
         if let Some(lacks) = check.lacks_timestamp(definitions) {
             let Identity { name, location, .. } = &open.identity;
             self.run.findings.cover(&px4::FMT_03.rule, 1);
@@ -218,10 +228,40 @@ impl<'d> Channels<'d> {
         self.format(open);
     }
 
+    /// Chooses the reader for the messages of a channel without a definition: they must agree with their own schema.
+    fn read_own(&mut self, open: &mut Open, declared: &Declared) {
+        let Some(stated) = self.schemas.own(declared.schema) else { return };
+        self.run.opened(&open.identity.channel());
+        open.status = CheckStatus::OwnSchema;
+        let Some(check) = self.checker(open, TypeSource::Own(Rc::clone(&stated))) else { return };
+        open.reading = Reading::Cdr(Box::new(check));
+        // For an event of a service, captures state the hash of the service.
+        let is_event = stated.root().name().ends_with("_Event");
+        if let Some(hash) = declared.metadata.get(HASH).filter(|hash| !is_event && is_comparable(hash)) {
+            self.run.findings.cover(&px4::HASH_01.rule, 1);
+            if !hash.eq_ignore_ascii_case(stated.type_hash()) {
+                self.report_hash(open, None, stated.type_hash(), hash);
+            }
+        }
+    }
+
+    /// Creates the checker for the messages of a channel, unless there are too many.
+    fn checker(&mut self, open: &mut Open, source: TypeSource) -> Option<CdrChecker> {
+        // Creating a plan takes time, so check the limit first.
+        if self.steps >= MAX_STEPS {
+            open.status = CheckStatus::Checked(Basis::TooMany);
+            return None;
+        }
+        let definitions = self.run.definitions;
+        let check = CdrChecker::new(source, definitions, &open.identity.name);
+        self.steps += check.steps();
+        open.fields = Some(check.fields(definitions).into());
+        Some(check)
+    }
+
     /// Compares the hash in a channel's metadata with the hash of its definition.
     fn hash(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
-        let is_comparable = |hash: &&String| hash.starts_with(HASH_VERSION) && is_type_hash(hash);
-        let Some(stated) = declared.metadata.get(HASH).filter(is_comparable) else { return };
+        let Some(stated) = declared.metadata.get(HASH).filter(|hash| is_comparable(hash)) else { return };
         let definitions = self.run.definitions;
         let schema = &definitions.schema;
         let message = schema.message(message_id);
@@ -330,18 +370,17 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// Finishes the check. `summarize` creates the summary from the channels and the dialects of JSON.
-    fn finish(
-        mut self,
-        bytes: u64,
-        summarize: impl FnOnce(Vec<BagChannel>, Dialects) -> Summary,
-    ) -> CaptureResult {
+    /// Finishes the check. `summarize` creates the summary.
+    fn finish(mut self, bytes: u64, summarize: impl FnOnce(BagContent) -> Summary) -> CaptureResult {
+        let topics = self.open.iter().filter(|open| open.identity.definition.is_some());
+        let releases = release_matches(self.run.definitions, topics.map(Open::compared));
         let (mut channels, mut parts) = (Vec::new(), Parts::default());
         for open in std::mem::take(&mut self.open) {
             channels.push(open.close(self.plans.as_ref(), &mut self.run.findings, &mut parts));
         }
         channels.sort_by(|left, right| left.topic.cmp(&right.topic));
-        self.run.finish(bytes, summarize(channels, self.dialects), Unit::Topic, parts)
+        let content = BagContent { channels, dialects: self.dialects, releases };
+        self.run.finish(bytes, summarize(content), Unit::Topic, parts)
     }
 }
 
@@ -373,6 +412,11 @@ fn is_type_hash(text: &str) -> bool {
     }
     let version = text.strip_prefix("RIHS").and_then(|rest| rest.split_once('_')).map(|(version, _)| version);
     version.is_some_and(|version| version.len() == 2 && version.bytes().all(|byte| byte.is_ascii_hexdigit()))
+}
+
+/// True if the text is a type hash of the supported version.
+fn is_comparable(text: &str) -> bool {
+    text.starts_with(HASH_VERSION) && is_type_hash(text)
 }
 
 /// A hash of a declaration, used to distinguish declarations without storing them.

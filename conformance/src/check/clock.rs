@@ -27,6 +27,11 @@ impl Clock {
         }
     }
 
+    /// The time of the start, in µs, if it is known.
+    pub(crate) const fn start_time(&self) -> Option<u64> {
+        self.start
+    }
+
     /// The time since the start, in s. Some records are older than the start.
     pub fn seconds(&self, time: u64) -> Option<f64> {
         let difference = i128::from(time) - i128::from(self.start?);

@@ -91,6 +91,9 @@ pub struct Part {
 pub enum PartResult {
     /// All records were checked against the definition.
     Checked,
+    /// There is no definition. All records were checked against the schema in the capture.
+    #[serde(rename = "own schema")]
+    OwnSchema,
     /// The format differs from the definition. Only the fields that match were checked.
     #[serde(rename = "different format")]
     Different,
@@ -191,10 +194,16 @@ impl Unit {
 impl PartResult {
     const UNCHECKED: [Self; 4] = [Self::Undefined, Self::Different, Self::Unsupported, Self::Undecodable];
 
+    /// True if all records were checked against something.
+    fn is_covered(self) -> bool {
+        matches!(self, Self::Checked | Self::OwnSchema)
+    }
+
     /// The result as a property of a topic or type.
     const fn phrase(self) -> &'static str {
         match self {
             Self::Checked => "fully checked",
+            Self::OwnSchema => "checked against its own schema",
             Self::Different => "with a different format (partly checked)",
             Self::Undecodable => "with undecodable records",
             Self::Unsupported => "in an unsupported encoding",
@@ -276,7 +285,7 @@ impl Parts {
         let empty = self.empty.iter().filter(|name| !self.by_name.contains_key(*name)).count() as u64;
         let mut parts: Vec<Part> = self.by_name.into_values().collect();
         parts.iter_mut().for_each(Part::finish);
-        let covered = parts.iter().filter(|part| part.result == PartResult::Checked).count() as u64;
+        let covered = parts.iter().filter(|part| part.result.is_covered()).count() as u64;
         let mut values = Share::of(0, 0);
         for part in &parts {
             values.add(part.values);
@@ -382,9 +391,14 @@ impl Coverage {
         }
         let mut lines = vec![Line::new("checked", self.checked(noun))];
         if let Some(text) = self.unchecked() {
-            let unchecked = self.parts.iter().filter(|part| part.result != PartResult::Checked);
+            let unchecked = self.parts.iter().filter(|part| !part.result.is_covered());
             let details = unchecked.map(Part::text).collect();
             lines.push(Line { details, ..Line::new("not checked", text) });
+        }
+        let own = self.count(PartResult::OwnSchema);
+        if own > 0 {
+            let text = format!("{} checked against the schema in the file", plural(own, self.unit.noun()));
+            lines.push(Line::new("own schema", text));
         }
         if self.empty > 0 {
             lines.push(Line::new("no records", plural(self.empty, self.unit.noun())));

@@ -18,7 +18,7 @@ use super::summary::names;
 use super::topic::{definition_of, topic_of};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
 use crate::capture::json::{Event, Reader};
-use crate::definitions::Definitions;
+use crate::definitions::{Clues, Definitions};
 use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Channel, Extent, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
@@ -37,7 +37,8 @@ const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(start),
-    check: |input, message_id, definitions| check_json(input, message_id, definitions),
+    clues: |_| Clues::default(),
+    check: |input, message_id, run| check_with(input, message_id, JsonChecker::new(message_id, run)),
 };
 
 /// True if the start of a capture is neither JSON nor other text. One invalid character is accepted, since it may be
@@ -102,15 +103,16 @@ impl Describe for JsonSummary {
 
 /// Checks JSON messages: JSON Lines, an array or a single message. If `message_id` is set, all messages have that type.
 /// Otherwise, each message names its type or topic. Unreadable parts are skipped.
+#[cfg(test)]
 pub(crate) fn check_json(
     input: impl Read,
     message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> CaptureResult {
-    check_with(input, message_id, JsonChecker::new(message_id, definitions))
+    check_with(input, message_id, JsonChecker::new(message_id, CheckRun::new(definitions)))
 }
 
-/// Like `check_json`, but without templates. The result of a check stays the same, but the check takes several times as
+/// Checks JSON messages without templates. The result of a check stays the same, but the check takes several times as
 /// long. Tests and benchmarks compare both.
 pub fn check_json_thoroughly(
     input: impl Read,
@@ -120,7 +122,10 @@ pub fn check_json_thoroughly(
     check_with(
         input,
         message_id,
-        JsonChecker { templates: Templates::disabled(), ..JsonChecker::new(message_id, definitions) },
+        JsonChecker {
+            templates: Templates::disabled(),
+            ..JsonChecker::new(message_id, CheckRun::new(definitions))
+        },
     )
 }
 
@@ -212,9 +217,12 @@ struct JsonChecker<'d> {
 }
 
 impl<'d> JsonChecker<'d> {
-    fn new(message_id: Option<MessageId>, definitions: &'d Definitions) -> Self {
+    fn new(message_id: Option<MessageId>, run: CheckRun<'d>) -> Self {
+        let definitions = run.definitions;
+        // Templates drop texts, which an observer needs.
+        let templates = if run.observer.is_some() { Templates::disabled() } else { Templates::default() };
         let mut checker = Self {
-            run: CheckRun::new(definitions),
+            run,
             plans: Plans::new(&definitions.schema, &px4::VALUES),
             channels: Channels {
                 only: None,
@@ -222,7 +230,7 @@ impl<'d> JsonChecker<'d> {
                 by_type: HashMap::new(),
                 by_topic: HashMap::new(),
             },
-            templates: Templates::default(),
+            templates,
             advertised: HashMap::new(),
             skipped: 0,
             has_objects: false,

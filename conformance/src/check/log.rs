@@ -6,13 +6,15 @@ use std::io::Read;
 use serde::{Serialize, Serializer};
 use uavspec_codegen::dynamic::{FormatProblem, MessageType};
 use uavspec_codegen::emit::docs::markdown::plural;
+use uavspec_codegen::release::LayoutHashes;
 use uavspec_codegen::schema::MessageId;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
+use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, time_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
-use crate::definitions::Definitions;
+use crate::definitions::Clues;
 use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
 use crate::px4::comparison::{Comparison, compare};
 use crate::px4::memory::{Plan, shared_fields};
@@ -22,13 +24,15 @@ use crate::text::shown;
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
     detect: |start| has_magic(start, &ULOG_MAGIC),
-    check: |input, _, definitions| check_ulog(input, definitions),
+    clues: |source| clues(&mut *source.bytes),
+    check: |input, _, run| check_log(input, run),
 };
 
 /// The kind for encrypted logs, which are detected but can't be read.
 pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
+    clues: |_| Clues::default(),
     check: |_, _, _| {
         let text = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
                     https://docs.px4.io/main/en/dev_log/log_encryption";
@@ -44,6 +48,8 @@ pub struct LogSummary {
     pub firmware: Option<String>,
     /// The number of dropouts.
     pub dropouts: u64,
+    /// The releases that the formats were compared with.
+    pub releases: Vec<ReleaseMatch>,
     /// The topics by name, each compared with its definition.
     #[serde(serialize_with = "format_rows")]
     #[cfg_attr(test, schemars(with = "Vec<Format>"))]
@@ -113,7 +119,8 @@ impl Describe for LogSummary {
         );
         let differing =
             with_result(FormatResult::Differs).map(|format| (format.topic, shown(&format.message)));
-        vec![Line::new("definitions", text).list("differs", differing)]
+        let definitions = Line::new("definitions", text).list("differs", differing);
+        release_lines(&self.releases, definitions)
     }
 
     fn noun(&self) -> &'static str {
@@ -121,9 +128,37 @@ impl Describe for LogSummary {
     }
 }
 
+/// Reads the formats and the version of a log, up to its first data.
+fn clues(input: impl Read) -> Clues {
+    let (mut reader, mut log, mut clues) = (Reader::new(input), Log::default(), Clues::default());
+    while let Ok(Some(item)) = reader.next() {
+        match item.event {
+            Event::Data { .. } => break,
+            Event::Information { key: "ver_sw_release", value: [_, _, minor, major], .. } => {
+                clues.version = Some((*major, *minor));
+            }
+            _ => {}
+        }
+        log.take(&item, &mut |_, _| {});
+    }
+    let topics: BTreeSet<&str> = log.subscriptions().map(|subscription| &*subscription.topic).collect();
+    let mut layouts = LayoutHashes::default();
+    // A log that ends early may have no subscriptions.
+    let is_topic = |name: &str| topics.is_empty() || topics.contains(name);
+    let formats = log.types().iter().filter(|format| is_topic(format.name()));
+    let formats = formats.filter_map(|format| Some((format.name().to_owned(), layouts.get(format)?)));
+    clues.formats = formats.collect();
+    clues
+}
+
 /// Checks the readable part of a PX4 log.
-pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
-    let mut checker = LogChecker::new(definitions);
+#[cfg(test)]
+pub(crate) fn check_ulog(input: impl Read, definitions: &crate::definitions::Definitions) -> CaptureResult {
+    check_log(input, CheckRun::new(definitions))
+}
+
+fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
+    let mut checker = LogChecker::new(run);
     let mut reader = Reader::new(input);
     let mut log = Log::default();
     loop {
@@ -196,9 +231,9 @@ struct LogChecker<'d> {
 }
 
 impl<'d> LogChecker<'d> {
-    fn new(definitions: &'d Definitions) -> Self {
+    fn new(run: CheckRun<'d>) -> Self {
         let (open, timed) = (Vec::new(), BTreeSet::new());
-        let (run, parts) = (CheckRun::new(definitions), Parts::default());
+        let parts = Parts::default();
         Self { run, open, timed, parts, firmware: None, dropouts: 0, latest: None }
     }
 
@@ -371,7 +406,14 @@ impl<'d> LogChecker<'d> {
             formats.iter().map(|(topic, comparison)| (&**topic, comparison.into())).collect();
         // A topic that has no format can't be decoded.
         self.parts.set_results(|topic| results.get(topic).copied().unwrap_or(PartResult::Undecodable));
-        let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, formats };
+        let definitions = self.run.definitions;
+        let topics = formats.iter().map(|(topic, comparison)| ComparedTopic {
+            topic,
+            definition: definitions.message_of_topic(topic),
+            is_equal: *comparison == Comparison::Equal,
+        });
+        let releases = release_matches(definitions, topics);
+        let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, releases, formats };
         self.run.finish(bytes, Summary::Log(summary), Unit::Topic, self.parts)
     }
 

@@ -53,7 +53,7 @@ pub(super) fn is_same_type(name: &str, message: &Message, schema: &Schema) -> bo
 }
 
 /// Converts a DDS type name such as `px4_msgs::msg::dds_::VehicleStatus_` to a ROS 2 name.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     match name.strip_suffix('_') {
         Some(dds) if dds.contains("::dds_::") => dds.replacen("::dds_::", "::", 1).replace("::", "/"),
         _ => name.replace("::", "/"),

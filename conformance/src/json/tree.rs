@@ -68,6 +68,20 @@ impl<'t> Tree<'t> {
         members.iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }
 
+    /// True if an object in this value repeats a key. Parsers disagree about which value applies.
+    pub fn repeats_a_key(&self) -> bool {
+        match self {
+            Self::List(values) => values.iter().any(Self::repeats_a_key),
+            Self::Object(members) => {
+                let mut keys: Vec<&str> = members.iter().map(|(key, _)| &**key).collect();
+                keys.sort_unstable();
+                keys.windows(2).any(|pair| pair[0] == pair[1])
+                    || members.iter().any(|(_, value)| value.repeats_a_key())
+            }
+            _ => false,
+        }
+    }
+
     /// The shortened text, including the contents of arrays and objects.
     pub fn excerpt(&self) -> String {
         let mut text = String::new();

@@ -1,6 +1,6 @@
 //! The result of checking a capture, as a subject of a report.
 
-use crate::check::{CaptureResult, Clock, Coverage, Describe, Summary};
+use crate::check::{CaptureResult, Clock, Coverage, Describe, ReleaseMatch, Summary};
 use crate::definitions::Definitions;
 use crate::model::{self, Extent, Findings, Group, Rule};
 use crate::probe::RequestType;
@@ -180,6 +180,9 @@ impl Subject {
         if self.coverage.undecodable() > 0 && self.extent == Extent::Whole {
             let count = uavspec_codegen::emit::docs::markdown::plural(self.coverage.undecodable(), unit);
             reasons.push(format!("{count} can't be decoded completely"));
+        }
+        if let About::Capture(summary) = &self.about {
+            reasons.extend(summary.releases().iter().filter_map(ReleaseMatch::problem));
         }
         let min = settings.min_coverage.unwrap_or_default();
         if self.records == 0 && reasons.is_empty() {

@@ -18,9 +18,9 @@ use crate::model::{Level, Rule, Status};
 use crate::rules::{Mutant, checked_by, mutants};
 
 /// A rule in JSON.
-#[derive(Serialize)]
-struct Entry {
-    id: &'static str,
+#[derive(Debug, Serialize)]
+pub(crate) struct Entry {
+    pub(crate) id: &'static str,
     level: Level,
     status: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,7 +48,12 @@ struct MatrixEntry<'r> {
 
 /// Formats rules as a JSON list.
 pub(crate) fn to_json(rules: &[&'static Rule]) -> String {
-    let entry = |rule: &&'static Rule| Entry {
+    json_text::pretty(&rules.iter().map(|rule| entry(rule)).collect::<Vec<_>>())
+}
+
+/// A rule in JSON.
+pub(crate) fn entry(rule: &'static Rule) -> Entry {
+    Entry {
         id: rule.id,
         level: rule.level,
         status: rule.status.to_string(),
@@ -62,8 +67,7 @@ pub(crate) fn to_json(rules: &[&'static Rule]) -> String {
         checked_by: checked_by(rule),
         mutants: mutants_of(rule).map(|mutant| mutant.name).collect(),
         url: rule_url(rule.id),
-    };
-    json_text::pretty(&rules.iter().map(entry).collect::<Vec<_>>())
+    }
 }
 
 /// Formats the matrix as a JSON list.

@@ -137,7 +137,7 @@ mod tests {
             let dropped = Report::of_totals(
                 Action::Check,
                 command(),
-                &definitions,
+                &definitions.name,
                 totals,
                 unreadable.clone(),
                 reasons.clone(),
@@ -166,8 +166,14 @@ mod tests {
             stream.add(subject.clone());
         }
         let totals = stream.finish();
-        let report =
-            Report::of_totals(Action::Check, String::new(), &definitions, totals, Vec::new(), Vec::new());
+        let report = Report::of_totals(
+            Action::Check,
+            String::new(),
+            &definitions.name,
+            totals,
+            Vec::new(),
+            Vec::new(),
+        );
         assert!(stream.write(0, &report, &mut Vec::new()).is_err(), "there is no folder for temporary files");
         assert!(stream.write(1, &report, &mut Vec::new()).is_ok(), "the other report is complete");
     }

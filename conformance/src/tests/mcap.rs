@@ -485,7 +485,7 @@ fn reports_malformed_type_hashes_of_all_types() {
         let hashes = [("topic_type_hash", hash.as_str())];
         let records = [
             schema(1, &name, "ros2msg", ros2msg(GLIDER).as_bytes()),
-            schema(2, "air_msgs/msg/Wind", "ros2msg", b"float32 speed\n"),
+            schema(2, "air_msgs/msg/Wind", "ros2idl", b"struct Wind { float speed; };\n"),
             channel(1, 1, "/glider", "cdr", &hashes),
             channel(2, 2, "/wind", "cdr", &hashes),
         ];
@@ -558,7 +558,7 @@ fn unchecked_channels_have_a_reason() {
         .collect();
     let expected = [
         ("/club/glider", CheckStatus::Unsupported, 0),
-        ("/glider", CheckStatus::Undefined, 0),
+        ("/glider", CheckStatus::OwnSchema, 1),
         ("/glider", CheckStatus::Unsupported, 0),
         ("/glider/0", CheckStatus::Checked(Basis::NoSchema), 1),
         ("/talk", CheckStatus::Undefined, 0),

@@ -57,6 +57,7 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
         &[
             chapter("How checking works", "xtask/site/guide/conformance.md", "guide/conformance.md"),
             chapter("uavspec check", "xtask/site/guide/check.md", "guide/check.md"),
+            chapter("uavspec explain", "xtask/site/guide/explain.md", "guide/explain.md"),
             chapter("uavspec rules", "xtask/site/guide/rules.md", "guide/rules.md"),
             chapter("uavspec test", "xtask/site/guide/test.md", "guide/test.md"),
             chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),

@@ -16,7 +16,7 @@ const MAX_MEMORY: u64 = 1024;
 /// The number of lines of output that are printed for an input that violates a property.
 const SHOWN: usize = 40;
 
-/// The maximum length of such a line, in characters.
+/// The maximum length of a printed line, in characters.
 const MAX_LINE: usize = 400;
 
 /// The head of the table of all runs.

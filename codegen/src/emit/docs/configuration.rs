@@ -69,6 +69,7 @@ impl Output for Configuration {
             rules: self.rules,
             more_contents: self.contents.paths().iter().map(read).collect::<Result<String, Failure>>()?,
             siblings: self.siblings.clone(),
+            releases: input.releases.clone(),
         };
         Ok(emit(input.schema, input.translations, input.sources, &options))
     }

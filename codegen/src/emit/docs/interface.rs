@@ -3,6 +3,7 @@
 use super::constants::{self, Anchored, Constants};
 use super::enums;
 use super::fields;
+use super::history;
 use super::language::{self, Heading, heading};
 use super::markdown::{Page, Table, code, inline, text_column, unbroken};
 use super::message::{cdr_size, package_cell};
@@ -11,6 +12,7 @@ use super::site::{Site, interface_path, part_names};
 use super::words::{self, ENGLISH, Words};
 use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
+use crate::schema::fingerprint::interface_name;
 use crate::schema::{Interface, Kind, MessageId, Package};
 use crate::translation::{MessageText, interface_unit};
 
@@ -45,6 +47,7 @@ pub(super) fn page(site: &Site<'_>, package: &Package, interface: &Interface) ->
         }
         part(&mut page, Scope::of(site, *id), *id);
     }
+    history::write(&mut page, site, &interface_name(package, interface), interface.type_hash.as_deref());
     page.finish()
 }
 
@@ -54,8 +57,7 @@ fn facts(site: &Site<'_>, package: &Package, interface: &Interface, path: &str) 
     let mut fact = |name: &str, value: String| table.row([unbroken(name), value]);
     fact(words.get(words::PACKAGE), package_cell(words, path, package));
     fact(words.get(words::DEFINITION), code(site.source(interface.span)));
-    let ros_type = format!("{}/{}/{}", package.ros_package, interface.kind.name(), interface.name);
-    fact(words.get(words::ROS_TYPE), code(&ros_type));
+    fact(words.get(words::ROS_TYPE), code(&interface_name(package, interface)));
     if let Some(hash) = &interface.type_hash {
         fact(words.get(words::ROS_TYPE_HASH), code(hash));
     }

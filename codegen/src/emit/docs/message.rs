@@ -6,6 +6,7 @@ use super::composer;
 use super::constants::{self, Anchored, Constants};
 use super::enums;
 use super::fields;
+use super::history;
 use super::language::{self, Heading, heading};
 use super::markdown::{Page, Table, code, href, inline, link, text_column, unbroken};
 use super::picture;
@@ -14,6 +15,7 @@ use super::site::Site;
 use super::words::{self, Word, Words};
 use crate::emit::file::OutputFile;
 use crate::emit::json_schema::Target;
+use crate::schema::fingerprint::ros_name;
 use crate::schema::{CdrSize, MessageId, Package, UorbLayout};
 use crate::translation::{MessageText, message_unit};
 
@@ -34,6 +36,8 @@ pub(super) fn page(site: &Site<'_>, id: MessageId) -> OutputFile {
     composer::write(&mut page, site, id);
     values(&mut page, scope, id);
     users(&mut page, scope, id);
+    let ros_name = ros_name(site.schema, message);
+    history::write(&mut page, site, &ros_name, Some(&message.type_hash));
     page.finish()
 }
 
@@ -59,8 +63,7 @@ fn facts(scope: Scope<'_, '_>, id: MessageId) -> Table {
         fact(words::UORB_HASH, code(&format!("{:#010x}", message.hash)));
     }
     fact(words::CDR_SIZE, words.fill(words::WITH_HEADER, &[("size", &cdr_size(words, message.cdr))]));
-    let ros_type = format!("{}/{}/{}", package.ros_package, message.kind.name(), message.name);
-    fact(words::ROS_TYPE, code(&ros_type));
+    fact(words::ROS_TYPE, code(&ros_name(scope.site.schema, message)));
     fact(words::ROS_TYPE_HASH, code(&message.type_hash));
     for (name, file) in scope.site.files(scope.from, Target::Message(id)) {
         table.row([unbroken(name), file]);

@@ -1,5 +1,7 @@
 //! Options of the emitter.
 
+use crate::release::Releases;
+
 /// Options that the definitions don't determine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
@@ -11,6 +13,8 @@ pub struct Options {
     pub more_contents: String,
     /// Folders of the other outputs, relative to the documentation.
     pub siblings: Siblings,
+    /// The releases of the packages, from which pages show the history of each definition.
+    pub releases: Releases,
 }
 
 /// Folders of other outputs, with `/` as the path separator. `None` means that this output is not generated.
@@ -29,6 +33,7 @@ impl Default for Options {
             rules: false,
             more_contents: String::new(),
             siblings: Siblings::default(),
+            releases: Releases::new(),
         }
     }
 }

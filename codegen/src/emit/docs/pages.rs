@@ -1,5 +1,6 @@
 //! Assembly of all files.
 
+use super::histories::Histories;
 use super::options::Options;
 use super::rules::Rules;
 use super::site::Site;
@@ -17,7 +18,8 @@ pub fn emit(
     sources: &SourceMap,
     options: &Options,
 ) -> Vec<OutputFile> {
-    let site = Site::new(schema, translations, sources, &options.siblings);
+    let histories = Histories::new(schema, &options.releases);
+    let site = Site::new(schema, translations, sources, &options.siblings, &histories);
     let rules = options.rules.then(Rules::new);
     let mut files = vec![
         book::config(options),
@@ -37,7 +39,8 @@ pub fn emit(
         files.extend(json::Json::of(&site, package).pages());
     }
     for language in &translations.languages {
-        let site = Site::in_language(schema, translations, sources, &options.siblings, Some(language));
+        let site =
+            Site::in_language(schema, translations, sources, &options.siblings, &histories, Some(language));
         site.packages().for_each(|package| files.append(&mut translated(&site, package)));
     }
     files.extend(rules.iter().flat_map(Rules::pages));

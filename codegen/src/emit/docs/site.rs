@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use super::histories::Histories;
 use super::markdown::{code, href, link};
 use super::options::Siblings;
 use super::words::{self, ENGLISH, Words};
@@ -49,6 +50,8 @@ pub(super) struct Site<'s> {
     pub(super) sources: &'s SourceMap,
     origins: Origins<'s>,
     siblings: &'s Siblings,
+    /// The history of each definition in the releases.
+    pub(super) histories: &'s Histories,
     /// Page locations, by message. `None` for messages that aren't listed.
     places: Vec<Option<Place>>,
     /// For each message, the fields that have this message as their type.
@@ -88,8 +91,9 @@ impl<'s> Site<'s> {
         translations: &'s Translations,
         sources: &'s SourceMap,
         siblings: &'s Siblings,
+        histories: &'s Histories,
     ) -> Self {
-        Self::in_language(schema, translations, sources, siblings, None)
+        Self::in_language(schema, translations, sources, siblings, histories, None)
     }
 
     /// Creates the site in `language`, or in English if `language` is `None`.
@@ -98,6 +102,7 @@ impl<'s> Site<'s> {
         translations: &'s Translations,
         sources: &'s SourceMap,
         siblings: &'s Siblings,
+        histories: &'s Histories,
         language: Option<&'s Language>,
     ) -> Self {
         let count = schema.messages.len();
@@ -106,6 +111,7 @@ impl<'s> Site<'s> {
             sources,
             origins: Origins::new(schema, sources),
             siblings,
+            histories,
             places: (0..count).map(|_| None).collect(),
             users: vec![Vec::new(); count],
             enum_users: BTreeMap::new(),

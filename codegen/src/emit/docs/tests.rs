@@ -11,6 +11,7 @@ use crate::diagnostic::Problem;
 use crate::emit::file::OutputFile;
 use crate::lint::RULES;
 use crate::msg::Dialect;
+use crate::release::{ReleaseText, Releases};
 use crate::report::{RULES_URL, rule_url};
 use crate::schema::{Form, Schema};
 use crate::source::SourceMap;
@@ -649,4 +650,38 @@ fn embeds_the_data_of_the_composer() {
     assert_eq!(boats["fields"][1]["offset"], 8);
     // A message without fields or without a layout has no composer.
     assert!(!one_message("uint8 TOW = 1\n").contains("composer"));
+}
+
+#[test]
+fn message_pages_show_the_history_in_the_releases() {
+    let release = |name: &str, definitions: &[(&str, &str)]| {
+        let definition = |(kind, text): &(&str, &str)| format!("{}\n{kind}/{text}", "=".repeat(80));
+        ReleaseText { name: name.to_owned(), text: definitions.iter().map(definition).collect() }
+    };
+    let old = ("MSG: px4_msgs/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\n");
+    let new = ("MSG: px4_msgs/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\nbool is_moored\n");
+    let tow = ("SRV: px4_msgs/srv", "Tow\nuint64 timestamp\n---\nuint64 timestamp\n");
+    let releases = vec![release("1.9", &[old]), release("1.10", &[new, tow]), release("main", &[new, tow])];
+    let options =
+        Options { releases: Releases::from([("boats".to_owned(), releases)]), ..Options::default() };
+    let form = Form::Msg(Dialect::Px4);
+    let boat = "uint64 timestamp\nfloat32 speed # [m/s]\n";
+    let files =
+        [("Boat.msg", boat), ("Mast.msg", boat), ("Tow.srv", "uint64 timestamp\n---\nbool is_done\n")];
+    let book = book_with(&[("boats", form, &files)], &options);
+    let history = |path: &str| {
+        let page = book.iter().find(|file| file.path == path).expect("a page");
+        page.text.split_once("## History\n").map(|(_, history)| history.to_owned())
+    };
+    let boat = history("boats/Boat.md").expect("a history");
+    assert!(boat.contains("\nThe fields on this page are those of `1.9`.\n"), "{boat}");
+    assert!(
+        boat.contains("\n| `1.9` | oldest known release |\n| `1.10` | `is_moored` (bool) was added |"),
+        "{boat}"
+    );
+    assert!(boat.contains("\n| `main` | no changes |\n"), "{boat}");
+    let tow = history("boats/Tow.srv.md").expect("a history");
+    assert!(tow.contains("\nNo release has exactly the fields on this page.\n"), "{tow}");
+    assert!(tow.contains("\n| `1.10` | the service `Tow` was added |\n"), "{tow}");
+    assert_eq!(history("boats/Mast.md"), None);
 }

@@ -77,6 +77,15 @@ words! {
     MEMORY_LAYOUT_MEANS = "Order and offsets of the fields in uORB and in ULog data messages. Each row has eight bytes.";
     USED_BY = "Used by";
 
+    // History of a definition
+    HISTORY = "History";
+    RELEASE = "Release";
+    CHANGES = "Changes";
+    OLDEST_RELEASE = "oldest known release";
+    NO_CHANGES = "no changes";
+    FIELDS_OF_RELEASES = "The fields on this page are those of {releases}.";
+    FIELDS_OF_NO_RELEASE = "No release has exactly the fields on this page.";
+
     // Composing a message
     COMPOSE = "Compose";
     COMPOSE_MEANS = "In the HTML book, this section is a form that shows the message as JSON and as uORB bytes.";

@@ -227,6 +227,15 @@ impl Bag {
         })
     }
 
+    /// Passes the size of a message of each topic to `take`, with the id of the topic.
+    pub(crate) fn sizes(&self, mut take: impl FnMut(i64, u64)) -> Result<(), Problem> {
+        self.rows("messages GROUP BY topic_id", &["topic_id", "min(length(data))"], &[], |row| {
+            let size = row.get_ref(1)?.as_i64().unwrap_or_default();
+            take(row.get_ref(0)?.as_i64().unwrap_or_default(), size.unsigned_abs());
+            Ok(())
+        })
+    }
+
     /// Passes the messages to `take`, by time and then by row, as rosbag2 plays them. If the index of the times is
     /// corrupt from its start, the messages are read by row.
     pub(crate) fn messages(&self, mut take: impl FnMut(Message<'_>)) -> Result<(), Problem> {

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io::Read as _;
 use std::rc::Rc;
 
-use uavspec_codegen::dynamic::{DynamicMessage, DynamicView};
+use uavspec_codegen::dynamic::{DynamicMessage, DynamicView, MessageType};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
@@ -41,11 +41,38 @@ enum Header {
     Short,
 }
 
+/// The source of the type of a channel's messages.
+#[derive(Clone)]
+pub(super) enum TypeSource {
+    /// The definition, which equals the schema in the file if there is one.
+    Definition(MessageId),
+    /// The schema in the file, which differs from the definition.
+    Differing(Rc<Stated>, MessageId),
+    /// The schema in the file. There is no definition.
+    Own(Rc<Stated>),
+}
+
+impl TypeSource {
+    /// The definition of the channel.
+    fn definition(&self) -> Option<MessageId> {
+        match self {
+            Self::Definition(id) | Self::Differing(_, id) => Some(*id),
+            Self::Own(_) => None,
+        }
+    }
+
+    /// The type of the messages.
+    fn message_type<'t>(&'t self, definitions: &'t Definitions) -> MessageType<'t> {
+        match self {
+            Self::Definition(id) => definitions.types().get(*id),
+            Self::Differing(stated, _) | Self::Own(stated) => stated.root(),
+        }
+    }
+}
+
 /// The checker for the messages of a channel, with counts.
 pub(super) struct CdrChecker {
-    message_id: MessageId,
-    /// The schema in the file, if it differs from the definition.
-    stated: Option<Rc<Stated>>,
+    source: TypeSource,
     plan: Plan,
     /// The offset of `timestamp` in memory.
     timestamp: Option<usize>,
@@ -59,19 +86,13 @@ pub(super) struct CdrChecker {
 }
 
 impl CdrChecker {
-    pub(super) fn new(
-        message_id: MessageId,
-        stated: Option<Rc<Stated>>,
-        definitions: &Definitions,
-        topic: &str,
-    ) -> Self {
-        let ty = stated.as_ref().map_or_else(|| definitions.types().get(message_id), |stated| stated.root());
-        let plan = Plan::new(ty, Some(message_id), &definitions.schema, topic, &px4::VALUES);
+    pub(super) fn new(source: TypeSource, definitions: &Definitions, topic: &str) -> Self {
+        let ty = source.message_type(definitions);
+        let plan = Plan::new(ty, source.definition(), &definitions.schema, topic, &px4::VALUES);
         Self {
-            message_id,
             plan,
             timestamp: time_offset(ty, "timestamp"),
-            stated,
+            source,
             headers: 0,
             bodies: 0,
             messages: 0,
@@ -79,11 +100,17 @@ impl CdrChecker {
         }
     }
 
-    /// The fields that the messages and the definition share, and all fields of the messages.
+    /// The fields that are checked, and all fields of the messages. If the schema in the file differs from the definition,
+    /// only the fields that they share are checked.
     pub(super) fn fields(&self, definitions: &Definitions) -> (u64, u64) {
-        let stated = self.stated.as_ref().map(|stated| stated.root());
-        let message_type = stated.unwrap_or_else(|| definitions.types().get(self.message_id));
-        shared_fields(message_type, Some(self.message_id), &definitions.schema)
+        let message_type = self.source.message_type(definitions);
+        match self.source {
+            TypeSource::Differing(_, id) => shared_fields(message_type, Some(id), &definitions.schema),
+            TypeSource::Definition(_) | TypeSource::Own(_) => {
+                let num_fields = message_type.layout().len() as u64;
+                (num_fields, num_fields)
+            }
+        }
     }
 
     /// The size of the channel's plan, in steps.
@@ -94,7 +121,7 @@ impl CdrChecker {
     /// True if the messages lack the timestamp that PX4 requires. `None` for messages of other packages, and for services.
     pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
         let schema = &definitions.schema;
-        let message = schema.message(self.message_id);
+        let message = schema.message(self.source.definition()?);
         let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
         (is_px4 && message.kind == Kind::Message).then_some(self.timestamp.is_none())
     }
@@ -109,7 +136,7 @@ impl CdrChecker {
         definitions: &Definitions,
         findings: &mut Findings,
     ) -> Option<Seen> {
-        let definition = Some(definitions.schema.message(self.message_id).span);
+        let definition = self.source.definition().map(|id| definitions.schema.message(id).span);
         let mut report = |rule: &'static Rule, detail: Detail| {
             let excerpt = || detail.excerpt(hexadecimal(payload));
             findings.report(rule, channel.topic, location, definition, excerpt);
@@ -129,10 +156,8 @@ impl CdrChecker {
             }
         }
         self.bodies += 1;
-        let stated = self.stated.clone();
-        let ty =
-            stated.as_ref().map_or_else(|| definitions.types().get(self.message_id), |stated| stated.root());
-        let message = match ty.decode_cdr(payload) {
+        let source = self.source.clone();
+        let message = match source.message_type(definitions).decode_cdr(payload) {
             Ok(message) => message,
             Err(error) => {
                 report(&px4::CDR_02.rule, Detail::new(error.to_string()));
@@ -152,8 +177,7 @@ impl CdrChecker {
         definitions: &'v Definitions,
     ) -> Option<DynamicView<'v>> {
         let memory = seen.memory.as_deref()?;
-        let stated = self.stated.as_ref().map(|stated| stated.root());
-        stated.unwrap_or_else(|| definitions.types().get(self.message_id)).view_uorb(memory).ok()
+        self.source.message_type(definitions).view_uorb(memory).ok()
     }
 
     /// Checks the header of a payload.

@@ -5,23 +5,22 @@ use std::path::Path;
 
 use super::mcap::McapFile;
 use super::sqlite::{self, SQLITE};
-use super::{BagFile, BagSummary, Channels, MCAP};
+use super::{BagContent, BagFile, BagSummary, Channels, MCAP};
 use crate::capture::input;
 use crate::capture::rosbag::metadata::{self, FILE_NAME, Metadata};
-use crate::check::{CaptureResult, Reading, START, Source, Summary};
-use crate::definitions::Definitions;
+use crate::check::{CaptureResult, CheckRun, Reading, START, Source, Summary};
 use crate::model::{Extent, Location};
 
 /// Checks the readable parts of a bag's files. Fails if `metadata.yaml` can't be read.
 pub(in crate::check) fn check_folder(
     folder: &Path,
-    definitions: &Definitions,
+    run: CheckRun<'_>,
     reading: Reading<'_>,
 ) -> io::Result<CaptureResult> {
     let Some(metadata) = Metadata::read(folder)? else {
         return Ok(CaptureResult::unknown(format!("its {FILE_NAME} isn't the metadata of a rosbag2 bag")));
     };
-    let mut bag = Channels::new(definitions);
+    let mut bag = Channels::new(run);
     let mut summary = BagSummary {
         storage: metadata.storage,
         distribution: metadata.distribution,
@@ -45,7 +44,9 @@ pub(in crate::check) fn check_folder(
         let text = format!("{FILE_NAME} counts {expected} messages, but the files contain {found}");
         bag.corruption("", Location::Message(found), &text, Extent::WithGaps);
     }
-    Ok(bag.finish(bytes, |channels, dialects| Summary::Bag(BagSummary { channels, dialects, ..summary })))
+    Ok(bag.finish(bytes, |BagContent { channels, dialects, releases }| {
+        Summary::Bag(BagSummary { channels, dialects, releases, ..summary })
+    }))
 }
 
 /// Checks the readable part of a file. Returns the number of bytes read. Fails if the file can't be opened.

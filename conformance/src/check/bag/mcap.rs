@@ -3,27 +3,32 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::Read;
 
-use super::{Channels, Declared, MAX_NAME, McapSummary, digest};
+use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Item, Reader};
-use crate::check::{CaptureResult, Kind, Logged, Summary, has_magic};
-use crate::definitions::Definitions;
+use crate::check::{CaptureResult, CheckRun, Kind, Logged, Summary, has_magic};
 use crate::model::{Extent, Location};
 
 pub(in crate::check) const KIND: Kind = Kind {
     name: "MCAP",
     detect: |start| has_magic(start, &MCAP_MAGIC),
-    check: |source, _, definitions| check_mcap(source, definitions),
+    clues: super::clues::mcap,
+    check: |source, _, run| check(source, run),
 };
 
 /// Checks the readable part of an MCAP file.
-pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
-    let mut channels = Channels::new(definitions);
+#[cfg(test)]
+pub(crate) fn check_mcap(input: impl Read, definitions: &crate::definitions::Definitions) -> CaptureResult {
+    check(input, CheckRun::new(definitions))
+}
+
+fn check(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
+    let mut channels = Channels::new(run);
     let mut file = McapFile::new(&mut channels, "");
     let bytes = file.read(input);
     let (profile, library) = (file.profile, file.library);
-    channels.finish(bytes, |channels, dialects| {
-        Summary::Mcap(McapSummary { profile, library, channels, dialects })
+    channels.finish(bytes, |BagContent { channels, dialects, releases }| {
+        Summary::Mcap(McapSummary { profile, library, channels, dialects, releases })
     })
 }
 

@@ -7,6 +7,7 @@ use uavspec_codegen::schema::MessageId;
 use super::Declared;
 use super::cdr::CdrChecker;
 use crate::check::coverage::{PartResult, Parts, Share, Tally};
+use crate::check::release::ComparedTopic;
 use crate::check::topic::topic_of;
 use crate::model::{Channel, Findings, Location};
 use crate::px4::comparison::{Comparison, Differences};
@@ -36,6 +37,9 @@ pub struct BagChannel {
 pub enum CheckStatus {
     /// The messages were checked against the definition.
     Checked(Basis),
+    /// Neither the channel's schema nor its topic names a definition. The messages were checked against the schema in the
+    /// file.
+    OwnSchema,
     /// Neither the channel's schema nor its topic names a definition.
     Undefined,
     /// The messages are neither CDR nor JSON.
@@ -80,6 +84,7 @@ impl From<&CheckStatus> for PartResult {
                 Self::Unsupported
             }
             CheckStatus::Checked(_) => Self::Checked,
+            CheckStatus::OwnSchema => Self::OwnSchema,
             CheckStatus::Undefined => Self::Undefined,
         }
     }
@@ -170,6 +175,16 @@ impl Open {
             has_other_hash: false,
             status: if is_known { CheckStatus::Undefined } else { CheckStatus::Unsupported },
         }
+    }
+
+    /// The channel, compared with its definition.
+    pub(super) fn compared(&self) -> ComparedTopic<'_> {
+        let is_equal = match &self.status {
+            CheckStatus::Checked(Basis::Compared(comparison)) => **comparison == Comparison::Equal,
+            CheckStatus::Checked(_) => true,
+            CheckStatus::OwnSchema | CheckStatus::Undefined | CheckStatus::Unsupported => false,
+        };
+        ComparedTopic { topic: &self.topic, definition: self.identity.definition, is_equal }
     }
 
     /// The differences between the channel's schema and the definition.

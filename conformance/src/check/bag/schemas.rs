@@ -40,6 +40,8 @@ struct Schema {
     digest: u64,
     /// The comparisons that channels requested, by definition. The flag is true for JSON messages.
     compared: BTreeMap<(MessageId, bool), ComparedSchema>,
+    /// The types, once a channel without a definition requested them.
+    own: Option<Option<Rc<Stated>>>,
 }
 
 impl Schemas {
@@ -60,7 +62,7 @@ impl Schemas {
         let text = if fits { Ok(text.to_vec()) } else { Err(text.len()) };
         self.num_bytes += text.as_ref().map_or(0, Vec::len);
         self.by_digest.insert(digest, self.all.len());
-        self.all.push(Schema { name, encoding, text, digest, compared: BTreeMap::new() });
+        self.all.push(Schema { name, encoding, text, digest, compared: BTreeMap::new(), own: None });
         Ok(self.all.len() - 1)
     }
 
@@ -81,6 +83,17 @@ impl Schemas {
     /// The name and the encoding of a schema.
     pub(super) fn name(&self, index: usize) -> (&str, &str) {
         (&self.all[index].name, &self.all[index].encoding)
+    }
+
+    /// The types of a schema, if they can be read.
+    pub(super) fn own(&mut self, index: Option<usize>) -> Option<Rc<Stated>> {
+        let schema = self.all.get_mut(index?)?;
+        let text = schema.text.as_ref().ok().filter(|text| !text.is_empty())?;
+        if schema.encoding != "ros2msg" {
+            return None;
+        }
+        let read = || Stated::read(&schema.name, text).ok().map(Rc::new);
+        schema.own.get_or_insert_with(read).clone()
     }
 
     /// Compares a schema with a definition, for messages in CDR or JSON.

@@ -3,10 +3,10 @@
 use std::io::Read as _;
 use std::path::Path;
 
-use super::{BagFile, BagSummary, Channels};
+use super::{BagContent, BagFile, BagSummary, Channels};
 use crate::capture::rosbag::{CONVERT_ROS1, ROS1_MAGIC, SQLITE_MAGIC};
-use crate::check::{CaptureResult, Kind, Source, Summary, has_magic};
-use crate::definitions::Definitions;
+use crate::check::{CaptureResult, CheckRun, Kind, Source, Summary, has_magic};
+use crate::definitions::Clues;
 use crate::model::{Extent, Location};
 
 /// The maximum size of a decompressed file, in bytes.
@@ -15,22 +15,26 @@ const MAX_UNPACKED: u64 = 16 << 30;
 pub(in crate::check) const SQLITE: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &SQLITE_MAGIC),
-    check: |source, _, definitions| check_sqlite(source, definitions),
+    clues: super::clues::sqlite,
+    check: |source, _, run| check_sqlite(source, run),
 };
 
 /// The bags of ROS 1, which aren't supported.
 pub(in crate::check) const ROS1: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &ROS1_MAGIC),
+    clues: |_| Clues::default(),
     check: |_, _, _| CaptureResult::unknown(CONVERT_ROS1),
 };
 
 /// Checks the readable part of a `SQLite` file.
-fn check_sqlite(mut source: Source<'_>, definitions: &Definitions) -> CaptureResult {
-    let mut bag = Channels::new(definitions);
+fn check_sqlite(mut source: Source<'_>, run: CheckRun<'_>) -> CaptureResult {
+    let mut bag = Channels::new(run);
     let mut summary = BagSummary { storage: "sqlite3".to_owned(), num_files: 1, ..BagSummary::default() };
     let bytes = read_source(&mut source, &mut bag, BagFile::SINGLE, &mut summary.distribution);
-    bag.finish(bytes, |channels, dialects| Summary::Bag(BagSummary { channels, dialects, ..summary }))
+    bag.finish(bytes, |BagContent { channels, dialects, releases }| {
+        Summary::Bag(BagSummary { channels, dialects, releases, ..summary })
+    })
 }
 
 /// Checks the readable part of a `SQLite` file. Returns the size of the file.

@@ -11,6 +11,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use uavspec_codegen::diagnostic::{Level, Problem};
 use uavspec_codegen::dynamic::{MessageType, Types};
 use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::fingerprint::type_hash;
 use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read_formats};
 use uavspec_runtime::Number;
@@ -26,6 +27,7 @@ const SEPARATOR: usize = 40;
 pub(super) struct Stated {
     types: Types,
     root: MessageId,
+    type_hash: String,
     version: Option<u32>,
 }
 
@@ -74,11 +76,21 @@ impl Stated {
         let messages = schema.packages.iter().filter(|package| package.name == root.0);
         let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
         let root = found.ok_or("it doesn't define the type in its name")?;
-        let stated = Self { root, version: version(schema.message(root)), types: Types::new(&schema) };
+        let stated = Self {
+            root,
+            type_hash: type_hash(&schema, root),
+            version: version(schema.message(root)),
+            types: Types::new(&schema),
+        };
         match stated.root().defect() {
             Some(defect) => Err(format!("it {defect}")),
             None => Ok(stated),
         }
+    }
+
+    /// The ROS type hash.
+    pub(super) fn type_hash(&self) -> &str {
+        &self.type_hash
     }
 
     /// The value of `MESSAGE_VERSION`, if it is defined.

@@ -4,6 +4,7 @@ use serde::{Serialize, Serializer};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::open::{BagChannel, Basis, CheckStatus};
+use crate::check::release::{ReleaseMatch, release_lines};
 use crate::check::{Describe, Line, List, Totals};
 use crate::px4::comparison::Comparison;
 use crate::px4::json::Dialects;
@@ -23,6 +24,8 @@ pub struct McapSummary {
     pub channels: Vec<BagChannel>,
     /// The accepted deviations of JSON messages from the published schemas.
     pub dialects: Dialects,
+    /// The releases that the schemas were compared with.
+    pub releases: Vec<ReleaseMatch>,
 }
 
 /// The summary of a rosbag2 bag: a `SQLite` file, or a folder with `metadata.yaml`.
@@ -42,6 +45,8 @@ pub struct BagSummary {
     pub channels: Vec<BagChannel>,
     /// The accepted deviations of JSON messages from the published schemas.
     pub dialects: Dialects,
+    /// The releases that the schemas were compared with.
+    pub releases: Vec<ReleaseMatch>,
 }
 
 /// A channel, with the result of comparing its schema with the definition.
@@ -78,6 +83,9 @@ enum ChannelResult {
     /// There is no comparable schema. The schema name or the topic identifies the definition.
     #[serde(rename = "by name")]
     ByName,
+    /// There is no known definition for the channel. Its messages were checked against its own schema.
+    #[serde(rename = "own schema")]
+    OwnSchema,
     /// There is no known definition for the channel.
     Undefined,
     /// The channel's messages are neither CDR nor JSON.
@@ -95,6 +103,7 @@ impl<'c> Row<'c> {
                 Comparison::Equal | Comparison::Undefined => (ChannelResult::Equal, String::new()),
             },
             CheckStatus::Checked(basis) => (ChannelResult::ByName, basis.problem().unwrap_or_default()),
+            CheckStatus::OwnSchema => (ChannelResult::OwnSchema, String::new()),
             CheckStatus::Undefined => (ChannelResult::Undefined, String::new()),
             CheckStatus::Unsupported => (ChannelResult::Unsupported, String::new()),
         };
@@ -141,7 +150,7 @@ impl Describe for McapSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        lines(&self.channels, self.dialects)
+        lines(&self.channels, self.dialects, &self.releases)
     }
 }
 
@@ -163,7 +172,7 @@ impl Describe for BagSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        lines(&self.channels, self.dialects)
+        lines(&self.channels, self.dialects, &self.releases)
     }
 
     fn noun(&self) -> &'static str {
@@ -172,7 +181,7 @@ impl Describe for BagSummary {
 }
 
 /// The results of comparing the schemas of the channels with the definitions.
-fn lines(channels: &[BagChannel], dialects: Dialects) -> Vec<Line> {
+fn lines(channels: &[BagChannel], dialects: Dialects, releases: &[ReleaseMatch]) -> Vec<Line> {
     let rows: Vec<Row<'_>> = channels.iter().map(Row::new).collect();
     let with_result = |wanted| rows.iter().filter(move |row| row.result == wanted);
     let messages = |wanted| with_result(wanted).map(|row| (row.topic, shown(&row.message)));
@@ -182,7 +191,7 @@ fn lines(channels: &[BagChannel], dialects: Dialects) -> Vec<Line> {
         rows.len(),
         with_result(ChannelResult::Differs).count(),
         with_result(ChannelResult::ByName).count(),
-        with_result(ChannelResult::Undefined).count(),
+        with_result(ChannelResult::Undefined).count() + with_result(ChannelResult::OwnSchema).count(),
     );
     let schema = |row: &Row<'_>| row.schema.map_or_else(|| "no schema".to_owned(), shown);
     let mut line = Line::new("definitions", text)
@@ -191,5 +200,5 @@ fn lines(channels: &[BagChannel], dialects: Dialects) -> Vec<Line> {
         .list("not read", rows.iter().filter_map(|row| Some((row.topic, row.not_read()?))))
         .list("undefined", with_result(ChannelResult::Undefined).map(|row| (row.topic, schema(row))));
     line.lists.push(List { label: "dialect", items: dialects.iter().map(|one| one.to_string()).collect() });
-    vec![line]
+    release_lines(releases, line)
 }

@@ -36,7 +36,7 @@ impl Plans {
         Ok(clean)
     }
 
-    /// Reads a message without findings. Stores the message's numbers and booleans in `values`, in memory layout.
+    /// Reads a message without findings. Stores the message's values except for strings in `values`, in memory layout.
     /// `values` has the size of the message, or is empty if the values aren't needed.
     pub(crate) fn read(
         &self,
@@ -101,7 +101,7 @@ impl<'p> Reading<'p, '_> {
     ) -> Result<(), Unclear> {
         let is_array = field.shape != Shape::Single && !is_element;
         match (tokens.peek(), field.element) {
-            (Some(b'['), Element::Text(room)) if self.is_rosbridge => self.numbers(tokens, field, room),
+            (Some(b'['), Element::Text(room)) if self.is_rosbridge => self.numbers(tokens, field, at, room),
             (Some(b'['), _) if is_array => self.list(tokens, field, at),
             (Some(b'{'), Element::Message(id)) if !is_array => {
                 self.message(tokens, self.plans.get(id), at, false)
@@ -112,11 +112,16 @@ impl<'p> Reading<'p, '_> {
                     && let Some(bytes) = field.as_base64(text, self.is_rosbridge, is_element)
                 {
                     self.clean.dialects.insert(Dialect::Base64);
+                    keep_bytes(self.values, at, &bytes);
                     return if field.check_bytes(&bytes) { Ok(()) } else { Err(Unclear) };
                 }
                 let leaf = Leaf::from_token(&token).filter(|_| !is_array).ok_or(Unclear)?;
-                field.keep(self.values, at, leaf);
-                field.check(leaf).map_err(|_| Unclear)
+                field.check(leaf).map_err(|_| Unclear)?;
+                match (field.element, leaf) {
+                    (Element::Text(_), Leaf::Text(text)) => keep_bytes(self.values, at, text.as_bytes()),
+                    _ => field.keep(self.values, at, leaf),
+                }
+                Ok(())
             }
         }
     }
@@ -134,7 +139,13 @@ impl<'p> Reading<'p, '_> {
     }
 
     /// Reads text that is written as an array of byte values.
-    fn numbers(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan, room: u32) -> Result<(), Unclear> {
+    fn numbers(
+        &mut self,
+        tokens: &mut Tokens<'_>,
+        field: &FieldPlan,
+        at: usize,
+        room: u32,
+    ) -> Result<(), Unclear> {
         let mut bytes = Vec::new();
         tokens.list(|tokens| match tokens.token()? {
             Token::Int(byte) if bytes.len() < room as usize => {
@@ -144,7 +155,16 @@ impl<'p> Reading<'p, '_> {
             _ => Err(Unclear),
         })?;
         self.clean.dialects.insert(Dialect::NumbersForText);
-        field.check_text(&bytes).map_err(|_| Unclear)
+        field.check_text(&bytes).map_err(|_| Unclear)?;
+        keep_bytes(self.values, at, &bytes);
+        Ok(())
+    }
+}
+
+/// Stores bytes at an offset in memory, if `values` isn't empty.
+fn keep_bytes(values: &mut [u8], at: usize, bytes: &[u8]) {
+    if let Some(slot) = values.get_mut(at..at + bytes.len()) {
+        slot.copy_from_slice(bytes);
     }
 }
 

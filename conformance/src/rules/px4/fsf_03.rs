@@ -37,7 +37,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     }],
 };
 
-const REQUIREMENT: &str = "mode_req_";
+pub(crate) const REQUIREMENT: &str = "mode_req_";
 
 /// Words that appear in flag names but not in the names of their requirements.
 const STATES: [&str; 6] = ["invalid", "lost", "missing", "auto", "control", "signal"];
@@ -109,7 +109,7 @@ fn is_set(value: Value<'_>) -> bool {
 
 /// True if a flag belongs to a requirement. The flag's name must contain all words of the requirement in order,
 /// possibly in longer forms (`altitude` for `alt`). All other words must be in [`STATES`].
-fn belongs_to(flag: &str, required: &str) -> bool {
+pub(crate) fn belongs_to(flag: &str, required: &str) -> bool {
     let mut rest = required.split('_').peekable();
     let is_known = |word: &str| {
         rest.next_if(|required| !required.is_empty() && word.starts_with(required)).is_some()

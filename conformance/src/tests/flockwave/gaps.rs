@@ -112,6 +112,48 @@ fn responses_of_the_client_are_not_checked() {
     }
 }
 
+/// The server may read such a request differently, so its answer can't be judged.
+#[test]
+fn answers_to_requests_that_parsers_read_differently_are_not_checked() {
+    let request = |rest: &str| {
+        format!("{{\"$fw.version\":\"1.0\",\"id\":\"ask-9\",\"body\":{{\"type\":\"SYS-PORTS\"}}{rest}")
+    };
+    let answer =
+        "{\"$fw.version\":\"1.0\",\"id\":\"s9\",\"refs\":\"ask-9\",\"body\":{\"type\":\"SYS-PING\"}}";
+    let violated = |text: &str, key: &str, is_answered: bool| {
+        let mut session = Session::opened();
+        let mut bytes = session.to_bytes();
+        let text = if key == "raw" { Value::from(text).to_string() } else { text.to_owned() };
+        let out = format!("{{\"t\":1790000100,\"conn\":\"hill\",\"dir\":\"out\",\"{key}\":{text}}}\n");
+        let answer = format!("{{\"t\":1790000101,\"conn\":\"hill\",\"dir\":\"in\",\"msg\":{answer}}}\n");
+        bytes.extend(out.as_bytes());
+        if is_answered {
+            bytes.extend(answer.as_bytes());
+        }
+        session.lines.clear();
+        session.notify(json!({ "type": "OBJ-DEL", "ids": ["kite"] }));
+        if let Some(line) = session.lines.last_mut() {
+            line["t"] = 1_790_000_200.into();
+        }
+        bytes.extend(session.to_bytes());
+        violated(&checked(&bytes)).into_keys().collect::<Vec<_>>()
+    };
+    for key in ["msg", "raw"] {
+        assert_eq!(violated(&request("}"), key, true), ["FW-ENV-16"], "{key}");
+        assert_eq!(violated(&request("}"), key, false), ["FW-ENV-07"], "{key}");
+        for rest in [",\"body\":{\"type\":\"SYS-PING\"}}", ",\"name\":{\"a\":1,\"a\":1}}"] {
+            assert_eq!(violated(&request(rest), key, true), Vec::<&str>::new(), "{key} {rest}");
+            assert_eq!(violated(&request(rest), key, false), Vec::<&str>::new(), "{key} {rest}");
+        }
+    }
+    for rest in ["}]", ",\"name\":\"\u{fffd}\"}"] {
+        for is_answered in [false, true] {
+            let found = violated(&request(rest), "raw", is_answered);
+            assert_eq!(found, Vec::<&str>::new(), "{rest} {is_answered}");
+        }
+    }
+}
+
 /// A message from the server, in lines.
 fn pieces(session: &mut Session, number: usize) {
     session.send_raw("{\"$fw.version\":\"1.0\",\"id\":\"long-1\",");

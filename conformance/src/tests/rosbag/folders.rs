@@ -25,7 +25,7 @@ fn split(content: &Content, folder: &Path) -> usize {
 
 #[test]
 fn the_files_of_a_bag_are_one_capture() {
-    let (definitions, content) = flight();
+    let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     let bag = folder.path().join("flight");
     fs::create_dir(&bag).expect("a folder");
@@ -35,42 +35,42 @@ fn the_files_of_a_bag_are_one_capture() {
     let found = files(&[folder.path().to_owned()]).expect("files");
     assert_eq!(found.captures, [bag.clone(), folder.path().join("whole.db3")]);
     assert_eq!(found.skipped.len(), 1, "other YAML: {:?}", found.skipped);
-    let whole = checked(&found.captures[1], &definitions);
+    let whole = checked(&found.captures[1]);
     for path in [bag.clone(), bag.join("metadata.yaml")] {
-        let result = checked(&path, &definitions);
+        let result = checked(&path);
         assert_same(&result, &whole, "the bag");
         let found = summary(&result);
         assert_eq!((found.num_files, found.channels.len()), (num_files as u64, content.topics.len()));
     }
-    let part = checked(&bag.join("bag_1.db3"), &definitions);
+    let part = checked(&bag.join("bag_1.db3"));
     assert!(part.records > 0 && part.records < whole.records && part.extent == Extent::Whole);
 }
 
 /// Rules on sequences of messages see the messages of all files.
 #[test]
 fn rules_span_the_files_of_a_bag() {
-    let (definitions, content) = flight();
+    let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     split(&content, folder.path());
     // The first file is played last, so the timestamps of all topics go back.
     let names = ["bag_1.db3", "bag_2.db3", "bag_0.db3"];
     let text = metadata("sqlite3", &names, content.messages.len());
     fs::write(folder.path().join("metadata.yaml"), text).expect("a file");
-    let result = checked(folder.path(), &definitions);
+    let result = checked(folder.path());
     let found = violated(&result);
     assert!(found.iter().any(|(rule, ..)| *rule == "PX-TIME-01"), "{found:?}");
 }
 
 #[test]
 fn missing_and_unknown_files_are_reported() {
-    let (definitions, content) = flight();
+    let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     split(&content, folder.path());
     fs::remove_file(path("bag_1.db3")).expect("a file");
     fs::write(path("bag_2.db3"), "neither this nor that").expect("a file");
     fs::write(path("extra.jsonl"), "").expect("a file");
-    let result = checked(folder.path(), &definitions);
+    let result = checked(folder.path());
     let found = corrupt(&result);
     assert_eq!((result.extent, found.len()), (Extent::WithGaps, 2), "{found:?}");
     assert!(found[0].contains("bag_1.db3, which metadata.yaml lists, can't be opened: "), "{found:?}");
@@ -84,7 +84,6 @@ fn missing_and_unknown_files_are_reported() {
 #[cfg(unix)]
 #[test]
 fn pipes_in_the_folder_of_a_bag_are_not_opened() {
-    let (definitions, _) = flight();
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     let make_pipe = |name: &str| {
@@ -97,7 +96,7 @@ fn pipes_in_the_folder_of_a_bag_are_not_opened() {
     fs::remove_file(path("metadata.yaml")).expect("a pipe");
     make_pipe("bag_0.db3");
     fs::write(path("metadata.yaml"), metadata("sqlite3", &["bag_0.db3"], 1)).expect("a file");
-    let found = corrupt(&checked(folder.path(), &definitions));
+    let found = corrupt(&checked(folder.path()));
     assert!(
         found[0].ends_with("bag_0.db3, which metadata.yaml lists, can't be opened: it is not a file"),
         "{found:?}"
@@ -106,21 +105,21 @@ fn pipes_in_the_folder_of_a_bag_are_not_opened() {
 
 #[test]
 fn fewer_messages_than_the_metadata_counts_are_incomplete() {
-    let (definitions, content) = flight();
+    let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     content.write(&folder.path().join("bag_0.db3"));
     for (difference, is_reported) in [(0, false), (1, true), (-1, false)] {
         let count = content.messages.len().checked_add_signed(difference).expect("a number");
         fs::write(folder.path().join("metadata.yaml"), metadata("sqlite3", &["bag_0.db3"], count))
             .expect("a file");
-        let result = checked(folder.path(), &definitions);
+        let result = checked(folder.path());
         assert_eq!(result.extent != Extent::Whole, is_reported, "{difference}: {:?}", result.corruption);
     }
 }
 
 #[test]
 fn a_bag_of_mcap_files_is_one_capture() {
-    let (definitions, content) = flight();
+    let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     let whole = tempfile::tempdir().expect("a folder");
     let declared: Vec<u8> = content
@@ -147,7 +146,7 @@ fn a_bag_of_mcap_files_is_one_capture() {
     let text = metadata("mcap", &["bag_0.mcap", "bag_1.mcap"], content.messages.len());
     fs::write(folder.path().join("metadata.yaml"), text).expect("a file");
     fs::write(whole.path().join("whole.mcap"), file(&content.messages)).expect("a file");
-    let result = checked(folder.path(), &definitions);
-    assert_same(&result, &checked(&whole.path().join("whole.mcap"), &definitions), "the bag");
+    let result = checked(folder.path());
+    assert_same(&result, &checked(&whole.path().join("whole.mcap")), "the bag");
     assert_eq!(summary(&result).storage, "mcap");
 }

@@ -11,7 +11,7 @@ use crate::tests::support::{Random, extent};
 
 /// A file with the tables of a bag that these statements change.
 fn changed(statements: &str) -> (tempfile::TempDir, std::path::PathBuf) {
-    let (_, content) = flight();
+    let content = flight();
     let (folder, path) = file_with("bag.db3", &content.to_bytes());
     Connection::open(&path).and_then(|bag| bag.execute_batch(statements)).expect("a database");
     (folder, path)
@@ -20,7 +20,6 @@ fn changed(statements: &str) -> (tempfile::TempDir, std::path::PathBuf) {
 /// A schema executes nothing: each of these tables would take hours or much memory to read.
 #[test]
 fn views_virtual_tables_and_generated_columns_are_not_read() {
-    let (definitions, _) = flight();
     let endless = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n)";
     let rows = "SELECT i AS id, 1 AS topic_id, i AS timestamp, zeroblob(1000000000) AS data FROM n";
     for (statements, expected) in [
@@ -49,7 +48,7 @@ fn views_virtual_tables_and_generated_columns_are_not_read() {
         ("ALTER TABLE topics DROP COLUMN type".to_owned(), "its table `topics` has no column `type`"),
     ] {
         let (_folder, path) = changed(&statements);
-        let result = checked(&path, &definitions);
+        let result = checked(&path);
         let found = corrupt(&result);
         assert!(found.len() == 1 && found[0].contains(expected), "{statements}: {found:?}");
         assert_eq!((result.extent, result.checked), (Extent::WithGaps, 0), "{statements}");
@@ -58,7 +57,7 @@ fn views_virtual_tables_and_generated_columns_are_not_read() {
 
 #[test]
 fn values_of_other_types_are_reported() {
-    let (definitions, content) = flight();
+    let content = flight();
     let count = content.messages.len() as u64;
     for (statement, expected) in [
         (
@@ -72,7 +71,7 @@ fn values_of_other_types_are_reported() {
         ("UPDATE messages SET data = 5 WHERE id = 1", "the message is unreadable: "),
     ] {
         let (_folder, path) = changed(statement);
-        let result = checked(&path, &definitions);
+        let result = checked(&path);
         let found = corrupt(&result);
         assert!(found.len() == 1 && found[0].contains(expected), "{statement}: {found:?}");
         assert_eq!(result.corruption[0].0, Location::Message(1), "{statement}");
@@ -83,7 +82,7 @@ fn values_of_other_types_are_reported() {
 /// A corrupt index may hide messages.
 #[test]
 fn messages_that_the_index_lacks_are_reported() {
-    let (definitions, content) = flight();
+    let content = flight();
     let hidden = "CREATE TABLE kept AS SELECT * FROM sqlite_schema WHERE name = 'timestamp_idx';
         PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE name = 'timestamp_idx';";
     let (_folder, path) = changed(hidden);
@@ -93,7 +92,7 @@ fn messages_that_the_index_lacks_are_reported() {
         INSERT INTO sqlite_schema SELECT * FROM kept; DROP TABLE kept;"
     );
     Connection::open(&path).and_then(|bag| bag.execute_batch(&shown)).expect("a database");
-    let result = checked(&path, &definitions);
+    let result = checked(&path);
     let found = corrupt(&result);
     assert!(found.len() == 1 && found[0].contains("the index of the times lacks 1 messages"), "{found:?}");
     assert_eq!((result.extent, result.records), (Extent::WithGaps, content.messages.len() as u64));
@@ -101,12 +100,12 @@ fn messages_that_the_index_lacks_are_reported() {
 
 #[test]
 fn a_repeated_topic_id_is_reported() {
-    let (definitions, content) = flight();
+    let content = flight();
     let (_folder, path) = changed(
         "CREATE TABLE copy AS SELECT * FROM topics; DROP TABLE topics; ALTER TABLE copy RENAME TO topics;
         INSERT INTO topics SELECT id, name, 'px4_msgs/msg/Other', serialization_format, '', '' FROM topics LIMIT 1",
     );
-    let result = checked(&path, &definitions);
+    let result = checked(&path);
     let found = corrupt(&result);
     assert!(found.len() == 1 && found[0].contains("is declared again"), "{found:?}");
     assert_eq!((result.extent, result.checked), (Extent::WithGaps, content.messages.len() as u64));
@@ -114,14 +113,14 @@ fn a_repeated_topic_id_is_reported() {
 
 #[test]
 fn payloads_have_a_maximum_size() {
-    let (definitions, content) = flight();
+    let content = flight();
     let topic = content.topics[0].0;
     let row = |id: u32, length: u32| {
         format!("INSERT INTO messages VALUES ({id}, {topic}, {id}, zeroblob({length}));")
     };
     let statements = ["DELETE FROM messages;".to_owned(), row(1, 5 << 20), row(2, (64 << 20) + 1)];
     let (_folder, path) = changed(&statements.concat());
-    let result = checked(&path, &definitions);
+    let result = checked(&path);
     let found = corrupt(&result);
     assert!(
         found.len() == 1 && found[0].starts_with("message 2: the message has 67,108,865 bytes"),
@@ -132,12 +131,12 @@ fn payloads_have_a_maximum_size() {
 /// Pages of a corrupt file can be reached in several ways, so that it seems to have more messages than bytes.
 #[test]
 fn a_truncated_file_is_checked_as_far_as_possible() {
-    let (definitions, content) = flight();
+    let content = flight();
     let bytes = content.to_bytes();
     let mut most = 0;
     for cut in (4..bytes.len()).step_by(extent(509, 4_093)) {
         let (_folder, path) = file_with("bag.db3", &bytes[..cut]);
-        let result = checked(&path, &definitions);
+        let result = checked(&path);
         assert_ne!(result.extent, Extent::Whole, "cut at {cut}");
         assert!(result.checked <= content.messages.len() as u64);
         most = most.max(result.checked);
@@ -147,7 +146,7 @@ fn a_truncated_file_is_checked_as_far_as_possible() {
 
 #[test]
 fn flipped_bits_never_panic() {
-    let (definitions, content) = flight();
+    let content = flight();
     let bytes = content.to_bytes();
     let mut random = Random(18);
     let mut corrupted = 0;
@@ -158,7 +157,7 @@ fn flipped_bits_never_panic() {
             let end = if random.below(2) == 0 { 3 << 12 } else { bytes.len() };
             flipped[16 + random.index(end - 16)] ^= 1 << random.below(8);
         }
-        let result = checked_bytes(&flipped, &definitions);
+        let result = checked_bytes(&flipped);
         corrupted += u64::from(result.extent != Extent::Whole);
     }
     assert!(corrupted > 10, "{corrupted}");
@@ -167,7 +166,7 @@ fn flipped_bits_never_panic() {
 /// A recording that was killed leaves its last messages in a second file.
 #[test]
 fn unfinished_recordings_are_incomplete_and_stay_unchanged() {
-    let (definitions, content) = flight();
+    let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bag.db3");
     content.write(&path);
@@ -181,7 +180,7 @@ fn unfinished_recordings_are_incomplete_and_stay_unchanged() {
     }
     drop(writer);
     let before = fs::read(killed.path().join("bag.db3")).expect("a file");
-    let result = checked(&killed.path().join("bag.db3"), &definitions);
+    let result = checked(&killed.path().join("bag.db3"));
     let found = corrupt(&result);
     assert!(found.len() == 1 && found[0].contains("may be in `bag.db3-wal`"), "{found:?}");
     assert_eq!((result.extent, result.checked), (Extent::WithGaps, content.messages.len() as u64));
@@ -193,21 +192,21 @@ fn unfinished_recordings_are_incomplete_and_stay_unchanged() {
     assert_eq!(names, ["bag.db3", "bag.db3-wal"], "nothing is written next to the file");
     assert_eq!(fs::read(killed.path().join("bag.db3")).expect("a file"), before);
     fs::remove_file(killed.path().join("bag.db3-wal")).expect("a file");
-    assert_eq!(checked(&killed.path().join("bag.db3"), &definitions).extent, Extent::Whole);
+    assert_eq!(checked(&killed.path().join("bag.db3")).extent, Extent::Whole);
     fs::write(killed.path().join("bag.db3-journal"), b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7\0\0")
         .expect("a file");
-    assert_eq!(checked(&killed.path().join("bag.db3"), &definitions).extent, Extent::WithGaps);
+    assert_eq!(checked(&killed.path().join("bag.db3")).extent, Extent::WithGaps);
 }
 
 /// In a URI, these characters have a meaning.
 #[test]
 fn paths_may_contain_any_characters() {
-    let (definitions, content) = flight();
+    let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     for name in ["a b.db3", "50%41?mode=rw#x.db3", "ß&=+;.db3", "file:x.db3"] {
         let path = folder.path().join(name);
         fs::write(&path, content.to_bytes()).expect("a file");
-        let result = checked(&path, &definitions);
+        let result = checked(&path);
         assert_eq!((result.extent, result.checked), (Extent::Whole, content.messages.len() as u64), "{name}");
     }
 }

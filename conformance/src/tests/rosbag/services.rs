@@ -2,9 +2,10 @@
 
 use std::fs;
 
-use super::{assert_same, checked, checked_bytes, corrupt, summary, violated};
+use super::{assert_same, checked_with, corrupt, summary, violated};
+use crate::check::check_capture;
 use crate::check::{Basis, CheckStatus};
-use crate::definitions::Definitions;
+use crate::definitions::{Definitions, Library};
 use crate::fuzzing::bag_file::Content;
 use crate::px4::comparison::Comparison;
 use crate::tests::mcap::file as mcap;
@@ -50,11 +51,12 @@ fn events_of_known_services_are_known() {
                 mcap::message(3, &event(is_fast)),
             ];
             let bytes = mcap::file(&records.concat());
-            let result = checked_bytes(&bytes, &definitions);
+            let result = check_capture(&bytes[..], None, &definitions).expect("bytes");
             let found: Vec<_> = violated(&result).into_iter().map(|(rule, ..)| rule).collect();
             let name = format!("{dialect}: {text:?} {is_fast}");
             assert_eq!((found, corrupt(&result), result.checked), (expected, vec![], 1), "{name}");
-            let twin = checked_bytes(&Content::of_mcap(&bytes).to_bytes(), &definitions);
+            let twin = Content::of_mcap(&bytes).to_bytes();
+            let twin = check_capture(&twin[..], None, &definitions).expect("bytes");
             assert_same(&twin, &result, &name);
         }
     }
@@ -81,11 +83,17 @@ fn reads_recorded_events() {
     let query = "SELECT encoded_message_definition FROM message_definitions WHERE topic_type = 'test_msgs/srv/BasicTypes'";
     let text: String = file.query_row(query, [], |row| row.get(0)).expect("a definition");
     let definitions = definitions("ros2", "test_msgs", "BasicTypes", &text);
-    let result = checked(&bag, &definitions);
+    let result = checked_with(&bag, &Library::fixed(definitions));
     assert_eq!((violated(&result), corrupt(&result)), (vec![], vec![]));
-    assert_eq!((result.records, result.checked), (10, 8));
+    assert_eq!((result.records, result.checked), (10, 10));
     let equal = CheckStatus::Checked(Basis::Compared(Comparison::Equal.into()));
     assert_eq!(summary(&result).channels.iter().filter(|channel| channel.status == equal).count(), 2);
+    let own = summary(&result).channels.iter().filter(|channel| channel.status == CheckStatus::OwnSchema);
+    assert_eq!(own.count(), 3);
     let hash = crate::rules::rule("PX-HASH-01").expect("a rule");
-    assert_eq!(result.findings.covered(hash), 2, "the hash of the service");
+    assert_eq!(
+        result.findings.covered(hash),
+        5,
+        "two hashes of a service, and three of messages with their own schema"
+    );
 }

@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use crate::check::{
-    BagChannel, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary, McapSummary, Part, Summary,
-    TypeCount, UnknownSummary, check_capture,
+    BagChannel, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary, McapSummary, OtherRelease,
+    Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, check_capture,
 };
 use crate::definitions::Definitions;
 use crate::model::{Location, Reason};
@@ -98,11 +98,16 @@ fn summaries(text: &str) -> Vec<Summary> {
         has_other_hash: false,
         status,
     };
+    let releases = || {
+        let others = vec![OtherRelease { topic: name(), release: name() }];
+        vec![ReleaseMatch { release: name(), title: name(), matching: 1, topics: 2, others }]
+    };
     let types = || [(name(), TypeCount { out: 1, incoming: 1 })].into();
     vec![
         Summary::Log(LogSummary {
             firmware: Some(name()),
             dropouts: 0,
+            releases: releases(),
             formats: vec![(name(), Comparison::Undefined), (name(), Comparison::Equal)],
         }),
         Summary::Json(JsonSummary {
@@ -118,6 +123,7 @@ fn summaries(text: &str) -> Vec<Summary> {
             library: name(),
             channels: vec![channel(CheckStatus::Undefined), channel(CheckStatus::Unsupported)],
             dialects: Dialects::default(),
+            releases: releases(),
         }),
         Summary::Flockwave(FlockwaveSummary {
             connections: 1,

@@ -1,0 +1,162 @@
+//! The facts in a bag that show its release.
+
+use std::collections::{BTreeMap, HashMap};
+use std::fs::File;
+use std::io::{Read, Seek as _, SeekFrom};
+use std::path::Path;
+
+use super::{HASH, Stated, is_type_hash};
+use crate::capture::mcap::{Event, Reader};
+use crate::capture::rosbag::metadata::{self, Metadata};
+use crate::capture::{MCAP_MAGIC, rosbag};
+use crate::check::Source;
+use crate::check::topic::plain;
+use crate::definitions::{Clues, TypeClue};
+
+/// The maximum number of types.
+const MAX_TYPES: usize = 10_000;
+
+/// The maximum number of files of a bag that are read.
+const MAX_FILES: usize = 16;
+
+/// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
+const FOOTER: i64 = 9 + 20 + 8;
+
+/// Reads the declarations in an MCAP file: from its summary, if there is one, or otherwise from its start.
+pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
+    let summary = source.file.and_then(summary).map(|summary| declarations(summary)).unwrap_or_default();
+    if summary == Clues::default() { declarations(&mut *source.bytes) } else { summary }
+}
+
+/// The summary of an MCAP file, preceded by the magic.
+fn summary(path: &Path) -> Option<impl Read> {
+    let mut file = File::open(path).ok()?;
+    let footer_start = file.seek(SeekFrom::End(-FOOTER)).ok()?;
+    let mut footer = [0; FOOTER as usize];
+    file.read_exact(&mut footer).ok()?;
+    let [0x02, 20, 0, 0, 0, 0, 0, 0, 0, start @ ..] = footer else { return None };
+    let start = u64::from_le_bytes(*start.first_chunk()?);
+    let length = footer_start.checked_sub(start).filter(|_| start > 0)?;
+    file.seek(SeekFrom::Start(start)).ok()?;
+    Some(MCAP_MAGIC.chain(file.take(length)))
+}
+
+fn declarations(input: impl Read) -> Clues {
+    let mut reader = Reader::new(input);
+    let mut clues = Clues::default();
+    let mut schemas: HashMap<u16, (String, Option<String>)> = HashMap::new();
+    // The types of channels whose schema is empty.
+    let mut unknown: HashMap<u16, String> = HashMap::new();
+    while let Ok(Some(item)) = reader.next() {
+        match item.event {
+            Event::Schema { id, name, encoding, text } if schemas.len() < MAX_TYPES => {
+                let hash = (encoding == "ros2msg").then(|| schema_hash(&name, text)).flatten();
+                schemas.insert(id, (name, hash));
+            }
+            Event::Channel { id, schema, encoding, metadata, .. } if encoding == "cdr" => {
+                let Some((name, hash)) = schemas.get(&schema) else { continue };
+                let stated = metadata.get(HASH).filter(|hash| is_type_hash(hash));
+                if let Some(name) = add(&mut clues, name, hash.as_ref().or(stated)) {
+                    unknown.insert(id, name);
+                }
+            }
+            Event::Message { channel, payload, .. } => {
+                if let Some(clue) = unknown.remove(&channel).and_then(|name| clues.types.get_mut(&name)) {
+                    clue.size = Some(payload.len() as u64);
+                }
+            }
+            _ => {}
+        }
+    }
+    clues
+}
+
+/// Reads the declarations in a `SQLite` file.
+#[cfg(feature = "db3")]
+pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
+    let Some((bag, _)) = source.file.and_then(|path| rosbag::sqlite::Bag::open(path).ok()) else {
+        return Clues::default();
+    };
+    let mut hashes: BTreeMap<String, String> = BTreeMap::new();
+    let _ = bag.definitions(|definition| {
+        if definition.encoding == "ros2msg"
+            && hashes.len() < MAX_TYPES
+            && let Some(hash) = schema_hash(&definition.ty, definition.text.as_bytes())
+        {
+            hashes.insert(definition.ty, hash);
+        }
+    });
+    let (mut clues, mut unknown) = (Clues::default(), HashMap::new());
+    let _ = bag.topics(|topic| {
+        let stated = Some(&topic.hash).filter(|hash| is_type_hash(hash));
+        let hash = hashes.get(&topic.ty).or(stated);
+        if topic.encoding == "cdr"
+            && let Some(name) = add(&mut clues, &topic.ty, hash)
+        {
+            unknown.insert(topic.id, name);
+        }
+    });
+    if !unknown.is_empty() {
+        let _ = bag.sizes(|topic, size| {
+            if let Some(clue) = unknown.get(&topic).and_then(|name| clues.types.get_mut(name)) {
+                clue.size = Some(size);
+            }
+        });
+    }
+    clues
+}
+
+#[cfg(not(feature = "db3"))]
+pub(super) fn sqlite(_: &mut Source<'_>) -> Clues {
+    Clues::default()
+}
+
+/// Reads the declarations in the files of a bag's folder.
+pub(in crate::check) fn folder(folder: &Path) -> Clues {
+    let Ok(Some(metadata)) = Metadata::read(folder) else { return Clues::default() };
+    let mut clues = Clues::default();
+    for file in metadata.files.iter().take(MAX_FILES) {
+        let path = folder.join(file);
+        let Ok(mut bytes) = metadata::open(&path) else { continue };
+        let mut source = Source { bytes: &mut bytes, file: Some(&path) };
+        let found = if summary(&path).is_some() { mcap(&mut source) } else { sqlite(&mut source) };
+        clues.types.extend(found.types);
+    }
+    clues
+}
+
+/// Adds a type. Returns its name if its hash isn't known.
+fn add(clues: &mut Clues, name: &str, hash: Option<&String>) -> Option<String> {
+    let name = full_name(name);
+    if clues.types.len() >= MAX_TYPES {
+        return None;
+    }
+    let clue = clues.types.entry(name.clone()).or_insert_with(TypeClue::default);
+    if clue.type_hash.is_none() {
+        clue.type_hash = hash.cloned();
+    }
+    clue.type_hash.is_none().then_some(name)
+}
+
+/// The full ROS name of a type: `package/msg/Name`. For an event of a service, the name of the service.
+fn full_name(name: &str) -> String {
+    let name = plain(name);
+    match name.split_once('/') {
+        Some((package, last)) if !last.contains('/') => format!("{package}/msg/{last}"),
+        _ => service_of(&name).map(str::to_owned).unwrap_or(name),
+    }
+}
+
+/// The service of an event.
+fn service_of(name: &str) -> Option<&str> {
+    name.strip_suffix("_Event").filter(|service| service.contains("/srv/"))
+}
+
+/// The type hash of a schema. The hash of a service can't be calculated from an event. rosbag2 writes an empty schema for
+/// types whose definitions it can't find.
+fn schema_hash(name: &str, text: &[u8]) -> Option<String> {
+    if text.is_empty() || service_of(&plain(name)).is_some() {
+        return None;
+    }
+    Some(Stated::read(name, text).ok()?.type_hash().to_owned())
+}

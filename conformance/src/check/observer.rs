@@ -1,0 +1,24 @@
+//! Passes the records of a capture to other code than rules.
+
+use crate::definitions::Definitions;
+use crate::flockwave::record::SessionRecord;
+use crate::model::{Channel, Message};
+use crate::rules::px4::Interest;
+
+/// Receives the records of a capture in addition to the rules. Times are in µs, by the clock of the capture.
+pub(crate) trait Observer {
+    /// Handles a new channel, and returns the observer's interest in it.
+    fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest;
+
+    /// Receives a message of any channel.
+    fn message(
+        &mut self,
+        channel: &Channel<'_>,
+        message: &Message<'_>,
+        time: Option<u64>,
+        definitions: &Definitions,
+    );
+
+    /// Receives a record of a session.
+    fn session_record(&mut self, record: &SessionRecord<'_>, time: Option<u64>, definitions: &Definitions);
+}

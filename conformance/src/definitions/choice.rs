@@ -1,0 +1,210 @@
+//! Chooses the release that a capture agrees with.
+
+use std::collections::BTreeMap;
+
+use super::index::{Family, Index, ReleaseId, ReleaseSet, Row};
+
+/// The facts in a capture that show its release.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Clues {
+    /// The formats in a log, by topic: the hashes of their layouts.
+    pub(crate) formats: BTreeMap<String, u64>,
+    /// The types in a bag, by full ROS name.
+    pub(crate) types: BTreeMap<String, TypeClue>,
+    /// The firmware's version, as two numbers.
+    pub(crate) version: Option<(u8, u8)>,
+}
+
+/// The facts about a type in a bag.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct TypeClue {
+    /// The type hash: stated, or calculated from the schema in the bag.
+    pub(crate) type_hash: Option<String>,
+    /// The size of a CDR payload.
+    pub(crate) size: Option<u64>,
+}
+
+/// The release that a capture agrees with best.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Choice {
+    pub(crate) release: ReleaseId,
+    /// The number of topics or types that match the release.
+    pub(crate) matching: usize,
+    /// The number of topics or types that some release of the family defines.
+    pub(crate) known: usize,
+    /// The types of other releases that the capture agrees with, by full ROS name.
+    pub(crate) others: BTreeMap<String, ReleaseId>,
+}
+
+impl Choice {
+    /// A release that was chosen without looking at a capture.
+    pub(crate) fn without_clues(release: ReleaseId) -> Self {
+        Self { release, matching: 0, known: 0, others: BTreeMap::new() }
+    }
+}
+
+/// The releases that agree with a topic or type of a capture.
+struct Match<'c> {
+    /// The full ROS name of the definition; for a topic without a match, its name.
+    name: &'c str,
+    agreeing: ReleaseSet,
+    /// True if the capture doesn't show which of several definitions is meant.
+    is_undecided: bool,
+}
+
+impl Index {
+    /// Chooses a release of a family. `None` if the capture has no topic or type of the family, or if no release agrees
+    /// with it. `forced` is the release that the user demands.
+    pub(crate) fn choose(&self, clues: &Clues, family: Family, forced: Option<ReleaseId>) -> Option<Choice> {
+        let matches = self.matches(clues, family);
+        if matches.is_empty() {
+            return None;
+        }
+        let count = |release: ReleaseId| {
+            matches.iter().filter(|found| !found.is_undecided && found.agreeing.contains(release)).count()
+        };
+        let rank = |release: &ReleaseId| {
+            (count(*release), self.has_version(*release, clues.version), !self.is_moving(*release), *release)
+        };
+        let release = match forced {
+            Some(release) => release,
+            None => self.releases_of(family).max_by_key(rank).filter(|release| count(*release) > 0)?,
+        };
+        let mut choice = Choice { release, matching: 0, known: matches.len(), others: BTreeMap::new() };
+        for found in &matches {
+            if found.agreeing.contains(release) {
+                choice.matching += 1;
+            } else if let (Some(other), None) = (nearest(found.agreeing, release), forced) {
+                choice.others.insert(found.name.to_owned(), other);
+            }
+        }
+        Some(choice)
+    }
+
+    fn matches<'c>(&'c self, clues: &'c Clues, family: Family) -> Vec<Match<'c>> {
+        let mut matches = Vec::new();
+        let own = self.releases_of(family).fold(ReleaseSet::default(), ReleaseSet::with);
+        for (topic, layout) in &clues.formats {
+            let mut rows =
+                self.of_topic(topic).filter(|row| !row.releases.intersection(own).is_empty()).peekable();
+            if rows.peek().is_none() {
+                continue;
+            }
+            let equal: Vec<_> = rows.filter(|row| row.layout == Some(*layout)).collect();
+            let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
+            let name = equal.first().map_or(topic.as_str(), |row| &row.name);
+            matches.push(Match { name, agreeing, is_undecided: false });
+        }
+        for (name, clue) in &clues.types {
+            let rows: Vec<_> =
+                self.of_name(name).filter(|row| !row.releases.intersection(own).is_empty()).collect();
+            if rows.is_empty() {
+                continue;
+            }
+            let agrees = |row: &&Row| match (&clue.type_hash, clue.size, row.cdr_size) {
+                (Some(hash), ..) => *hash == row.type_hash,
+                // Some writers pad payloads to a multiple of four bytes.
+                (None, Some(size), Some(expected)) => {
+                    size == expected || size == expected.next_multiple_of(4)
+                }
+                _ => true,
+            };
+            let equal: Vec<_> = rows.into_iter().filter(agrees).collect();
+            let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
+            let is_undecided = clue.type_hash.is_none() && equal.len() > 1;
+            matches.push(Match { name, agreeing, is_undecided });
+        }
+        matches
+    }
+
+    /// True if the release has this version.
+    fn has_version(&self, release: ReleaseId, version: Option<(u8, u8)>) -> bool {
+        let Some((major, minor)) = version else { return false };
+        self.release(release).name == format!("{major}.{minor}")
+    }
+}
+
+/// The release of a set that is nearest to another release; the newer one of two.
+fn nearest(set: ReleaseSet, release: ReleaseId) -> Option<ReleaseId> {
+    let newer = set.iter().find(|other| *other > release);
+    let older = set.iter().rev().find(|other| *other < release);
+    match (older, newer) {
+        (Some(older), Some(newer)) if release.distance(older) < newer.distance(release) => Some(older),
+        (older, newer) => newer.or(older),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn layout(index: &Index, topic: &str, release: &str) -> u64 {
+        let release = index.find(release).expect("a release");
+        let row = index.of_topic(topic).find(|row| row.releases.contains(release)).expect("a topic");
+        row.layout.expect("a layout")
+    }
+
+    fn clues(index: &Index, topics: &[(&str, &str)]) -> Clues {
+        let formats =
+            topics.iter().map(|(topic, release)| ((*topic).to_owned(), layout(index, topic, release)));
+        Clues { formats: formats.collect(), ..Clues::default() }
+    }
+
+    fn chosen(index: &Index, clues: &Clues) -> Option<(String, usize, usize, Vec<String>)> {
+        let choice = index.choose(clues, Family::Px4, None)?;
+        let others =
+            choice.others.iter().map(|(name, release)| format!("{name} {}", index.label(*release))).collect();
+        Some((index.label(choice.release), choice.matching, choice.known, others))
+    }
+
+    #[test]
+    fn most_formats_decide() {
+        let index = Index::built_in();
+        let topics =
+            [("vehicle_status", "px4@1.14"), ("battery_status", "px4@1.14"), ("failsafe_flags", "px4@1.16")];
+        let mut clues = clues(&index, &topics);
+        clues.formats.insert("winch".to_owned(), 7);
+        clues.formats.insert("airspeed".to_owned(), 7);
+        clues.version = Some((1, 16));
+        let others = vec!["px4_msgs/msg/FailsafeFlags px4@1.16".to_owned()];
+        assert_eq!(chosen(&index, &clues), Some(("px4@1.14".to_owned(), 2, 4, others)));
+    }
+
+    #[test]
+    fn the_version_decides_between_equal_releases() {
+        let index = Index::built_in();
+        // All releases define this message in one way.
+        let mut clues = clues(&index, &[("cpuload", "px4@1.13")]);
+        let release = |clues: &Clues| chosen(&index, clues).expect("a release").0;
+        let newest = release(&clues);
+        assert!(newest != "px4@main" && newest != "px4@1.14", "{newest}");
+        clues.version = Some((1, 14));
+        assert_eq!(release(&clues), "px4@1.14");
+        clues.version = Some((1, 2));
+        assert_eq!(release(&clues), newest);
+    }
+
+    #[test]
+    fn captures_without_matches_have_no_release() {
+        let index = Index::built_in();
+        let other = |topic: &str| Clues { formats: [(topic.to_owned(), 7)].into(), ..Clues::default() };
+        assert_eq!(chosen(&index, &other("winch")), None);
+        assert_eq!(chosen(&index, &other("vehicle_status")), None);
+        let forced = index.find("px4@1.15");
+        let choice = index.choose(&other("vehicle_status"), Family::Px4, forced).expect("a choice");
+        assert_eq!((Some(choice.release), choice.matching, choice.known), (forced, 0, 1));
+    }
+
+    #[test]
+    fn sizes_decide_if_there_are_no_hashes() {
+        let index = Index::built_in();
+        let release = index.find("px4@1.15").expect("a release");
+        let row = index.of_name("px4_msgs/msg/VehicleStatus").find(|row| row.releases.contains(release));
+        let name = "px4_msgs/msg/VehicleStatus".to_owned();
+        let clue = |size| TypeClue { type_hash: None, size };
+        let clues = |size| Clues { types: [(name.clone(), clue(size))].into(), ..Clues::default() };
+        let sized = index.choose(&clues(row.expect("a row").cdr_size), Family::Px4, None).expect("a release");
+        assert!(row.expect("a row").releases.contains(sized.release));
+        assert_eq!(index.choose(&clues(None), Family::Px4, None), None);
+    }
+}

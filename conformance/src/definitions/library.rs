@@ -1,0 +1,345 @@
+//! The definitions that captures are checked against: fixed ones, or those of the release that a capture agrees with.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::path::Path;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::release::{self, entries};
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
+use uavspec_definitions::PX4;
+
+use super::choice::{Choice, Clues};
+use super::index::{Family, Index, ReleaseId};
+use super::{Definitions, LoadedRelease, Schemas};
+
+/// The maximum number of releases, with different messages of other releases, that stay in memory.
+const MAX_STORED: usize = 16;
+
+/// The ROS package of PX4's messages.
+const PX4_ROS_PACKAGE: &str = "px4_msgs";
+
+/// Documented messages by name: their declarations without comments, and their files.
+type Documented = HashMap<String, (String, &'static str)>;
+
+/// The definitions for a run.
+#[derive(Debug)]
+pub struct Library {
+    name: String,
+    /// The definitions for captures that don't show their release, read when they are needed.
+    base: OnceLock<Arc<Definitions>>,
+    /// True if all captures are checked against the same definitions.
+    is_fixed: bool,
+    /// The releases that the user demands, by family.
+    forced: BTreeMap<Family, ReleaseId>,
+    schemas: Arc<Schemas>,
+    index: OnceLock<Index>,
+    documented: OnceLock<Documented>,
+    stored: Mutex<HashMap<Key, Arc<Definitions>>>,
+}
+
+/// The content of definitions: the main releases, and single messages of other releases.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+struct Key(Vec<(ReleaseId, BTreeMap<String, ReleaseId>)>);
+
+impl Library {
+    /// The built-in definitions. The release is chosen for each capture.
+    pub fn built_in() -> Self {
+        Self::new(Definitions::built_in_name(), false)
+    }
+
+    /// Definitions that apply to all captures.
+    pub fn fixed(definitions: Definitions) -> Self {
+        let library = Self::new(definitions.name.clone(), true);
+        // The library is new, so the definitions aren't set yet.
+        let _ = library.base.set(Arc::new(definitions));
+        library
+    }
+
+    /// Definitions from a path, or a release such as `px4@1.16`. The dialect of the definitions at the path is detected
+    /// unless it is given.
+    pub fn load(text: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
+        let label = text.to_str().filter(|text| text.contains('@') && !Path::new(text).exists());
+        let Some(label) = label else { return Definitions::load_as(text, dialect).map(Self::fixed) };
+        let mut library = Self::built_in();
+        let index = library.index();
+        let Some(release) = index.find(label) else {
+            let known: Vec<String> = index.releases().map(|release| index.label(release)).collect();
+            return Err(Failure::new(format!("unknown release `{label}`"))
+                .with_hint(format!("the releases are {}", known.join(", "))));
+        };
+        library.name = index.title(release);
+        library.forced.insert(library.index().family(release), release);
+        Ok(library)
+    }
+
+    fn new(name: String, is_fixed: bool) -> Self {
+        Self {
+            name,
+            base: OnceLock::new(),
+            is_fixed,
+            forced: BTreeMap::new(),
+            schemas: Arc::default(),
+            index: OnceLock::new(),
+            documented: OnceLock::new(),
+            stored: Mutex::default(),
+        }
+    }
+
+    /// Adds body schemas for Flockwave message types without a definition.
+    #[must_use]
+    pub fn with_schemas(mut self, schemas: Arc<Schemas>) -> Self {
+        if let Some(base) = self.base.get_mut().and_then(Arc::get_mut) {
+            base.schemas = Arc::clone(&schemas);
+        }
+        self.schemas = schemas;
+        self
+    }
+
+    /// The definitions for captures that don't show their release.
+    pub fn base(&self) -> &Arc<Definitions> {
+        self.base.get_or_init(|| {
+            let forced = self.forced.values();
+            let choices: Vec<Choice> = forced.map(|release| Choice::without_clues(*release)).collect();
+            Arc::new(if choices.is_empty() {
+                Definitions::built_in().with_schemas(Arc::clone(&self.schemas))
+            } else {
+                self.read(&choices)
+            })
+        })
+    }
+
+    /// The paths of definitions that were left out, because they refer to other packages.
+    pub(crate) fn left_out(&self) -> &[String] {
+        self.base.get().map_or(&[], |base| &base.left_out)
+    }
+
+    /// A name for the definitions: their path, the release that the user demands, or the built-in definitions.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// True if the definitions of a capture depend on its release.
+    pub(crate) fn depends_on_capture(&self) -> bool {
+        !self.is_fixed
+    }
+
+    /// The fingerprints of all releases.
+    pub(crate) fn index(&self) -> &Index {
+        self.index.get_or_init(Index::built_in)
+    }
+
+    /// True if the fingerprints of the releases were read.
+    #[cfg(test)]
+    pub(crate) fn has_read_releases(&self) -> bool {
+        self.index.get().is_some()
+    }
+
+    /// The releases that a capture agrees with.
+    fn choices(&self, clues: &Clues) -> Vec<Choice> {
+        if self.is_fixed || *clues == Clues::default() {
+            return Vec::new();
+        }
+        let choose = |family: Family| self.index().choose(clues, family, self.forced.get(&family).copied());
+        Family::ALL.into_iter().filter_map(choose).collect()
+    }
+
+    /// Chooses the definitions for a capture.
+    pub(crate) fn choose(&self, clues: &Clues) -> Arc<Definitions> {
+        let choices = self.choices(clues);
+        if choices.is_empty() {
+            return Arc::clone(self.base());
+        }
+        let key = Key(choices.iter().map(|choice| (choice.release, choice.others.clone())).collect());
+        let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = stored().get(&key) {
+            return Arc::clone(known);
+        }
+        let definitions = Arc::new(self.read(&choices));
+        let mut stored = stored();
+        if stored.len() >= MAX_STORED {
+            stored.clear();
+        }
+        stored.insert(key, Arc::clone(&definitions));
+        definitions
+    }
+
+    /// Reads the definitions of releases.
+    fn read(&self, choices: &[Choice]) -> Definitions {
+        let index = self.index();
+        let mut sources = SourceMap::default();
+        let (mut packages, mut replacements) = (Vec::new(), Vec::new());
+        let (mut releases, mut origins) = (Vec::new(), HashMap::new());
+        for choice in choices {
+            let loaded = self.loaded(choice.release);
+            for package in self.packages(choice.release, None, &mut sources) {
+                origins.insert(package.name.clone(), loaded.clone());
+                packages.push(package);
+            }
+            releases.push(loaded);
+            let mut by_release: BTreeMap<ReleaseId, BTreeSet<&str>> = BTreeMap::new();
+            for (name, release) in &choice.others {
+                by_release.entry(*release).or_default().insert(name);
+            }
+            for (release, names) in by_release {
+                for mut package in self.packages(release, Some(&names), &mut sources) {
+                    package.ros_package.get_or_insert_with(|| package.name.clone());
+                    package.name =
+                        format!("{}_{}", package.name, index.release(release).name.replace('.', "_"));
+                    replacements.push(package.name.clone());
+                    origins.insert(package.name.clone(), self.loaded(release));
+                    packages.push(package);
+                }
+            }
+        }
+        // Tests ensure that the releases have no errors.
+        let (schema, _) = read(&sources, &packages);
+        let titles: Vec<&str> =
+            releases.iter().map(|release: &LoadedRelease| release.title.as_str()).collect();
+        let definitions = Definitions::new(titles.join(", "), sources, schema)
+            .with_replacements(&replacements)
+            .with_schemas(Arc::clone(&self.schemas));
+        Definitions { releases, origins, ..definitions }
+    }
+
+    fn loaded(&self, release: ReleaseId) -> LoadedRelease {
+        let index = self.index();
+        LoadedRelease {
+            family: index.family(release),
+            label: index.label(release),
+            title: index.title(release),
+        }
+    }
+
+    /// The packages of a release, or only the named definitions with the definitions that they contain.
+    fn packages(
+        &self,
+        release: ReleaseId,
+        names: Option<&BTreeSet<&str>>,
+        sources: &mut SourceMap,
+    ) -> Vec<PackageInput> {
+        let index = self.index();
+        let (family, label) = (index.family(release), index.label(release));
+        let text = index.release(release).text();
+        let text = match names {
+            Some(names) => release::select(&text, names),
+            None => text,
+        };
+        match family {
+            Family::Ros2 => release::packages(&text, Dialect::Ros2, &format!("{label}/"), sources),
+            Family::Px4 => vec![px4_package(&text, &label, self.documented(), sources)],
+        }
+    }
+
+    /// The built-in PX4 messages, which are documented.
+    fn documented(&self) -> &Documented {
+        self.documented.get_or_init(|| {
+            let mut sources = SourceMap::default();
+            let package = Definitions::built_in_px4(&mut sources);
+            let text = release::write(&read(&sources, &[package]).0);
+            let documented = entries(&text).filter_map(|entry| {
+                let file = PX4.get_file(format!("{}.msg", entry.name))?.contents_utf8()?;
+                Some((entry.name.to_owned(), (declarations(entry.text), file)))
+            });
+            documented.collect()
+        })
+    }
+}
+
+/// The package of a PX4 release. A message that is declared like a documented message is replaced by that one.
+fn px4_package(text: &str, label: &str, documented: &Documented, sources: &mut SourceMap) -> PackageInput {
+    let mut package = PackageInput::new(Family::Px4.name(), Form::Msg(Dialect::Px4), Vec::new());
+    package.ros_package = Some(PX4_ROS_PACKAGE.to_owned());
+    for entry in entries(text) {
+        let file = documented.get(entry.name).filter(|(known, _)| *known == declarations(entry.text));
+        let path = format!("{}.{}", entry.name, entry.kind.name());
+        let (path, text) = match file {
+            Some((_, file)) => (format!("definitions/px4/{path}"), *file),
+            None => (format!("{label}/{path}"), entry.text),
+        };
+        package.sources.extend(sources.add(path, text.into()));
+    }
+    package
+}
+
+/// The lines of a definition without annotations.
+fn declarations(text: &str) -> String {
+    text.lines().map(|line| line.split(" # ").next().unwrap_or(line)).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use uavspec_codegen::dynamic::Types;
+    use uavspec_codegen::release::LayoutHashes;
+
+    use super::*;
+
+    /// The clues of a log that contains all topics of a release.
+    fn clues(index: &Index, label: &str) -> Clues {
+        let release = index.find(label).expect("a release");
+        let rows = index.rows().iter().filter(|row| row.releases.contains(release));
+        let formats =
+            rows.flat_map(|row| row.topics.iter().filter_map(|topic| Some((topic.clone(), row.layout?))));
+        Clues { formats: formats.collect(), ..Clues::default() }
+    }
+
+    #[test]
+    fn each_release_is_chosen_and_read() {
+        let library = Library::built_in();
+        for release in library.index().releases_of(Family::Px4) {
+            let label = library.index().label(release);
+            let clues = clues(library.index(), &label);
+            let (definitions, choices) = (library.choose(&clues), library.choices(&clues));
+            assert_eq!(choices.len(), 1);
+            assert_eq!(library.index().label(choices[0].release), label);
+            assert_eq!((choices[0].matching, choices[0].others.len()), (choices[0].known, 0), "{label}");
+            let types = Types::new(&definitions.schema);
+            for (topic, layout) in &clues.formats {
+                let id = definitions.message_of_topic(topic).expect("a definition");
+                assert_eq!(LayoutHashes::default().get(types.get(id)), Some(*layout), "{label} {topic}");
+            }
+        }
+    }
+
+    #[test]
+    fn messages_of_other_releases_replace_those_of_the_main_release() {
+        let library = Library::built_in();
+        let mut clues = clues(library.index(), "px4@1.14");
+        let other = super::tests::clues(library.index(), "px4@1.16").formats;
+        clues.formats.insert("vehicle_status".to_owned(), other["vehicle_status"]);
+        let (definitions, choices) = (library.choose(&clues), library.choices(&clues));
+        assert_eq!(choices[0].others.keys().collect::<Vec<_>>(), ["px4_msgs/msg/VehicleStatus"]);
+        let id = definitions.message_of_topic("vehicle_status").expect("a definition");
+        assert_eq!(definitions.message_of_type("px4_msgs/msg/VehicleStatus"), Some(id));
+        assert_eq!(definitions.message_of_type("px4/VehicleStatus"), Some(id));
+        let hash = LayoutHashes::default().get(definitions.types().get(id));
+        assert_eq!(hash, Some(other["vehicle_status"]));
+        let again = library.choose(&clues);
+        assert!(Arc::ptr_eq(&definitions, &again));
+    }
+
+    #[test]
+    fn documented_messages_keep_their_documentation() {
+        let library = Library::load(Path::new("px4@1.15"), None).expect("a release");
+        let battery = library.base().message_of_topic("battery_status").expect("a definition");
+        assert_eq!(
+            library.base().line(library.base().schema.message(battery).span).file,
+            "definitions/px4/BatteryStatus.msg"
+        );
+        let airspeed = library.base().message_of_topic("airspeed").expect("a definition");
+        assert_eq!(
+            library.base().line(library.base().schema.message(airspeed).span).file,
+            "px4@1.15/Airspeed.msg"
+        );
+    }
+
+    #[test]
+    fn unknown_releases_are_named() {
+        let error = Library::load(Path::new("px4@1.2"), None).expect_err("an unknown release").to_string();
+        assert!(
+            error.starts_with("error: unknown release `px4@1.2`\n  help: the releases are px4@1.13, "),
+            "{error}"
+        );
+    }
+}

@@ -1,0 +1,14 @@
+//! The things that all followers of records need.
+
+use super::label::Texts;
+use super::lane::Lanes;
+use crate::definitions::Definitions;
+
+/// The context of a record.
+pub(super) struct Context<'c> {
+    pub(super) definitions: &'c Definitions,
+    pub(super) texts: &'c Texts,
+    pub(super) lanes: &'c mut Lanes,
+    /// The time in µs, by the clock of the capture.
+    pub(super) time: u64,
+}

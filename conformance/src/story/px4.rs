@@ -1,0 +1,412 @@
+//! Follows the PX4 topics of the story.
+
+mod arming;
+mod requirements;
+
+use uavspec_codegen::dynamic::{DynamicView, Value as FieldValue};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_codegen::value::Value as ConstantValue;
+use uavspec_runtime::Number;
+
+use self::requirements::Requirements;
+use super::context::Context;
+use super::label::{Item, Texts};
+use super::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
+use crate::definitions::Definitions;
+use crate::model::{Channel, Message};
+use crate::rules::px4::REQUIREMENT;
+
+/// A topic of the story.
+#[derive(Debug)]
+pub(super) struct Topic {
+    /// The name.
+    pub(super) name: &'static str,
+    kind: TopicKind,
+}
+
+/// The lanes that a topic makes.
+#[derive(Debug)]
+enum TopicKind {
+    /// A lane for each of these fields, in this order.
+    Fields(&'static [Field]),
+    /// A lane for each flag, for the fields in the list, and for the unmet mode requirements.
+    Flags(&'static [Field]),
+    /// A lane for each component that replies.
+    Replies,
+    /// A lane for the registrations that requests ask.
+    Requests,
+    /// Each message is an event.
+    Events,
+    /// Each message registers or removes a component.
+    Registrations,
+}
+
+/// A field that makes a lane.
+#[derive(Debug)]
+struct Field {
+    name: &'static str,
+    /// The constants of the values, if the definition doesn't bind an enum to the field. Otherwise, the field is a flag.
+    constants: Option<Constants>,
+}
+
+/// Constants that releases of PX4 use without binding them to a field.
+#[derive(Debug)]
+struct Constants {
+    /// The topic of the message with the constants.
+    topic: &'static str,
+    /// The prefixes of the constants in the releases of PX4.
+    prefixes: &'static [&'static str],
+    /// True if greater values are worse.
+    is_scale: bool,
+}
+
+const fn flag(name: &'static str) -> Field {
+    Field { name, constants: None }
+}
+
+const fn state(name: &'static str, prefixes: &'static [&'static str]) -> Field {
+    Field { name, constants: Some(Constants { topic: "vehicle_status", prefixes, is_scale: false }) }
+}
+
+const fn battery(name: &'static str) -> Field {
+    let prefixes = &["BATTERY_WARNING", "BATTERY_STATE", "WARNING", "STATE"];
+    let constants = Constants { topic: "battery_status", prefixes, is_scale: true };
+    Field { name, constants: Some(constants) }
+}
+
+/// The topics of the story, in the order of their lanes.
+pub(super) static TOPICS: [Topic; 9] = [
+    Topic {
+        name: "vehicle_status",
+        kind: TopicKind::Fields(&[
+            state("nav_state", &["NAVIGATION_STATE"]),
+            state("nav_state_user_intention", &["NAVIGATION_STATE"]),
+            state("arming_state", &["ARMING_STATE"]),
+            state("latest_arming_reason", &["ARM_DISARM_REASON"]),
+            state("latest_disarming_reason", &["ARM_DISARM_REASON"]),
+            flag("failsafe"),
+        ]),
+    },
+    Topic { name: "failsafe_flags", kind: TopicKind::Flags(&[battery("battery_warning")]) },
+    Topic { name: "battery_status", kind: TopicKind::Fields(&[battery("warning")]) },
+    Topic { name: "arming_check_request", kind: TopicKind::Requests },
+    Topic { name: "arming_check_reply", kind: TopicKind::Replies },
+    Topic { name: "register_ext_component_request", kind: TopicKind::Registrations },
+    Topic { name: "register_ext_component_reply", kind: TopicKind::Registrations },
+    Topic { name: "unregister_ext_component", kind: TopicKind::Registrations },
+    Topic { name: "event", kind: TopicKind::Events },
+];
+
+/// The number of ranks that a topic's lanes share: one for each field.
+const RANKS: usize = 1_000;
+
+/// Finds the topic of the story that a channel carries.
+fn topic_of(channel: &Channel<'_>, definitions: &Definitions) -> Option<usize> {
+    let message = definitions.schema.message(channel.definition?);
+    let is_px4 = definitions.schema.package_of(message).form == Form::Msg(Dialect::Px4);
+    let is_published = |name: &str| message.topics.iter().any(|topic| topic == name);
+    // The other topics of a message are a different matter.
+    let is_other = |name: &str| channel.topic != name && is_published(channel.topic);
+    TOPICS.iter().position(|topic| is_px4 && is_published(topic.name) && !is_other(topic.name))
+}
+
+/// Follows all channels.
+#[derive(Default)]
+pub(super) struct Px4 {
+    channels: Vec<Option<Open>>,
+    /// The number of channels of each topic that aren't instances.
+    carriers: [usize; TOPICS.len()],
+    requirements: Requirements,
+    arming: arming::Arming,
+}
+
+/// A channel of a topic.
+struct Open {
+    topic: usize,
+    /// The instance; empty for the first.
+    subject: String,
+    definition: MessageId,
+    /// The fields that make lanes, once the first message has arrived.
+    watched: Option<Vec<Watched>>,
+}
+
+/// A field that makes a lane.
+struct Watched {
+    /// The index in messages.
+    index: usize,
+    name: String,
+    constants: Option<&'static Constants>,
+    rank: usize,
+    /// The lane with its latest value.
+    lane: Option<(usize, i128)>,
+}
+
+impl Px4 {
+    /// Handles a new channel. Returns true if the story needs its messages.
+    pub(super) fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> bool {
+        let count = self.channels.len().max(channel.index + 1);
+        self.channels.resize_with(count, || None);
+        let open = topic_of(channel, definitions).zip(channel.definition).map(|(topic, definition)| Open {
+            topic,
+            subject: self.subject(channel, topic),
+            definition,
+            watched: None,
+        });
+        let is_open = open.is_some();
+        self.channels[channel.index] = open;
+        is_open
+    }
+
+    /// The name of a topic's instance. Topics of several vehicles in a bag are numbered.
+    fn subject(&mut self, channel: &Channel<'_>, topic: usize) -> String {
+        if let Some(instance) = channel.multi_id {
+            return if instance == 0 { String::new() } else { format!("instance {instance}") };
+        }
+        self.carriers[topic] += 1;
+        match self.carriers[topic] {
+            1 => String::new(),
+            number => format!("channel {number}"),
+        }
+    }
+
+    /// Follows a message. Returns its topic if the story needs the message; as an error if the message can't be read.
+    pub(super) fn message(
+        &mut self,
+        channel: &Channel<'_>,
+        message: &Message<'_>,
+        context: &mut Context<'_>,
+    ) -> Option<Result<&'static str, &'static str>> {
+        let open = self.channels.get_mut(channel.index)?.as_mut()?;
+        let Topic { name, kind } = &TOPICS[open.topic];
+        let Some(values) = message.values else { return Some(Err(name)) };
+        match kind {
+            TopicKind::Fields(fields) => {
+                open.follow(fields, false, values, context);
+                self.requirements.status(channel, values, context);
+            }
+            TopicKind::Flags(fields) => {
+                open.follow(fields, true, values, context);
+                self.requirements.flags(channel, open.definition, values, context);
+            }
+            TopicKind::Replies => self.arming.reply(open.definition, values, context),
+            TopicKind::Requests => self.arming.request(values, context),
+            TopicKind::Registrations => self.arming.registration(name, open.definition, values, context),
+            TopicKind::Events => event(values, &open.subject, context),
+        }
+        Some(Ok(name))
+    }
+
+    /// Names the components in the lanes of their replies.
+    pub(super) fn finish(&self, lanes: &mut Lanes) {
+        self.arming.name_components(lanes);
+    }
+}
+
+/// The rank of the first lane of a topic.
+fn rank_of(topic: &str) -> usize {
+    TOPICS.iter().position(|known| known.name == topic).unwrap_or(TOPICS.len()) * RANKS
+}
+
+impl Open {
+    /// Records the values of all watched fields.
+    fn follow(
+        &mut self,
+        fields: &'static [Field],
+        has_flags: bool,
+        values: DynamicView<'_>,
+        context: &mut Context<'_>,
+    ) {
+        let topic = TOPICS[self.topic].name;
+        let id = self.definition;
+        let watched = self.watched.get_or_insert_with(|| {
+            let known = defined(id, values, context.definitions);
+            watched(topic, fields, has_flags, known)
+        });
+        for field in watched {
+            let Some(Number::Int(number)) = values.field(field.index).and_then(FieldValue::number) else {
+                continue;
+            };
+            match field.lane {
+                Some((lane, known)) if known == number => context.lanes.count(lane),
+                _ => field.changed(topic, &self.subject, id, number, context),
+            }
+        }
+    }
+}
+
+/// A field of a message that the definition contains.
+struct Defined<'v> {
+    /// The index in the message.
+    index: usize,
+    name: &'v str,
+    value: FieldValue<'v>,
+}
+
+/// The fields of a message in the order of the definition. Logs have another order.
+fn defined<'v>(id: MessageId, values: DynamicView<'v>, definitions: &Definitions) -> Vec<Defined<'v>> {
+    let fields = &definitions.schema.message(id).fields;
+    let found = fields.iter().filter_map(|field| {
+        let mut all = values.fields().enumerate();
+        let (index, (name, value)) = all.find(|(_, (name, _))| *name == field.name)?;
+        Some(Defined { index, name, value })
+    });
+    found.collect()
+}
+
+/// The fields of a message that make lanes.
+fn watched(topic: &str, fields: &'static [Field], has_flags: bool, values: Vec<Defined<'_>>) -> Vec<Watched> {
+    let mut found = Vec::new();
+    for (at, Defined { index, name, value }) in values.into_iter().enumerate() {
+        let known = fields.iter().position(|field| field.name == name);
+        let is_flag = has_flags && matches!(value, FieldValue::Bool(_)) && !name.starts_with(REQUIREMENT);
+        if known.is_none() && !is_flag {
+            continue;
+        }
+        found.push(Watched {
+            index,
+            name: name.to_owned(),
+            constants: known.and_then(|at| fields[at].constants.as_ref()),
+            // Flags have the order of the definition.
+            rank: rank_of(topic) + known.filter(|_| !has_flags).unwrap_or(at),
+            lane: None,
+        });
+    }
+    found
+}
+
+impl Watched {
+    fn changed(
+        &mut self,
+        topic: &str,
+        subject: &str,
+        id: MessageId,
+        number: i128,
+        context: &mut Context<'_>,
+    ) {
+        let Context { definitions, texts, .. } = *context;
+        let kind = if self.constants.is_some() { LaneKind::State } else { LaneKind::Flag };
+        let lane = context.lanes.get((topic, subject, &self.name), || Lane {
+            label: texts.label(id, Item::Field(&self.name), definitions),
+            group: texts.label(id, Item::Group(&self.name), definitions),
+            rank: self.rank,
+            ..Lane::new(topic, &*self.name, kind)
+        });
+        let Some(lane) = lane else { return };
+        self.lane = Some((lane, number));
+        match self.constants {
+            None => context.lanes.set_flag(lane, context.time, number != 0),
+            Some(constants) => {
+                let severity = match number {
+                    1 if constants.is_scale => Severity::Warning,
+                    2.. if constants.is_scale => Severity::Error,
+                    _ => Severity::Normal,
+                };
+                let part = constant(id, &self.name, constants, number, definitions, texts);
+                context.lanes.set(lane, context.time, Value::new(vec![part], severity));
+            }
+        }
+    }
+}
+
+/// The constant for a value of a field.
+fn constant(
+    id: MessageId,
+    field: &str,
+    constants: &Constants,
+    number: i128,
+    definitions: &Definitions,
+    texts: &Texts,
+) -> Part {
+    let schema = &definitions.schema;
+    let fields = &schema.message(id).fields;
+    let bound = fields.iter().find(|known| known.name == field).and_then(|field| field.enumeration);
+    let found = match bound {
+        Some(reference) => {
+            let members = &schema.enumeration(reference).members;
+            let member = members.iter().find(|member| member.value == number);
+            member.map(|member| (reference.message, &*member.name, member.constant))
+        }
+        None => by_prefix(id, constants, number, definitions),
+    };
+    let Some((id, name, at)) = found else { return Part::new(number.to_string(), None) };
+    let constant = &schema.message(id).constants[at];
+    Part::new(name, texts.label(id, Item::Constant(&constant.name), definitions))
+}
+
+/// The message, the name without the prefix, and the index of the first constant with a value and one of the prefixes.
+fn by_prefix<'d>(
+    id: MessageId,
+    constants: &Constants,
+    number: i128,
+    definitions: &'d Definitions,
+) -> Option<(MessageId, &'d str, usize)> {
+    let other = definitions.message_of_topic(constants.topic);
+    [Some(id), other].into_iter().flatten().find_map(|id| {
+        let all = definitions.schema.message(id).constants.iter().enumerate();
+        let mut named = all.filter_map(|(at, constant)| {
+            let mut prefixes = constants.prefixes.iter();
+            let name = prefixes.find_map(|prefix| constant.name.strip_prefix(prefix)?.strip_prefix('_'))?;
+            // The number of values isn't a value.
+            (integer(&constant.value) == Some(number) && name != "MAX").then_some((id, name, at))
+        });
+        named.next()
+    })
+}
+
+fn integer(value: &ConstantValue) -> Option<i128> {
+    match value.number()? {
+        Number::Int(value) => Some(value),
+        Number::Float(_) => None,
+    }
+}
+
+/// Records a message of the topic `event`.
+fn event(values: DynamicView<'_>, subject: &str, context: &mut Context<'_>) {
+    let topic = "event";
+    let lane = context.lanes.get((topic, subject, topic), || Lane {
+        rank: rank_of(topic),
+        ..Lane::new(topic, topic, LaneKind::Event)
+    });
+    let Some(lane) = lane else { return };
+    let Some(part) = event_part(values) else { return };
+    // The lower 4 bits are the level for ground stations. Levels below 4 are errors, and 4 is a warning.
+    let severity = match number(values, "log_levels").map(|levels| levels & 0xf) {
+        Some(0..=3) => Severity::Error,
+        Some(4) => Severity::Warning,
+        _ => Severity::Info,
+    };
+    context.lanes.event(lane, context.time, Value::new(vec![part], severity));
+}
+
+/// Describes an event. The upper 8 bits of its id are the component, and the other bits are the event's number. The id 0
+/// means no event.
+fn event_part(values: DynamicView<'_>) -> Option<Part> {
+    let id = number(values, "id").filter(|id| *id != 0)?;
+    let levels = number(values, "log_levels");
+    let levels = levels.map(|levels| format!(", log levels {} and {}", levels >> 4, levels & 0xf));
+    let arguments = values.get("arguments").and_then(arguments);
+    let name = format!("event {id} (component {}, number {})", id >> 24, id & 0x00ff_ffff);
+    Some(Part::new(name + &levels.unwrap_or_default() + &arguments.unwrap_or_default(), None))
+}
+
+/// The raw arguments of an event without the zeros at the end. Their types aren't known.
+fn arguments(value: FieldValue<'_>) -> Option<String> {
+    let FieldValue::Array(bytes) = value else { return None };
+    let bytes: Vec<i128> = bytes.iter().filter_map(whole).collect();
+    let used = bytes.iter().rposition(|byte| *byte != 0)? + 1;
+    let bytes: Vec<String> = bytes[..used].iter().map(|byte| format!("{byte:02x}")).collect();
+    Some(format!(", arguments {}", bytes.join(" ")))
+}
+
+/// The value of an integer field.
+fn number(values: DynamicView<'_>, name: &str) -> Option<i128> {
+    whole(values.get(name)?)
+}
+
+fn whole(value: FieldValue<'_>) -> Option<i128> {
+    match value.number()? {
+        Number::Int(value) => Some(value),
+        Number::Float(_) => None,
+    }
+}

@@ -1,0 +1,164 @@
+//! Tests of the release that is chosen for a capture.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
+
+use tempfile::TempDir;
+
+use super::support::shared;
+use crate::check::{Checked, ReleaseMatch, check_path};
+use crate::definitions::Library;
+use crate::model::Level;
+use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
+use crate::rules::sample::Flight;
+
+static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
+
+const RELEASES: [&str; 7] = ["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"];
+
+fn release(name: &str) -> Library {
+    Library::load(Path::new(&format!("px4@{name}")), None).expect("a release")
+}
+
+/// Writes a file, and checks it.
+fn checked(name: &str, bytes: &[u8]) -> Checked {
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).expect("a file");
+    check_path(&path, None, &LIBRARY, &|input| input).expect("the path can be opened")
+}
+
+/// The chosen releases, with the numbers of matching topics and of all topics, and the topics of other releases.
+fn chosen(checked: &Checked) -> Vec<(&str, u64, u64, Vec<&str>)> {
+    let facts = |found: &'_ ReleaseMatch| -> (u64, u64) { (found.matching, found.topics) };
+    let releases = checked.result.summary.releases().iter();
+    let describe = releases.map(|found| {
+        let (matching, topics) = facts(found);
+        (
+            found.release.as_str(),
+            matching,
+            topics,
+            found.others.iter().map(|other| other.topic.as_str()).collect(),
+        )
+    });
+    describe.collect()
+}
+
+fn subject(checked: Checked) -> Subject {
+    let capture = CheckedCapture {
+        path: "capture".to_owned(),
+        result: checked.result,
+        notes: Vec::new(),
+        requests: Vec::new(),
+        cut_short: Vec::new(),
+        elapsed: 0,
+    };
+    Subject::from_capture(capture, &checked.definitions, &Settings::default())
+}
+
+#[test]
+fn captures_of_each_release_are_checked_against_it() {
+    for name in RELEASES {
+        let library = release(name);
+        let mut flight = Flight::new(library.base());
+        flight.messages.truncate(2 * flight.topics.len());
+        let topics = flight.topics.len() as u64;
+        assert!(topics > 100, "{topics}");
+        let label = format!("px4@{name}");
+        let mut anonymous = flight.bag();
+        anonymous.channels.iter_mut().for_each(|channel| channel.text.clear());
+        let mut unnamed = anonymous.clone();
+        unnamed.channels.iter_mut().for_each(|channel| channel.hash.clear());
+        let mut without_hash = flight.bag();
+        without_hash.channels.iter_mut().for_each(|channel| channel.hash.clear());
+        for (kind, file, bytes) in [
+            ("log", "log.ulg", flight.log().to_bytes()),
+            ("bag", "bag.mcap", flight.bag().to_bytes()),
+            ("bag without hashes", "bag.mcap", without_hash.to_bytes()),
+            ("bag without schemas", "bag.mcap", anonymous.to_bytes()),
+            ("bag without schemas and hashes", "bag.mcap", unnamed.to_bytes()),
+        ] {
+            let found = checked(file, &bytes);
+            assert_eq!(chosen(&found), [(&*label, topics, topics, vec![])], "{kind}");
+            let fails = found.result.findings.groups().filter(|group| group.rule.level == Level::Must);
+            let fails: Vec<_> =
+                fails.map(|group| (group.rule.id, &*group.subject, group.messages())).collect();
+            assert_eq!(fails, [], "{name} {kind}");
+        }
+    }
+}
+
+#[test]
+fn topics_of_other_releases_are_checked_against_those() {
+    let (main, other) = (release("1.14"), release("1.17"));
+    let mut bag = Flight::new(main.base()).bag();
+    let newer = Flight::new(other.base()).bag();
+    let topic = "/fmu/out/vehicle_status";
+    let position =
+        |bag: &crate::rules::sample::Bag| bag.channels.iter().position(|channel| channel.topic == topic);
+    let (at, from) = (position(&bag).expect("a channel"), position(&newer).expect("a channel"));
+    bag.channels[at] = newer.channels[from].clone();
+    let payload = |bag: &crate::rules::sample::Bag, index: usize| {
+        let found = bag.messages.iter().find(|(channel, ..)| usize::from(*channel) == index);
+        found.map(|(_, _, payload)| payload.clone()).expect("a message")
+    };
+    let sent = payload(&newer, from);
+    for (channel, _, payload) in &mut bag.messages {
+        if usize::from(*channel) == at {
+            payload.clone_from(&sent);
+        }
+    }
+    let found = checked("bag.mcap", &bag.to_bytes());
+    let releases = chosen(&found);
+    assert_eq!((releases[0].0, &releases[0].3), ("px4@1.14", &vec![topic]));
+    assert_eq!(releases[0].1 + 1, releases[0].2);
+    let text = crate::report::subject_text(&subject(found));
+    assert!(text.contains("vehicle_status: px4@1.16"), "{text}");
+}
+
+#[test]
+fn forced_releases_apply_to_all_captures() {
+    let bytes = Flight::new(release("1.18").base()).bag().to_bytes();
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("bag.mcap");
+    fs::write(&path, bytes).expect("a file");
+    let found = check_path(&path, None, &release("1.13"), &|input| input).expect("a capture");
+    assert_eq!(chosen(&found)[0].0, "px4@1.13");
+    assert!(chosen(&found)[0].3.is_empty());
+}
+
+/// The messages of firmware that no release matches are checked as far as possible.
+#[test]
+fn unknown_firmware_is_incomplete() {
+    let library = release("1.13");
+    let mut log = Flight::new(library.base()).log();
+    for entry in &mut log.entries {
+        if let crate::rules::sample::Entry::Format(_, fields) = entry {
+            fields.push_str("uint64_t serial_of_the_club;");
+        }
+        if let crate::rules::sample::Entry::Data(_, payload) = entry {
+            payload.extend([0; 8]);
+        }
+    }
+    let found = checked("log.ulg", &log.to_bytes());
+    let outcome = subject(found).outcome;
+    assert_ne!(outcome.kind, OutcomeKind::Conforms);
+    assert_ne!(outcome.kind, OutcomeKind::Partial, "{}", outcome.text);
+}
+
+#[test]
+fn bags_of_ros_systems_are_checked() {
+    let Some(bags) = shared("corpus/bags") else { return };
+    let mut judged = 0;
+    for entry in walkdir::WalkDir::new(&bags).sort_by_file_name() {
+        let path: PathBuf = entry.expect("a file").into_path();
+        if !path.join("metadata.yaml").is_file() {
+            continue;
+        }
+        let found = check_path(&path, None, &LIBRARY, &|input| input).expect("a bag");
+        assert_eq!(found.result.findings.groups().count(), 0, "{}", path.display());
+        judged += usize::from(found.result.checked > 0);
+    }
+    assert!(judged >= 10, "{judged}");
+}

@@ -1,0 +1,211 @@
+//! Imports the definitions of a release into `definitions/releases`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use uavspec_codegen::load::{self, Definitions};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::release::{self, Fingerprint};
+use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::{SourceMap, read};
+
+use crate::paths::{repository, shown};
+
+/// The folder of the releases, from the root of the repository.
+const FOLDER: &str = "definitions/releases";
+
+/// The extension of a release's file.
+const EXTENSION: &str = "msg";
+
+/// The start of a release's file.
+const HEADING: &str = "# Facts of all definitions, written by `cargo xtask import`.\n";
+
+/// Arguments of `import`.
+#[derive(Args)]
+pub(crate) struct Arguments {
+    /// Family of the release
+    #[arg(required_unless_present = "check")]
+    family: Option<Family>,
+    /// Name of the release
+    #[arg(long, value_name = "NAME", required_unless_present = "check", value_parser = release_name)]
+    release: Option<String>,
+    /// Folder with the definitions (repeatable)
+    #[arg(long, value_name = "DIR", required_unless_present = "check")]
+    input: Vec<PathBuf>,
+    /// Only check that the stored fingerprints belong to the stored releases
+    #[arg(long, conflicts_with_all = ["family", "release", "input"])]
+    check: bool,
+}
+
+/// A family of releases.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+enum Family {
+    /// PX4's uORB messages
+    Px4,
+    /// The common interfaces of a ROS 2 distribution
+    Ros2,
+}
+
+impl Family {
+    fn dialect(self) -> Dialect {
+        match self {
+            Self::Px4 => Dialect::Px4,
+            Self::Ros2 => Dialect::Ros2,
+        }
+    }
+}
+
+/// Checks the name of a release, which becomes the name of a file.
+fn release_name(name: &str) -> Result<String, String> {
+    let is_word = |word: &str| {
+        !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit())
+    };
+    if name.split('.').all(is_word) {
+        Ok(name.to_owned())
+    } else {
+        Err("expected lower-case letters, digits and dots, such as 1.18 or jazzy".to_owned())
+    }
+}
+
+/// Imports a release, or checks the stored releases. Returns false if the check fails.
+pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
+    let folder = repository().join(FOLDER);
+    if let (Some(family), Some(release)) = (arguments.family, &arguments.release) {
+        let form = Form::Msg(family.dialect());
+        let Definitions { schema, left_out, .. } =
+            load::read_package(family.dialect().name(), form, &arguments.input)
+                .map_err(|failure| crate::message_of(&failure))?;
+        for path in left_out {
+            eprintln!("left out: {path} refers to a package outside the inputs");
+        }
+        let path = folder.join(family.dialect().name()).join(format!("{release}.{EXTENSION}"));
+        write(&path, &text_of(&schema))?;
+        eprintln!("import: {} ({} messages)", shown(&path).display(), schema.messages.len());
+    }
+    let (path, text) = (folder.join("fingerprints.tsv"), fingerprints(&folder)?);
+    if !arguments.check {
+        write(&path, &text)?;
+        return Ok(true);
+    }
+    let is_current = fs::read_to_string(&path).is_ok_and(|known| known == text);
+    if !is_current {
+        eprintln!("{} is outdated: run `cargo xtask import`", shown(&path).display());
+    }
+    Ok(is_current)
+}
+
+/// The file of a release.
+fn text_of(schema: &Schema) -> String {
+    format!("{HEADING}{}", release::write(schema))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), String> {
+    let failed = |error: std::io::Error| format!("{}: {error}", path.display());
+    path.parent().map_or(Ok(()), fs::create_dir_all).map_err(failed)?;
+    fs::write(path, text).map_err(failed)
+}
+
+/// A release's family and name.
+type Release = (Family, String);
+
+/// The fingerprints of all stored releases as a table: one line for each distinct definition, with its releases.
+fn fingerprints(folder: &Path) -> Result<String, String> {
+    let mut known: BTreeMap<Fingerprint, Vec<String>> = BTreeMap::new();
+    for (family, name) in releases(folder)? {
+        for fingerprint in release::fingerprints(&schema(folder, family, &name)?) {
+            known.entry(fingerprint).or_default().push(format!("{}@{name}", family.dialect().name()));
+        }
+    }
+    let mut text = String::from("name\treleases\ttopics\tlayout\tCDR size\tuORB hash\ttype hash\n");
+    for (fingerprint, releases) in known {
+        let Fingerprint { name, topics, layout, cdr_size, hash, type_hash } = fingerprint;
+        let layout = layout.map(|layout| format!("{layout:016x}")).unwrap_or_default();
+        let size = cdr_size.map(|size| size.to_string()).unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "{name}\t{}\t{}\t{layout}\t{size}\t{hash:08x}\t{type_hash}",
+            releases.join(" "),
+            topics.join(" ")
+        );
+    }
+    Ok(text)
+}
+
+/// The stored releases, from the oldest to the newest.
+fn releases(folder: &Path) -> Result<Vec<Release>, String> {
+    let mut found = Vec::new();
+    for family in [Family::Px4, Family::Ros2] {
+        let folder = folder.join(family.dialect().name());
+        let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
+        if !folder.exists() {
+            continue;
+        }
+        for entry in fs::read_dir(&folder).map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
+            let stem = path.file_stem().and_then(|stem| stem.to_str()).map(str::to_owned);
+            if path.extension().is_some_and(|extension| extension == EXTENSION) {
+                found.extend(stem.map(|stem| (family, stem)));
+            }
+        }
+    }
+    found.sort_by_cached_key(|(family, name)| (*family, release::age(name)));
+    Ok(found)
+}
+
+/// Reads a stored release.
+fn schema(folder: &Path, family: Family, name: &str) -> Result<Schema, String> {
+    let path = folder.join(family.dialect().name()).join(format!("{name}.{EXTENSION}"));
+    let text = fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+    let mut sources = SourceMap::default();
+    let packages = release::packages(&text, family.dialect(), "", &mut sources);
+    Ok(read(&sources, &packages).0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stored_fingerprints_belong_to_the_stored_releases() {
+        let folder = repository().join(FOLDER);
+        let stored = fs::read_to_string(folder.join("fingerprints.tsv")).expect("a table");
+        assert!(fingerprints(&folder).expect("the releases") == stored, "run `cargo xtask import`");
+    }
+
+    #[test]
+    fn the_stored_releases_are_those_of_px4() {
+        let default = repository().join("../shared/corpus");
+        let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from).join("px4");
+        if !corpus.exists() {
+            let is_required = std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_some_and(|value| value != "0");
+            assert!(!is_required, "{} is required but absent", corpus.display());
+            eprintln!("skipped: the corpus is absent; set UAVSPEC_CORPUS to its path");
+            return;
+        }
+        for (family, name) in releases(&repository().join(FOLDER)).expect("releases") {
+            let folder = corpus.join(&name);
+            if family == Family::Px4 && folder.exists() {
+                let form = Form::Msg(Dialect::Px4);
+                let Definitions { schema, left_out, .. } =
+                    load::read_package("px4", form, &[folder]).expect("definitions");
+                assert_eq!(left_out, Vec::<String>::new());
+                let path = repository().join(FOLDER).join(format!("px4/{name}.{EXTENSION}"));
+                assert!(fs::read_to_string(path).expect("a release") == text_of(&schema), "{name} differs");
+            }
+        }
+    }
+
+    #[test]
+    fn releases_are_sorted_by_age() {
+        let mut names = ["main", "1.9", "1.18", "1.10"];
+        names.sort_by_cached_key(|name| release::age(name));
+        assert_eq!(names, ["1.9", "1.10", "1.18", "main"]);
+        assert!(release_name("1.18").is_ok() && release_name("jazzy").is_ok());
+        for name in ["", "..", "../1", "1 8", "A", "1."] {
+            assert!(release_name(name).is_err(), "{name}");
+        }
+    }
+}
