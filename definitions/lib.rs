@@ -20,11 +20,11 @@ use include_dir::include_dir;
 /// PX4 messages, one `.msg` file per message.
 pub static PX4: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/px4");
 
-/// Translations of the texts in the definitions, one gettext catalogue per language.
-pub static I18N: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/i18n");
-
 /// Hints for conversions between releases of PX4, in TOML.
 pub static PX4_HINTS: &str = include_str!("hints/px4.toml");
+
+/// Translations of the texts in the definitions, one gettext catalogue per language.
+pub static I18N: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/i18n");
 
 /// Markdown pages of the Flockwave protocol.
 pub static FLOCKWAVE: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/flockwave");

@@ -38,10 +38,10 @@ pub struct Input<'a> {
     pub translations: &'a Translations,
     /// Source texts of the definitions.
     pub sources: &'a SourceMap,
-    /// The releases of the packages.
-    pub releases: &'a Releases,
     /// The conversions between packages.
     pub conversions: &'a [Conversions],
+    /// The releases of the packages.
+    pub releases: &'a Releases,
 }
 
 /// Options of one emitter.

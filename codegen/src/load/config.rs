@@ -207,6 +207,8 @@ impl Config {
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
         let outputs = outputs(self.file.output, folder)
             .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
+        let conversions = conversions(self.file.conversions, &self.file.packages, folder)
+            .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
         let is_table = |package: &&Package| matches!(package.dialect, DialectName::Table);
         if let Some(releases) =
             self.file.packages.iter().filter(is_table).find_map(|package| package.releases.as_ref())
@@ -214,8 +216,6 @@ impl Config {
             let message = "a package of the `table` dialect has no `releases`";
             return Err(unreadable_at(&self.path, &self.text, releases.span(), message));
         }
-        let conversions = conversions(self.file.conversions, &self.file.packages, folder)
-            .map_err(|(range, message)| unreadable_at(&self.path, &self.text, range, &message))?;
         let packages = self
             .file
             .packages

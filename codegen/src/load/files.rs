@@ -38,10 +38,10 @@ pub(crate) struct Loaded {
     pub(crate) paths: BTreeMap<SourceId, PathBuf>,
     /// Translation catalogues, if requested.
     pub(crate) catalogues: Vec<SourceId>,
-    /// The releases of each package, if requested.
-    pub(crate) releases: Releases,
     /// The conversions that the plan requests. Their hints are read if catalogues are requested.
     pub(crate) conversions: Vec<Request>,
+    /// The releases of each package, if requested.
+    pub(crate) releases: Releases,
     /// The configuration file, to which findings may point.
     pub(crate) config: Option<Span>,
 }
@@ -83,8 +83,8 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
             files: Vec::new(),
             paths: BTreeMap::new(),
             catalogues: Vec::new(),
-            releases: Releases::new(),
             conversions: Vec::new(),
+            releases: Releases::new(),
             config: None,
         },
         folders: BTreeMap::new(),
@@ -212,21 +212,6 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// Reads the releases of the packages.
-    fn releases(&mut self) -> Result<(), Failure> {
-        for package in &self.plan.packages {
-            let Some(folder) = &package.releases else { continue };
-            let (mut files, mut releases) = (releases_in(folder)?, Vec::new());
-            for path in &files {
-                let text = fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
-                releases.push(ReleaseText { name: release_name(path), text });
-            }
-            self.loaded.files.append(&mut files);
-            self.loaded.releases.insert(package.name.clone(), releases);
-        }
-        Ok(())
-    }
-
     /// Reads the hints of conversions. A file that several conversions share is read once.
     fn conversions(&mut self) -> Result<(), Failure> {
         let plan = self.plan;
@@ -243,6 +228,21 @@ impl Loader<'_> {
             hints: conversion.hints.as_deref().and_then(|path| *read.get(path)?),
         });
         self.loaded.conversions = requests.collect();
+        Ok(())
+    }
+
+    /// Reads the releases of the packages.
+    fn releases(&mut self) -> Result<(), Failure> {
+        for package in &self.plan.packages {
+            let Some(folder) = &package.releases else { continue };
+            let (mut files, mut releases) = (releases_in(folder)?, Vec::new());
+            for path in &files {
+                let text = fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
+                releases.push(ReleaseText { name: release_name(path), text });
+            }
+            self.loaded.files.append(&mut files);
+            self.loaded.releases.insert(package.name.clone(), releases);
+        }
         Ok(())
     }
 
