@@ -28,7 +28,7 @@ use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
-pub(crate) use self::choice::{Clues, TypeClue};
+pub(crate) use self::choice::Clues;
 pub use self::index::Family;
 pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;

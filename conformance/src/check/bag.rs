@@ -373,7 +373,7 @@ impl<'d> Channels<'d> {
     /// Finishes the check. `summarize` creates the summary.
     fn finish(mut self, bytes: u64, summarize: impl FnOnce(BagContent) -> Summary) -> CaptureResult {
         let topics = self.open.iter().filter(|open| open.identity.definition.is_some());
-        let releases = release_matches(self.run.definitions, topics.map(Open::compared));
+        let releases = release_matches(self.run.definitions, &topics.map(Open::compared));
         let (mut channels, mut parts) = (Vec::new(), Parts::default());
         for open in std::mem::take(&mut self.open) {
             channels.push(open.close(self.plans.as_ref(), &mut self.run.findings, &mut parts));

@@ -412,7 +412,7 @@ impl<'d> LogChecker<'d> {
             definition: definitions.message_of_topic(topic),
             is_equal: *comparison == Comparison::Equal,
         });
-        let releases = release_matches(definitions, topics);
+        let releases = release_matches(definitions, &topics);
         let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, releases, formats };
         self.run.finish(bytes, Summary::Log(summary), Unit::Topic, self.parts)
     }

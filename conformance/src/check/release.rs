@@ -59,7 +59,7 @@ pub(super) struct ComparedTopic<'t> {
 /// Compares topics with the releases that were chosen for a capture.
 pub(super) fn release_matches<'t>(
     definitions: &Definitions,
-    topics: impl Iterator<Item = ComparedTopic<'t>> + Clone,
+    topics: &(impl Iterator<Item = ComparedTopic<'t>> + Clone),
 ) -> Vec<ReleaseMatch> {
     let matches = definitions.releases().iter().map(|release| {
         let LoadedRelease { family, label, title } = release;
@@ -80,7 +80,9 @@ pub(super) fn release_matches<'t>(
             match origin {
                 Some(origin) if origin.label == *label => found.matching += u64::from(is_equal),
                 Some(origin) => {
-                    found.others.push(OtherRelease { topic: topic.to_owned(), release: origin.label.clone() })
+                    found
+                        .others
+                        .push(OtherRelease { topic: topic.to_owned(), release: origin.label.clone() });
                 }
                 None => {}
             }

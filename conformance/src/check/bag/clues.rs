@@ -1,17 +1,17 @@
 //! The facts in a bag that show its release.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::fs::File;
 use std::io::{Read, Seek as _, SeekFrom};
 use std::path::Path;
 
 use super::{HASH, Stated, is_type_hash};
+use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Reader};
 use crate::capture::rosbag::metadata::{self, Metadata};
-use crate::capture::{MCAP_MAGIC, rosbag};
 use crate::check::Source;
 use crate::check::topic::plain;
-use crate::definitions::{Clues, TypeClue};
+use crate::definitions::Clues;
 
 /// The maximum number of types.
 const MAX_TYPES: usize = 10_000;
@@ -20,19 +20,19 @@ const MAX_TYPES: usize = 10_000;
 const MAX_FILES: usize = 16;
 
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
-const FOOTER: i64 = 9 + 20 + 8;
+const FOOTER: usize = 9 + 20 + 8;
 
 /// Reads the declarations in an MCAP file: from its summary, if there is one, or otherwise from its start.
 pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
-    let summary = source.file.and_then(summary).map(|summary| declarations(summary)).unwrap_or_default();
+    let summary = source.file.and_then(summary).map(declarations).unwrap_or_default();
     if summary == Clues::default() { declarations(&mut *source.bytes) } else { summary }
 }
 
 /// The summary of an MCAP file, preceded by the magic.
 fn summary(path: &Path) -> Option<impl Read> {
     let mut file = File::open(path).ok()?;
-    let footer_start = file.seek(SeekFrom::End(-FOOTER)).ok()?;
-    let mut footer = [0; FOOTER as usize];
+    let footer_start = file.seek(SeekFrom::End(-i64::try_from(FOOTER).ok()?)).ok()?;
+    let mut footer = [0; FOOTER];
     file.read_exact(&mut footer).ok()?;
     let [0x02, 20, 0, 0, 0, 0, 0, 0, 0, start @ ..] = footer else { return None };
     let start = u64::from_le_bytes(*start.first_chunk()?);
@@ -74,10 +74,12 @@ fn declarations(input: impl Read) -> Clues {
 /// Reads the declarations in a `SQLite` file.
 #[cfg(feature = "db3")]
 pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
-    let Some((bag, _)) = source.file.and_then(|path| rosbag::sqlite::Bag::open(path).ok()) else {
+    use crate::capture::rosbag::sqlite::Bag;
+
+    let Some((bag, _)) = source.file.and_then(|path| Bag::open(path).ok()) else {
         return Clues::default();
     };
-    let mut hashes: BTreeMap<String, String> = BTreeMap::new();
+    let mut hashes: HashMap<String, String> = HashMap::new();
     let _ = bag.definitions(|definition| {
         if definition.encoding == "ros2msg"
             && hashes.len() < MAX_TYPES
@@ -131,7 +133,7 @@ fn add(clues: &mut Clues, name: &str, hash: Option<&String>) -> Option<String> {
     if clues.types.len() >= MAX_TYPES {
         return None;
     }
-    let clue = clues.types.entry(name.clone()).or_insert_with(TypeClue::default);
+    let clue = clues.types.entry(name.clone()).or_default();
     if clue.type_hash.is_none() {
         clue.type_hash = hash.cloned();
     }

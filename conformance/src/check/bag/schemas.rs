@@ -1,5 +1,6 @@
 //! The schemas in a file, and their comparison with the definitions.
 
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 use std::sync::Arc;
@@ -40,8 +41,8 @@ struct Schema {
     digest: u64,
     /// The comparisons that channels requested, by definition. The flag is true for JSON messages.
     compared: BTreeMap<(MessageId, bool), ComparedSchema>,
-    /// The types, once a channel without a definition requested them.
-    own: Option<Option<Rc<Stated>>>,
+    /// The types, if they can be read. Set when a channel without a definition requests them.
+    own: OnceCell<Option<Rc<Stated>>>,
 }
 
 impl Schemas {
@@ -62,7 +63,14 @@ impl Schemas {
         let text = if fits { Ok(text.to_vec()) } else { Err(text.len()) };
         self.num_bytes += text.as_ref().map_or(0, Vec::len);
         self.by_digest.insert(digest, self.all.len());
-        self.all.push(Schema { name, encoding, text, digest, compared: BTreeMap::new(), own: None });
+        self.all.push(Schema {
+            name,
+            encoding,
+            text,
+            digest,
+            compared: BTreeMap::new(),
+            own: OnceCell::new(),
+        });
         Ok(self.all.len() - 1)
     }
 
@@ -86,14 +94,14 @@ impl Schemas {
     }
 
     /// The types of a schema, if they can be read.
-    pub(super) fn own(&mut self, index: Option<usize>) -> Option<Rc<Stated>> {
-        let schema = self.all.get_mut(index?)?;
+    pub(super) fn own(&self, index: Option<usize>) -> Option<Rc<Stated>> {
+        let schema = self.all.get(index?)?;
         let text = schema.text.as_ref().ok().filter(|text| !text.is_empty())?;
         if schema.encoding != "ros2msg" {
             return None;
         }
         let read = || Stated::read(&schema.name, text).ok().map(Rc::new);
-        schema.own.get_or_insert_with(read).clone()
+        schema.own.get_or_init(read).clone()
     }
 
     /// Compares a schema with a definition, for messages in CDR or JSON.
