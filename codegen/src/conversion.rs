@@ -27,6 +27,7 @@ mod build;
 mod expression;
 mod hints;
 mod json;
+mod memory;
 mod plan;
 mod request;
 
@@ -35,5 +36,6 @@ pub use self::expression::{Binary, Computed, Expression, Unary, ValueKind};
 #[cfg(feature = "files")]
 pub use self::hints::read as read_hints;
 pub use self::hints::{Hints, Mistake};
+pub use self::memory::{Converter, MAX_CONVERTED, TooLarge};
 pub use self::plan::{Conversion, Copy, Elements, Loss, LossKind, Narrowing, Neutral, Step, Undecided};
 pub use self::request::{Answer, Request, answer};

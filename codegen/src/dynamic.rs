@@ -54,8 +54,10 @@ mod view;
 mod walk;
 
 pub use self::bytes::sequence;
+pub(crate) use self::bytes::{copy_short, part};
 pub use self::error::{Defect, Error, Reason};
 pub use self::message::DynamicMessage;
+pub(crate) use self::plan::SLOT;
 pub use self::types::{MessageType, Placed, PlacedElement, Types};
 pub use self::ulog::{FormatError, FormatProblem, ULOG_PACKAGE};
 pub use self::validate::Violation;

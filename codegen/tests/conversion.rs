@@ -2,6 +2,7 @@
 
 mod corpus;
 mod hints;
+mod memory;
 mod properties;
 mod rules;
 mod steps;

@@ -136,6 +136,11 @@ impl Copier<'_> {
         }
     }
 
+    /// The number of elements, limited to the length of an array that was cut.
+    fn limited(&self, value: i128) -> i128 {
+        self.copy.at_most.map_or(value, |most| value.min(most.into()))
+    }
+
     fn element(&self, value: &Value, initial: &Value) -> Value {
         match &self.copy.elements {
             Elements::Message(nested) => {
@@ -157,13 +162,17 @@ impl Copier<'_> {
                 let value = integer(value);
                 let is_valid = matches!(self.target.ty.element, Element::Scalar(scalar)
                     if scalar.integer_bounds().is_some_and(|(low, high)| (low..=high).contains(&value)));
-                if is_valid { number(self.target, Computed::Int(value)) } else { self.rest(Value::from(0)) }
+                let converted = || number(self.target, Computed::Int(self.limited(value)));
+                if is_valid { converted() } else { self.rest(Value::from(0)) }
             }
             Elements::Narrow(Narrowing::Nearest) | Elements::Widen => {
-                number(self.target, computed(self.source, Some(value)))
+                match computed(self.source, Some(value)) {
+                    Computed::Int(value) => number(self.target, Computed::Int(self.limited(value))),
+                    value => number(self.target, value),
+                }
             }
             Elements::Same | Elements::Text | Elements::String(None) => match self.copy.at_most {
-                Some(most) => number(self.target, Computed::Int(integer(value).min(most.into()))),
+                Some(_) => number(self.target, Computed::Int(self.limited(integer(value)))),
                 None => value.clone(),
             },
         }
@@ -176,7 +185,8 @@ fn initial_of(schema: &Schema, id: crate::schema::MessageId) -> Value {
     types.get(id).default().to_json().unwrap_or_default()
 }
 
-fn flags(pairs: &[(i128, i128)], value: i128) -> i128 {
+/// Moves flags to their target masks. Other bits stay the same.
+pub(super) fn flags(pairs: &[(i128, i128)], value: i128) -> i128 {
     let moved = pairs.iter().fold(0, |all, (from, _)| all | from);
     let set = pairs.iter().filter(|(from, _)| value & from == *from && *from != 0);
     set.fold(value & !moved, |all, (_, to)| all | to)

@@ -12,7 +12,7 @@ pub(super) fn copy<const BIG: bool>(from: &[u8], to: &mut [u8], width: Width) {
 
 /// Copies bytes. Short runs, which are the most common, are copied without a call to `memcpy`.
 #[inline]
-pub(super) fn copy_short(from: &[u8], to: &mut [u8]) {
+pub(crate) fn copy_short(from: &[u8], to: &mut [u8]) {
     match from.len() {
         8..=16 => copy_ends::<8>(from, to),
         4..=7 => copy_ends::<4>(from, to),
@@ -64,7 +64,7 @@ pub(super) fn slot(bytes: &[u8], at: usize) -> (usize, usize) {
 
 /// Returns `length` bytes from `start`, or an empty slice if this range exceeds the buffer.
 #[inline]
-pub(super) fn part(bytes: &[u8], start: usize, length: usize) -> &[u8] {
+pub(crate) fn part(bytes: &[u8], start: usize, length: usize) -> &[u8] {
     bytes.get(start..start + length).unwrap_or_default()
 }
 

@@ -101,7 +101,7 @@ impl Element {
 
 /// Size of the slot for a string or sequence in its message. The slot contains two `u32` values: the offset of the
 /// bytes or elements from the start of the buffer, and their count.
-pub(super) const SLOT: usize = 8;
+pub(crate) const SLOT: usize = 8;
 
 /// Maximum ratio of memory size to CDR size. A message with one `uint8` is padded to eight bytes.
 pub(super) const GROWTH: usize = 8;

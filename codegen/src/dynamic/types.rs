@@ -4,6 +4,7 @@ use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;
 
 use super::error::{Defect, Error, Reason};
+use super::message::DynamicMessage;
 use super::plan::{Element, Plan};
 use crate::schema::{MessageId, Shape};
 
@@ -88,6 +89,16 @@ impl<'t> MessageType<'t> {
     /// Size of a uORB payload, or `None` if it varies.
     pub fn size(self) -> Option<Size> {
         (self.plan.is_fixed && self.plan.defect.is_none()).then_some(self.plan.size)
+    }
+
+    /// Size of the fields in memory. Strings and elements of sequences follow them.
+    pub(crate) fn fixed_size(self) -> usize {
+        self.plan.size.padded
+    }
+
+    /// A message of this type in memory.
+    pub(crate) fn with_memory(self, buffer: Vec<u8>) -> DynamicMessage<'t> {
+        DynamicMessage { ty: self, buffer }
     }
 
     /// The reason why the type is unusable. All operations then fail.

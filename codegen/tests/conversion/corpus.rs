@@ -13,10 +13,10 @@ use uavspec_codegen::{PackageInput, Schema, SourceMap, read};
 use super::support::PX4_HINTS;
 use crate::support::{add_folder, differs, shared};
 
-const RELEASES: [&str; 7] = ["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"];
+pub(super) const RELEASES: [&str; 7] = ["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"];
 
 /// Reads the definitions of all releases, each as a package.
-fn releases(sources: &mut SourceMap, folder: &Path) -> Schema {
+pub(super) fn releases(sources: &mut SourceMap, folder: &Path) -> Schema {
     let packages = RELEASES.map(|release| {
         let mut package = PackageInput::new(release, Form::Msg(Dialect::Px4), Vec::new());
         add_folder(sources, &mut package, &folder.join(release));
@@ -25,7 +25,7 @@ fn releases(sources: &mut SourceMap, folder: &Path) -> Schema {
     read(sources, &packages).0
 }
 
-fn published_hints(sources: &mut SourceMap) -> Hints {
+pub(super) fn published_hints(sources: &mut SourceMap) -> Hints {
     let source = sources.add("px4.toml", PX4_HINTS.as_bytes().to_vec()).expect("a source");
     let hints = read_hints(sources, source);
     assert_eq!(hints.mistakes, []);

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use serde_json::Value;
-use uavspec_codegen::conversion::{Conversion, Conversions, Hints, read_hints};
-use uavspec_codegen::dynamic::Types;
+use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, read_hints};
+use uavspec_codegen::dynamic::{DynamicMessage, Types};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_codegen::{PackageInput, Schema, SourceMap, diagnostic, read};
+use uavspec_runtime::cdr::ByteOrder;
 
 /// The hints that the project publishes.
 pub(super) const PX4_HINTS: &str = include_str!("../../../definitions/hints/px4.toml");
@@ -80,7 +81,23 @@ impl Converted {
 
     pub(super) fn run(&self, conversion: &Conversion, message: &Value) -> Value {
         let initial = self.message(conversion.to, "{}");
-        conversion.convert_json((&self.schema, &self.schema), message, &initial)
+        let converted = conversion.convert_json((&self.schema, &self.schema), message, &initial);
+        self.check_memory(conversion, message, &converted);
+        converted
+    }
+
+    /// Compares the conversion in memory with the reference.
+    fn check_memory(&self, conversion: &Conversion, message: &Value, expected: &Value) {
+        let types = Types::new(&self.schema);
+        let [source, target] = [conversion.from, conversion.to].map(|id| types.get(id));
+        let message = source.from_json(message).expect("a message");
+        let converter = Converter::new(conversion, source, target);
+        let converted = converter.convert(&message).expect("a message");
+        assert_eq!(converted.to_json().expect("JSON"), *expected, "{message:?}");
+        if converter.keeps_cdr() {
+            let cdr = |message: &DynamicMessage<'_>| message.to_cdr(ByteOrder::LittleEndian);
+            assert_eq!(cdr(&converted), cdr(&message));
+        }
     }
 
     /// Converts a message with these fields.

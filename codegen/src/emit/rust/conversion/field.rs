@@ -277,10 +277,12 @@ impl Copied<'_> {
                     Neutral::Int(value) => types::integer(clamped(self.target, value)),
                     Neutral::Default | Neutral::Float(_) => types::integer(0),
                 };
-                return quote!(#ty::try_from(#raw).unwrap_or(#neutral));
+                quote!(#ty::try_from(#raw).unwrap_or(#neutral))
             }
             Elements::Narrow(Narrowing::Nearest) => {
                 let Some((low, high)) = to.integer_bounds() else { return quote!(#raw as #ty) };
+                // A count is limited to the length of the array that was cut.
+                let high = self.copy.at_most.map_or(high, |most| high.min(most.into()));
                 let (low, high) = (types::integer(low), types::integer(high));
                 return quote!(i128::from(#raw).clamp(#low, #high) as #ty);
             }
