@@ -18,6 +18,7 @@
 
 mod access;
 mod check;
+mod convert;
 mod explain;
 mod interrupt;
 mod known;
@@ -95,6 +96,11 @@ struct Cli {
 enum Command {
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
+    /// Convert a bag to another release.
+    ///
+    /// Each message gets the type of the target release. The definitions and the hints decide the values of all fields.
+    /// The report lists the data that is lost, and the number of messages that contain such data.
+    Convert(convert::ConvertArgs),
     /// Explain a flight, or what a word means: a code, a message, a field, a value, a hash or a rule.
     ///
     /// If WHAT is a capture, the story lists the changes that explain what the vehicle did. All labels come from the
@@ -208,6 +214,7 @@ impl From<&Outcome> for Status {
 pub fn main() -> ExitCode {
     let status = match terminal::parse::<Cli>().command {
         Command::Check(args) => check::check(&args),
+        Command::Convert(args) => convert::run(&args),
         Command::Explain(args) => explain::explain(&args),
         Command::Test(args) => test::test(&args),
         Command::Testee(command) => testee::testee(&command),

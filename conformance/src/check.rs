@@ -24,6 +24,7 @@ mod json;
 pub(crate) mod known;
 mod log;
 mod observer;
+mod open;
 #[doc(hidden)]
 pub mod parallel;
 mod release;
@@ -45,6 +46,7 @@ use uavspec_runtime::Scalar;
 #[cfg(test)]
 pub(crate) use self::bag::check_mcap;
 pub use self::bag::{BagChannel, BagSummary, Basis, CheckStatus, McapSummary};
+pub(crate) use self::bag::{HASH, decompressed, states_other_type};
 pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
@@ -57,9 +59,11 @@ pub use self::json::JsonSummary;
 pub use self::json::check_json_thoroughly;
 pub use self::log::LogSummary;
 pub(crate) use self::observer::Observer;
+pub(crate) use self::open::{Opened, open_path};
 use self::release::Ahead;
 pub use self::release::{OtherRelease, ReleaseMatch};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
+pub(crate) use self::topic::{definition_of, topic_of};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
 use crate::capture::input;
@@ -337,18 +341,18 @@ fn check_source(
         return Ok(CaptureResult::unknown("the file is empty"));
     }
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
-        return Ok(unknown_type(&start));
+        return Ok(CaptureResult::unknown(unknown_type(&start)));
     };
     let source = Source { bytes: &mut io::Cursor::new(&start).chain(input.bytes), file: input.file };
     let result = check(kind, source);
     // Other text looks like corrupt JSON until the end.
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
         && !json::starts_like_json(&start);
-    Ok(if is_text && message_id.is_none() { unknown_type(&start) } else { result })
+    Ok(if is_text && message_id.is_none() { CaptureResult::unknown(unknown_type(&start)) } else { result })
 }
 
-/// The result for a file of an unknown type that starts with these bytes.
-fn unknown_type(start: &[u8]) -> CaptureResult {
+/// The error for a file of an unknown type that starts with these bytes.
+fn unknown_type(start: &[u8]) -> String {
     let start = &start[..start.len().min(SHOWN)];
     let mut names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
     names.dedup();
@@ -360,10 +364,7 @@ fn unknown_type(start: &[u8]) -> CaptureResult {
         let bytes: Vec<String> = start.iter().map(|byte| format!("{byte:02x}")).collect();
         format!("the bytes {}", bytes.join(" "))
     };
-    CaptureResult::unknown(format!(
-        "unknown file type: expected {} or {last}, found {found}",
-        names.join(", ")
-    ))
+    format!("unknown file type: expected {} or {last}, found {found}", names.join(", "))
 }
 
 /// True if a capture starts with the magic, or ends within the magic after at least [`MIN_MAGIC`] bytes.

@@ -20,6 +20,7 @@ extern crate self as uavspec_conformance;
 pub mod app;
 pub mod capture;
 pub mod check;
+mod convert;
 pub mod definitions;
 mod explain;
 mod flockwave;

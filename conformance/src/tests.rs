@@ -3,6 +3,7 @@
 mod body_schemas;
 mod browser;
 mod check;
+mod convert;
 mod corruption;
 mod ext;
 mod flockwave;

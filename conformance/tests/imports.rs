@@ -13,7 +13,7 @@ const LAYERS: &[&[&str]] = &[
     &["explain"],
     &["report"],
     &["matrix"],
-    &["probe", "serve", "story", "testee", "watch"],
+    &["convert", "probe", "serve", "story", "testee", "watch"],
     &["check"],
     &["rules"],
     &["definitions"],

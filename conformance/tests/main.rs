@@ -1,6 +1,7 @@
 //! Tests of the program `uavspec` and of the public API, one module per file. Tests of internals are in `src/tests/`.
 
 mod cli;
+mod convert;
 mod explain;
 mod imports;
 mod known;

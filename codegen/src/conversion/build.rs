@@ -109,7 +109,7 @@ impl Conversions {
 
 impl Hints {
     /// The hints that apply to none of the conversions that use them, each with its location and the reason.
-    pub(super) fn unused(
+    pub fn unused(
         &self,
         conversions: &[&Conversions],
         versions: &[(Version<'_>, Version<'_>)],

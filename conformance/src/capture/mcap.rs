@@ -97,6 +97,8 @@ pub(crate) enum Event<'r> {
         channel: u16,
         /// The log time, in ns.
         time: u64,
+        /// The publish time, in ns.
+        publish_time: u64,
         /// The sequence number.
         sequence: u32,
         /// The bytes.

@@ -23,7 +23,8 @@ use std::rc::Rc;
 use uavspec_codegen::schema::MessageId;
 use uavspec_codegen::source::Span;
 
-use self::cdr::{CdrChecker, TypeSource, decompressed};
+pub(crate) use self::cdr::decompressed;
+use self::cdr::{CdrChecker, TypeSource};
 pub(super) use self::clues::folder as folder_clues;
 pub(super) use self::folder::check_folder;
 pub(super) use self::mcap::KIND as MCAP;
@@ -39,8 +40,10 @@ use super::coverage::{Parts, Unit};
 use super::release::{ReleaseMatch, release_matches};
 use super::topic::{definition_of, is_same_type};
 use super::{CaptureResult, CheckRun, Logged, Summary};
+use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Detail, Extent, Findings, Location, Message};
+use crate::px4::comparison::{Comparison, compare_declared};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
 
@@ -54,7 +57,7 @@ const MAX_STEPS: usize = 1 << 18;
 const MAX_CHANNELS: usize = 1 << 16;
 
 /// The metadata key for the type hash of a channel, as written by `rosbag2`.
-const HASH: &str = "topic_type_hash";
+pub(crate) const HASH: &str = "topic_type_hash";
 
 /// The prefix of the supported hashes.
 const HASH_VERSION: &str = "RIHS01_";
@@ -70,6 +73,27 @@ struct Declared {
     topic: String,
     encoding: String,
     metadata: BTreeMap<String, String>,
+}
+
+/// True if the schema of a channel, or the hash in its metadata, states another type than the definition. The schema
+/// consists of its name, encoding and text. Schemas without fields, and those in other encodings, state nothing.
+pub(crate) fn states_other_type(
+    schema: Option<(&str, &str, &[u8])>,
+    metadata: &BTreeMap<String, String>,
+    definition: MessageId,
+    definitions: &Definitions,
+) -> bool {
+    if let Some((name, "ros2msg", text)) = schema
+        && !text.is_empty()
+    {
+        let defined = definitions.types().get(definition);
+        return !Stated::read(name, text)
+            .is_ok_and(|stated| compare_declared(stated.root(), defined) == Comparison::Equal);
+    }
+    let message = definitions.schema.message(definition);
+    let stated = metadata.get(HASH).filter(|hash| is_comparable(hash));
+    stated
+        .is_some_and(|stated| !definitions.type_hashes(message).any(|hash| hash.eq_ignore_ascii_case(stated)))
 }
 
 /// A file of a bag.

@@ -15,7 +15,7 @@ fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
 }
 
 /// The PX4 topic in a ROS 2 name such as `/fmu/out/failsafe_flags`. An instance number may follow: `/sensor_accel/1`.
-pub(super) fn topic_of(topic: &str) -> &str {
+pub(crate) fn topic_of(topic: &str) -> &str {
     let mut segments = topic.rsplit('/').filter(|segment| !segment.is_empty());
     let last = segments.next().unwrap_or(topic);
     if last.bytes().all(|byte| byte.is_ascii_digit()) { segments.next().unwrap_or(last) } else { last }
@@ -26,7 +26,7 @@ pub(super) fn topic_of(topic: &str) -> &str {
 /// For ROS 2, only the schema name counts: a type from another package is a different type, even if the topic's name is
 /// defined. For other encodings, schema names are arbitrary. If the schema name matches no definition, the topic name
 /// decides.
-pub(super) fn definition_of(
+pub(crate) fn definition_of(
     topic: &str,
     schema: Option<(&str, &str)>,
     definitions: &Definitions,

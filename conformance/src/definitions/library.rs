@@ -61,7 +61,11 @@ impl Library {
     /// unless it is given.
     pub fn load(text: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
         let label = text.to_str().filter(|text| text.contains('@') && !Path::new(text).exists());
-        let Some(label) = label else { return Definitions::load_as(text, dialect).map(Self::fixed) };
+        label.map_or_else(|| Definitions::load_as(text, dialect).map(Self::fixed), Self::release)
+    }
+
+    /// The definitions of a release such as `px4@1.16`.
+    pub(crate) fn release(label: &str) -> Result<Self, Failure> {
         let mut library = Self::built_in();
         let index = library.index();
         let Some(release) = index.find(label) else {

@@ -14,6 +14,16 @@ pub struct Hints {
     pub mistakes: Vec<Mistake>,
 }
 
+impl Hints {
+    /// Adds hints, which take precedence over the existing ones.
+    #[must_use]
+    pub fn with(mut self, other: Self) -> Self {
+        self.hints.extend(other.hints);
+        self.mistakes.extend(other.mistakes);
+        self
+    }
+}
+
 /// A mistake in a file with hints.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Mistake {

@@ -133,8 +133,8 @@ impl<R: Read> Reader<R> {
                 }
             }
             Ok(Record::Message { header, data: std::borrow::Cow::Borrowed(payload) }) => {
-                let mcap::records::MessageHeader { channel_id, sequence, log_time, .. } = header;
-                Event::Message { channel: channel_id, time: log_time, sequence, payload }
+                let mcap::records::MessageHeader { channel_id, sequence, log_time, publish_time } = header;
+                Event::Message { channel: channel_id, time: log_time, publish_time, sequence, payload }
             }
             _ => Event::Problem(Problem::Unreadable { opcode }),
         };

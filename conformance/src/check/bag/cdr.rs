@@ -214,7 +214,7 @@ impl CdrChecker {
 
 /// Decompresses a payload if rosbag2 compressed each message separately. Zstd data can't be mistaken for an
 /// encapsulation header.
-pub(super) fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+pub(crate) fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     if !payload.starts_with(&ZSTD) {
         return Ok(Cow::Borrowed(payload));
     }

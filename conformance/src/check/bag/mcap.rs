@@ -101,7 +101,7 @@ impl<'c, 'd> McapFile<'c, 'd> {
                     self.corruption(location, &problem, Extent::WithGaps);
                 }
             }
-            Event::Message { channel, time, sequence, payload } => {
+            Event::Message { channel, time, sequence, payload, .. } => {
                 let number = self.bag.begin(Logged { time, sequence: Some(sequence) });
                 let location = place(Location::Message(number));
                 if let Some((_, channel)) = self.channels.get(&channel) {

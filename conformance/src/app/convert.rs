@@ -1,0 +1,197 @@
+//! `uavspec convert`.
+
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use uavspec_codegen::Failure;
+
+use super::outputs::{self, Inputs, Output};
+use super::progress::Progress;
+use super::report::{print, write_file};
+use super::{Format, Status};
+use crate::check::{Opened, open_path};
+use crate::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
+use crate::definitions::Library;
+use crate::text::terminal;
+
+const EXAMPLES: &str = "Examples:
+  uavspec convert flight.mcap --to px4@1.16 -o converted.mcap
+  uavspec convert flight.mcap --from px4@1.18 --to px4@1.15 -o old.mcap
+  uavspec convert flight.mcap --to px4@1.16 --hints hints.toml -o out.mcap";
+
+const DETAILS: &str = "\
+The output contains the types, the type hashes and the topic versions of the target release. Topics that don't \
+belong to PX4 are copied unchanged. The chunks of the output are not compressed. Attachments and metadata records are \
+not copied.
+
+If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. After any \
+other error and after Ctrl-C, there is no output, and an existing file stays unchanged.
+
+Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB.
+
+Exit status:
+  0  success
+  2  invalid usage, an unknown release, or a mistake in the hints
+  3  the input can't be opened or has an unsupported format, or the output can't
+     be written
+  5  no topic was converted; the output is a copy
+  6  incomplete: some data can't be read";
+
+/// Arguments of `convert`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
+pub(super) struct ConvertArgs {
+    /// Bag to convert: an MCAP file with CDR messages, optionally compressed with gzip or zstd.
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// Release of the output, such as px4@1.16.
+    #[arg(long, value_name = "RELEASE")]
+    to: String,
+    /// File to write. It replaces an existing file, but never the input.
+    #[arg(short, long, value_name = "OUT")]
+    output: PathBuf,
+    /// Release of the input (default: the release that the input agrees with, for each topic).
+    #[arg(long, value_name = "RELEASE")]
+    from: Option<String>,
+    /// File with hints, which decide what the definitions don't decide.
+    ///
+    /// They take precedence over the hints for PX4 that uavspec contains.
+    #[arg(long, value_name = "FILE")]
+    hints: Option<PathBuf>,
+    /// Copy messages that can't be converted (default: leave them out).
+    ///
+    /// Such a message doesn't exist in the target release, or a part of its conversion is undecided. Its copy has the
+    /// type of the input.
+    #[arg(long)]
+    keep_unconverted: bool,
+    /// Output format of the report: text or json.
+    #[arg(long, value_name = "FORMAT", default_value = "text", hide_possible_values = true)]
+    format: Format,
+}
+
+/// Runs `uavspec convert`.
+pub(super) fn run(args: &ConvertArgs) -> Status {
+    try_run(args).unwrap_or_else(|status| status)
+}
+
+fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
+    let inputs = Inputs {
+        files: std::iter::once(&*args.input).chain(args.hints.as_deref()).collect(),
+        ..Inputs::default()
+    };
+    outputs::check(&inputs, &[Output::new("--output", &args.output)])?;
+    let source = args.from.as_deref().map_or_else(|| Ok(Library::built_in()), Library::release);
+    let source = source.map_err(usage)?;
+    let target = Library::release(&args.to).map_err(usage)?;
+    let interrupted = interruption()?;
+    let progress = Progress::bytes(std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len()));
+    let opened = open_path(&args.input, &source, &|input| {
+        let input = Interruptible { input, interrupted: Arc::clone(&interrupted) };
+        progress.reading(input)
+    });
+    let failed = |error: &str| unreadable(&args.input, error);
+    let opened = opened.map_err(|error| failed(&error.to_string()))?.map_err(|reason| failed(&reason))?;
+    let plan = Plan::new(Arc::clone(&opened.definitions), &source, &target, args.hints.as_deref());
+    let plan = plan.map_err(usage)?;
+    let report = write(args, opened, &plan, &interrupted);
+    drop(progress);
+    let report = report?;
+    let text = match args.format {
+        Format::Text => Ok(report.to_text()),
+        Format::Json => {
+            serde_json::to_string_pretty(&report).map(|text| text + "\n").map_err(io::Error::from)
+        }
+    };
+    text.and_then(|text| print(&text)).map_err(|error| {
+        terminal::error(format_args!("standard output: {error}"), None);
+        Status::Unreadable
+    })?;
+    Ok(status(&report))
+}
+
+/// Writes the output. Errors are printed, and leave no output.
+fn write(
+    args: &ConvertArgs,
+    opened: Opened,
+    plan: &Plan,
+    interrupted: &AtomicBool,
+) -> Result<ConversionReport, Status> {
+    let settings = Settings { keeps_unconverted: args.keep_unconverted };
+    let (mut opened, mut result) = (Some(opened), Err(Error::Format("")));
+    let written = write_file(&args.output, |file| {
+        if let Some(opened) = opened.take() {
+            result = convert((&args.input, opened), plan, settings, file);
+        }
+        match &result {
+            _ if interrupted.load(Ordering::Relaxed) => Err(io::Error::other("interrupted")),
+            Ok(_) => Ok(()),
+            Err(_) => Err(io::Error::other("failed")),
+        }
+    });
+    match (result, written) {
+        (Ok(report), Ok(())) => Ok(report),
+        (Err(Error::Format(name)), _) if !name.is_empty() => {
+            let problem = format!("captures in the format {name} can't be converted; expected MCAP");
+            Err(unreadable(&args.input, &problem))
+        }
+        (Err(Error::Write(error)), _) => Err(unreadable(&args.output, &error.to_string())),
+        (_, Err(error)) => Err(unreadable(&args.output, &error.to_string())),
+        (Err(Error::Format(_)), Ok(())) => Err(Status::Unreadable),
+    }
+}
+
+/// The exit status of a finished conversion.
+fn status(report: &ConversionReport) -> Status {
+    if !report.is_complete() {
+        let help = "the output contains the readable messages";
+        terminal::error("incomplete: some data of the input can't be read", Some(help));
+        return Status::Incomplete;
+    }
+    if report.count(Action::Converted) == 0 {
+        terminal::error(
+            "no topic was converted",
+            Some("`uavspec check` lists the topics and their releases"),
+        );
+        return Status::Nothing;
+    }
+    Status::Conforms
+}
+
+fn usage(failure: Failure) -> Status {
+    terminal::eprintln!("{failure}");
+    Status::Usage
+}
+
+fn unreadable(path: &Path, error: &str) -> Status {
+    terminal::error(format_args!("{}: {error}", terminal::path(path)), None);
+    Status::Unreadable
+}
+
+/// A flag that Ctrl-C sets. Errors are printed.
+fn interruption() -> Result<Arc<AtomicBool>, Status> {
+    let interrupted = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&interrupted);
+    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).map_err(|error| {
+        terminal::error(format_args!("can't handle signals: {error}"), None);
+        Status::Unreadable
+    })?;
+    Ok(interrupted)
+}
+
+/// An input that fails after Ctrl-C.
+struct Interruptible {
+    input: Box<dyn Read + Send>,
+    interrupted: Arc<AtomicBool>,
+}
+
+impl Read for Interruptible {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        if self.interrupted.load(Ordering::Relaxed) {
+            return Err(io::Error::other("interrupted"));
+        }
+        self.input.read(out)
+    }
+}

@@ -1,0 +1,42 @@
+//! Opens a capture for programs that read its records themselves.
+
+use std::io::{self, Cursor, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+use super::{Ahead, KINDS, Reading, START, Source, unknown_type};
+use crate::capture::input;
+use crate::definitions::{Clues, Definitions, Library};
+
+/// A capture with the definitions of the release that it agrees with.
+pub(crate) struct Opened {
+    /// The name of the format, such as `MCAP`.
+    pub(crate) kind: &'static str,
+    pub(crate) definitions: Arc<Definitions>,
+    /// All bytes, decompressed.
+    pub(crate) bytes: Box<dyn Read + Send>,
+}
+
+/// Opens a capture. The inner error is the reason why its format is unknown.
+pub(crate) fn open_path(
+    path: &Path,
+    library: &Library,
+    reading: Reading<'_>,
+) -> io::Result<Result<Opened, String>> {
+    let (mut bytes, is_plain) = input::decompressed(reading(input::open(path)?))?;
+    let file = (is_plain && path.is_file()).then_some(path);
+    let mut start = Vec::new();
+    bytes.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
+        return Ok(Err(unknown_type(&start)));
+    };
+    let mut whole = Cursor::new(start).chain(bytes);
+    let (mut clues, mut ahead) = (Clues::default(), Vec::new());
+    if library.depends_on_capture() {
+        let mut read = Ahead::new(&mut whole);
+        clues = (kind.clues)(&mut Source { bytes: &mut read, file });
+        ahead = read.bytes;
+    }
+    let definitions = library.choose(&clues);
+    Ok(Ok(Opened { kind: kind.name, definitions, bytes: Box::new(Cursor::new(ahead).chain(whole)) }))
+}

@@ -1,0 +1,49 @@
+//! Converts the messages of a capture to another release.
+
+mod mcap;
+mod plan;
+mod report;
+
+use std::io::{self, Write};
+use std::path::Path;
+
+pub(crate) use self::plan::Plan;
+pub(crate) use self::report::{Action, ConversionReport};
+use crate::check::Opened;
+
+/// The settings of a conversion.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Settings {
+    /// True if messages that can't be converted are copied unchanged. Otherwise, they are left out.
+    pub(crate) keeps_unconverted: bool,
+}
+
+/// The reason why a capture isn't converted.
+#[derive(Debug)]
+pub(crate) enum Error {
+    /// Captures of this format can't be converted.
+    Format(&'static str),
+    /// The output can't be written.
+    Write(io::Error),
+}
+
+impl From<io::Error> for Error {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+/// Converts a capture, and writes the result to `output`.
+pub(crate) fn convert(
+    (path, opened): (&Path, Opened),
+    plan: &Plan,
+    settings: Settings,
+    output: &mut dyn Write,
+) -> Result<ConversionReport, Error> {
+    let Opened { kind, bytes, .. } = opened;
+    let (topics, problems) = match kind {
+        "MCAP" => mcap::convert(bytes, plan, settings, output)?,
+        other => return Err(Error::Format(other)),
+    };
+    Ok(ConversionReport::new(path, plan, topics, problems))
+}

@@ -1,0 +1,243 @@
+//! The conversions from the releases of a capture to the target release.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, Version, read_hints};
+use uavspec_codegen::dynamic::MessageType;
+use uavspec_codegen::release::{entries, full_name, write};
+use uavspec_codegen::schema::fingerprint::ros_name;
+use uavspec_codegen::schema::{Element, MessageId};
+use uavspec_codegen::source::SourceId;
+use uavspec_codegen::{Failure, SourceMap};
+use uavspec_definitions::PX4_HINTS;
+
+use crate::check::topic_of;
+use crate::definitions::{Definitions, Library, LoadedRelease};
+use crate::text::terminal;
+
+/// The length of a separator line in the text of a type.
+const SEPARATOR: usize = 80;
+
+/// The conversions of all messages of a capture's releases.
+pub(crate) struct Plan {
+    source: Arc<Definitions>,
+    target: Arc<Definitions>,
+    release: LoadedRelease,
+    /// The conversions of each package of the source, by its index.
+    packages: BTreeMap<usize, Package>,
+    /// The definitions of the target by full ROS name, as text.
+    texts: BTreeMap<String, String>,
+}
+
+/// The conversions of a package.
+struct Package {
+    conversions: Conversions,
+    /// True if the target is newer.
+    is_forward: bool,
+}
+
+/// The treatment of the messages of a type.
+pub(crate) enum Treatment<'p> {
+    /// The type isn't part of the conversion.
+    Copy,
+    /// The messages have no counterpart, or the definitions don't decide their conversion; contains the reason.
+    LeaveOut(String),
+    /// The messages are converted.
+    Convert(Box<Converted<'p>>),
+}
+
+/// The conversion of the messages of a type.
+pub(crate) struct Converted<'p> {
+    pub(crate) conversion: &'p Conversion,
+    pub(crate) converter: Converter<'p>,
+    pub(crate) source: MessageType<'p>,
+}
+
+/// Hints, with the file of the user's hints.
+struct HintFiles {
+    sources: SourceMap,
+    hints: Hints,
+    own: Option<SourceId>,
+}
+
+impl HintFiles {
+    fn read(path: Option<&Path>) -> Result<Self, Failure> {
+        let mut sources = SourceMap::default();
+        let mut hints = Hints::default();
+        // Tests ensure that the published hints have no mistakes.
+        if let Ok(id) = sources.add("definitions/hints/px4.toml", PX4_HINTS.as_bytes().to_vec()) {
+            hints = read_hints(&sources, id);
+        }
+        let Some(path) = path else { return Ok(Self { sources, hints, own: None }) };
+        let name = terminal::path(path).to_string();
+        let text = fs::read(path).map_err(|error| Failure::new(format!("{name}: {error}")))?;
+        let id = sources
+            .add(name.clone(), text)
+            .map_err(|diagnostic| Failure::new(format!("{name}: {}", diagnostic.problem)))?;
+        let own = read_hints(&sources, id);
+        Ok(Self { hints: hints.with(own), sources, own: Some(id) })
+    }
+
+    /// Fails if the hints have a mistake, or if a hint of the user is never used.
+    fn check(&self, found: &[&Conversions], versions: &[(Version<'_>, Version<'_>)]) -> Result<(), Failure> {
+        let mistakes = self.hints.mistakes.iter().chain(found.iter().flat_map(|found| &found.mistakes));
+        let unused = self.hints.unused(found, versions);
+        let is_own = |span| self.own == Some(self.sources.source_of(span));
+        let first = mistakes.cloned().chain(unused).find(|mistake| is_own(mistake.span));
+        first.map_or(Ok(()), |mistake| {
+            let position = self.sources.position(mistake.span);
+            let path = self.sources.path(self.sources.source_of(mistake.span));
+            let place = format!("{path}:{}:{}", position.line, position.column);
+            Err(Failure::new(format!("{place}: {}", mistake.message)).with_hint(mistake.help))
+        })
+    }
+}
+
+impl Plan {
+    /// Plans the conversion of captures with the definitions `source` to a release. `library` contains the fingerprints
+    /// of all releases. The user's hints take precedence over the published ones.
+    pub(crate) fn new(
+        source: Arc<Definitions>,
+        library: &Library,
+        to: &Library,
+        hints: Option<&Path>,
+    ) -> Result<Self, Failure> {
+        let target = Arc::clone(to.base());
+        let Some(release) = target.releases().first().cloned() else {
+            return Err(Failure::new("the target is not a release"));
+        };
+        let hints = HintFiles::read(hints)?;
+        let mut packages = BTreeMap::new();
+        let mut versions = Vec::new();
+        for (index, package) in source.schema.packages.iter().enumerate() {
+            let ros_package = &package.ros_package;
+            let twin = target.schema.packages.iter().position(|twin| twin.ros_package == *ros_package);
+            let first = package.messages.first().and_then(|id| source.release_of(*id));
+            let (Some(twin), Some(from)) = (twin, first.filter(|from| from.family == release.family)) else {
+                continue;
+            };
+            let index_of = |label: &str| library.index().find(label);
+            let is_forward = index_of(&from.label) <= index_of(&release.label);
+            let before = Version { schema: &source.schema, package: index };
+            let after = Version { schema: &target.schema, package: twin };
+            let pair = if is_forward { (before, after) } else { (after, before) };
+            let conversions = Conversions::between(pair.0, pair.1, &hints.hints);
+            versions.push(pair);
+            packages.insert(index, Package { conversions, is_forward });
+        }
+        let found: Vec<&Conversions> = packages.values().map(|package| &package.conversions).collect();
+        if !found.is_empty() {
+            hints.check(&found, &versions)?;
+        }
+        let text = write(&target.schema);
+        let texts = entries(&text).map(|entry| (full_name(&entry), entry.text.to_owned())).collect();
+        Ok(Self { source, target, release, packages, texts })
+    }
+
+    /// The definitions of the capture.
+    pub(super) fn source(&self) -> &Definitions {
+        &self.source
+    }
+
+    /// The releases of the capture that are converted.
+    pub(super) fn sources(&self) -> Vec<String> {
+        let releases = self.source.releases().iter().filter(|release| release.family == self.release.family);
+        releases.map(|release| release.label.clone()).collect()
+    }
+
+    pub(super) fn target_label(&self) -> &str {
+        &self.release.label
+    }
+
+    /// True if the type is part of the conversion.
+    pub(super) fn concerns(&self, id: MessageId) -> bool {
+        self.packages.contains_key(&self.source.schema.message(id).package)
+    }
+
+    /// The treatment of the messages of a type, on a topic.
+    pub(super) fn treatment(&self, id: MessageId, topic: &str) -> Treatment<'_> {
+        let message = self.source.schema.message(id);
+        let Some(Package { conversions, is_forward }) = self.packages.get(&message.package) else {
+            return Treatment::Copy;
+        };
+        let all = if *is_forward { &conversions.forward } else { &conversions.backward };
+        let target = |conversion: &Conversion| self.target.schema.message(conversion.to);
+        let name = topic_of(topic);
+        let has_topic = |conversion: &Conversion| target(conversion).topics.iter().any(|known| known == name);
+        // A topic may have another message in the target.
+        let found = all
+            .iter()
+            .filter(|conversion| conversion.from == id)
+            .max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name));
+        let Some(conversion) = found else {
+            return Treatment::LeaveOut(format!("{} has no message {}", self.release.title, message.name));
+        };
+        if let Some(reason) = self.undecided(conversion) {
+            return Treatment::LeaveOut(reason);
+        }
+        let source = self.source.types().get(id);
+        let converter = Converter::new(conversion, source, self.target.types().get(conversion.to));
+        Treatment::Convert(Box::new(Converted { conversion, converter, source }))
+    }
+
+    /// The reason why a conversion can't be used.
+    fn undecided(&self, conversion: &Conversion) -> Option<String> {
+        if conversion.is_decided() {
+            return None;
+        }
+        let more = conversion.undecided.len().saturating_sub(1);
+        let more = if more > 0 { format!(" (and {more} more)") } else { String::new() };
+        let own = conversion.undecided.first().map(|found| format!("{}{more}", found.message));
+        let nested = || {
+            let name = conversion.blocked_by.map(|id| self.target.schema.message(id).name.as_str());
+            format!("the conversion of the nested message {} is undecided", name.unwrap_or_default())
+        };
+        Some(format!("undecided: {}", own.unwrap_or_else(nested)))
+    }
+
+    /// The name in the output of a topic. PX4's topics for ROS 2 end with the version of the message.
+    pub(super) fn renamed(&self, topic: &str, conversion: &Conversion) -> Option<String> {
+        let version = |message: &uavspec_codegen::schema::Message| message.version.unwrap_or(0);
+        let before = version(self.source.schema.message(conversion.from));
+        let after = version(self.target.schema.message(conversion.to));
+        if before == after || !topic.contains("/fmu/") {
+            return None;
+        }
+        let unversioned = if before == 0 { topic } else { topic.strip_suffix(&format!("_v{before}"))? };
+        Some(if after == 0 { unversioned.to_owned() } else { format!("{unversioned}_v{after}") })
+    }
+
+    /// The full ROS name and the type hash of a message of the target.
+    pub(super) fn target_type(&self, id: MessageId) -> (String, &str) {
+        let message = self.target.schema.message(id);
+        (ros_name(&self.target.schema, message), &message.type_hash)
+    }
+
+    /// The definition of a message of the target with its nested messages, as bags store it.
+    pub(super) fn target_text(&self, id: MessageId) -> String {
+        let (mut text, mut known, mut waiting) = (String::new(), BTreeSet::from([id]), vec![id]);
+        while let Some(id) = waiting.pop() {
+            let message = self.target.schema.message(id);
+            let name = ros_name(&self.target.schema, message);
+            if !text.is_empty() {
+                text.push_str(&format!(
+                    "{}\nMSG: {}\n",
+                    "=".repeat(SEPARATOR),
+                    name.replacen("/msg/", "/", 1)
+                ));
+            }
+            text.push_str(self.texts.get(&name).map_or("", String::as_str));
+            for field in &message.fields {
+                if let Element::Message(nested) = field.ty.element
+                    && known.insert(nested)
+                {
+                    waiting.push(nested);
+                }
+            }
+        }
+        text
+    }
+}

@@ -1,0 +1,185 @@
+//! The report of a conversion.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde::Serialize;
+use uavspec_codegen::emit::docs::markdown::plural;
+
+use super::plan::Plan;
+use crate::text::{Grouped, shown};
+
+/// The version of the JSON form.
+const VERSION: u32 = 1;
+
+/// The maximum number of problems to list.
+const MAX_PROBLEMS: usize = 100;
+
+/// The result of a conversion.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct ConversionReport {
+    /// The version of this format.
+    pub(crate) version: u32,
+    /// The version of the program.
+    pub(crate) uavspec: String,
+    /// The path of the capture.
+    pub(crate) capture: String,
+    /// The releases that the capture agrees with, such as `px4@1.18`.
+    pub(crate) from: Vec<String>,
+    /// The target release.
+    pub(crate) to: String,
+    /// The topics, by name.
+    pub(crate) topics: Vec<Topic>,
+    /// The parts of the capture that can't be read.
+    pub(crate) problems: Vec<String>,
+    /// The number of problems that aren't listed.
+    pub(crate) more_problems: u64,
+}
+
+/// A topic of the capture.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Topic {
+    /// The name in the capture.
+    pub(crate) topic: String,
+    /// The name in the output, if it differs.
+    pub(crate) renamed: Option<String>,
+    pub(crate) action: Action,
+    /// The release of the source message.
+    pub(crate) from: Option<String>,
+    /// The reason for leaving out the messages or copying them unchanged.
+    pub(crate) reason: Option<String>,
+    /// The number of messages.
+    pub(crate) messages: u64,
+    /// The number of unreadable messages, which are left out.
+    pub(crate) unreadable: u64,
+    /// The first error.
+    pub(crate) error: Option<String>,
+    /// The data that the conversion loses.
+    pub(crate) losses: Vec<Loss>,
+}
+
+/// The treatment of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Action {
+    /// The messages have the type of the target release.
+    Converted,
+    /// The messages are copied unchanged.
+    Copied,
+    /// The messages aren't in the output.
+    LeftOut,
+}
+
+impl Action {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Converted => "converted",
+            Self::Copied => "copied",
+            Self::LeftOut => "left out",
+        }
+    }
+}
+
+/// Data that the conversion of a topic loses.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Loss {
+    /// The loss, in the words of the conversion.
+    pub(crate) text: String,
+    /// The number of messages that contain the data; `None` if it isn't counted.
+    pub(crate) messages: Option<u64>,
+}
+
+/// The problems in a capture.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Problems {
+    listed: Vec<String>,
+    more: u64,
+}
+
+impl Problems {
+    pub(super) fn add(&mut self, problem: String) {
+        if self.listed.len() < MAX_PROBLEMS {
+            self.listed.push(problem);
+        } else {
+            self.more += 1;
+        }
+    }
+}
+
+impl ConversionReport {
+    pub(super) fn new(path: &Path, plan: &Plan, mut topics: Vec<Topic>, problems: Problems) -> Self {
+        topics.sort_by(|left, right| (left.action, &left.topic).cmp(&(right.action, &right.topic)));
+        Self {
+            version: VERSION,
+            uavspec: env!("CARGO_PKG_VERSION").to_owned(),
+            capture: path.to_string_lossy().into_owned(),
+            from: plan.sources(),
+            to: plan.target_label().to_owned(),
+            topics,
+            problems: problems.listed,
+            more_problems: problems.more,
+        }
+    }
+
+    /// True if all data in the capture could be read.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.problems.is_empty() && self.topics.iter().all(|topic| topic.unreadable == 0)
+    }
+
+    /// The number of topics with an action.
+    pub(crate) fn count(&self, action: Action) -> usize {
+        self.topics.iter().filter(|topic| topic.action == action).count()
+    }
+
+    /// The report for people.
+    pub(crate) fn to_text(&self) -> String {
+        let from = if self.from.is_empty() { "no known release".to_owned() } else { self.from.join(", ") };
+        let mut text = format!("{}: {from} to {}\n", shown(&self.capture), self.to);
+        for topic in &self.topics {
+            topic.write(&mut text);
+        }
+        for problem in &self.problems {
+            let _ = writeln!(text, "  problem    {}", shown(problem));
+        }
+        if self.more_problems > 0 {
+            let _ = writeln!(text, "  problem    {} more", Grouped(self.more_problems));
+        }
+        let [converted, copied, left_out] =
+            [Action::Converted, Action::Copied, Action::LeftOut].map(|action| self.count(action));
+        let _ = writeln!(
+            text,
+            "{} converted, {copied} copied unchanged, {left_out} left out",
+            plural(converted as u64, "topic")
+        );
+        text
+    }
+}
+
+impl Topic {
+    fn write(&self, text: &mut String) {
+        let Self { topic, renamed, action, reason, messages, .. } = self;
+        let _ = write!(text, "  {:<10} {}", action.text(), shown(topic));
+        if let Some(renamed) = renamed {
+            let _ = write!(text, " as {}", shown(renamed));
+        }
+        let _ =
+            write!(text, ": {} {}", Grouped(*messages), if *messages == 1 { "message" } else { "messages" });
+        if let Some(reason) = reason {
+            let _ = write!(text, "; {}", shown(reason));
+        }
+        text.push('\n');
+        for loss in &self.losses {
+            let _ = match loss.messages {
+                Some(0) => continue,
+                Some(count) => {
+                    writeln!(text, "             {} ({} messages)", shown(&loss.text), Grouped(count))
+                }
+                None => writeln!(text, "             {}", shown(&loss.text)),
+            };
+        }
+        if let Some(error) = &self.error {
+            let count = plural(self.unreadable, "unreadable message");
+            let _ = writeln!(text, "             {count} left out; the first: {}", shown(error));
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Tests of `uavspec convert`: its output, its reports and its errors.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Cursor;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+use mcap::records::MessageHeader;
+use mcap::{MessageStream, WriteOptions};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// The definition of ArmingCheckRequest in PX4 1.16.
+const DEFINITION: &str = "uint32 MESSAGE_VERSION=0\nuint64 timestamp\nuint8 request_id\n";
+
+/// A bag with requests of PX4 1.16: a timestamp, and the given ids.
+fn bag(ids: &[u8]) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let mut writer =
+        WriteOptions::new().profile("ros2").compression(None).create(&mut bytes).expect("a writer");
+    let name = "px4_msgs/msg/ArmingCheckRequest";
+    let schema = writer.add_schema(name, "ros2msg", DEFINITION.as_bytes()).expect("a schema");
+    let topic = "/fmu/out/arming_check_request";
+    let channel = writer.add_channel(schema, topic, "cdr", &BTreeMap::new()).expect("a channel");
+    for (sequence, id) in (3..).zip(ids) {
+        let header = MessageHeader { channel_id: channel, sequence, log_time: 70, publish_time: 60 };
+        let payload = [&[0, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0][..], &[*id]].concat();
+        writer.write_to_known_channel(&header, &payload).expect("a message");
+    }
+    writer.finish().expect("a summary");
+    drop(writer);
+    bytes.into_inner()
+}
+
+fn run(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+    command.arg("convert").args(arguments).current_dir(folder).stdin(Stdio::null());
+    command.output().expect("it runs")
+}
+
+/// A folder with the bag `in.mcap`.
+fn workspace() -> TempDir {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("in.mcap"), bag(&[5, 6])).expect("a file");
+    folder
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).expect("UTF-8")
+}
+
+/// The names in a folder, also of hidden files.
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let names = entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn messages_get_the_type_of_the_target_release() {
+    let folder = workspace();
+    let output = run(folder.path(), &["in.mcap", "--to", "px4@1.17", "-o", "out.mcap", "--format", "json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((&report["from"][0], &report["to"]), (&"px4@1.16".into(), &"px4@1.17".into()));
+    assert_eq!(report["topics"][0]["action"], "converted");
+    assert_eq!(report["topics"][0]["messages"], 2);
+    let bytes = fs::read(folder.path().join("out.mcap")).expect("a file");
+    let messages: Vec<_> =
+        MessageStream::new(&bytes).expect("a bag").map(|message| message.expect("a message")).collect();
+    assert_eq!(messages.len(), 2);
+    // The id, padding, and the mask from the published hints.
+    assert_eq!(messages[1].data[12..], [6, 0, 0, 0, 255, 255, 255, 255]);
+    assert_eq!((messages[1].sequence, messages[1].log_time, messages[1].publish_time), (4, 70, 60));
+    let channel = &messages[0].channel;
+    assert_eq!(channel.topic, "/fmu/out/arming_check_request_v1");
+    let schema = channel.schema.as_ref().expect("a schema");
+    assert!(text(&schema.data).contains("uint32 valid_registrations_mask"));
+    let summary = mcap::Summary::read(&bytes).expect("a summary").expect("a summary");
+    assert_eq!(summary.stats.expect("statistics").message_count, 2);
+}
+
+#[test]
+fn hints_of_the_user_take_precedence() {
+    let folder = workspace();
+    let hint = "[[hint]]\nmessage = \"ArmingCheckRequest\"\nnew.valid_registrations_mask = 7\n";
+    fs::write(folder.path().join("hints.toml"), hint).expect("a file");
+    let output = run(folder.path(), &["in.mcap", "--to=px4@1.17", "-o=out.mcap", "--hints=hints.toml"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let bytes = fs::read(folder.path().join("out.mcap")).expect("a file");
+    let message = MessageStream::new(&bytes).expect("a bag").next().expect("a message").expect("a message");
+    assert_eq!(message.data[16..], [7, 0, 0, 0]);
+}
+
+#[test]
+fn invalid_usage_leaves_no_output() {
+    let folder = workspace();
+    let path = folder.path();
+    fs::write(path.join("wrong.toml"), "[[hint]]\nmessage = \"ArmingCheckRequest\"\nnew.winch = 7\n")
+        .expect("a file");
+    fs::write(path.join("log.ulg"), b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0").expect("a file");
+    fs::write(path.join("text"), "no capture").expect("a file");
+    let before = names(path);
+    for (arguments, status, wanted) in [
+        (&["in.mcap", "--to=px4@1.2", "-o=out.mcap"][..], 2, "unknown release `px4@1.2`"),
+        (&["in.mcap", "--to=px4@1.17", "--from=px5@1", "-o=out.mcap"], 2, "unknown release `px5@1`"),
+        (&["in.mcap", "--to=px4@1.17", "--hints=wrong.toml", "-o=out.mcap"], 2, "wrong.toml:3:"),
+        (&["in.mcap", "--to=px4@1.17", "--hints=none.toml", "-o=out.mcap"], 2, "none.toml: "),
+        (
+            &["in.mcap", "--to=px4@1.17", "--hints=wrong.toml", "-o=wrong.toml"],
+            2,
+            "would overwrite the input",
+        ),
+        (&["none.mcap", "--to=px4@1.17", "-o=out.mcap"], 3, "none.mcap: "),
+        (&["log.ulg", "--to=px4@1.17", "-o=out.mcap"], 3, "expected MCAP"),
+        (&["text", "--to=px4@1.17", "-o=out.mcap"], 3, "unknown file type"),
+        (&["in.mcap", "--to=px4@1.17", "-o=none/out.mcap"], 3, "none/out.mcap: "),
+    ] {
+        let output = run(path, arguments);
+        let printed = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(status), "{arguments:?}: {printed}");
+        assert!(printed.contains(wanted), "{arguments:?}: {printed}");
+        assert_eq!(names(path), before, "{arguments:?}");
+    }
+}
+
+#[test]
+fn the_output_never_replaces_the_input() {
+    let folder = workspace();
+    let before = fs::read(folder.path().join("in.mcap")).expect("a file");
+    fs::hard_link(folder.path().join("in.mcap"), folder.path().join("hard.mcap")).expect("a link");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("in.mcap", folder.path().join("soft.mcap")).expect("a link");
+    let soft: &[&str] = if cfg!(unix) { &["soft.mcap"] } else { &[] };
+    for output in ["in.mcap", "./in.mcap", "hard.mcap"].iter().chain(soft) {
+        let result = run(folder.path(), &["in.mcap", "--to=px4@1.17", "-o", output]);
+        assert_eq!(result.status.code(), Some(2), "{output}");
+        assert!(text(&result.stderr).contains("would overwrite the input"), "{output}");
+    }
+    assert_eq!(fs::read(folder.path().join("in.mcap")).expect("a file"), before);
+}
+
+#[test]
+fn a_truncated_bag_is_converted_as_far_as_possible() {
+    let folder = workspace();
+    let bytes = bag(&[5; 100]);
+    fs::write(folder.path().join("in.mcap"), &bytes[..bytes.len() / 3]).expect("a file");
+    let output = run(folder.path(), &["in.mcap", "--to=px4@1.17", "-o=out.mcap"]);
+    assert_eq!(output.status.code(), Some(6), "{}", text(&output.stdout));
+    assert!(text(&output.stdout).contains("truncated"), "{}", text(&output.stdout));
+    assert!(text(&output.stderr).contains("incomplete"), "{}", text(&output.stderr));
+    let bytes = fs::read(folder.path().join("out.mcap")).expect("a file");
+    let count = MessageStream::new(&bytes).expect("a bag").filter(Result::is_ok).count();
+    assert!((1..100).contains(&count), "{count}");
+}
+
+#[test]
+fn unreadable_messages_are_counted() {
+    let folder = workspace();
+    let mut bytes = Cursor::new(Vec::new());
+    let mut writer = WriteOptions::new().compression(None).create(&mut bytes).expect("a writer");
+    let name = "px4_msgs/msg/ArmingCheckRequest";
+    let schema = writer.add_schema(name, "ros2msg", DEFINITION.as_bytes()).expect("a schema");
+    let channel = writer.add_channel(schema, "/request", "cdr", &BTreeMap::new()).expect("a channel");
+    let header = MessageHeader { channel_id: channel, sequence: 0, log_time: 0, publish_time: 0 };
+    writer.write_to_known_channel(&header, &[0, 1, 0, 0, 9]).expect("a message");
+    writer.finish().expect("a summary");
+    drop(writer);
+    fs::write(folder.path().join("in.mcap"), bytes.into_inner()).expect("a file");
+    let output = run(folder.path(), &["in.mcap", "--to=px4@1.17", "-o=out.mcap"]);
+    assert_eq!(output.status.code(), Some(6), "{}", text(&output.stdout));
+    assert!(text(&output.stdout).contains("1 unreadable message left out"), "{}", text(&output.stdout));
+}
