@@ -102,7 +102,7 @@ fn invalid_usage_leaves_no_output() {
     fs::write(path.join("wrong.toml"), "[[hint]]\nmessage = \"ArmingCheckRequest\"\nnew.winch = 7\n")
         .expect("a file");
     fs::write(path.join("log.ulg"), b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0").expect("a file");
-    fs::write(path.join("text"), "no capture").expect("a file");
+    fs::write(path.join("text"), [1, 2, 3, 4]).expect("a file");
     let before = names(path);
     for (arguments, status, wanted) in [
         (&["in.mcap", "--to=px4@1.2", "-o=out.mcap"][..], 2, "unknown release `px4@1.2`"),
