@@ -104,7 +104,7 @@ enum Room {
 
 #[derive(Debug)]
 enum Element {
-    /// The same bytes.
+    /// Bytes that stay the same.
     Bytes,
     /// A `char[N]` of PX4.
     Text,

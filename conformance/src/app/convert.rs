@@ -40,6 +40,9 @@ Exit status:
   5  no topic was converted; the output is a copy
   6  incomplete: some data can't be read";
 
+/// The exit status after a second Ctrl-C: 128 plus the number of SIGINT.
+const INTERRUPTED: i32 = 130;
+
 /// Arguments of `convert`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
@@ -84,8 +87,8 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
     };
     outputs::check(&inputs, &[Output::new("--output", &args.output)])?;
     let source = args.from.as_deref().map_or_else(|| Ok(Library::built_in()), Library::release);
-    let source = source.map_err(usage)?;
-    let target = Library::release(&args.to).map_err(usage)?;
+    let source = source.map_err(|failure| usage(&failure))?;
+    let target = Library::release(&args.to).map_err(|failure| usage(&failure))?;
     let interrupted = interruption()?;
     let progress = Progress::bytes(std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len()));
     let opened = open_path(&args.input, &source, &|input| {
@@ -95,7 +98,7 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
     let failed = |error: &str| unreadable(&args.input, error);
     let opened = opened.map_err(|error| failed(&error.to_string()))?.map_err(|reason| failed(&reason))?;
     let plan = Plan::new(Arc::clone(&opened.definitions), &source, &target, args.hints.as_deref());
-    let plan = plan.map_err(usage)?;
+    let plan = plan.map_err(|failure| usage(&failure))?;
     let report = write(args, opened, &plan, &interrupted);
     drop(progress);
     let report = report?;
@@ -137,8 +140,7 @@ fn write(
             let problem = format!("captures in the format {name} can't be converted; expected MCAP");
             Err(unreadable(&args.input, &problem))
         }
-        (Err(Error::Write(error)), _) => Err(unreadable(&args.output, &error.to_string())),
-        (_, Err(error)) => Err(unreadable(&args.output, &error.to_string())),
+        (Err(Error::Write(error)), _) | (_, Err(error)) => Err(unreadable(&args.output, &error.to_string())),
         (Err(Error::Format(_)), Ok(())) => Err(Status::Unreadable),
     }
 }
@@ -160,7 +162,7 @@ fn status(report: &ConversionReport) -> Status {
     Status::Conforms
 }
 
-fn usage(failure: Failure) -> Status {
+fn usage(failure: &Failure) -> Status {
     terminal::eprintln!("{failure}");
     Status::Usage
 }
@@ -174,7 +176,13 @@ fn unreadable(path: &Path, error: &str) -> Status {
 fn interruption() -> Result<Arc<AtomicBool>, Status> {
     let interrupted = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&interrupted);
-    ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed)).map_err(|error| {
+    let interrupt = move || {
+        // A pipe that sends nothing delays the end after the first signal.
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(INTERRUPTED);
+        }
+    };
+    ctrlc::set_handler(interrupt).map_err(|error| {
         terminal::error(format_args!("can't handle signals: {error}"), None);
         Status::Unreadable
     })?;

@@ -9,7 +9,7 @@ use mcap::{McapError, WriteOptions, Writer};
 use uavspec_runtime::cdr::ByteOrder;
 
 use super::plan::{Converted, Plan, Treatment};
-use super::report::{Action, Loss, Problems, Topic};
+use super::report::{Action, Loss, Problems, TopicReport};
 use super::{Error, Settings};
 use crate::capture::mcap::{Event, Item, Reader};
 use crate::check::{HASH, decompressed, definition_of, states_other_type};
@@ -28,7 +28,7 @@ struct Channel<'p> {
     converted: Option<Box<Converted<'p>>>,
     /// The number of messages that contain the data of each loss.
     losses: Vec<u64>,
-    topic: Topic,
+    topic: TopicReport,
 }
 
 struct Stream<'p, 'o> {
@@ -46,7 +46,7 @@ pub(super) fn convert(
     plan: &Plan,
     settings: Settings,
     output: &mut dyn Write,
-) -> Result<(Vec<Topic>, Problems), Error> {
+) -> Result<(Vec<TopicReport>, Problems), Error> {
     let (mut reader, mut problems) = (Reader::new(input), Problems::default());
     let (mut output, mut stream) = (Some(output), None);
     loop {
@@ -232,7 +232,7 @@ fn treatment<'p>(
     let treatment = match encoding {
         "cdr" if states_other_type(stated, metadata, id, definitions) => {
             let release = definitions.release_of(id).map_or("", |release| &release.title);
-            Treatment::LeaveOut(format!("its type differs from {release} and all other known releases"))
+            Treatment::LeaveOut(format!("its fields differ from {release}"))
         }
         "cdr" => plan.treatment(id, topic),
         "json" => Treatment::LeaveOut("JSON messages of bags can't be converted".to_owned()),
@@ -241,8 +241,8 @@ fn treatment<'p>(
     (definitions.release_of(id).map(|release| release.label.clone()), treatment)
 }
 
-fn new_topic(topic: String) -> Topic {
-    Topic {
+fn new_topic(topic: String) -> TopicReport {
+    TopicReport {
         topic,
         renamed: None,
         action: Action::LeftOut,
@@ -270,7 +270,7 @@ impl Converted<'_> {
 }
 
 impl Channel<'_> {
-    fn close(self) -> Topic {
+    fn close(self) -> TopicReport {
         let Self { converted, losses, mut topic, .. } = self;
         if let Some(converted) = converted {
             let counted = converted.conversion.losses.iter().zip(losses).enumerate();

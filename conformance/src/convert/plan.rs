@@ -72,7 +72,7 @@ impl HintFiles {
             hints = read_hints(&sources, id);
         }
         let Some(path) = path else { return Ok(Self { sources, hints, own: None }) };
-        let name = terminal::path(path).to_string();
+        let name = terminal::path(path);
         let text = fs::read(path).map_err(|error| Failure::new(format!("{name}: {error}")))?;
         let id = sources
             .add(name.clone(), text)
@@ -173,7 +173,7 @@ impl Plan {
             .filter(|conversion| conversion.from == id)
             .max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name));
         let Some(conversion) = found else {
-            return Treatment::LeaveOut(format!("{} has no message {}", self.release.title, message.name));
+            return Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name));
         };
         if let Some(reason) = self.undecided(conversion) {
             return Treatment::LeaveOut(reason);
@@ -223,11 +223,8 @@ impl Plan {
             let message = self.target.schema.message(id);
             let name = ros_name(&self.target.schema, message);
             if !text.is_empty() {
-                text.push_str(&format!(
-                    "{}\nMSG: {}\n",
-                    "=".repeat(SEPARATOR),
-                    name.replacen("/msg/", "/", 1)
-                ));
+                let name = name.replacen("/msg/", "/", 1);
+                text.extend([&*"=".repeat(SEPARATOR), "\nMSG: ", &name, "\n"]);
             }
             text.push_str(self.texts.get(&name).map_or("", String::as_str));
             for field in &message.fields {

@@ -29,7 +29,7 @@ pub(crate) struct ConversionReport {
     /// The target release.
     pub(crate) to: String,
     /// The topics, by name.
-    pub(crate) topics: Vec<Topic>,
+    pub(crate) topics: Vec<TopicReport>,
     /// The parts of the capture that can't be read.
     pub(crate) problems: Vec<String>,
     /// The number of problems that aren't listed.
@@ -38,7 +38,7 @@ pub(crate) struct ConversionReport {
 
 /// A topic of the capture.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Topic {
+pub(crate) struct TopicReport {
     /// The name in the capture.
     pub(crate) topic: String,
     /// The name in the output, if it differs.
@@ -107,7 +107,7 @@ impl Problems {
 }
 
 impl ConversionReport {
-    pub(super) fn new(path: &Path, plan: &Plan, mut topics: Vec<Topic>, problems: Problems) -> Self {
+    pub(super) fn new(path: &Path, plan: &Plan, mut topics: Vec<TopicReport>, problems: Problems) -> Self {
         topics.sort_by(|left, right| (left.action, &left.topic).cmp(&(right.action, &right.topic)));
         Self {
             version: VERSION,
@@ -155,7 +155,7 @@ impl ConversionReport {
     }
 }
 
-impl Topic {
+impl TopicReport {
     fn write(&self, text: &mut String) {
         let Self { topic, renamed, action, reason, messages, .. } = self;
         let _ = write!(text, "  {:<10} {}", action.text(), shown(topic));

@@ -125,7 +125,7 @@ fn unconverted_messages_are_kept_on_request() {
     let left_out = report.count(Action::LeftOut);
     assert!(left_out > 10, "{left_out}");
     let text = report.to_text();
-    assert!(text.contains("PX4 1.13 has no message"), "{text}");
+    assert!(text.contains("PX4 1.13 lacks the message"), "{text}");
     let (kept, output) = converted(&bytes, "px4@1.13", Settings { keeps_unconverted: true });
     assert_eq!((kept.count(Action::LeftOut), kept.count(Action::Copied)), (0, left_out));
     assert_eq!(checked(&output).result.records, bag.messages.len() as u64);
@@ -137,13 +137,16 @@ fn types_that_no_release_defines_are_left_out() {
     let mut bag = flight("px4@1.17");
     let at =
         bag.channels.iter().position(|channel| channel.topic.contains("battery_status")).expect("a channel");
-    bag.channels[at].text.push_str("\n");
+    bag.channels[at].text.push('\n');
     bag.channels[at].text.insert_str(0, "uint8 cells_of_the_club\n");
     bag.channels[at].hash.clear();
     let (report, _) = converted(&bag.to_bytes(), "px4@1.16", Settings::default());
     let topic = report.topics.iter().find(|topic| topic.topic == bag.channels[at].topic).expect("the topic");
     assert_eq!(topic.action, Action::LeftOut);
-    assert!(topic.reason.as_ref().is_some_and(|reason| reason.contains("differs")), "{topic:?}");
+    assert!(
+        topic.reason.as_ref().is_some_and(|reason| reason.contains("its fields differ from PX4 1.17")),
+        "{topic:?}"
+    );
 }
 
 #[test]

@@ -176,7 +176,7 @@ impl Leaf {
 /// Compares a number with its conversion.
 fn is_same(value: Computed, converted: Computed) -> bool {
     match (value, converted) {
-        (Computed::Float(value), Computed::Float(other)) => value == other || value.is_nan(),
+        (Computed::Float(value), Computed::Float(other)) => value.total_cmp(&other).is_eq() || value.is_nan(),
         #[allow(clippy::cast_possible_truncation)] // the value was an integer
         (Computed::Int(value), Computed::Float(other)) => value == other as i128,
         (value, other) => value == other,
