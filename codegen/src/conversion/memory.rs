@@ -3,6 +3,7 @@
 mod compile;
 mod lost;
 mod number;
+mod place;
 
 use std::fmt;
 
@@ -10,6 +11,7 @@ use uavspec_runtime::Scalar;
 
 use self::lost::Test;
 use self::number::{Number, read, write};
+use self::place::{Place, Room};
 use super::expression::Expression;
 use super::plan::Conversion;
 use crate::dynamic::{DynamicMessage, MessageType, SLOT, copy_short, part, sequence};
@@ -86,22 +88,6 @@ struct Transfer {
     rest: Option<[u8; 8]>,
 }
 
-/// The location of a field in a message.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    at: usize,
-    stride: usize,
-    room: Room,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Room {
-    /// An array among the fields.
-    Fixed(usize),
-    /// A sequence with its maximum length.
-    Varying(Option<u32>),
-}
-
 #[derive(Debug)]
 enum Element {
     /// Bytes that stay the same.
@@ -145,7 +131,7 @@ impl<'t> Converter<'t> {
     pub fn convert(&self, message: &DynamicMessage<'_>) -> Result<DynamicMessage<'t>, TooLarge> {
         let mut run = Run { source: message.memory(), target: self.program.initial.clone() };
         run.program(&self.program, 0, 0).ok_or(TooLarge)?;
-        Ok(self.target.with_memory(run.target))
+        Ok(DynamicMessage::of_memory(self.target, run.target))
     }
 
     /// Counts the losses that change a message: one number for each [loss](Conversion::losses). 0 and NaN, and empty

@@ -14,6 +14,11 @@ pub struct DynamicMessage<'t> {
 }
 
 impl<'t> DynamicMessage<'t> {
+    /// A message from its bytes in memory.
+    pub(crate) fn of_memory(ty: MessageType<'t>, buffer: Vec<u8>) -> Self {
+        Self { ty, buffer }
+    }
+
     /// Type of the message.
     pub fn message_type(&self) -> MessageType<'t> {
         self.ty

@@ -4,7 +4,6 @@ use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;
 
 use super::error::{Defect, Error, Reason};
-use super::message::DynamicMessage;
 use super::plan::{Element, Plan};
 use crate::schema::{MessageId, Shape};
 
@@ -94,11 +93,6 @@ impl<'t> MessageType<'t> {
     /// Size of the fields in memory. Strings and elements of sequences follow them.
     pub(crate) fn fixed_size(self) -> usize {
         self.plan.size.padded
-    }
-
-    /// A message of this type in memory.
-    pub(crate) fn with_memory(self, buffer: Vec<u8>) -> DynamicMessage<'t> {
-        DynamicMessage { ty: self, buffer }
     }
 
     /// The reason why the type is unusable. All operations then fail.

@@ -3,26 +3,14 @@
 use uavspec_runtime::Scalar;
 
 use super::number::{Number, write};
-use super::{Compute, Element, Operation, Place, Program, Room, Span, Transfer};
+use super::place::{Place, Room};
+use super::{Compute, Element, Operation, Program, Span, Transfer};
 use crate::conversion::expression::{Computed, Expression};
 use crate::conversion::plan::{Conversion, Copy, Elements, Neutral, Step};
 use crate::dynamic::{MessageType, Placed, PlacedElement, sequence};
-use crate::schema::Shape;
 
 /// The operations of an array of messages are listed for each element if there are at most this number.
 const MAX_LISTED: usize = 256;
-
-impl Place {
-    pub(super) fn of(field: &Placed<'_>) -> Self {
-        let room = match field.shape {
-            Shape::Single => Room::Fixed(1),
-            Shape::Array(length) => Room::Fixed(length as usize),
-            Shape::Bounded(bound) => Room::Varying(Some(bound)),
-            Shape::Sequence => Room::Varying(None),
-        };
-        Self { at: field.offset, stride: field.stride, room }
-    }
-}
 
 /// Compiles a conversion.
 pub(super) fn program(conversion: &Conversion, source: MessageType<'_>, target: MessageType<'_>) -> Program {

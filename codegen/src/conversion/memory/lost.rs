@@ -3,7 +3,7 @@
 use uavspec_runtime::Scalar;
 
 use super::number::{characters, read, text, write};
-use super::{Place, Room};
+use super::place::{Place, Room};
 use crate::conversion::expression::Computed;
 use crate::conversion::plan::{Conversion, Copy, Elements, LossKind, Step};
 use crate::dynamic::{MessageType, Placed, PlacedElement, part, sequence};
