@@ -22,15 +22,15 @@ fn compare(schema: &Schema, types: &Types, conversion: &Conversion, mut next: im
     for mask in [0xff, 0x3f] {
         let payload: Vec<u8> = (0..size.padded).map(|_| next() & mask).collect();
         let message = source.decode_uorb(&payload).expect("a message");
-        let converted = converter.convert(&message).expect("a message");
+        let result = converter.convert(&message).expect("a message");
         assert!(
-            converted
+            result
                 .to_uorb()
                 .is_ok_and(|payload| Some(payload.len()) == target.size().map(|size| size.padded))
         );
-        let (Ok(json), Ok(converted)) = (message.to_json(), converted.to_json()) else { continue };
+        let (Ok(json), Ok(result)) = (message.to_json(), result.to_json()) else { continue };
         let expected = conversion.convert_json((schema, schema), &json, &initial);
-        assert_eq!(converted, expected, "{}: {json}", source.name());
+        assert_eq!(result, expected, "{}: {json}", source.name());
         count += 1;
     }
     count
