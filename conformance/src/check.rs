@@ -291,7 +291,7 @@ fn check_path_with(
     path: &Path,
     message_id: Option<MessageId>,
     library: &Library,
-    mut observer: Option<&mut dyn Observer>,
+    observer: Option<&mut dyn Observer>,
     reading: Reading<'_>,
 ) -> io::Result<Checked> {
     if let Some(folder) = metadata::folder_of(path) {
@@ -300,27 +300,43 @@ fn check_path_with(
         let result = bag::check_folder(folder, CheckRun::observed_by(&definitions, observer), reading)?;
         return Ok(Checked { result, definitions });
     }
-    let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
     let input = reading(input::open(path)?);
+    let checked = input::decompressed(input).and_then(|(mut bytes, is_plain)| {
+        let file = (is_plain && path.is_file()).then_some(path);
+        check_with(Source { bytes: &mut bytes, file }, message_id, library, observer)
+    });
+    Ok(checked.unwrap_or_else(|error| {
+        let result = CaptureResult::unknown(format!("the file can't be read: {error}"));
+        Checked { result, definitions: Arc::clone(library.base()) }
+    }))
+}
+
+/// Like [`check_capture`], with the definitions that the library chooses.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn check_bytes(mut bytes: &[u8], library: &Library) -> io::Result<Checked> {
+    check_with(Source { bytes: &mut bytes, file: None }, None, library, None)
+}
+
+/// Chooses the definitions of a capture from its start, and checks the readable part.
+fn check_with(
+    source: Source<'_>,
+    message_id: Option<MessageId>,
+    library: &Library,
+    mut observer: Option<&mut dyn Observer>,
+) -> io::Result<Checked> {
     let mut definitions = None;
-    let result = input::decompressed(input)
-        .and_then(|(mut bytes, is_plain)| {
-            let file = (is_plain && path.is_file()).then_some(path);
-            check_source(Source { bytes: &mut bytes, file }, message_id, &mut |kind, source| {
-                let mut start = Vec::new();
-                let mut clues = Clues::default();
-                if library.depends_on_capture() {
-                    let mut ahead = Ahead::new(source.bytes);
-                    clues = (kind.clues)(&mut Source { bytes: &mut ahead, file });
-                    start = ahead.bytes;
-                }
-                let chosen = definitions.insert(library.choose(&clues));
-                let whole = &mut io::Cursor::new(start).chain(source.bytes);
-                let run = CheckRun::observed_by(chosen, observer.as_deref_mut());
-                (kind.check)(Source { bytes: whole, file }, message_id, run)
-            })
-        })
-        .unwrap_or_else(unreadable);
+    let result = check_source(source, message_id, &mut |kind, source| {
+        let (mut start, mut clues) = (Vec::new(), Clues::default());
+        if library.depends_on_capture() {
+            let mut ahead = Ahead::new(source.bytes);
+            clues = (kind.clues)(&mut Source { bytes: &mut ahead, file: source.file });
+            start = ahead.bytes;
+        }
+        let chosen = definitions.insert(library.choose(&clues));
+        let whole = &mut io::Cursor::new(start).chain(source.bytes);
+        let run = CheckRun::observed_by(chosen, observer.as_deref_mut());
+        (kind.check)(Source { bytes: whole, file: source.file }, message_id, run)
+    })?;
     let definitions = definitions.unwrap_or_else(|| Arc::clone(library.base()));
     Ok(Checked { result, definitions })
 }

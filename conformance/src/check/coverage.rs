@@ -355,6 +355,12 @@ impl Coverage {
         self.count(PartResult::Undecodable)
     }
 
+    /// The number of topics that were checked against their own schema, with the noun; `None` if there are none.
+    pub(crate) fn own_schema(&self) -> Option<String> {
+        let count = self.count(PartResult::OwnSchema);
+        (count > 0).then(|| plural(count, self.unit.noun()))
+    }
+
     /// The checked topics, records and values, on one line. `noun` is the word for records.
     fn checked(&self, noun: &str) -> String {
         let mut parts = vec![format!("{} ({} %)", self.units.text(self.unit.noun()), self.units.percent())];
@@ -395,10 +401,8 @@ impl Coverage {
             let details = unchecked.map(Part::text).collect();
             lines.push(Line { details, ..Line::new("not checked", text) });
         }
-        let own = self.count(PartResult::OwnSchema);
-        if own > 0 {
-            let text = format!("{} checked against the schema in the file", plural(own, self.unit.noun()));
-            lines.push(Line::new("own schema", text));
+        if let Some(topics) = self.own_schema() {
+            lines.push(Line::new("own schema", format!("{topics} checked against the schema in the file")));
         }
         if self.empty > 0 {
             lines.push(Line::new("no records", plural(self.empty, self.unit.noun())));
