@@ -184,6 +184,38 @@ fn accepts_changing_objects() {
         session.notify(json!({ "type": "UAV-INF", "status": { "mast": state } }));
         objects(session, &["uav"], &["mast"]);
     });
+    // Without the end of the connection, after unreadable data, and after a gap, other answers may be missing.
+    let mut unreadable = session_with(None, alike);
+    let text = json!({ "t": 1_790_000_009.0, "conn": "tcp#2", "dir": "in", "raw": "No such type" });
+    unreadable.lines.insert(unreadable.lines.len() - 1, text);
+    assert_eq!(violated_by(&unreadable), [("FW-ENV-01", 1)]);
+    let mut reopened = session_with(None, alike);
+    reopened.lines.pop();
+    reopened.over("tcp#2", |_| ());
+    assert_eq!(violated_by(&reopened), []);
+    let mut bytes = session_with(None, alike).to_bytes();
+    let end = bytes.iter().take(bytes.len() - 1).rposition(|byte| *byte == b'\n').expect("lines") + 1;
+    bytes.splice(end..end, *b"{\"t\":1790000001,\"conn\"\n");
+    let result = check_capture(&bytes[..], None, &Definitions::built_in()).expect("bytes can be read");
+    assert_eq!((result.corruption.len(), result.findings.groups().count()), (1, 0));
+}
+
+/// A server that knows more reasons than the check stores handles the family.
+#[test]
+fn compares_up_to_16_reasons_for_rejections() {
+    let rejected = |number: usize| {
+        let session = over("tcp#2", |session| {
+            let kinds = [("FW-ENV-07", "UAV-SOAR", number), ("FW-ENV-24", "DEV-LIST", 1)];
+            for (rule, kind, number) in kinds {
+                for at in (0..number).rev() {
+                    let refused = json!({ "type": "ACK-NAK", "reason": format!("reason {at}") });
+                    session.tries_and_receives(rule_of(rule), "", json!({ "type": kind }), refused);
+                }
+            }
+        });
+        violated_by(&session)
+    };
+    assert_eq!((rejected(16), rejected(17)), (vec![("FW-ENV-24", 1)], vec![]));
     assert_eq!(violated_by(&session), []);
     // Lists with several filters may share objects.
     let session = over("tcp#2", |session| {
