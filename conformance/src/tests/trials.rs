@@ -102,6 +102,25 @@ fn one_answer_is_sufficient_over_udp() {
             assert_eq!(violated_by(&session), expected, "{rule}, {answered:?}");
         }
     }
+    // The lost part of a recording may contain other answers. The first request was answered.
+    let session = over("udp#1", |session| {
+        let id = session.tries(rule_of("FW-UDP-03"), "twice", ping());
+        session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
+        session.tries(rule_of("FW-UDP-03"), "twice", ping());
+    });
+    let mut lines: Vec<String> = session.lines.iter().map(ToString::to_string).collect();
+    lines.insert(lines.len() - 2, "{\"t\":1790000001,\"conn\"".to_owned());
+    let result = check_capture(lines.join("\n").as_bytes(), None, &Definitions::built_in());
+    let result = result.expect("bytes can be read");
+    assert_eq!((result.corruption.len(), result.findings.groups().count()), (1, 0));
+    // A status report shows that the server sends messages over UDP.
+    let session = over("udp#1", |session| {
+        let state = json!({ "id": "kite", "timestamp": 1_790_000_000_000_u64 });
+        let report = json!({ "type": "UAV-INF", "status": { "kite": state } });
+        (0..3).for_each(|_| session.notify(report.clone()));
+        session.tries(rule_of("FW-UDP-03"), "", ping());
+    });
+    assert_eq!(violated_by(&session), [("FW-UDP-03", 1)]);
     // Without any answer, it is unknown whether the service has ended.
     let silence =
         over("udp#1", |session| rules.iter().for_each(|rule| _ = session.tries(rule_of(rule), "", ping())));
@@ -110,6 +129,21 @@ fn one_answer_is_sufficient_over_udp() {
     for rule in ["FW-ENV-07", "FW-ENV-21", "FW-SYS-PING-01"] {
         assert_eq!(violated_by(&over("udp#1", |session| _ = session.tries(rule_of(rule), "", ping()))), []);
     }
+}
+
+#[test]
+fn up_to_64_trials_over_udp_are_separate() {
+    let subjects = |number: usize| {
+        let session = over("udp#1", |session| {
+            for at in 0..number {
+                session.tries(rule_of("FW-UDP-02"), &format!("trial {at}"), ping());
+            }
+        });
+        let result = checked(&session);
+        let subjects: Vec<String> = result.findings.groups().map(|group| group.subject.clone()).collect();
+        (subjects.len(), subjects.contains(&"message".to_owned()))
+    };
+    assert_eq!((subjects(64), subjects(65), subjects(66)), ((64, false), (65, true), (65, true)));
 }
 
 #[test]
