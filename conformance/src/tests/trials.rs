@@ -184,40 +184,6 @@ fn detects_supported_families_by_their_rejections() {
     assert_eq!(violated_by(&session_with(Some(false), alike)), [("FW-ENV-24", 1)]);
     assert_eq!(violated_by(&session_with(Some(true), alike)), []);
     assert_eq!(violated_by(&session_with(None, other)), []);
-}
-
-#[test]
-fn accepts_pipelined_answers() {
-    let in_order = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[0, 1, 2]));
-    assert_eq!((violated_by(&in_order), covered(&in_order, "FW-ENV-25")), (vec![], 3));
-    let reversed = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[2, 1, 0]));
-    assert_eq!(violated_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
-    let untried = over("tcp#2", |session| session.pipelines(rule_of("FW-TCP-02"), &[2, 1, 0]));
-    assert_eq!(violated_by(&untried), []);
-}
-
-#[test]
-fn accepts_changing_objects() {
-    let mast = ["kite", "mast"];
-    // Objects may appear or disappear before the last list.
-    for (before, after) in [(&["kite"][..], &mast[..]), (&mast[..], &["kite"][..])] {
-        let session = over("tcp#2", |session| {
-            objects(session, &[], before);
-            objects(session, &["beacon"], &["mast"]);
-            objects(session, &[], after);
-        });
-        assert_eq!(violated_by(&session), []);
-    }
-    // Notifications may report that an object disappears and reappears.
-    let session = over("tcp#2", |session| {
-        objects(session, &[], &["kite"]);
-        objects(session, &["beacon"], &["mast"]);
-        session.notify(json!({ "type": "OBJ-DEL", "ids": ["mast"] }));
-        objects(session, &[], &["kite"]);
-        let state = json!({ "id": "mast", "timestamp": 1_790_000_000_000_u64 });
-        session.notify(json!({ "type": "UAV-INF", "status": { "mast": state } }));
-        objects(session, &["uav"], &["mast"]);
-    });
     // Without the end of the connection, after unreadable data, and after a gap, other answers may be missing.
     let mut unreadable = session_with(None, alike);
     let text = json!({ "t": 1_790_000_009.0, "conn": "tcp#2", "dir": "in", "raw": "No such type" });
@@ -250,6 +216,92 @@ fn compares_up_to_16_reasons_for_rejections() {
         violated_by(&session)
     };
     assert_eq!((rejected(16), rejected(17)), (vec![("FW-ENV-24", 1)], vec![]));
+}
+
+#[test]
+fn accepts_pipelined_answers() {
+    let in_order = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[0, 1, 2]));
+    assert_eq!((violated_by(&in_order), covered(&in_order, "FW-ENV-25")), (vec![], 3));
+    let reversed = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[2, 1, 0]));
+    assert_eq!(violated_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
+    let untried = over("tcp#2", |session| session.pipelines(rule_of("FW-TCP-02"), &[2, 1, 0]));
+    assert_eq!(violated_by(&untried), []);
+    let unordered = over("udp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[2, 1, 0]));
+    assert_eq!((violated_by(&unordered), covered(&unordered, "FW-ENV-25")), (vec![], 0));
+    // A missing answer has no place in the order.
+    let first_missing = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[1, 5]));
+    assert_eq!((violated_by(&first_missing), covered(&first_missing, "FW-ENV-25")), (vec![], 1));
+}
+
+/// FW-ENV-25 checks only the order of answers, so FW-ENV-07 reports missing answers.
+#[test]
+fn reports_a_missing_answer_to_a_trial_once() {
+    for (rule, expected) in [("FW-ENV-25", vec![("FW-ENV-07", 1)]), ("FW-TCP-02", vec![("FW-TCP-02", 1)])] {
+        let session = over("tcp#2", |session| {
+            session.tries(rule_of(rule), "", ping());
+            session.wait(60.0);
+            session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+        });
+        assert_eq!(violated_by(&session), expected, "{rule}");
+    }
+}
+
+#[test]
+fn only_a_refused_connection_is_a_missing_connection() {
+    let session = over("tcp#2", |session| {
+        session.event("connect");
+        let line = session.lines.last_mut().expect("an event");
+        line["trial"] = "FW-SIO-02".into();
+    });
+    assert_eq!(violated_by(&session), []);
+}
+
+/// FW-ENV-10 reports a message with both members.
+#[test]
+fn an_error_next_to_a_body_is_not_a_refusal() {
+    let session = over("tcp#2", |session| {
+        let id = session.tries(rule_of("FW-TCP-03"), "after a line that is not JSON", ping());
+        session.answers(&id, json!({ "body": { "type": "ACK-ACK" }, "error": { "message": "No JSON" } }));
+    });
+    assert_eq!(violated_by(&session), [("FW-ENV-10", 1)]);
+}
+
+#[test]
+fn a_trial_of_a_ping_needs_the_usual_answer() {
+    let answered = |answer: Value| {
+        let session = over("tcp#2", |session| {
+            let id = session.tries(rule_of("FW-SYS-PING-01"), "", ping());
+            session.answers(&id, json!({ "body": answer }));
+        });
+        violated_by(&session)
+    };
+    assert_eq!(answered(json!({ "type": "ACK-ACK" })), []);
+    assert_eq!(answered(json!({ "type": "ACK-NAK", "reason": "No" })), [("FW-SYS-PING-01", 1)]);
+    assert_eq!(answered(json!({ "type": "UAV-LIST", "ids": [] })), [("FW-SYS-PING-01", 1)]);
+}
+
+#[test]
+fn accepts_changing_objects() {
+    let mast = ["kite", "mast"];
+    // Objects may appear or disappear before the last list.
+    for (before, after) in [(&["kite"][..], &mast[..]), (&mast[..], &["kite"][..])] {
+        let session = over("tcp#2", |session| {
+            objects(session, &[], before);
+            objects(session, &["beacon"], &["mast"]);
+            objects(session, &[], after);
+        });
+        assert_eq!(violated_by(&session), []);
+    }
+    // Notifications may report that an object disappears and reappears.
+    let session = over("tcp#2", |session| {
+        objects(session, &[], &["kite"]);
+        objects(session, &["beacon"], &["mast"]);
+        session.notify(json!({ "type": "OBJ-DEL", "ids": ["mast"] }));
+        objects(session, &[], &["kite"]);
+        let state = json!({ "id": "mast", "timestamp": 1_790_000_000_000_u64 });
+        session.notify(json!({ "type": "UAV-INF", "status": { "mast": state } }));
+        objects(session, &["uav"], &["mast"]);
+    });
     assert_eq!(violated_by(&session), []);
     // Lists with several filters may share objects.
     let session = over("tcp#2", |session| {
@@ -416,6 +468,12 @@ fn checks_ports_of_the_transport_in_use() {
     }
     let wrong = listed("udp#2", json!({ "tcp": 7001, "udp": 7001 }));
     assert_eq!(violated_by(&wrong), [("FW-SYS-PORTS-02", 1)]);
+    // Only the start of a connection states the port.
+    let mut paused = listed("tcp#2", json!({ "tcp": 9 }));
+    paused
+        .lines
+        .insert(2, json!({ "t": 1_790_000_000.2, "conn": "tcp#2", "dir": "event", "event": "paused" }));
+    assert_eq!(violated_by(&paused), [("FW-SYS-PORTS-02", 1)]);
     let mut unknown = listed("tcp#2", json!({ "tcp": 9 }));
     unknown.lines[1]["url"] = "hill".into();
     assert_eq!(violated_by(&unknown), []);
