@@ -129,7 +129,9 @@ mod tests {
 
     fn entered(fields: &[usize]) -> Path {
         let mut path = Path::default();
-        fields.iter().for_each(|field| path.enter(*field));
+        for field in fields {
+            path.enter(*field);
+        }
         path
     }
 
