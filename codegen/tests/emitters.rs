@@ -76,3 +76,21 @@ fn errors_in_outputs_are_shown_with_their_location() {
         assert!(expected.iter().all(|expected| message.contains(expected)), "{output}: {message}");
     }
 }
+
+/// Documentation comments start with `//` as well.
+#[test]
+fn constants_may_contain_slashes_before_any_character() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = folder.path().join("uavspec.toml");
+    let text = "[[package]]\nname = \"demo\"\ndialect = \"ros2\"\ninclude = [\"*.msg\"]\n[output]\nrust = { path = \"out\" }\n";
+    fs::write(&config, text).expect("a file");
+    let definition = "string A='//\u{e9}'\nstring B='//'\nstring C='https://example.org/\u{e9}'\n";
+    fs::write(folder.path().join("Wind.msg"), definition).expect("a file");
+    generate(&config).expect("output");
+    let files = walkdir::WalkDir::new(folder.path().join("out"));
+    let files = files.into_iter().filter_map(|entry| fs::read_to_string(entry.ok()?.path()).ok());
+    let code: String = files.collect();
+    for constant in ["\"//\u{e9}\"", "\"//\"", "\"https://example.org/\u{e9}\""] {
+        assert!(code.contains(constant), "{constant} is missing:\n{code}");
+    }
+}

@@ -28,20 +28,16 @@ mod open;
 #[doc(hidden)]
 pub mod parallel;
 mod release;
+mod run;
 mod summary;
 mod topic;
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
 
 use serde::Serialize;
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::{MessageId, Shape};
-use uavspec_codegen::source::Span;
-use uavspec_runtime::Scalar;
+use uavspec_codegen::schema::MessageId;
 
 #[cfg(test)]
 pub(crate) use self::bag::check_mcap;
@@ -52,7 +48,6 @@ use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
 #[doc(hidden)]
 pub use self::flockwave::FlockwaveChecker;
-use self::flockwave::Listeners;
 pub use self::flockwave::{FlockwaveSummary, TypeCount};
 pub use self::json::JsonSummary;
 #[doc(hidden)]
@@ -62,6 +57,7 @@ pub(crate) use self::observer::Observer;
 pub(crate) use self::open::{Opened, open_path};
 use self::release::Ahead;
 pub use self::release::{OtherRelease, ReleaseMatch};
+use self::run::{CheckRun, Logged, microseconds, time_offset};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 pub(crate) use self::topic::{definition_of, topic_of};
 #[cfg(test)]
@@ -69,13 +65,7 @@ pub(crate) use self::{json::check_json, log::check_ulog};
 use crate::capture::input;
 use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
 use crate::definitions::{Clues, Definitions, Library};
-use crate::flockwave::record::{Connection, Direction, SessionRecord};
-use crate::flockwave::session::{Exchange, Sessions};
-use crate::json::Tree;
-use crate::model::{Channel, Extent, Findings, Location, Message, Rule};
-use crate::rules::px4::Interest;
-use crate::rules::{RuleContext, px4};
-use crate::text::Grouped;
+use crate::model::{Extent, Findings, Location};
 
 /// The number of bytes used to detect the kind of a capture.
 const START: usize = SQLITE_MAGIC.len();
@@ -85,9 +75,6 @@ const SHOWN: usize = 8;
 
 /// The minimum number of magic bytes by which a capture can be identified if it is cut off within its magic.
 const MIN_MAGIC: usize = 4;
-
-/// The maximum number of distinct corrupt parts to report.
-const MAX_CORRUPT_PARTS: usize = 100;
 
 /// A kind of capture.
 struct Kind {
@@ -295,7 +282,7 @@ fn check_path_with(
     path: &Path,
     message_id: Option<MessageId>,
     library: &Library,
-    mut observer: Option<&mut dyn Observer>,
+    observer: Option<&mut dyn Observer>,
     reading: Reading<'_>,
 ) -> io::Result<Checked> {
     if let Some(folder) = metadata::folder_of(path) {
@@ -304,27 +291,43 @@ fn check_path_with(
         let result = bag::check_folder(folder, CheckRun::observed_by(&definitions, observer), reading)?;
         return Ok(Checked { result, definitions });
     }
-    let unreadable = |error| CaptureResult::unknown(format!("the file can't be read: {error}"));
     let input = reading(input::open(path)?);
+    let checked = input::decompressed(input).and_then(|(mut bytes, is_plain)| {
+        let file = (is_plain && path.is_file()).then_some(path);
+        check_with(Source { bytes: &mut bytes, file }, message_id, library, observer)
+    });
+    Ok(checked.unwrap_or_else(|error| {
+        let result = CaptureResult::unknown(format!("the file can't be read: {error}"));
+        Checked { result, definitions: Arc::clone(library.base()) }
+    }))
+}
+
+/// Like [`check_capture`], with the definitions that the library chooses.
+#[cfg(any(fuzzing, test))]
+pub(crate) fn check_bytes(mut bytes: &[u8], library: &Library) -> io::Result<Checked> {
+    check_with(Source { bytes: &mut bytes, file: None }, None, library, None)
+}
+
+/// Chooses the definitions of a capture from its start, and checks the readable part.
+fn check_with(
+    source: Source<'_>,
+    message_id: Option<MessageId>,
+    library: &Library,
+    mut observer: Option<&mut dyn Observer>,
+) -> io::Result<Checked> {
     let mut definitions = None;
-    let result = input::decompressed(input)
-        .and_then(|(mut bytes, is_plain)| {
-            let file = (is_plain && path.is_file()).then_some(path);
-            check_source(Source { bytes: &mut bytes, file }, message_id, &mut |kind, source| {
-                let mut start = Vec::new();
-                let mut clues = Clues::default();
-                if library.depends_on_capture() {
-                    let mut ahead = Ahead::new(source.bytes);
-                    clues = (kind.clues)(&mut Source { bytes: &mut ahead, file });
-                    start = ahead.bytes;
-                }
-                let chosen = definitions.insert(library.choose(&clues));
-                let whole = &mut io::Cursor::new(start).chain(source.bytes);
-                let run = CheckRun::observed_by(chosen, observer.as_deref_mut());
-                (kind.check)(Source { bytes: whole, file }, message_id, run)
-            })
-        })
-        .unwrap_or_else(unreadable);
+    let result = check_source(source, message_id, &mut |kind, source| {
+        let (mut start, mut clues) = (Vec::new(), Clues::default());
+        if library.depends_on_capture() {
+            let mut ahead = Ahead::new(source.bytes);
+            clues = (kind.clues)(&mut Source { bytes: &mut ahead, file: source.file });
+            start = ahead.bytes;
+        }
+        let chosen = definitions.insert(library.choose(&clues));
+        let whole = &mut io::Cursor::new(start).chain(source.bytes);
+        let run = CheckRun::observed_by(chosen, observer.as_deref_mut());
+        (kind.check)(Source { bytes: whole, file: source.file }, message_id, run)
+    })?;
     let definitions = definitions.unwrap_or_else(|| Arc::clone(library.base()));
     Ok(Checked { result, definitions })
 }
@@ -370,373 +373,4 @@ fn unknown_type(start: &[u8]) -> String {
 /// True if a capture starts with the magic, or ends within the magic after at least [`MIN_MAGIC`] bytes.
 fn has_magic(start: &[u8], magic: &[u8]) -> bool {
     start.starts_with(magic) || start.len() >= MIN_MAGIC && magic.starts_with(start)
-}
-
-/// The part of a check that all kinds of captures share: channels, sessions, and the rules that span several messages.
-struct CheckRun<'d> {
-    definitions: &'d Definitions,
-    findings: Findings,
-    /// The rules on sequences of messages.
-    followers: Vec<Follower>,
-    /// The checks of session rules.
-    listeners: Listeners<'d>,
-    /// Receives the records in addition to the rules.
-    observer: Option<&'d mut dyn Observer>,
-    /// The subscribers of each channel, by channel index.
-    channels: Vec<Subscribers>,
-    sessions: Sessions,
-    records: u64,
-    checked: u64,
-    /// The time at which logging began, in µs since boot, if the capture states it.
-    start: Option<u64>,
-    first: Option<u64>,
-    last: u64,
-    /// The corrupt parts by description.
-    corruption: HashMap<String, CorruptPart>,
-    more_corruption: u64,
-    extent: Extent,
-    clock: Clock,
-    /// The time of the current record in µs, if it isn't the timestamp of the message.
-    record_time: Option<u64>,
-    /// The log time and the sequence number of the current record, if it is in a bag.
-    logged: Option<Logged>,
-}
-
-/// The facts that a bag states about a message.
-#[derive(Clone, Copy, Debug)]
-struct Logged {
-    /// The time at which the message was recorded, in ns.
-    time: u64,
-    /// The sequence number.
-    sequence: Option<u32>,
-}
-
-/// A corrupt part: its first location and the number of occurrences.
-struct CorruptPart {
-    number: usize,
-    location: Location,
-    times: u64,
-}
-
-/// A rule that checks a sequence of messages, with its state.
-struct Follower {
-    rule: &'static Rule,
-    checker: Box<dyn px4::Checker>,
-    coverage: u64,
-}
-
-/// The rules that check the messages of a channel.
-#[derive(Default)]
-struct Subscribers {
-    /// The indices of the [`Follower`]s that receive the channel's messages.
-    followers: Vec<usize>,
-    /// The highest [`Interest`] among these followers.
-    interest: Interest,
-}
-
-impl Follower {
-    fn check<T>(
-        &mut self,
-        definitions: &Definitions,
-        findings: &mut Findings,
-        check: impl FnOnce(&mut dyn px4::Checker, &mut RuleContext<'_>) -> T,
-    ) -> T {
-        let Self { rule, checker, coverage } = self;
-        check(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
-    }
-}
-
-impl<'d> CheckRun<'d> {
-    fn new(definitions: &'d Definitions) -> Self {
-        let followers = px4::RULES.iter().filter_map(|rule| match rule.check {
-            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), coverage: 0 }),
-            px4::Check::Value | px4::Check::Source => None,
-        });
-        Self {
-            definitions,
-            findings: Findings::default(),
-            followers: followers.collect(),
-            listeners: Listeners::new(definitions),
-            observer: None,
-            channels: Vec::new(),
-            sessions: Sessions::default(),
-            records: 0,
-            checked: 0,
-            start: None,
-            first: None,
-            last: 0,
-            corruption: HashMap::new(),
-            more_corruption: 0,
-            extent: Extent::Whole,
-            clock: Clock::default(),
-            record_time: None,
-            logged: None,
-        }
-    }
-
-    /// Creates a run that passes the records to an observer as well, if there is one.
-    fn observed_by<'o: 'd>(
-        definitions: &'d Definitions,
-        observer: Option<&'d mut (dyn Observer + 'o)>,
-    ) -> Self {
-        let mut run = Self::new(definitions);
-        if let Some(observer) = observer {
-            run.observer = Some(observer);
-        }
-        run
-    }
-
-    /// Reserves the index of a new channel.
-    fn number_channel(&mut self) -> usize {
-        self.channels.push(Subscribers::default());
-        self.channels.len() - 1
-    }
-
-    fn opened(&mut self, channel: &Channel<'_>) {
-        let mut subscribers = Subscribers::default();
-        for (at, follower) in self.followers.iter_mut().enumerate() {
-            let opened = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
-                checker.opened(channel, context)
-            };
-            let interest = follower.check(self.definitions, &mut self.findings, opened);
-            if interest > Interest::Nothing {
-                subscribers.followers.push(at);
-                subscribers.interest = subscribers.interest.max(interest);
-            }
-        }
-        if let Some(observer) = &mut self.observer {
-            subscribers.interest = subscribers.interest.max(observer.opened(channel, self.definitions));
-        }
-        self.channels[channel.index] = subscribers;
-    }
-
-    fn closed(&mut self, channel: &Channel<'_>) {
-        self.followers.iter_mut().for_each(|follower| follower.checker.closed(channel));
-    }
-
-    /// Passes the capture's start time, in µs since boot, to the rules.
-    fn started(&mut self, time: u64) {
-        self.clock.start(time);
-        self.start = Some(time);
-        self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
-    }
-
-    /// True if a rule needs the field values of a channel's messages.
-    fn wants_values(&self, channel: usize) -> bool {
-        self.channels[channel].interest == Interest::Values
-    }
-
-    /// Passes a message to the rules of its channel. The message's values have already been checked.
-    fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
-        self.checked += 1;
-        // A log time of 0 is unknown.
-        if self.record_time.unwrap_or_default() == 0 {
-            self.include_timestamp(message.timestamp);
-        }
-        for at in &self.channels[channel.index].followers {
-            let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
-                checker.message(channel, message, context);
-            };
-            self.followers[*at].check(self.definitions, &mut self.findings, message);
-        }
-        if let Some(observer) = &mut self.observer {
-            let is_known = |time: &u64| *time > 0;
-            let time = self.record_time.filter(is_known).or(message.timestamp.filter(is_known));
-            observer.message(channel, message, time, self.definitions);
-        }
-        self.place(message.location, message.timestamp);
-    }
-
-    /// Adds the time to the findings in a message. `timestamp` is the timestamp of the message in µs.
-    fn place(&mut self, location: Location, timestamp: Option<u64>) {
-        let time = self.record_time.or(timestamp);
-        let logged = self.logged;
-        self.findings.complete(location, |detail| {
-            detail.time = time;
-            detail.log_time = logged.map(|logged| logged.time);
-            detail.sequence = logged.and_then(|logged| logged.sequence);
-        });
-    }
-
-    /// Sets the time of the current record, in µs since 1970, and extends the time span to include it. The timestamps of
-    /// messages don't count then, because they may have another clock.
-    fn record_at(&mut self, time: u64) {
-        self.record_time = Some(time);
-        self.include_timestamp(Some(time));
-        self.clock.start(time);
-        self.clock.set_utc(time, time);
-    }
-
-    /// Extends the time span to include a timestamp in µs. The first message of a topic may be older than the log: its
-    /// publisher sent it before logging began.
-    fn include_timestamp(&mut self, timestamp: Option<u64>) {
-        let is_logged =
-            |timestamp: &u64| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start);
-        if let Some(timestamp) = timestamp.filter(is_logged) {
-            self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
-            self.last = self.last.max(timestamp);
-        }
-    }
-
-    /// Extends the time span to include a time in seconds.
-    fn include_time(&mut self, time: Option<f64>) {
-        if let Some(time) = time.and_then(microseconds) {
-            self.record_at(time);
-        }
-    }
-
-    /// Passes a record of a session to the rules.
-    fn session_record(&mut self, record: &SessionRecord<'_>) {
-        if let Some(observer) = &mut self.observer {
-            observer.session_record(record, record.time.and_then(microseconds), self.definitions);
-        }
-        let exchange = self.sessions.follow(record, self.definitions.body_schemas());
-        self.record(&exchange);
-    }
-
-    /// Like `session_record`, for a status report whose content has already been checked.
-    fn checked_report(&mut self, record: &SessionRecord<'_>) {
-        let exchange = self.sessions.follow_checked(record);
-        self.listeners.checked_report(&exchange, &mut self.findings);
-        self.complete(&exchange);
-    }
-
-    /// Handles the end of a connection. `why` is the reason, if known.
-    fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
-        let (serial, unanswered) = self.sessions.ended(connection.index);
-        for request in unanswered {
-            let record = SessionRecord {
-                connection,
-                direction: Direction::Event,
-                time: None,
-                text: "",
-                value: None,
-                trial: None,
-                note: why,
-                location: request.location,
-            };
-            self.record(&Exchange::unanswered(&record, serial, request));
-        }
-    }
-
-    fn record(&mut self, exchange: &Exchange<'_>) {
-        self.listeners.record(exchange, &mut self.findings);
-        self.complete(exchange);
-    }
-
-    /// Adds the exchange to the findings that it caused.
-    fn complete(&mut self, exchange: &Exchange<'_>) {
-        let record = exchange.record;
-        self.findings.complete(record.location, |detail| {
-            let request = exchange.request.as_ref();
-            let time = record.time.or_else(|| request.and_then(|request| request.time));
-            detail.time = time.and_then(microseconds);
-            record.connection.name.clone_into(&mut detail.connection);
-            detail.request = request.map(|request| request.excerpt.clone()).unwrap_or_default();
-            // The value of a status report is reduced to some members, but the text is complete.
-            let line = Tree::read(record.text).ok();
-            let bare = line.as_ref().filter(|line| line.get("$fw.version").is_some());
-            if let Some(message) = line.as_ref().and_then(|line| line.get("msg")).or(bare)
-                && matches!(message, Tree::Object(_))
-            {
-                let path = if detail.path.is_empty() { "/body" } else { &detail.path };
-                detail.excerpt = message.excerpt_at(path);
-            }
-        });
-    }
-
-    fn dropout(&mut self, milliseconds: u16, location: Location) {
-        self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, location));
-    }
-
-    /// Handles an unreadable message on a channel. Stateful rules may depend on the message.
-    fn lost(&mut self, channel: usize, location: Location) {
-        self.place(location, None);
-        for at in &self.channels[channel].followers {
-            self.followers[*at].checker.corruption(location);
-        }
-    }
-
-    /// Like `lost`, for a message of an unknown channel.
-    fn lost_any(&mut self, location: Location) {
-        self.followers.iter_mut().for_each(|follower| follower.checker.corruption(location));
-        self.listeners.corruption(location);
-    }
-
-    /// The location of a topic's definition, if there is one.
-    fn definition_of(&self, topic: &str) -> Option<Span> {
-        let id = self.definitions.message_of_topic(topic)?;
-        Some(self.definitions.schema.message(id).span)
-    }
-
-    /// Records an unreadable part that was skipped.
-    fn gap(&mut self, location: Location, text: String) {
-        self.corruption(location, text, Extent::WithGaps);
-    }
-
-    /// Records a corrupt part, and the extent to which the capture is readable.
-    fn corruption(&mut self, location: Location, text: String, extent: Extent) {
-        self.extent = self.extent.max(extent);
-        self.lost_any(location);
-        self.sessions.lose();
-        let number = self.corruption.len();
-        match self.corruption.entry(text) {
-            Entry::Occupied(mut known) => known.get_mut().times += 1,
-            // The reason for an early stop is always reported.
-            Entry::Vacant(new) if number < MAX_CORRUPT_PARTS || extent == Extent::Unreadable => {
-                _ = new.insert(CorruptPart { number, location, times: 1 });
-            }
-            Entry::Vacant(_) => self.more_corruption += 1,
-        }
-    }
-
-    /// Records a read error, after which nothing more can be read.
-    fn unreadable(&mut self, location: Location, error: &io::Error) {
-        self.corruption(location, format!("the rest is unreadable: {error}"), Extent::Unreadable);
-    }
-
-    fn finish(mut self, bytes: u64, summary: Summary, unit: Unit, parts: Parts) -> CaptureResult {
-        for follower in &mut self.followers {
-            follower.check(self.definitions, &mut self.findings, |checker, context| checker.end(context));
-            self.findings.cover(follower.rule, follower.coverage);
-        }
-        self.listeners.end(&mut self.findings);
-        self.findings.close();
-        let mut corruption: Vec<(String, CorruptPart)> = self.corruption.into_iter().collect();
-        corruption.sort_by_key(|(_, reported)| reported.number);
-        let reported = |(text, reported): (String, CorruptPart)| match reported.times {
-            1 => (reported.location, text),
-            times => (reported.location, format!("{text} ({} times)", Grouped(times))),
-        };
-        CaptureResult {
-            summary,
-            bytes,
-            duration: self.first.map_or(0, |first| self.last - first),
-            end: self.last,
-            records: self.records,
-            checked: self.checked,
-            corruption: corruption.into_iter().map(reported).collect(),
-            more_corruption: self.more_corruption,
-            extent: self.extent,
-            clock: self.clock,
-            coverage: parts.finish(unit, self.records),
-            findings: self.findings,
-        }
-    }
-}
-
-/// A time in µs. `None` if it is negative.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the cast saturates
-fn microseconds(seconds: f64) -> Option<u64> {
-    (seconds >= 0.0).then_some((seconds * 1e6) as u64)
-}
-
-/// The offset of a field of type `uint64_t` in messages of a type, in bytes.
-fn time_offset(message_id: MessageType<'_>, name: &str) -> Option<usize> {
-    let is_time = |field: &Placed<'_>| {
-        field.name == name
-            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
-            && field.shape == Shape::Single
-    };
-    message_id.layout().find(is_time).map(|field| field.offset)
 }

@@ -14,7 +14,7 @@ mod watching;
 use std::io::{self, Read};
 use std::sync::LazyLock;
 
-use crate::definitions::Definitions;
+use crate::definitions::{Definitions, Library};
 
 /// A kind of input.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +52,9 @@ pub const TARGETS: &[Target] = &[
 
 /// The built-in definitions.
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
+
+/// The definitions of all releases.
+static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
 /// A reader that returns a few bytes at a time. The lengths vary.
 struct Pieces<'b> {

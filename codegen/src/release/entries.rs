@@ -10,6 +10,9 @@ use crate::source::SourceMap;
 /// The minimum length of a separator line. All writers use 80 characters.
 const MIN_SEPARATOR: usize = 40;
 
+/// All kinds of definitions.
+const KINDS: [Kind; 3] = [Kind::Message, Kind::Service, Kind::Action];
+
 /// A definition in a text with several definitions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Entry<'t> {
@@ -25,7 +28,7 @@ pub struct Entry<'t> {
 
 /// The definitions after separators. Text before the first separator is not part of the result.
 pub fn entries(text: &str) -> impl Iterator<Item = Entry<'_>> {
-    sections(text).into_iter().filter_map(|section| {
+    sections(text, &KINDS).into_iter().filter_map(|section| {
         let (kind, full_name) = section.heading?;
         let (package, name) = full_name.rsplit_once('/').unwrap_or(("", full_name));
         let package =
@@ -59,8 +62,9 @@ pub struct Section<'t> {
     pub text: &'t str,
 }
 
-/// Splits a text at its separators: a line of `=` characters, and a line such as `MSG: package/Name`.
-pub fn sections(text: &str) -> Vec<Section<'_>> {
+/// Splits a text at its separators: a line of `=` characters, and a line such as `MSG: package/Name`. Only definitions of
+/// these kinds start a section.
+pub fn sections<'t>(text: &'t str, kinds: &[Kind]) -> Vec<Section<'t>> {
     let mut found = Vec::new();
     let (mut heading, mut start, mut at) = (None, 0, 0);
     let mut lines = text.split_inclusive('\n').peekable();
@@ -68,7 +72,7 @@ pub fn sections(text: &str) -> Vec<Section<'_>> {
         let end = at + line.len();
         let bare = line.trim();
         let is_separator = bare.len() >= MIN_SEPARATOR && bare.bytes().all(|byte| byte == b'=');
-        if is_separator && let Some(next) = lines.peek().and_then(|line| heading_of(line)) {
+        if is_separator && let Some(next) = lines.peek().and_then(|line| heading_of(line, kinds)) {
             found.push(Section { heading, text: &text[start..at] });
             let length = lines.next().map_or(0, str::len);
             (heading, start, at) = (Some(next), end + length, end + length);
@@ -81,11 +85,10 @@ pub fn sections(text: &str) -> Vec<Section<'_>> {
 }
 
 /// The kind and the name that a line states, such as `MSG: package/Name`.
-fn heading_of(line: &str) -> Option<(Kind, &str)> {
+fn heading_of<'t>(line: &'t str, kinds: &[Kind]) -> Option<(Kind, &'t str)> {
     let (word, name) = line.trim().split_once(": ")?;
-    let kinds = [Kind::Message, Kind::Service, Kind::Action];
-    let kind = kinds.into_iter().find(|kind| heading_word(*kind) == word)?;
-    Some((kind, name.trim()))
+    let kind = kinds.iter().find(|kind| heading_word(**kind) == word)?;
+    Some((*kind, name.trim()))
 }
 
 /// The word before the name of a definition.
@@ -118,7 +121,7 @@ mod tests {
                 Entry { kind: Kind::Action, package: "sky_msgs", name: "Land", text: "---\n---" },
             ]
         );
-        assert_eq!(sections("").len(), 1);
-        assert_eq!(sections(&format!("{line}\n")).len(), 1);
+        assert_eq!(sections("", &KINDS).len(), 1);
+        assert_eq!(sections(&format!("{line}\n"), &KINDS).len(), 1);
     }
 }

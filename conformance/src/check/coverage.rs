@@ -355,6 +355,12 @@ impl Coverage {
         self.count(PartResult::Undecodable)
     }
 
+    /// The number of topics that were checked against their own schema, with the noun; `None` if there are none.
+    pub(crate) fn own_schema(&self) -> Option<String> {
+        let count = self.count(PartResult::OwnSchema);
+        (count > 0).then(|| plural(count, self.unit.noun()))
+    }
+
     /// The checked topics, records and values, on one line. `noun` is the word for records.
     fn checked(&self, noun: &str) -> String {
         let mut parts = vec![format!("{} ({} %)", self.units.text(self.unit.noun()), self.units.percent())];
@@ -395,14 +401,89 @@ impl Coverage {
             let details = unchecked.map(Part::text).collect();
             lines.push(Line { details, ..Line::new("not checked", text) });
         }
-        let own = self.count(PartResult::OwnSchema);
-        if own > 0 {
-            let text = format!("{} checked against the schema in the file", plural(own, self.unit.noun()));
-            lines.push(Line::new("own schema", text));
+        if let Some(topics) = self.own_schema() {
+            lines.push(Line::new("own schema", format!("{topics} checked against the schema in the file")));
         }
         if self.empty > 0 {
             lines.push(Line::new("no records", plural(self.empty, self.unit.noun())));
         }
         lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{MAX_PARTS, PartResult, Parts, Share, Tally, Unit};
+
+    /// Counts checked records at these times, in s.
+    fn tally(seconds: &[u64]) -> Tally {
+        let mut tally = Tally::default();
+        for second in seconds {
+            tally.records += 1;
+            tally.count(true, Some(second * 1_000_000));
+        }
+        tally
+    }
+
+    fn added(all: &[(&str, Tally)]) -> Parts {
+        let mut parts = Parts::default();
+        for (name, tally) in all {
+            let values = Share::of(2, 3).times(tally.checked, tally.records);
+            parts.add(name, PartResult::Checked, *tally, values);
+        }
+        parts
+    }
+
+    #[test]
+    fn parts_of_the_same_name_are_one() {
+        let all = [
+            ("kite", tally(&[4, 5, 6])),
+            ("kite", tally(&[1])),
+            ("owl", tally(&[])),
+            ("owl", tally(&[7])),
+            ("gull", tally(&[])),
+        ];
+        let coverage = added(&all).finish(Unit::Topic, 9);
+        let text = |share: Share| share.text("value");
+        let total = [coverage.units, coverage.records, coverage.values].map(text);
+        assert_eq!(total, ["2 of 2 values", "5 of 9 values", "10 of 15 values"]);
+        assert_eq!((coverage.more_parts, coverage.empty), (0, 1));
+        let parts: Vec<_> = coverage
+            .parts
+            .iter()
+            .map(|part| (part.name.as_str(), text(part.records), part.first, part.last, part.rate))
+            .collect();
+        let kite = ("kite", "4 of 4 values".to_owned(), Some(1_000_000), Some(6_000_000), Some(0.6));
+        assert_eq!(parts, [kite, ("owl", "1 of 1 value".to_owned(), Some(7_000_000), Some(7_000_000), None)]);
+    }
+
+    #[test]
+    fn unknown_times_do_not_count() {
+        let mut tally = tally(&[3, 0, 4]);
+        tally.records += 1;
+        tally.count(true, None);
+        let coverage = added(&[("kite", tally)]).finish(Unit::Topic, 4);
+        let part = &coverage.parts[0];
+        assert_eq!((part.first, part.last, part.rate), (Some(3_000_000), Some(4_000_000), Some(1.0)));
+        assert!(coverage.is_full() && !coverage.is_empty());
+    }
+
+    #[test]
+    fn parts_beyond_the_limit_are_counted() {
+        let mut parts = Parts::default();
+        for name in 0..MAX_PARTS + 2 {
+            parts.add(&name.to_string(), PartResult::Checked, Tally::of(0), Share::of(0, 0));
+            parts.add(&name.to_string(), PartResult::Checked, tally(&[1]), Share::of(1, 1));
+        }
+        parts.add("", PartResult::Checked, tally(&[1]), Share::of(1, 1));
+        parts.add("", PartResult::Checked, Tally::of(0), Share::of(0, 0));
+        for name in 0..MAX_PARTS + 2 {
+            parts.add(&format!("empty {name}"), PartResult::Checked, Tally::of(0), Share::of(0, 0));
+        }
+        let coverage = parts.finish(Unit::Type, 10_003);
+        assert_eq!((coverage.parts.len(), coverage.more_parts, coverage.empty), (MAX_PARTS, 3, 0));
+        assert_eq!(coverage.units.text("type"), "10,000 of 10,003 types");
+        assert_eq!(coverage.unchecked().as_deref(), Some("3 types not listed"));
+        assert_eq!(coverage.values.total, None);
     }
 }

@@ -15,7 +15,7 @@ use super::index::{Family, Index, ReleaseId};
 use super::{Definitions, LoadedRelease, Schemas};
 
 /// The maximum number of releases, with different messages of other releases, that stay in memory.
-const MAX_STORED: usize = 16;
+const MAX_STORED: usize = 8;
 
 /// The ROS package of PX4's messages.
 const PX4_ROS_PACKAGE: &str = "px4_msgs";

@@ -7,13 +7,13 @@ use flate2::write::GzEncoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use uavspec_codegen::translation::Translations;
 
-use super::{DEFINITIONS, Pieces};
+use super::{DEFINITIONS, LIBRARY, Pieces};
 #[cfg(feature = "db3")]
 use crate::capture::rosbag::SQLITE_MAGIC;
 #[cfg(feature = "db3")]
 use crate::capture::rosbag::metadata::Metadata;
 use crate::capture::{MCAP_MAGIC, ULOG_MAGIC, input};
-use crate::check::{CaptureResult, Summary, check_capture, check_json_thoroughly};
+use crate::check::{CaptureResult, Summary, check_bytes, check_capture, check_json_thoroughly};
 use crate::model::Location;
 use crate::report::story::{to_html, to_json, to_text};
 use crate::report::{CheckedCapture, Settings, Subject, subject_text};
@@ -126,6 +126,11 @@ fn capture(data: &[u8]) {
     story(data);
     let whole = rendered(whole);
     assert_eq!(rendered(result(check_capture(Pieces::new(data), None, &DEFINITIONS))), whole);
+    // The release is chosen from the start of the capture.
+    let chosen = check_bytes(data, &LIBRARY).unwrap_or_else(|error| panic!("bytes can be read: {error}"));
+    for found in chosen.result.summary.releases() {
+        assert!(found.matching + found.others.len() as u64 <= found.topics, "{found:?}");
+    }
 }
 
 /// Renders the story of a capture in each format. The text must not contain control characters, except line ends.

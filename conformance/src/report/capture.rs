@@ -210,8 +210,12 @@ impl Subject {
                 let found = warnings.as_deref().unwrap_or(NO_VIOLATIONS);
                 format!("{found}, partial coverage: {} fully checked", units())
             }
-            (_, Some(warnings)) => format!("conforms, with {warnings}"),
-            (_, None) => "conforms".to_owned(),
+            (_, warnings) => {
+                let warnings = warnings.map(|warnings| format!(", with {warnings}")).unwrap_or_default();
+                let own = self.coverage.own_schema();
+                let own = own.map(|topics| format!(", {topics} only to the schema in the file"));
+                format!("conforms{warnings}{}", own.unwrap_or_default())
+            }
         }
     }
 

@@ -15,8 +15,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Placed};
 use uavspec_codegen::emit::vectors;
-use uavspec_codegen::msg::{Dialect, Kind};
-use uavspec_codegen::schema::{Element, Field, Form, Message, MessageId, Restriction, Shape};
+use uavspec_codegen::schema::{Element, Field, Message, MessageId, Restriction, Shape};
 use uavspec_runtime::{Constraint, Number, Rule};
 
 pub(crate) use self::bag::Bag;
@@ -77,9 +76,9 @@ impl<'d> Flight<'d> {
         let schema = &definitions.schema;
         for ((index, message), text) in (0..).zip(&schema.messages).zip(vectors::typical(schema)) {
             let id = MessageId(index);
-            let topic = message.topics.first().filter(|_| is_published(message, definitions));
             let value = text.and_then(|text| serde_json::from_str::<Value>(&text).ok());
-            let Some((topic, value)) = topic.zip(value) else { continue };
+            // Only PX4 messages have topics.
+            let Some((topic, value)) = message.topics.first().zip(value) else { continue };
             let is_sized = definitions.types().get(id).size().is_some();
             if is_sized && value["timestamp"].is_u64() {
                 topics.push(Topic { name: topic.clone(), message: id });
@@ -189,7 +188,7 @@ impl<'d> Flight<'d> {
         let mut changed = self.clone();
         let mut reply = self.messages[at].clone();
         change(&mut reply.value);
-        changed.messages.insert(at + 1, reply);
+        changed.messages.insert(at, reply);
         Some(changed)
     }
 
@@ -255,11 +254,6 @@ fn violating_value(rule: Rule, field: &Field, restriction: &Restriction) -> Opti
         // NaN becomes null.
         Number::Float(value) => value.into(),
     })
-}
-
-fn is_published(message: &Message, definitions: &Definitions) -> bool {
-    let package = definitions.schema.package_of(message);
-    package.form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
 }
 
 /// The messages of external components, in the order in which a round sends them.
@@ -334,4 +328,28 @@ fn with(message: &Value, fields: &[(&str, Value)]) -> Value {
         }
     }
     message
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{COMPONENTS, Flight, REFUSED, ROUNDS};
+    use crate::definitions::Definitions;
+
+    #[test]
+    fn each_component_registers_once_and_leaves_once_at_most() {
+        let definitions = Definitions::built_in();
+        let flight = Flight::new(&definitions);
+        let messages = |name: &str| {
+            let topic = flight.topic(name).expect("a topic");
+            flight.messages.iter().filter(move |sent| sent.topic == topic).map(|sent| &sent.value)
+        };
+        let ids = COMPONENTS.map(|(id, _)| id);
+        let requested = messages("RegisterExtComponentRequest").map(|value| value["request_id"].as_u64());
+        assert_eq!(requested.collect::<Vec<_>>(), ids.map(Some));
+        let left = messages("UnregisterExtComponent").map(|value| value["arming_check_id"].as_u64());
+        assert_eq!(left.collect::<Vec<_>>(), [Some(5), Some(3)]);
+        let refused = messages("ArmingCheckReply").filter(|value| value["can_arm_and_run"] == false).count();
+        let rounds: u64 = COMPONENTS.iter().map(|(_, last)| last / REFUSED + 1).sum();
+        assert_eq!((refused as u64, messages("ArmingCheckRequest").count() as u64), (rounds, ROUNDS));
+    }
 }

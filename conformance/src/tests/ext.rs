@@ -911,7 +911,20 @@ fn without_masks_further_replies_imply_a_registration() {
         script.exchange(106, 110, &[]);
     });
     assert_eq!(once, 1);
+    let twice = left(&|script| {
+        script.exchange(105, 106, &[3]);
+        script.reply(105 * PERIOD + 9, 105, 3);
+        script.exchange(106, 110, &[]);
+    });
+    assert_eq!(twice, 1, "both replies answer the same request");
     assert_eq!(left(&|script| script.exchange(105, 110, &[3])), 0, "the component continues");
+    let returned = left(&|script| {
+        script.exchange(105, 107, &[]);
+        script.register(107 * PERIOD - 100, 3);
+        script.exchange(107, 108, &[3]);
+        script.exchange(108, 110, &[]);
+    });
+    assert_eq!(returned, 0, "the component registered again");
     // The registration follows the first reply.
     let registered = left(&|script| {
         script.exchange(105, 106, &[3]);

@@ -2,6 +2,7 @@
 
 mod certain;
 mod gaps;
+mod limits;
 mod operations;
 
 use crate::tests::support;

@@ -60,14 +60,14 @@ fn findings_have_a_definition_and_the_expected_value() {
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
     let fields = [
-        ("PX-EXT-01", "uint8 request_id"),
-        ("PX-EXT-02", "uint8 registration_id"),
-        ("PX-EXT-03", "#"),
-        ("PX-EXT-04", "Event[5] events"),
-        ("PX-EXT-05", "uint8 num_events"),
-        ("PX-FSF-03", "bool attitude_invalid"),
+        ("PX-EXT-01", "ArmingCheckReply", "uint8 request_id"),
+        ("PX-EXT-02", "ArmingCheckReply", "uint8 registration_id"),
+        ("PX-EXT-03", "ArmingCheckRequest", "#"),
+        ("PX-EXT-04", "ArmingCheckReply", "Event[5] events"),
+        ("PX-EXT-05", "ArmingCheckReply", "uint8 num_events"),
+        ("PX-FSF-03", "FailsafeFlags", "bool attitude_invalid"),
     ];
-    for (id, expected) in fields {
+    for (id, message, expected) in fields {
         let rule = rule(id).expect("a rule");
         for mutant in mutants().filter(|mutant| mutant.rule.id == id) {
             let captures = mutant.captures(&flight);
@@ -80,8 +80,9 @@ fn findings_have_a_definition_and_the_expected_value() {
                     !detail.expected.is_empty() && !detail.actual.is_empty(),
                     "{id}, {title}: {detail:?}"
                 );
-                let line = definitions.line(group.definition.expect("a definition")).text.trim();
-                assert!(line.starts_with(expected), "{id}, {title}: {line}");
+                let line = definitions.line(group.definition.expect("a definition"));
+                assert!(line.file.contains(message), "{id}, {title}: {}", line.file);
+                assert!(line.text.trim().starts_with(expected), "{id}, {title}: {}", line.text);
             }
         }
     }

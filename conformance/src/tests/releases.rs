@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use tempfile::TempDir;
 
 use super::support::shared;
-use crate::check::{Checked, ReleaseMatch, check_path};
+use crate::check::{Checked, ReleaseMatch, check_bytes, check_path};
 use crate::definitions::Library;
 use crate::model::Level;
 use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
@@ -81,6 +81,8 @@ fn captures_of_each_release_are_checked_against_it() {
         ] {
             let found = checked(file, &bytes);
             assert_eq!(chosen(&found), [(&*label, topics, topics, vec![])], "{kind}");
+            let streamed = check_bytes(&bytes, &LIBRARY).expect("bytes can be read");
+            assert_eq!(chosen(&streamed), chosen(&found), "{kind}");
             let fails = found.result.findings.groups().filter(|group| group.rule.level == Level::Must);
             let fails: Vec<_> =
                 fails.map(|group| (group.rule.id, &*group.subject, group.messages())).collect();

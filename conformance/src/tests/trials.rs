@@ -102,6 +102,25 @@ fn one_answer_is_sufficient_over_udp() {
             assert_eq!(violated_by(&session), expected, "{rule}, {answered:?}");
         }
     }
+    // The lost part of a recording may contain other answers. The first request was answered.
+    let session = over("udp#1", |session| {
+        let id = session.tries(rule_of("FW-UDP-03"), "twice", ping());
+        session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
+        session.tries(rule_of("FW-UDP-03"), "twice", ping());
+    });
+    let mut lines: Vec<String> = session.lines.iter().map(ToString::to_string).collect();
+    lines.insert(lines.len() - 2, "{\"t\":1790000001,\"conn\"".to_owned());
+    let result = check_capture(lines.join("\n").as_bytes(), None, &Definitions::built_in());
+    let result = result.expect("bytes can be read");
+    assert_eq!((result.corruption.len(), result.findings.groups().count()), (1, 0));
+    // A status report shows that the server sends messages over UDP.
+    let session = over("udp#1", |session| {
+        let state = json!({ "id": "kite", "timestamp": 1_790_000_000_000_u64 });
+        let report = json!({ "type": "UAV-INF", "status": { "kite": state } });
+        (0..3).for_each(|_| session.notify(report.clone()));
+        session.tries(rule_of("FW-UDP-03"), "", ping());
+    });
+    assert_eq!(violated_by(&session), [("FW-UDP-03", 1)]);
     // Without any answer, it is unknown whether the service has ended.
     let silence =
         over("udp#1", |session| rules.iter().for_each(|rule| _ = session.tries(rule_of(rule), "", ping())));
@@ -110,6 +129,21 @@ fn one_answer_is_sufficient_over_udp() {
     for rule in ["FW-ENV-07", "FW-ENV-21", "FW-SYS-PING-01"] {
         assert_eq!(violated_by(&over("udp#1", |session| _ = session.tries(rule_of(rule), "", ping()))), []);
     }
+}
+
+#[test]
+fn up_to_64_trials_over_udp_are_separate() {
+    let subjects = |number: usize| {
+        let session = over("udp#1", |session| {
+            for at in 0..number {
+                session.tries(rule_of("FW-UDP-02"), &format!("trial {at}"), ping());
+            }
+        });
+        let result = checked(&session);
+        let subjects: Vec<String> = result.findings.groups().map(|group| group.subject.clone()).collect();
+        (subjects.len(), subjects.contains(&"message".to_owned()))
+    };
+    assert_eq!((subjects(64), subjects(65), subjects(66)), ((64, false), (65, true), (65, true)));
 }
 
 #[test]
@@ -150,6 +184,38 @@ fn detects_supported_families_by_their_rejections() {
     assert_eq!(violated_by(&session_with(Some(false), alike)), [("FW-ENV-24", 1)]);
     assert_eq!(violated_by(&session_with(Some(true), alike)), []);
     assert_eq!(violated_by(&session_with(None, other)), []);
+    // Without the end of the connection, after unreadable data, and after a gap, other answers may be missing.
+    let mut unreadable = session_with(None, alike);
+    let text = json!({ "t": 1_790_000_009.0, "conn": "tcp#2", "dir": "in", "raw": "No such type" });
+    unreadable.lines.insert(unreadable.lines.len() - 1, text);
+    assert_eq!(violated_by(&unreadable), [("FW-ENV-01", 1)]);
+    let mut reopened = session_with(None, alike);
+    reopened.lines.pop();
+    reopened.over("tcp#2", |_| ());
+    assert_eq!(violated_by(&reopened), []);
+    let mut bytes = session_with(None, alike).to_bytes();
+    let end = bytes.iter().take(bytes.len() - 1).rposition(|byte| *byte == b'\n').expect("lines") + 1;
+    bytes.splice(end..end, *b"{\"t\":1790000001,\"conn\"\n");
+    let result = check_capture(&bytes[..], None, &Definitions::built_in()).expect("bytes can be read");
+    assert_eq!((result.corruption.len(), result.findings.groups().count()), (1, 0));
+}
+
+/// A server that knows more reasons than the check stores handles the family.
+#[test]
+fn compares_up_to_16_reasons_for_rejections() {
+    let rejected = |number: usize| {
+        let session = over("tcp#2", |session| {
+            let kinds = [("FW-ENV-07", "UAV-SOAR", number), ("FW-ENV-24", "DEV-LIST", 1)];
+            for (rule, kind, number) in kinds {
+                for at in (0..number).rev() {
+                    let refused = json!({ "type": "ACK-NAK", "reason": format!("reason {at}") });
+                    session.tries_and_receives(rule_of(rule), "", json!({ "type": kind }), refused);
+                }
+            }
+        });
+        violated_by(&session)
+    };
+    assert_eq!((rejected(16), rejected(17)), (vec![("FW-ENV-24", 1)], vec![]));
 }
 
 #[test]
@@ -160,6 +226,58 @@ fn accepts_pipelined_answers() {
     assert_eq!(violated_by(&reversed), [("FW-ENV-25", 1)], "once a connection");
     let untried = over("tcp#2", |session| session.pipelines(rule_of("FW-TCP-02"), &[2, 1, 0]));
     assert_eq!(violated_by(&untried), []);
+    let unordered = over("udp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[2, 1, 0]));
+    assert_eq!((violated_by(&unordered), covered(&unordered, "FW-ENV-25")), (vec![], 0));
+    // A missing answer has no place in the order.
+    let first_missing = over("tcp#2", |session| session.pipelines(rule_of("FW-ENV-25"), &[1, 5]));
+    assert_eq!((violated_by(&first_missing), covered(&first_missing, "FW-ENV-25")), (vec![], 1));
+}
+
+/// FW-ENV-25 checks only the order of answers, so FW-ENV-07 reports missing answers.
+#[test]
+fn reports_a_missing_answer_to_a_trial_once() {
+    for (rule, expected) in [("FW-ENV-25", vec![("FW-ENV-07", 1)]), ("FW-TCP-02", vec![("FW-TCP-02", 1)])] {
+        let session = over("tcp#2", |session| {
+            session.tries(rule_of(rule), "", ping());
+            session.wait(60.0);
+            session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+        });
+        assert_eq!(violated_by(&session), expected, "{rule}");
+    }
+}
+
+#[test]
+fn only_a_refused_connection_is_a_missing_connection() {
+    let session = over("tcp#2", |session| {
+        session.event("connect");
+        let line = session.lines.last_mut().expect("an event");
+        line["trial"] = "FW-SIO-02".into();
+    });
+    assert_eq!(violated_by(&session), []);
+}
+
+/// FW-ENV-10 reports a message with both members.
+#[test]
+fn an_error_next_to_a_body_is_not_a_refusal() {
+    let session = over("tcp#2", |session| {
+        let id = session.tries(rule_of("FW-TCP-03"), "after a line that is not JSON", ping());
+        session.answers(&id, json!({ "body": { "type": "ACK-ACK" }, "error": { "message": "No JSON" } }));
+    });
+    assert_eq!(violated_by(&session), [("FW-ENV-10", 1)]);
+}
+
+#[test]
+fn a_trial_of_a_ping_needs_the_usual_answer() {
+    let answered = |answer: Value| {
+        let session = over("tcp#2", |session| {
+            let id = session.tries(rule_of("FW-SYS-PING-01"), "", ping());
+            session.answers(&id, json!({ "body": answer }));
+        });
+        violated_by(&session)
+    };
+    assert_eq!(answered(json!({ "type": "ACK-ACK" })), []);
+    assert_eq!(answered(json!({ "type": "ACK-NAK", "reason": "No" })), [("FW-SYS-PING-01", 1)]);
+    assert_eq!(answered(json!({ "type": "UAV-LIST", "ids": [] })), [("FW-SYS-PING-01", 1)]);
 }
 
 #[test]
@@ -350,6 +468,12 @@ fn checks_ports_of_the_transport_in_use() {
     }
     let wrong = listed("udp#2", json!({ "tcp": 7001, "udp": 7001 }));
     assert_eq!(violated_by(&wrong), [("FW-SYS-PORTS-02", 1)]);
+    // Only the start of a connection states the port.
+    let mut paused = listed("tcp#2", json!({ "tcp": 9 }));
+    paused
+        .lines
+        .insert(2, json!({ "t": 1_790_000_000.2, "conn": "tcp#2", "dir": "event", "event": "paused" }));
+    assert_eq!(violated_by(&paused), [("FW-SYS-PORTS-02", 1)]);
     let mut unknown = listed("tcp#2", json!({ "tcp": 9 }));
     unknown.lines[1]["url"] = "hill".into();
     assert_eq!(violated_by(&unknown), []);

@@ -290,3 +290,43 @@ impl fmt::Display for Rule {
         formatter.pad(self.id())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use core::fmt;
+
+    use super::{Constraint, Number, Rule};
+    use crate::alloc::format;
+
+    /// The explanation of a number that violates a rule.
+    struct Explained(Rule, Constraint<'static>);
+
+    impl fmt::Display for Explained {
+        fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            self.0.explain(Number::Int(7), Some(&self.1), Some(5), formatter)
+        }
+    }
+
+    #[test]
+    fn explains_each_violation() {
+        let (low, high) = (Some(Number::Int(8)), Some(Number::Int(6)));
+        let none = Constraint::NONE;
+        for (rule, constraint, expected) in [
+            (Rule::Count, Constraint { count: Some(6), ..none }, "7 exceeds the array length 6 (PX-LEN-01)"),
+            (Rule::Bound, none, "length 7 exceeds the bound 5 (PX-CDR-02)"),
+            (Rule::Text, none, "invalid UTF-8 at byte 7 (PX-STR-01)"),
+            (Rule::Enum, none, "7 is not a documented value (PX-ENUM-01)"),
+            (
+                Rule::Enum,
+                Constraint { is_flags: true, ..none },
+                "7 has bits that are not documented (PX-ENUM-01)",
+            ),
+            (Rule::Range, Constraint { low, high, ..none }, "7 is outside the range 8 to 6 (PX-RANGE-01)"),
+            (Rule::Range, Constraint { low, ..none }, "7 is below the minimum of 8 (PX-RANGE-01)"),
+            (Rule::Range, Constraint { high, ..none }, "7 is above the maximum of 6 (PX-RANGE-01)"),
+            (Rule::Nan, none, "NaN is not allowed here (PX-NAN-01)"),
+        ] {
+            assert_eq!(format!("{}", Explained(rule, constraint)), expected);
+        }
+    }
+}

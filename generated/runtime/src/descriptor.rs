@@ -217,3 +217,27 @@ pub mod field {
         Number::Float(value)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Element, Scalar};
+
+    #[test]
+    fn elements_are_equal_if_their_types_and_bounds_are() {
+        let string = |is_wide, bound| Element::String { is_wide, bound };
+        let all = [
+            Element::Scalar(Scalar::Int8),
+            Element::Scalar(Scalar::UInt8),
+            Element::Text,
+            string(false, None),
+            string(true, None),
+            string(false, Some(4)),
+            string(false, Some(5)),
+        ];
+        for (at, left) in all.iter().enumerate() {
+            for (other_at, right) in all.iter().enumerate() {
+                assert_eq!(left == right, at == other_at, "{left:?} {right:?}");
+            }
+        }
+    }
+}

@@ -121,3 +121,35 @@ impl fmt::Debug for Path {
         write!(formatter, "{}: {self}", self.message.name)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{DEPTH, Path};
+    use crate::alloc::format;
+
+    fn entered(fields: &[usize]) -> Path {
+        let mut path = Path::default();
+        for field in fields {
+            path.enter(*field);
+        }
+        path
+    }
+
+    #[test]
+    fn paths_with_the_same_steps_are_equal() {
+        let mut stale = entered(&[3, 4]);
+        stale.leave();
+        assert_eq!(stale, entered(&[3]));
+        let mut element = entered(&[3]);
+        element.select(Some(1));
+        for other in [entered(&[]), entered(&[4]), entered(&[3, 4]), element] {
+            assert_ne!(other, entered(&[3]));
+        }
+    }
+
+    #[test]
+    fn deep_paths_are_shortened() {
+        assert!(!format!("{}", entered(&[0; DEPTH])).contains('…'));
+        assert!(format!("{}", entered(&[0; DEPTH + 1])).ends_with(".…"));
+    }
+}

@@ -152,6 +152,7 @@ impl fmt::Display for ErrorClass {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::alloc;
 
     #[test]
     fn class_ranges_contain_their_codes_and_leave_no_gap() {
@@ -164,6 +165,24 @@ mod tests {
             next = codes.end().wrapping_add(1);
         }
         assert_eq!(next, 0, "the last class ends with the last code");
+    }
+
+    #[test]
+    fn a_list_has_the_severity_of_its_most_severe_code() {
+        for (codes, is_ready, severity) in [
+            (&[][..], false, None),
+            (&[1], true, Some("informational")),
+            (&[1, 1], true, Some("informational")),
+            (&[2], false, Some("informational")),
+            (&[1, 65, 2], false, Some("warning")),
+            (&[255, 129], false, Some("fatal")),
+        ] {
+            let codes: &[u8] = codes;
+            assert_eq!(codes.is_ready_for_takeoff(), is_ready, "{codes:?}");
+            let name = codes.severity().map(|severity| alloc::format!("{severity}"));
+            assert_eq!(name.as_deref(), severity, "{codes:?}");
+        }
+        assert_eq!(alloc::format!("{:>9}", Severity::Error), "    error");
     }
 
     #[test]

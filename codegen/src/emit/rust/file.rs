@@ -213,8 +213,9 @@ fn push_line(line: &str, text: &mut String) {
     let first = lines.next().unwrap_or_default();
     text.push_str(first);
     text.push('\n');
-    // The prefix of each line: white space and `///` or `//!`.
-    let start = &first[..first.find("//").map_or(0, |at| at + 3).min(first.len())];
+    // The prefix of each line: white space and `///` or `//!`. Other lines may contain `//` in a string.
+    let indent = first.len() - first.trim_start().len();
+    let start = first.get(..indent + "///".len()).filter(|start| start.contains("//")).unwrap_or_default();
     for line in lines {
         text.push_str(start);
         text.push_str(line);

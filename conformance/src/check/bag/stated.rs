@@ -10,7 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use uavspec_codegen::diagnostic::{Level, Problem};
 use uavspec_codegen::dynamic::{MessageType, Types};
-use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::msg::{Dialect, Kind};
+use uavspec_codegen::release::sections;
 use uavspec_codegen::schema::fingerprint::type_hash;
 use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read_formats};
@@ -18,9 +19,6 @@ use uavspec_runtime::Number;
 
 /// The package of a type whose name contains no package.
 const NO_PACKAGE: &str = "unnamed";
-
-/// The minimum length of a separator line; all writers use 80 characters.
-const SEPARATOR: usize = 40;
 
 /// A type with its nested types.
 #[derive(Debug)]
@@ -137,24 +135,8 @@ fn without_comments(text: &str) -> String {
 
 /// The text of each type. The first type has no name.
 fn definitions(text: &str) -> Vec<(Option<&str>, &str)> {
-    let mut found = Vec::new();
-    let (mut name, mut start, mut at) = (None, 0, 0);
-    let mut lines = text.split_inclusive('\n').peekable();
-    while let Some(line) = lines.next() {
-        let end = at + line.len();
-        let bare = line.trim();
-        let is_separator = bare.len() >= SEPARATOR && bare.bytes().all(|byte| byte == b'=');
-        let next = lines.peek().and_then(|line| line.trim().strip_prefix("MSG: "));
-        if let (true, Some(next)) = (is_separator, next) {
-            found.push((name, &text[start..at]));
-            let heading = lines.next().map_or(0, str::len);
-            (name, start, at) = (Some(next.trim()), end + heading, end + heading);
-        } else {
-            at = end;
-        }
-    }
-    found.push((name, &text[start..]));
-    found
+    let sections = sections(text, &[Kind::Message]);
+    sections.into_iter().map(|section| (section.heading.map(|(_, name)| name), section.text)).collect()
 }
 
 /// The event of a service. rosbag2 records the text of the `.srv` file for it.

@@ -93,3 +93,22 @@ fn non_strict(value: &Tree<'_>) -> Option<(String, String)> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::non_strict;
+    use crate::json::Tree;
+
+    #[test]
+    fn finds_values_in_lists_and_objects() {
+        for (text, expected) in [
+            ("[1, [2, NaN]]", "/1/1 NaN is not valid JSON"),
+            (r#"{"a": {"b": [{"c": 1, "c": 2}]}}"#, "/a/b/0 duplicate key `c`"),
+            (r#"{"a": [1, {"c": 1}], "c": 2}"#, ""),
+        ] {
+            let tree = Tree::read(text).expect("JSON");
+            let found = non_strict(&tree).map(|(path, what)| format!("{path} {what}"));
+            assert_eq!(found.unwrap_or_default(), expected, "{text}");
+        }
+    }
+}

@@ -12,8 +12,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
-    RuleContext, SessionCheck, Status, Tree, env_07, mutant, served, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
+    SessionCheck, Status, Tree, env_07, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -130,7 +130,7 @@ impl SessionCheck for Families {
         if let Some(body) = exchange.response("AUTH-RESP") {
             self.connections.get(exchange).is_logged_in |= body.get("result") == Some(&Tree::Bool(true));
         }
-        if exchange.role == Role::Response && exchange.tried(&env_07::RULE.rule).is_some() {
+        if exchange.tried(&env_07::RULE.rule).is_some() {
             let request = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
             if let Some(name) = request.filter(|name| !context.definitions.body_schemas().has(name))
                 && let Some(reason) = reason(exchange, name)

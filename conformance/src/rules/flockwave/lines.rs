@@ -104,7 +104,7 @@ impl Lines {
         if depth > 0 {
             return;
         }
-        let is_message = open.lines.len() > 1 && matches!(Tree::read(&open.text), Ok(Tree::Object(_)));
+        let is_message = matches!(Tree::read(&open.text), Ok(Tree::Object(_)));
         if !is_message {
             return self.end_of(index);
         }
@@ -128,7 +128,7 @@ pub(super) fn name_starts_with(connection: Connection<'_>, start: &str) -> bool 
 /// True if the record is a server line or datagram that contains several messages.
 pub(super) fn has_several_messages(exchange: &Exchange<'_>, transport: &str) -> bool {
     let record = exchange.record;
-    if exchange.role != Role::Unreadable || record.direction != Direction::In || record.value.is_some() {
+    if exchange.role != Role::Unreadable || record.direction != Direction::In {
         return false;
     }
     let is_object = |text: &str| matches!(Tree::read(text), Ok(Tree::Object(_)));

@@ -39,12 +39,17 @@ impl<T: Default> PerConnection<T> {
         state
     }
 
-    /// Removes and returns the state of a connection, if this record reports that the connection closed.
+    /// Removes and returns the state of a connection, if this record reports that the connection closed. Drops the
+    /// state if records may be missing: after unreadable data, and if the connection reopens without having closed.
     pub(super) fn closed(&mut self, exchange: &Exchange<'_>) -> Option<T> {
-        if exchange.role != Role::Event || exchange.record.text != "closed" {
-            return None;
-        }
-        self.0.remove(&exchange.record.connection.index).map(|(_, state)| state)
+        let is_closed = match exchange.role {
+            Role::Event if exchange.record.text == "closed" => true,
+            Role::Event if exchange.record.text == "connect" => false,
+            Role::Unreadable if exchange.is_from_server() => false,
+            _ => return None,
+        };
+        let (_, state) = self.0.remove(&exchange.record.connection.index)?;
+        is_closed.then_some(state)
     }
 
     /// Removes all states.

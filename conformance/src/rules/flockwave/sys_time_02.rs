@@ -8,6 +8,7 @@ use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, mutant,
     source, sys_time_03, uav_inf_09,
 };
+use crate::flockwave::session::ClockMove;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -68,14 +69,40 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// The maximum clock drift between two responses, in seconds.
 pub(super) const TOLERANCE: f64 = 1.0;
 
+/// True if the server's clock moved without an adjustment.
+fn is_moved(found: &ClockMove) -> bool {
+    found.by > TOLERANCE && !sys_time_03::is_adjusted(found)
+}
+
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let Some(found) = exchange.clock_move else { return };
     context.covered();
-    if found.by > TOLERANCE && !sys_time_03::is_adjusted(&found) {
+    if is_moved(&found) {
         exchange.violates(context, || {
             let by = found.by;
             Detail::new(format!("the server clock moved by {by:.1} s relative to the capture's clock"))
                 .at("/body/timestamp")
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{ClockMove, is_moved, sys_time_03};
+
+    #[test]
+    fn a_clock_may_deviate_by_a_second() {
+        // A clock that stands still moves back by the time since the previous answer.
+        for (by, is_after_nothing, expected) in [
+            (1.0, false, (true, false)),
+            (1.5, false, (false, false)),
+            (1.5, true, (false, false)),
+            (4.0, true, (false, false)),
+            (4.5, true, (true, true)),
+            (4.5, false, (false, false)),
+        ] {
+            let found = ClockMove { by, since: 3.0, is_after_nothing };
+            assert_eq!((!is_moved(&found), sys_time_03::is_adjusted(&found)), expected, "{found:?}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{DEFINITIONS, checked, done, ping, violated, violated_by};
+use super::{DEFINITIONS, checked, covered, done, ping, violated, violated_by};
 use crate::check::FlockwaveChecker;
 use crate::rules::flockwave::sample::Session;
 
@@ -158,6 +158,103 @@ fn accepts_what_the_descriptions_of_messages_allow() {
     let paths = json!({ "type": "DEV-UNSUB", "paths": ["/kite"] });
     session.exchange(paths, json!({ "success": ["/kite/vario"] }));
     assert_eq!(violated_by(&session), [("FW-DEV-01", 1), ("FW-ENV-16", 1)]);
+    let mut session = Session::opened();
+    session.exchange_with(json!({ "type": "RTK-SURVEY" }), json!({ "type": "UAV-LIST", "ids": [] }));
+    assert_eq!(violated_by(&session), [("FW-ENV-16", 1)]);
+}
+
+/// An empty filter may mean all types or none.
+#[test]
+fn lists_with_an_empty_filter_are_not_compared() {
+    let mut session = Session::opened();
+    let objects = |session: &mut Session, mut request: Value, ids: &[&str]| {
+        request["type"] = "OBJ-LIST".into();
+        session.exchange(request, json!({ "ids": ids }));
+    };
+    objects(&mut session, json!({}), &["kite"]);
+    objects(&mut session, json!({ "filter": [] }), &["mast"]);
+    objects(&mut session, json!({}), &["kite"]);
+    assert_eq!(violated_by(&session), []);
+    objects(&mut session, json!({ "filter": ["beacon"] }), &["mast"]);
+    objects(&mut session, json!({}), &["kite"]);
+    assert_eq!(violated_by(&session), [("FW-OBJ-LIST-04", 1)]);
+}
+
+/// Most checks skip the content of status reports that they have seen before.
+#[test]
+fn status_reports_are_messages_like_all_others() {
+    let report = |session: &mut Session| {
+        let state = json!({ "id": "kite", "timestamp": 1_790_000_000_000_u64 });
+        session.notify(json!({ "type": "UAV-INF", "status": { "kite": state } }));
+    };
+    for (connection, rule) in [("tcp#1", "FW-TCP-01"), ("udp#1", "FW-UDP-01")] {
+        let mut session = Session::opened();
+        session.over(connection, |session| {
+            session.sends(ping());
+            (0..4).for_each(|_| report(session));
+        });
+        let result = checked(&session.to_bytes());
+        assert_eq!(violated(&result).into_iter().collect::<Vec<_>>(), []);
+        let counts = ["FW-ENV-01", "FW-TCP-01", "FW-UDP-01"].map(|rule| (rule, covered(&result, rule)));
+        let expected = ["FW-ENV-01", rule].map(|rule| (rule, 4));
+        assert!(
+            counts.iter().all(|(id, count)| expected.contains(&(id, *count)) || *count == 0),
+            "{counts:?}"
+        );
+        assert!(expected.iter().all(|pair| counts.contains(pair)), "{counts:?}");
+    }
+    let mut session = Session::opened();
+    report(&mut session);
+    report(&mut session);
+    session.lines.last_mut().expect("a report")["msg"]["id"] = "say-1".into();
+    assert_eq!(violated_by(&session), [("FW-ENV-04", 1)]);
+    let result = checked(&session.to_bytes());
+    let detail = &result.findings.groups().next().expect("a finding").examples[0].1;
+    assert!(detail.to_string().contains("`say-1`"), "{detail}");
+    session.notify(json!({ "type": "SYS-CLOSE", "reason": "Sunset" }));
+    report(&mut session);
+    assert_eq!(violated_by(&session), [("FW-ENV-04", 1), ("FW-SYS-CLOSE-02", 1)]);
+}
+
+/// Timestamps in responses and in reports must not go back or lie in the future. The server's clock may be wrong.
+#[test]
+fn timestamps_are_compared_with_earlier_timestamps_and_with_the_clock() {
+    let stated = |ahead: u64, moves: [i64; 2], is_report: bool| {
+        let mut session = Session::opened();
+        let time = json!({ "timestamp": session.now() + ahead });
+        session.exchange(json!({ "type": "SYS-TIME" }), time);
+        for by in moves {
+            let state =
+                json!({ "id": "kite", "timestamp": (session.now() + ahead).saturating_add_signed(by) });
+            let status = json!({ "type": "UAV-INF", "status": { "kite": state } });
+            if is_report {
+                session.notify(status);
+            } else {
+                session.exchange_with(json!({ "type": "UAV-INF", "ids": ["kite"] }), status);
+            }
+        }
+        violated_by(&session)
+    };
+    for (ahead, is_report) in [(0, false), (0, true), (3_600_000, false), (3_600_000, true)] {
+        assert_eq!(stated(ahead, [0, 0], is_report), [], "{ahead}");
+        assert_eq!(stated(ahead, [0, -9000], is_report), [("FW-UAV-INF-08", 1)], "{ahead}");
+        assert_eq!(stated(ahead, [0, 9000], is_report), [("FW-UAV-INF-09", 1)], "{ahead}");
+    }
+}
+
+#[test]
+fn answers_are_due_after_30_seconds() {
+    let waits = |seconds: f64| {
+        let mut session = Session::opened();
+        session.sends(ping());
+        session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+        session.event("closed");
+        for (line, time) in session.lines.iter_mut().zip([0.0, 0.0, seconds, seconds]) {
+            line["t"] = json!(1_790_000_000.0 + time);
+        }
+        violated_by(&session)
+    };
+    assert_eq!((waits(30.0), waits(30.5)), (vec![], vec![("FW-ENV-07", 1)]));
 }
 
 #[test]

@@ -1,0 +1,394 @@
+//! The part of a check that all kinds of captures share.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::io;
+
+use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
+use uavspec_codegen::schema::Shape;
+use uavspec_codegen::source::Span;
+use uavspec_runtime::Scalar;
+
+use super::coverage::Parts;
+use super::flockwave::Listeners;
+use super::{CaptureResult, Clock, Observer, Summary, Unit};
+use crate::definitions::Definitions;
+use crate::flockwave::record::{Connection, Direction, SessionRecord};
+use crate::flockwave::session::{Exchange, Sessions};
+use crate::json::Tree;
+use crate::model::{Channel, Extent, Findings, Location, Message, Rule};
+use crate::rules::px4::Interest;
+use crate::rules::{RuleContext, px4};
+use crate::text::Grouped;
+
+/// The maximum number of distinct corrupt parts to report.
+const MAX_CORRUPT_PARTS: usize = 100;
+
+/// The part of a check that all kinds of captures share: channels, sessions, and the rules that span several messages.
+pub(super) struct CheckRun<'d> {
+    pub(super) definitions: &'d Definitions,
+    pub(super) findings: Findings,
+    /// The rules on sequences of messages.
+    followers: Vec<Follower>,
+    /// The checks of session rules.
+    listeners: Listeners<'d>,
+    /// Receives the records in addition to the rules.
+    pub(super) observer: Option<&'d mut dyn Observer>,
+    /// The subscribers of each channel, by channel index.
+    channels: Vec<Subscribers>,
+    pub(super) sessions: Sessions,
+    pub(super) records: u64,
+    pub(super) checked: u64,
+    /// The time at which logging began, in µs since boot, if the capture states it.
+    start: Option<u64>,
+    first: Option<u64>,
+    last: u64,
+    /// The corrupt parts by description.
+    corruption: HashMap<String, CorruptPart>,
+    more_corruption: u64,
+    pub(super) extent: Extent,
+    pub(super) clock: Clock,
+    /// The time of the current record in µs, if it isn't the timestamp of the message.
+    record_time: Option<u64>,
+    /// The log time and the sequence number of the current record, if it is in a bag.
+    pub(super) logged: Option<Logged>,
+}
+
+/// The facts that a bag states about a message.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Logged {
+    /// The time at which the message was recorded, in ns.
+    pub(super) time: u64,
+    /// The sequence number.
+    pub(super) sequence: Option<u32>,
+}
+
+/// A corrupt part: its first location and the number of occurrences.
+struct CorruptPart {
+    number: usize,
+    location: Location,
+    times: u64,
+}
+
+/// A rule that checks a sequence of messages, with its state.
+struct Follower {
+    rule: &'static Rule,
+    checker: Box<dyn px4::Checker>,
+    coverage: u64,
+}
+
+/// The rules that check the messages of a channel.
+#[derive(Default)]
+struct Subscribers {
+    /// The indices of the [`Follower`]s that receive the channel's messages.
+    followers: Vec<usize>,
+    /// The highest [`Interest`] among these followers.
+    interest: Interest,
+}
+
+impl Follower {
+    fn check<T>(
+        &mut self,
+        definitions: &Definitions,
+        findings: &mut Findings,
+        check: impl FnOnce(&mut dyn px4::Checker, &mut RuleContext<'_>) -> T,
+    ) -> T {
+        let Self { rule, checker, coverage } = self;
+        check(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
+    }
+}
+
+impl<'d> CheckRun<'d> {
+    pub(super) fn new(definitions: &'d Definitions) -> Self {
+        let followers = px4::RULES.iter().filter_map(|rule| match rule.check {
+            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), coverage: 0 }),
+            px4::Check::Value | px4::Check::Source => None,
+        });
+        Self {
+            definitions,
+            findings: Findings::default(),
+            followers: followers.collect(),
+            listeners: Listeners::new(definitions),
+            observer: None,
+            channels: Vec::new(),
+            sessions: Sessions::default(),
+            records: 0,
+            checked: 0,
+            start: None,
+            first: None,
+            last: 0,
+            corruption: HashMap::new(),
+            more_corruption: 0,
+            extent: Extent::Whole,
+            clock: Clock::default(),
+            record_time: None,
+            logged: None,
+        }
+    }
+
+    /// Creates a run that passes the records to an observer as well, if there is one.
+    pub(super) fn observed_by<'o: 'd>(
+        definitions: &'d Definitions,
+        observer: Option<&'d mut (dyn Observer + 'o)>,
+    ) -> Self {
+        let mut run = Self::new(definitions);
+        if let Some(observer) = observer {
+            run.observer = Some(observer);
+        }
+        run
+    }
+
+    /// Reserves the index of a new channel.
+    pub(super) fn number_channel(&mut self) -> usize {
+        self.channels.push(Subscribers::default());
+        self.channels.len() - 1
+    }
+
+    pub(super) fn opened(&mut self, channel: &Channel<'_>) {
+        let mut subscribers = Subscribers::default();
+        for (at, follower) in self.followers.iter_mut().enumerate() {
+            let opened = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
+                checker.opened(channel, context)
+            };
+            let interest = follower.check(self.definitions, &mut self.findings, opened);
+            if interest > Interest::Nothing {
+                subscribers.followers.push(at);
+                subscribers.interest = subscribers.interest.max(interest);
+            }
+        }
+        if let Some(observer) = &mut self.observer {
+            subscribers.interest = subscribers.interest.max(observer.opened(channel, self.definitions));
+        }
+        self.channels[channel.index] = subscribers;
+    }
+
+    pub(super) fn closed(&mut self, channel: &Channel<'_>) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.closed(channel));
+    }
+
+    /// Passes the capture's start time, in µs since boot, to the rules.
+    pub(super) fn started(&mut self, time: u64) {
+        self.clock.start(time);
+        self.start = Some(time);
+        self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
+    }
+
+    /// True if a rule needs the field values of a channel's messages.
+    pub(super) fn wants_values(&self, channel: usize) -> bool {
+        self.channels[channel].interest == Interest::Values
+    }
+
+    /// Passes a message to the rules of its channel. The message's values have already been checked.
+    pub(super) fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
+        self.checked += 1;
+        // A log time of 0 is unknown.
+        if self.record_time.unwrap_or_default() == 0 {
+            self.include_timestamp(message.timestamp);
+        }
+        for at in &self.channels[channel.index].followers {
+            let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
+                checker.message(channel, message, context);
+            };
+            self.followers[*at].check(self.definitions, &mut self.findings, message);
+        }
+        if let Some(observer) = &mut self.observer {
+            let is_known = |time: &u64| *time > 0;
+            let time = self.record_time.filter(is_known).or(message.timestamp.filter(is_known));
+            observer.message(channel, message, time, self.definitions);
+        }
+        self.place(message.location, message.timestamp);
+    }
+
+    /// Adds the time to the findings in a message. `timestamp` is the timestamp of the message in µs.
+    fn place(&mut self, location: Location, timestamp: Option<u64>) {
+        let time = self.record_time.or(timestamp);
+        let logged = self.logged;
+        self.findings.complete(location, |detail| {
+            detail.time = time;
+            detail.log_time = logged.map(|logged| logged.time);
+            detail.sequence = logged.and_then(|logged| logged.sequence);
+        });
+    }
+
+    /// Sets the time of the current record, in µs since 1970, and extends the time span to include it. The timestamps of
+    /// messages don't count then, because they may have another clock.
+    pub(super) fn record_at(&mut self, time: u64) {
+        self.record_time = Some(time);
+        self.include_timestamp(Some(time));
+        self.clock.start(time);
+        self.clock.set_utc(time, time);
+    }
+
+    /// Extends the time span to include a timestamp in µs. The first message of a topic may be older than the log: its
+    /// publisher sent it before logging began.
+    fn include_timestamp(&mut self, timestamp: Option<u64>) {
+        let is_logged =
+            |timestamp: &u64| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start);
+        if let Some(timestamp) = timestamp.filter(is_logged) {
+            self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
+            self.last = self.last.max(timestamp);
+        }
+    }
+
+    /// Extends the time span to include a time in seconds.
+    pub(super) fn include_time(&mut self, time: Option<f64>) {
+        if let Some(time) = time.and_then(microseconds) {
+            self.record_at(time);
+        }
+    }
+
+    /// Passes a record of a session to the rules.
+    pub(super) fn session_record(&mut self, record: &SessionRecord<'_>) {
+        if let Some(observer) = &mut self.observer {
+            observer.session_record(record, record.time.and_then(microseconds), self.definitions);
+        }
+        let exchange = self.sessions.follow(record, self.definitions.body_schemas());
+        self.record(&exchange);
+    }
+
+    /// Like `session_record`, for a status report whose content has already been checked.
+    pub(super) fn checked_report(&mut self, record: &SessionRecord<'_>) {
+        let exchange = self.sessions.follow_checked(record);
+        self.listeners.checked_report(&exchange, &mut self.findings);
+        self.complete(&exchange);
+    }
+
+    /// Handles the end of a connection. `why` is the reason, if known.
+    pub(super) fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
+        let (serial, unanswered) = self.sessions.ended(connection.index);
+        for request in unanswered {
+            let record = SessionRecord {
+                connection,
+                direction: Direction::Event,
+                time: None,
+                text: "",
+                value: None,
+                trial: None,
+                note: why,
+                location: request.location,
+            };
+            self.record(&Exchange::unanswered(&record, serial, request));
+        }
+    }
+
+    fn record(&mut self, exchange: &Exchange<'_>) {
+        self.listeners.record(exchange, &mut self.findings);
+        self.complete(exchange);
+    }
+
+    /// Adds the exchange to the findings that it caused.
+    fn complete(&mut self, exchange: &Exchange<'_>) {
+        let record = exchange.record;
+        self.findings.complete(record.location, |detail| {
+            let request = exchange.request.as_ref();
+            let time = record.time.or_else(|| request.and_then(|request| request.time));
+            detail.time = time.and_then(microseconds);
+            record.connection.name.clone_into(&mut detail.connection);
+            detail.request = request.map(|request| request.excerpt.clone()).unwrap_or_default();
+            // The value of a status report is reduced to some members, but the text is complete.
+            let line = Tree::read(record.text).ok();
+            let bare = line.as_ref().filter(|line| line.get("$fw.version").is_some());
+            if let Some(message) = line.as_ref().and_then(|line| line.get("msg")).or(bare)
+                && matches!(message, Tree::Object(_))
+            {
+                let path = if detail.path.is_empty() { "/body" } else { &detail.path };
+                detail.excerpt = message.excerpt_at(path);
+            }
+        });
+    }
+
+    pub(super) fn dropout(&mut self, milliseconds: u16, location: Location) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, location));
+    }
+
+    /// Handles an unreadable message on a channel. Stateful rules may depend on the message.
+    pub(super) fn lost(&mut self, channel: usize, location: Location) {
+        self.place(location, None);
+        for at in &self.channels[channel].followers {
+            self.followers[*at].checker.corruption(location);
+        }
+    }
+
+    /// Like `lost`, for a message of an unknown channel.
+    pub(super) fn lost_any(&mut self, location: Location) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.corruption(location));
+        self.listeners.corruption(location);
+    }
+
+    /// The location of a topic's definition, if there is one.
+    pub(super) fn definition_of(&self, topic: &str) -> Option<Span> {
+        let id = self.definitions.message_of_topic(topic)?;
+        Some(self.definitions.schema.message(id).span)
+    }
+
+    /// Records an unreadable part that was skipped.
+    pub(super) fn gap(&mut self, location: Location, text: String) {
+        self.corruption(location, text, Extent::WithGaps);
+    }
+
+    /// Records a corrupt part, and the extent to which the capture is readable.
+    pub(super) fn corruption(&mut self, location: Location, text: String, extent: Extent) {
+        self.extent = self.extent.max(extent);
+        self.lost_any(location);
+        self.sessions.lose();
+        let number = self.corruption.len();
+        match self.corruption.entry(text) {
+            Entry::Occupied(mut known) => known.get_mut().times += 1,
+            // The reason for an early stop is always reported.
+            Entry::Vacant(new) if number < MAX_CORRUPT_PARTS || extent == Extent::Unreadable => {
+                _ = new.insert(CorruptPart { number, location, times: 1 });
+            }
+            Entry::Vacant(_) => self.more_corruption += 1,
+        }
+    }
+
+    /// Records a read error, after which nothing more can be read.
+    pub(super) fn unreadable(&mut self, location: Location, error: &io::Error) {
+        self.corruption(location, format!("the rest is unreadable: {error}"), Extent::Unreadable);
+    }
+
+    pub(super) fn finish(mut self, bytes: u64, summary: Summary, unit: Unit, parts: Parts) -> CaptureResult {
+        for follower in &mut self.followers {
+            follower.check(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            self.findings.cover(follower.rule, follower.coverage);
+        }
+        self.listeners.end(&mut self.findings);
+        self.findings.close();
+        let mut corruption: Vec<(String, CorruptPart)> = self.corruption.into_iter().collect();
+        corruption.sort_by_key(|(_, reported)| reported.number);
+        let reported = |(text, reported): (String, CorruptPart)| match reported.times {
+            1 => (reported.location, text),
+            times => (reported.location, format!("{text} ({} times)", Grouped(times))),
+        };
+        CaptureResult {
+            summary,
+            bytes,
+            duration: self.first.map_or(0, |first| self.last - first),
+            end: self.last,
+            records: self.records,
+            checked: self.checked,
+            corruption: corruption.into_iter().map(reported).collect(),
+            more_corruption: self.more_corruption,
+            extent: self.extent,
+            clock: self.clock,
+            coverage: parts.finish(unit, self.records),
+            findings: self.findings,
+        }
+    }
+}
+
+/// A time in µs. `None` if it is negative.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the cast saturates
+pub(super) fn microseconds(seconds: f64) -> Option<u64> {
+    (seconds >= 0.0).then_some((seconds * 1e6) as u64)
+}
+
+/// The offset of a field of type `uint64_t` in messages of a type, in bytes.
+pub(super) fn time_offset(message_id: MessageType<'_>, name: &str) -> Option<usize> {
+    let is_time = |field: &Placed<'_>| {
+        field.name == name
+            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
+            && field.shape == Shape::Single
+    };
+    message_id.layout().find(is_time).map(|field| field.offset)
+}
