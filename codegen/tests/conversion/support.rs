@@ -92,11 +92,11 @@ impl Converted {
         let [source, target] = [conversion.from, conversion.to].map(|id| types.get(id));
         let message = source.from_json(message).expect("a message");
         let converter = Converter::new(conversion, source, target);
-        let converted = converter.convert(&message).expect("a message");
-        assert_eq!(converted.to_json().expect("JSON"), *expected, "{message:?}");
+        let actual = converter.convert(&message).expect("a message");
+        assert_eq!(actual.to_json().expect("JSON"), *expected, "{message:?}");
         if converter.keeps_cdr() {
             let cdr = |message: &DynamicMessage<'_>| message.to_cdr(ByteOrder::LittleEndian);
-            assert_eq!(cdr(&converted), cdr(&message));
+            assert_eq!(cdr(&actual), cdr(&message));
         }
     }
 
