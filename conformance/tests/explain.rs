@@ -71,6 +71,16 @@ fn prints_the_story_and_writes_a_page() {
 }
 
 #[test]
+fn draws_a_flight_of_any_length() {
+    let folder = folder_with_flight(&batteries(&[(0, 0), (1, 1), (u64::MAX, 2)]));
+    let page = folder.path().join("story.html");
+    let (status, _, errors) =
+        explain(folder.path(), &["flight.jsonl", "--definitions", "msg", "--report", "html=story.html"]);
+    assert_eq!(status, Some(0), "{errors}");
+    assert!(fs::read_to_string(page).expect("a page").ends_with("</html>\n"));
+}
+
+#[test]
 fn reports_wrong_usage_and_unreadable_captures() {
     let whole = batteries(&[(1_000_000, 0), (2_000_000, 1)]);
     let folder = folder_with_flight(&whole);

@@ -193,7 +193,8 @@ impl Lane {
     /// Ends the current value.
     fn close(&mut self, time: u64) {
         if let Some((value, since)) = self.current.take() {
-            self.values[value].duration_us += time.saturating_sub(since);
+            let held = &mut self.values[value].duration_us;
+            *held = held.saturating_add(time.saturating_sub(since));
         }
     }
 }

@@ -88,20 +88,22 @@ fn take_line(line: &str, messages: Vec<&str>, rest: &str, done: &mut Vec<String>
     }
 }
 
-/// The messages at the start of a line, and the remaining text.
+/// The messages at the start of a line, and the remaining text. A server can't read a line with bytes that aren't valid
+/// UTF-8; U+FFFD stands for them in recordings.
 fn messages(line: &str) -> (Vec<&str>, &str) {
     let (mut messages, mut rest) = (Vec::new(), line);
-    loop {
+    while !line.contains(char::REPLACEMENT_CHARACTER) {
         let end = match Tree::read(rest) {
             Ok(_) => rest.len(),
             Err(error) => error.at,
         };
         let Some((first, after)) = rest.split_at_checked(end).filter(|(first, _)| is_object(first)) else {
-            return (messages, rest);
+            break;
         };
         messages.push(first);
         rest = after;
     }
+    (messages, rest)
 }
 
 fn is_object(text: &str) -> bool {
@@ -146,6 +148,8 @@ mod tests {
         assert_eq!(added(&[line]).0, [line]);
         assert_eq!(added(&[r#"{"id":1}{"#, "]\n"]).0, [r#"{"id":1}"#, "{]"]);
         assert_eq!(added(&["{\"id\":1}{\n", "{\"id\":2}"]).0, ["{\"id\":1}{", "{\"id\":2}"]);
+        let line = "{\"id\":\"\u{fffd}\"}{\"id\":1}";
+        assert_eq!(added(&[line]).0, [line]);
     }
 
     #[test]

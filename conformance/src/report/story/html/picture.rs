@@ -89,11 +89,12 @@ fn origin(story: &Story) -> i64 {
 fn axis(story: &Story) -> Markup {
     let seconds = story.duration_us.div_ceil(1_000_000).max(1);
     let step = STEPS.into_iter().find(|step| seconds / step <= MAX_INTERVALS).unwrap_or(seconds);
-    let (origin, step) = (origin(story), i64::try_from(step).unwrap_or(i64::MAX).saturating_mul(1_000_000));
-    let first = (origin.div_euclid(step) + i64::from(origin.rem_euclid(step) > 0)) * step;
-    let ticks = (0..).map_while(|count| {
-        let at = first + step * count - origin;
-        (u64::try_from(at).is_ok_and(|at| at <= story.duration_us)).then_some(at)
+    // A hostile capture may last as long as 64 bits can count.
+    let (origin, step) = (i128::from(origin(story)), i128::from(step) * 1_000_000);
+    let first = (origin.div_euclid(step) + i128::from(origin.rem_euclid(step) > 0)) * step;
+    let ticks = (0..).map_while(|count: i128| {
+        let at = i64::try_from(first + step * count - origin).ok()?;
+        u64::try_from(at).is_ok_and(|at| at <= story.duration_us).then_some(at)
     });
     html! {
         @for at in ticks {
@@ -122,7 +123,7 @@ fn percent(time_us: i64, story: &Story) -> String {
 }
 
 fn width(from: i64, to: i64, story: &Story) -> String {
-    percent(to.min(i64::try_from(story.duration_us).unwrap_or(i64::MAX)) - from.max(0), story)
+    percent(to.min(i64::try_from(story.duration_us).unwrap_or(i64::MAX)).saturating_sub(from.max(0)), story)
 }
 
 fn track(lane: &Lane, story: &Story) -> Markup {
