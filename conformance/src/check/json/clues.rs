@@ -16,18 +16,21 @@ use crate::json::Tree;
 /// The maximum number of bytes that are read.
 const MAX_BYTES: u64 = 1 << 20;
 
+/// The maximum number of values in a row that show nothing new.
+const MAX_KNOWN: u32 = 200;
+
 /// Reads the keys of the first message of each topic and type.
 pub(super) fn clues(source: &mut Source<'_>) -> Clues {
     let mut reader = Reader::new(source.bytes.take(MAX_BYTES));
     let (mut clues, mut types, mut is_first) = (Clues::default(), HashMap::new(), true);
-    while let Ok(Some(item)) = reader.next() {
+    let (mut known, mut known_in_a_row) = (0, 0);
+    while known_in_a_row < MAX_KNOWN
+        && let Ok(Some(item)) = reader.next()
+    {
         let Event::Value { bytes, .. } = item.event else { continue };
         let tree = std::str::from_utf8(bytes).ok().and_then(|text| Tree::read(text).ok());
         let Some(tree) = tree.filter(|tree| matches!(tree, Tree::Object(_))) else { continue };
         if std::mem::take(&mut is_first) && is_flockwave(&tree) {
-            break;
-        }
-        if clues.types.len() + clues.formats.len() + types.len() >= MAX_CHANNELS {
             break;
         }
         match form(&tree) {
@@ -52,6 +55,12 @@ pub(super) fn clues(source: &mut Source<'_>) -> Clues {
             Form::Advertised(topic, ty) => _ = types.insert(topic.to_owned(), type_name(ty)),
             _ => {}
         }
+        let found = clues.types.len() + clues.formats.len() + types.len();
+        if found >= MAX_CHANNELS {
+            break;
+        }
+        known_in_a_row = if found > known { 0 } else { known_in_a_row + 1 };
+        known = found;
     }
     clues
 }
