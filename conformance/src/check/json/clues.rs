@@ -22,9 +22,9 @@ const MAX_KNOWN: u32 = 200;
 /// Reads the keys of the first message of each topic and type.
 pub(super) fn clues(source: &mut Source<'_>) -> Clues {
     let mut reader = Reader::new(source.bytes.take(MAX_BYTES));
-    let (mut clues, mut types, mut is_first) = (Clues::default(), HashMap::new(), true);
-    let (mut known, mut known_in_a_row) = (0, 0);
+    let (mut found, mut is_first, mut known_in_a_row) = (Found::default(), true, 0);
     while known_in_a_row < MAX_KNOWN
+        && found.len() < MAX_CHANNELS
         && let Ok(Some(item)) = reader.next()
     {
         let Event::Value { bytes, .. } = item.event else { continue };
@@ -33,36 +33,47 @@ pub(super) fn clues(source: &mut Source<'_>) -> Clues {
         if std::mem::take(&mut is_first) && is_flockwave(&tree) {
             break;
         }
-        match form(&tree) {
+        let known = found.len();
+        found.add(&form(&tree));
+        known_in_a_row = if found.len() > known { 0 } else { known_in_a_row + 1 };
+    }
+    found.clues
+}
+
+#[derive(Default)]
+struct Found {
+    clues: Clues,
+    /// The types of topics, by the topic's name.
+    types: HashMap<String, String>,
+}
+
+impl Found {
+    fn add(&mut self, form: &Form<'_>) {
+        match form {
             Form::Message(which, name, Tree::Object(members)) => {
                 let keys = || keys_hash(members.iter().map(|(key, _)| &**key));
                 let ty = match which {
                     NameKind::Type => Some(type_name(name)),
-                    NameKind::Topic => types.get(name).cloned(),
+                    NameKind::Topic => self.types.get(*name).cloned(),
                 };
-                match ty {
-                    Some(ty) => {
-                        let clue = || TypeClue { keys: Some(keys()), ..TypeClue::default() };
-                        clues.types.entry(ty).or_insert_with(clue);
-                    }
-                    None => {
-                        let topic = topic_of(name);
-                        let topic = unversioned(topic).unwrap_or(topic).to_owned();
-                        clues.formats.entry(topic).or_insert_with(|| FormatClue::Keys(keys()));
-                    }
+                if let Some(ty) = ty {
+                    let clue = || TypeClue { keys: Some(keys()), ..TypeClue::default() };
+                    self.clues.types.entry(ty).or_insert_with(clue);
+                } else {
+                    let topic = topic_of(name);
+                    let topic = unversioned(topic).unwrap_or(topic).to_owned();
+                    self.clues.formats.entry(topic).or_insert_with(|| FormatClue::Keys(keys()));
                 }
             }
-            Form::Advertised(topic, ty) => _ = types.insert(topic.to_owned(), type_name(ty)),
+            Form::Advertised(topic, ty) => _ = self.types.insert((*topic).to_owned(), type_name(ty)),
             _ => {}
         }
-        let found = clues.types.len() + clues.formats.len() + types.len();
-        if found >= MAX_CHANNELS {
-            break;
-        }
-        known_in_a_row = if found > known { 0 } else { known_in_a_row + 1 };
-        known = found;
     }
-    clues
+
+    /// The number of known names.
+    fn len(&self) -> usize {
+        self.clues.types.len() + self.clues.formats.len() + self.types.len()
+    }
 }
 
 /// The full ROS name of a type, which may be named after its package here: `px4/VehicleStatus`.
