@@ -451,7 +451,7 @@ fn fmt_check_prints_a_patch_and_writes_nothing() {
          -uint64  timestamp  # [us] Since start\n+uint64 timestamp  # [us] Since start\n \
          uint8 mode        # [@range 0, 1] Which one\n"
     );
-    assert!(errors.contains("fmt: 3 files read, 1 unformatted; run `cargo xtask fmt`"), "{errors}");
+    assert!(errors.contains("fmt: 3 files read, 1 unformatted; run `fmt`"), "{errors}");
     assert_eq!(tree(folder.path()), before);
 }
 

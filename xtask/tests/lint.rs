@@ -104,7 +104,7 @@ fn failures_have_status_2_and_a_hint() {
         ("[lint]\npreset = \"loose\"\n", ["uavspec.toml:6:10", "expected `px4` or `strict`"]),
         (
             "[lint.levels]\nunit-mising = \"off\"\n",
-            ["unknown rule `unit-mising`", "help: `cargo xtask lint --rules`"],
+            ["unknown rule `unit-mising`", "help: `lint --rules`"],
         ),
         ("[lint.levels]\nunit-missing = \"fatal\"\n", ["uavspec.toml:6:16", "unknown variant `fatal`"]),
         ("[[lint.ignore]]\nrule = \"unit-missing\"\n", ["uavspec.toml:5:1", "missing field `reason`"]),

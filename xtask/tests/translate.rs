@@ -95,7 +95,7 @@ fn creates_and_updates_a_catalogue() {
     );
     let errors = run(&folder, &["translate", "--check"], 1);
     assert!(
-        errors.contains("i18n/uk.po: outdated") && errors.contains("run `cargo xtask translate`"),
+        errors.contains("i18n/uk.po: outdated") && errors.contains("run `translate`"),
         "{errors}"
     );
     assert_eq!(read(&folder, "i18n/uk.po"), translated, "--check writes nothing");
