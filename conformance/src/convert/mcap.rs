@@ -1,30 +1,47 @@
 //! Converts MCAP files.
 
+mod chunk;
+mod record;
+mod writer;
+
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek as _, SeekFrom, Write};
 
 use mcap::records::MessageHeader;
-use mcap::write::NoSeek;
-use mcap::{McapError, WriteOptions, Writer};
+use tempfile::SpooledTempFile;
+use uavspec_codegen::schema::MessageId;
 use uavspec_runtime::cdr::ByteOrder;
 
+use self::writer::Writer;
 use super::plan::{Converted, Plan, Treatment};
 use super::report::{Action, Loss, Problems, TopicReport};
 use super::{Error, Settings};
-use crate::capture::mcap::{Event, Item, Reader};
+use crate::capture::mcap::{Event, Item, Packing, Reader};
 use crate::check::{HASH, decompressed, definition_of, states_other_type};
 
 /// The maximum total length of the schemas in a file, in bytes.
 const MAX_SCHEMAS: usize = 64 << 20;
 
-type Output<'o> = Writer<NoSeek<&'o mut dyn Write>>;
+/// The size of the attachments that are kept in memory, in bytes. A larger one is stored in a temporary file, until it
+/// is complete.
+const MAX_ATTACHMENT: usize = 16 << 20;
 
 /// A schema: its name, encoding and text.
 type Schema = (String, String, Vec<u8>);
 
+/// The origin of a schema in the output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Origin {
+    /// The schema of the input with this id.
+    Input(u16),
+    /// A message of the target.
+    Target(MessageId),
+}
+
 struct Channel<'p> {
-    /// The id in the output; `None` if the messages are left out.
-    id: Option<u16>,
+    /// True if the messages are in the output.
+    is_kept: bool,
     converted: Option<Box<Converted<'p>>>,
     /// The number of messages that contain the data of each loss.
     losses: Vec<u64>,
@@ -34,10 +51,15 @@ struct Channel<'p> {
 struct Stream<'p, 'o> {
     plan: &'p Plan,
     settings: Settings,
-    output: Output<'o>,
+    output: Writer<'o>,
     schemas: HashMap<u16, Schema>,
     schema_size: usize,
-    channels: HashMap<u16, Channel<'p>>,
+    /// The ids of the schemas in the output.
+    written: HashMap<Origin, u16>,
+    /// The channels, by id. The output has the same ids.
+    channels: Vec<Option<Box<Channel<'p>>>>,
+    /// The attachment that is being read.
+    attachment: Option<SpooledTempFile>,
 }
 
 /// Converts a file. Returns the topics and the parts that can't be read.
@@ -68,40 +90,30 @@ pub(super) fn convert(
         };
         // The writer needs the profile of the header, which is the first record.
         if let Some(output) = output.take() {
-            stream = Some(Stream::new(plan, settings, output, profile)?);
+            stream = Some(Stream::new(plan, settings, Writer::new(output, &profile)?));
         }
         if let Some(stream) = &mut stream {
             stream.item(item, &mut problems)?;
         }
     }
-    let Some(mut stream) = stream else { return Ok((Vec::new(), problems)) };
-    stream.output.finish().map_err(failed)?;
-    let channels = std::mem::take(&mut stream.channels);
-    Ok((channels.into_values().map(Channel::close).collect(), problems))
-}
-
-/// An error of the writer.
-fn failed(error: McapError) -> Error {
-    Error::Write(match error {
-        McapError::Io(error) => error,
-        other => io::Error::other(other.to_string()),
-    })
+    let Some(stream) = stream else { return Ok((Vec::new(), problems)) };
+    stream.output.finish()?;
+    let channels = stream.channels.into_iter().flatten();
+    Ok((channels.map(|channel| channel.close()).collect(), problems))
 }
 
 impl<'p, 'o> Stream<'p, 'o> {
-    fn new(
-        plan: &'p Plan,
-        settings: Settings,
-        output: &'o mut dyn Write,
-        profile: String,
-    ) -> Result<Self, Error> {
-        let options = WriteOptions::new()
-            .profile(profile)
-            .library(format!("uavspec {}", env!("CARGO_PKG_VERSION")))
-            .compression(None)
-            .disable_seeking(true);
-        let output = options.create(NoSeek::new(output)).map_err(failed)?;
-        Ok(Self { plan, settings, output, schemas: HashMap::new(), schema_size: 0, channels: HashMap::new() })
+    fn new(plan: &'p Plan, settings: Settings, output: Writer<'o>) -> Self {
+        Self {
+            plan,
+            settings,
+            output,
+            schemas: HashMap::new(),
+            schema_size: 0,
+            written: HashMap::new(),
+            channels: Vec::new(),
+            attachment: None,
+        }
     }
 
     fn item(&mut self, item: Item<'_>, problems: &mut Problems) -> Result<(), Error> {
@@ -113,7 +125,19 @@ impl<'p, 'o> Stream<'p, 'o> {
             }
             Event::Message { channel, time, publish_time, sequence, payload } => {
                 let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time };
-                self.message(header, payload)?
+                self.message(header, payload, item.packing)?
+            }
+            Event::Attachment { length, at, bytes } => {
+                self.attachment((length, at), bytes)?;
+                None
+            }
+            Event::Metadata { body } => {
+                self.output.metadata(body)?;
+                None
+            }
+            Event::Private { opcode, body, is_in_chunk } => {
+                self.output.private(opcode, body, is_in_chunk)?;
+                None
             }
             Event::Header { .. } | Event::Problem(_) => None,
         };
@@ -144,27 +168,31 @@ impl<'p, 'o> Stream<'p, 'o> {
         (topic, encoding): (String, String),
         mut metadata: BTreeMap<String, String>,
     ) -> Result<(), Error> {
-        if self.channels.contains_key(&id) {
+        let at = usize::from(id);
+        if self.channels.len() <= at {
+            self.channels.resize_with(at + 1, || None);
+        }
+        if self.channels[at].is_some() {
             return Ok(());
         }
         let plan = self.plan;
         let stored = self.schemas.get(&schema);
         let treatment = treatment(plan, (&topic, &encoding), stored, &metadata);
-        let mut channel = Channel { id: None, converted: None, losses: Vec::new(), topic: new_topic(topic) };
+        let mut channel =
+            Channel { is_kept: true, converted: None, losses: Vec::new(), topic: new_topic(topic) };
         let name = &channel.topic.topic;
         match treatment {
             (_, Treatment::LeaveOut(reason)) if !self.settings.keeps_unconverted => {
                 channel.topic.reason = Some(reason);
+                channel.is_kept = false;
             }
             (from, Treatment::Convert(converted)) => {
-                let (ty, hash) = plan.target_type(converted.conversion.to);
-                let text = plan.target_text(converted.conversion.to);
-                metadata.insert(HASH.to_owned(), hash.to_owned());
-                let schema = self.output.add_schema(&ty, "ros2msg", text.as_bytes()).map_err(failed)?;
+                let target = converted.conversion.to;
+                metadata.insert(HASH.to_owned(), plan.target_type(target).1.to_owned());
                 channel.topic.renamed = plan.renamed(name, converted.conversion);
+                let schema = self.written(Origin::Target(target))?;
                 let name = channel.topic.renamed.as_ref().unwrap_or(name);
-                let added = self.output.add_channel(schema, name, &encoding, &metadata);
-                channel.id = Some(added.map_err(failed)?);
+                self.output.channel((id, schema), (name, &encoding), &metadata);
                 channel.topic.action = Action::Converted;
                 channel.topic.from = from;
                 channel.losses = vec![0; converted.conversion.losses.len()];
@@ -174,44 +202,81 @@ impl<'p, 'o> Stream<'p, 'o> {
                 if let Treatment::LeaveOut(reason) = treatment {
                     channel.topic.reason = Some(reason);
                 }
-                let schema = match stored {
-                    Some((name, encoding, text)) => {
-                        self.output.add_schema(name, encoding, text).map_err(failed)?
-                    }
-                    None => 0,
-                };
-                let added = self.output.add_channel(schema, name, &encoding, &metadata);
-                channel.id = Some(added.map_err(failed)?);
+                let schema = if stored.is_some() { self.written(Origin::Input(schema))? } else { 0 };
+                self.output.channel((id, schema), (name, &encoding), &metadata);
                 channel.topic.action = Action::Copied;
             }
         }
-        self.channels.insert(id, channel);
+        self.channels[at] = Some(Box::new(channel));
         Ok(())
     }
 
+    /// The id of a schema in the output. Writes the schema if necessary.
+    fn written(&mut self, origin: Origin) -> Result<u16, Error> {
+        if let Some(id) = self.written.get(&origin) {
+            return Ok(*id);
+        }
+        let id = u16::try_from(self.written.len() + 1);
+        let id =
+            id.map_err(|_| Error::Write(io::Error::other("the output needs more than 65,535 schemas")))?;
+        match origin {
+            Origin::Input(schema) => {
+                if let Some((name, encoding, text)) = self.schemas.get(&schema) {
+                    self.output.schema(id, (name, encoding), text);
+                }
+            }
+            Origin::Target(message) => {
+                let text = self.plan.target_text(message);
+                self.output.schema(id, (&self.plan.target_type(message).0, "ros2msg"), text.as_bytes());
+            }
+        }
+        self.written.insert(origin, id);
+        Ok(id)
+    }
+
     /// Writes a message. Returns the problem if its channel is unknown.
-    fn message(&mut self, header: MessageHeader, payload: &[u8]) -> Result<Option<String>, Error> {
-        let Some(channel) = self.channels.get_mut(&header.channel_id) else {
-            return Ok(Some(format!(
-                "a message refers to channel {}, which hasn't been declared yet",
-                header.channel_id
-            )));
+    fn message(
+        &mut self,
+        header: MessageHeader,
+        payload: &[u8],
+        packing: Option<Packing>,
+    ) -> Result<Option<String>, Error> {
+        let id = header.channel_id;
+        let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut) else {
+            return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
         };
         channel.topic.messages += 1;
-        let Some(id) = channel.id else { return Ok(None) };
-        let header = MessageHeader { channel_id: id, ..header };
+        if !channel.is_kept {
+            return Ok(None);
+        }
         let converted = channel.converted.as_ref().filter(|converted| !converted.converter.keeps_cdr());
-        let written = match converted.map(|converted| converted.cdr(payload, &mut channel.losses)) {
-            None => self.output.write_to_known_channel(&header, payload),
-            Some(Ok(payload)) => self.output.write_to_known_channel(&header, &payload),
+        let payload = match converted.map(|converted| converted.cdr(payload, &mut channel.losses)) {
+            None => Cow::Borrowed(payload),
+            Some(Ok(payload)) => Cow::Owned(payload),
             Some(Err(error)) => {
                 channel.topic.unreadable += 1;
                 channel.topic.error.get_or_insert(error);
                 return Ok(None);
             }
         };
-        written.map_err(failed)?;
+        self.output.set_packing(packing)?;
+        self.output.message(&header, &payload)?;
         Ok(None)
+    }
+
+    /// Copies an attachment after its last part. A truncated attachment is left out.
+    fn attachment(&mut self, (length, at): (u64, u64), bytes: &[u8]) -> Result<(), Error> {
+        if at == 0 {
+            self.attachment = Some(SpooledTempFile::new(MAX_ATTACHMENT));
+        }
+        let Some(body) = &mut self.attachment else { return Ok(()) };
+        body.write_all(bytes)?;
+        if at + bytes.len() as u64 == length {
+            body.seek(SeekFrom::Start(0))?;
+            self.output.attachment(length, body)?;
+            self.attachment = None;
+        }
+        Ok(())
     }
 }
 

@@ -1,5 +1,7 @@
 //! Tests of conversions of captures: the output agrees with the target release.
 
+mod files;
+
 use std::fs;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
