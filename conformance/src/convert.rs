@@ -35,7 +35,7 @@ impl From<io::Error> for Error {
 
 /// Converts a capture, and writes the result to `output`.
 pub(crate) fn convert(
-    (path, opened): (&Path, Opened),
+    (path, opened): (&Path, Opened<'_>),
     plan: &Plan,
     settings: Settings,
     output: &mut dyn Write,

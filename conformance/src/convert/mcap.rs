@@ -96,6 +96,10 @@ pub(super) fn convert(
             stream.item(item, &mut problems)?;
         }
     }
+    // Even without records, the output is a valid file.
+    if let Some(output) = output {
+        Writer::new(output, "")?.finish()?;
+    }
     let Some(stream) = stream else { return Ok((Vec::new(), problems)) };
     stream.output.finish()?;
     let channels = stream.channels.into_iter().flatten();

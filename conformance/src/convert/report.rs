@@ -17,6 +17,7 @@ const MAX_PROBLEMS: usize = 100;
 
 /// The result of a conversion.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ConversionReport {
     /// The version of this format.
     pub(crate) version: u32,
@@ -38,11 +39,13 @@ pub(crate) struct ConversionReport {
 
 /// A topic of the capture.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct TopicReport {
     /// The name in the capture.
     pub(crate) topic: String,
     /// The name in the output, if it differs.
     pub(crate) renamed: Option<String>,
+    /// The treatment of the messages.
     pub(crate) action: Action,
     /// The release of the source message.
     pub(crate) from: Option<String>,
@@ -52,7 +55,7 @@ pub(crate) struct TopicReport {
     pub(crate) messages: u64,
     /// The number of unreadable messages, which are left out.
     pub(crate) unreadable: u64,
-    /// The first error.
+    /// The error of the first unreadable message.
     pub(crate) error: Option<String>,
     /// The data that the conversion loses.
     pub(crate) losses: Vec<Loss>,
@@ -60,6 +63,7 @@ pub(crate) struct TopicReport {
 
 /// The treatment of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Action {
     /// The messages have the type of the target release.
@@ -82,6 +86,7 @@ impl Action {
 
 /// Data that the conversion of a topic loses.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Loss {
     /// The loss, in the words of the conversion.
     pub(crate) text: String,
@@ -129,6 +134,11 @@ impl ConversionReport {
     /// The number of topics with an action.
     pub(crate) fn count(&self, action: Action) -> usize {
         self.topics.iter().filter(|topic| topic.action == action).count()
+    }
+
+    /// The report in JSON.
+    pub(crate) fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
     }
 
     /// The report for people.
