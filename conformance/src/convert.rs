@@ -3,6 +3,7 @@
 mod mcap;
 mod plan;
 mod report;
+mod topic;
 
 use std::io::{self, Write};
 use std::path::Path;

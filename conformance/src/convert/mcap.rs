@@ -9,7 +9,8 @@ use mcap::{McapError, WriteOptions, Writer};
 use uavspec_runtime::cdr::ByteOrder;
 
 use super::plan::{Converted, Plan, Treatment};
-use super::report::{Action, Loss, Problems, TopicReport};
+use super::report::{Action, Problems, TopicReport};
+use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::mcap::{Event, Item, Reader};
 use crate::check::{HASH, decompressed, definition_of, states_other_type};
@@ -25,10 +26,7 @@ type Schema = (String, String, Vec<u8>);
 struct Channel<'p> {
     /// The id in the output; `None` if the messages are left out.
     id: Option<u16>,
-    converted: Option<Box<Converted<'p>>>,
-    /// The number of messages that contain the data of each loss.
-    losses: Vec<u64>,
-    topic: TopicReport,
+    topic: Topic<'p>,
 }
 
 struct Stream<'p, 'o> {
@@ -77,7 +75,7 @@ pub(super) fn convert(
     let Some(mut stream) = stream else { return Ok((Vec::new(), problems)) };
     stream.output.finish().map_err(failed)?;
     let channels = std::mem::take(&mut stream.channels);
-    Ok((channels.into_values().map(Channel::close).collect(), problems))
+    Ok((channels.into_values().map(|channel| channel.topic.finish()).collect(), problems))
 }
 
 /// An error of the writer.
@@ -150,41 +148,24 @@ impl<'p, 'o> Stream<'p, 'o> {
         let plan = self.plan;
         let stored = self.schemas.get(&schema);
         let treatment = treatment(plan, (&topic, &encoding), stored, &metadata);
-        let mut channel = Channel { id: None, converted: None, losses: Vec::new(), topic: new_topic(topic) };
-        let name = &channel.topic.topic;
-        match treatment {
-            (_, Treatment::LeaveOut(reason)) if !self.settings.keeps_unconverted => {
-                channel.topic.reason = Some(reason);
-            }
-            (from, Treatment::Convert(converted)) => {
+        let topic = Topic::new(&topic, treatment, plan, self.settings);
+        let schema = match (&topic.converted, stored) {
+            _ if topic.report.action == Action::LeftOut => None,
+            (Some(converted), _) => {
                 let (ty, hash) = plan.target_type(converted.conversion.to);
                 let text = plan.target_text(converted.conversion.to);
                 metadata.insert(HASH.to_owned(), hash.to_owned());
-                let schema = self.output.add_schema(&ty, "ros2msg", text.as_bytes()).map_err(failed)?;
-                channel.topic.renamed = plan.renamed(name, converted.conversion);
-                let name = channel.topic.renamed.as_ref().unwrap_or(name);
-                let added = self.output.add_channel(schema, name, &encoding, &metadata);
-                channel.id = Some(added.map_err(failed)?);
-                channel.topic.action = Action::Converted;
-                channel.topic.from = from;
-                channel.losses = vec![0; converted.conversion.losses.len()];
-                channel.converted = Some(converted);
+                Some(self.output.add_schema(&ty, "ros2msg", text.as_bytes()).map_err(failed)?)
             }
-            (_, treatment) => {
-                if let Treatment::LeaveOut(reason) = treatment {
-                    channel.topic.reason = Some(reason);
-                }
-                let schema = match stored {
-                    Some((name, encoding, text)) => {
-                        self.output.add_schema(name, encoding, text).map_err(failed)?
-                    }
-                    None => 0,
-                };
-                let added = self.output.add_channel(schema, name, &encoding, &metadata);
-                channel.id = Some(added.map_err(failed)?);
-                channel.topic.action = Action::Copied;
+            (None, Some((name, encoding, text))) => {
+                Some(self.output.add_schema(name, encoding, text).map_err(failed)?)
             }
-        }
+            (None, None) => Some(0),
+        };
+        let mut add = |schema| {
+            self.output.add_channel(schema, topic.output_name(), &encoding, &metadata).map_err(failed)
+        };
+        let channel = Channel { id: schema.map(&mut add).transpose()?, topic };
         self.channels.insert(id, channel);
         Ok(())
     }
@@ -197,17 +178,16 @@ impl<'p, 'o> Stream<'p, 'o> {
                 header.channel_id
             )));
         };
-        channel.topic.messages += 1;
+        channel.topic.report.messages += 1;
         let Some(id) = channel.id else { return Ok(None) };
         let header = MessageHeader { channel_id: id, ..header };
-        let converted = channel.converted.as_ref().filter(|converted| !converted.converter.keeps_cdr());
-        let written = match converted.map(|converted| converted.cdr(payload, &mut channel.losses)) {
-            None => self.output.write_to_known_channel(&header, payload),
-            Some(Ok(payload)) => self.output.write_to_known_channel(&header, &payload),
-            Some(Err(error)) => {
-                channel.topic.unreadable += 1;
-                channel.topic.error.get_or_insert(error);
-                return Ok(None);
+        let keeps_payload = |converted: &Converted<'_>| converted.converter.keeps_cdr();
+        let written = if channel.topic.converted.as_deref().is_none_or(keeps_payload) {
+            self.output.write_to_known_channel(&header, payload)
+        } else {
+            match channel.topic.convert(|converted, losses| converted.cdr(payload, losses)) {
+                Some(payload) => self.output.write_to_known_channel(&header, &payload),
+                None => return Ok(None),
             }
         };
         written.map_err(failed)?;
@@ -241,45 +221,12 @@ fn treatment<'p>(
     (definitions.release_of(id).map(|release| release.label.clone()), treatment)
 }
 
-fn new_topic(topic: String) -> TopicReport {
-    TopicReport {
-        topic,
-        renamed: None,
-        action: Action::LeftOut,
-        from: None,
-        reason: None,
-        messages: 0,
-        unreadable: 0,
-        error: None,
-        losses: Vec::new(),
-    }
-}
-
 impl Converted<'_> {
     /// Converts a CDR payload. Counts the losses.
     fn cdr(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
         let payload = decompressed(payload)?;
         let order = ByteOrder::of(&payload).map_err(|fault| fault.to_string())?;
         let message = self.source.decode_cdr(&payload).map_err(|error| error.to_string())?;
-        if self.converter.counts_losses() {
-            self.converter.count_losses(&message, losses);
-        }
-        let converted = self.converter.convert(&message).map_err(|error| error.to_string())?;
-        converted.to_cdr(order).map_err(|error| error.to_string())
-    }
-}
-
-impl Channel<'_> {
-    fn close(self) -> TopicReport {
-        let Self { converted, losses, mut topic, .. } = self;
-        if let Some(converted) = converted {
-            let counted = converted.conversion.losses.iter().zip(losses).enumerate();
-            let losses = counted.map(|(at, (loss, count))| Loss {
-                text: loss.text.clone(),
-                messages: converted.converter.is_counted(at).then_some(count),
-            });
-            topic.losses = losses.collect();
-        }
-        topic
+        self.message(&message, losses)?.to_cdr(order).map_err(|error| error.to_string())
     }
 }

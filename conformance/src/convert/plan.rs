@@ -9,7 +9,7 @@ use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, Ver
 use uavspec_codegen::dynamic::MessageType;
 use uavspec_codegen::release::{entries, full_name, write};
 use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Element, MessageId};
+use uavspec_codegen::schema::{Element, Message, MessageId};
 use uavspec_codegen::source::SourceId;
 use uavspec_codegen::{Failure, SourceMap};
 use uavspec_definitions::PX4_HINTS;
@@ -54,6 +54,15 @@ pub(crate) struct Converted<'p> {
     pub(crate) conversion: &'p Conversion,
     pub(crate) converter: Converter<'p>,
     pub(crate) source: MessageType<'p>,
+}
+
+/// The name of a topic in the target. The first topic of a message gets another name if the target lacks it.
+fn counterpart<'t>(topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
+    let is_first = source.topics.first().is_some_and(|first| first == topic);
+    match target.topics.first() {
+        Some(first) if is_first && !target.topics.iter().any(|known| known == topic) => first,
+        _ => topic,
+    }
 }
 
 /// Hints, with the file of the user's hints.
@@ -198,16 +207,23 @@ impl Plan {
         Some(format!("undecided: {}", own.unwrap_or_else(nested)))
     }
 
-    /// The name in the output of a topic. PX4's topics for ROS 2 end with the version of the message.
+    /// The name of a topic in the output, if it differs. PX4's topics for ROS 2 end with the version of the message.
     pub(super) fn renamed(&self, topic: &str, conversion: &Conversion) -> Option<String> {
-        let version = |message: &uavspec_codegen::schema::Message| message.version.unwrap_or(0);
-        let before = version(self.source.schema.message(conversion.from));
-        let after = version(self.target.schema.message(conversion.to));
-        if before == after || !topic.contains("/fmu/") {
-            return None;
+        let source = self.source.schema.message(conversion.from);
+        let target = self.target.schema.message(conversion.to);
+        let name = topic_of(topic);
+        let (before, after) = (source.version.unwrap_or(0), target.version.unwrap_or(0));
+        let is_versioned = before != after && topic.contains("/fmu/");
+        let unversioned = match before {
+            1.. if is_versioned => name.strip_suffix(&format!("_v{before}"))?,
+            _ => name,
+        };
+        let mut renamed = counterpart(unversioned, source, target).to_owned();
+        if is_versioned && after > 0 {
+            renamed += &format!("_v{after}");
         }
-        let unversioned = if before == 0 { topic } else { topic.strip_suffix(&format!("_v{before}"))? };
-        Some(if after == 0 { unversioned.to_owned() } else { format!("{unversioned}_v{after}") })
+        let start = topic.rfind(name).filter(|_| renamed != name)?;
+        Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
     }
 
     /// The full ROS name and the type hash of a message of the target.

@@ -156,6 +156,21 @@ impl ConversionReport {
 }
 
 impl TopicReport {
+    /// A topic without messages, which is left out.
+    pub(super) fn new(topic: &str) -> Self {
+        Self {
+            topic: topic.to_owned(),
+            renamed: None,
+            action: Action::LeftOut,
+            from: None,
+            reason: None,
+            messages: 0,
+            unreadable: 0,
+            error: None,
+            losses: Vec::new(),
+        }
+    }
+
     fn write(&self, text: &mut String) {
         let Self { topic, renamed, action, reason, messages, .. } = self;
         let _ = write!(text, "  {:<10} {}", action.text(), shown(topic));
