@@ -1,5 +1,6 @@
 //! Converts the messages of a capture to another release.
 
+mod json;
 mod mcap;
 mod plan;
 mod report;
@@ -24,6 +25,8 @@ pub(crate) struct Settings {
 pub(crate) enum Error {
     /// Captures of this format can't be converted.
     Format(&'static str),
+    /// The capture doesn't show its release.
+    UnknownRelease,
     /// The output can't be written.
     Write(io::Error),
 }
@@ -43,6 +46,7 @@ pub(crate) fn convert(
 ) -> Result<ConversionReport, Error> {
     let Opened { kind, bytes, .. } = opened;
     let (topics, problems) = match kind {
+        "JSON" => json::convert(bytes, plan, settings, output)?,
         "MCAP" => mcap::convert(bytes, plan, settings, output)?,
         other => return Err(Error::Format(other)),
     };

@@ -60,7 +60,13 @@ pub(crate) struct Converted<'p> {
 fn counterpart<'t>(topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
     let is_first = source.topics.first().is_some_and(|first| first == topic);
     match target.topics.first() {
-        Some(first) if is_first && !target.topics.iter().any(|known| known == topic) => first,
+        Some(first)
+            if is_first
+                && !target.topics.iter().any(|known| known == topic)
+                && !source.topics.contains(first) =>
+        {
+            first
+        }
         _ => topic,
     }
 }
@@ -224,6 +230,15 @@ impl Plan {
         }
         let start = topic.rfind(name).filter(|_| renamed != name)?;
         Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
+    }
+
+    /// The name of a type in the output, if it differs. The notation stays the same.
+    pub(super) fn renamed_type(&self, ty: &str, conversion: &Conversion) -> Option<String> {
+        let source = &self.source.schema.message(conversion.from).name;
+        let target = &self.target.schema.message(conversion.to).name;
+        ty.strip_suffix(source.as_str())
+            .filter(|_| source != target)
+            .map(|package| format!("{package}{target}"))
     }
 
     /// The full ROS name and the type hash of a message of the target.
