@@ -5,6 +5,7 @@ mod mcap;
 mod plan;
 mod report;
 mod topic;
+mod ulog;
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -47,6 +48,7 @@ pub(crate) fn convert(
     let Opened { kind, bytes, .. } = opened;
     let (topics, problems) = match kind {
         "JSON" => json::convert(bytes, plan, settings, output)?,
+        "ULog" => ulog::convert(bytes, plan, settings, output)?,
         "MCAP" => mcap::convert(bytes, plan, settings, output)?,
         other => return Err(Error::Format(other)),
     };

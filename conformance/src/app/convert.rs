@@ -137,8 +137,9 @@ fn write(
     match (result, written) {
         (Ok(report), Ok(())) => Ok(report),
         (Err(Error::Format(name)), _) if !name.is_empty() => {
-            let problem =
-                format!("captures in the format {name} can't be converted; expected MCAP or JSON Lines");
+            let problem = format!(
+                "captures in the format {name} can't be converted; expected MCAP, ULog or JSON Lines"
+            );
             Err(unreadable(&args.input, &problem))
         }
         (Err(Error::UnknownRelease), _) => {

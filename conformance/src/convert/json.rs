@@ -9,13 +9,14 @@ use std::ops::Range;
 use uavspec_codegen::schema::MessageId;
 
 use self::message::has_same_names;
-use super::plan::{Converted, Plan, Treatment};
+use super::plan::{Converted, Plan};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::json::{Event, Item, Reader};
 use crate::check::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, ROS, form};
 use crate::check::{definition_of, is_flockwave};
+use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::Extent;
 use crate::px4::json::Dialects;
@@ -232,9 +233,13 @@ impl<'p, 'o> Stream<'p, 'o> {
         definition: Option<MessageId>,
     ) -> Channel<'p> {
         let plan = self.plan;
-        let source = plan.source();
+        let source = plan.source(); // The fields of undefined messages aren't known.
+        let is_other = |target: &Definitions| match kind {
+            NameKind::Type => target.message_of_type(name).is_some(),
+            NameKind::Topic => definition_of(name, ty.map(|ty| (ty, ROS)), target).is_some(),
+        };
         let treated = match definition {
-            None => (None, Treatment::Copy),
+            None => (None, plan.undefined(is_other)),
             Some(id) => {
                 let first = source.schema.message(id).topics.first().map_or("", String::as_str);
                 let topic = if kind == NameKind::Topic { name } else { first };

@@ -14,6 +14,7 @@ use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::mcap::{Event, Item, Reader};
 use crate::check::{HASH, decompressed, definition_of, states_other_type};
+use crate::definitions::Definitions;
 
 /// The maximum total length of the schemas in a file, in bytes.
 const MAX_SCHEMAS: usize = 64 << 20;
@@ -204,16 +205,19 @@ fn treatment<'p>(
 ) -> (Option<String>, Treatment<'p>) {
     let definitions = plan.source();
     let names = schema.map(|(name, encoding, _)| (name.as_str(), encoding.as_str()));
-    let Some(id) = definition_of(topic, names, definitions) else { return (None, Treatment::Copy) };
+    let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
+    let Some(id) = definition_of(topic, names, definitions) else {
+        let is_other = |target: &Definitions| {
+            let id = definition_of(topic, names, target).filter(|_| encoding == "cdr");
+            id.is_some_and(|id| states_other_type(stated, metadata, id, target))
+        };
+        return (None, plan.undefined(is_other));
+    };
     if !plan.concerns(id) {
         return (None, Treatment::Copy);
     }
-    let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
     let treatment = match encoding {
-        "cdr" if states_other_type(stated, metadata, id, definitions) => {
-            let release = definitions.release_of(id).map_or("", |release| &release.title);
-            Treatment::LeaveOut(format!("its fields differ from {release}"))
-        }
+        "cdr" if states_other_type(stated, metadata, id, definitions) => plan.differs(id),
         "cdr" => plan.treatment(id, topic),
         "json" => Treatment::LeaveOut("JSON messages of bags can't be converted".to_owned()),
         _ => Treatment::Copy,

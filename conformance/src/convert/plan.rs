@@ -171,6 +171,20 @@ impl Plan {
     pub(super) fn concerns(&self, id: MessageId) -> bool {
         self.packages.contains_key(&self.source.schema.message(id).package)
     }
+    /// The treatment of messages that the source doesn't define. `is_other` is true if the target defines other messages for
+    /// their topic or type.
+    pub(super) fn undefined(&self, is_other: impl FnOnce(&Definitions) -> bool) -> Treatment<'_> {
+        if self.packages.is_empty() || !is_other(&self.target) {
+            return Treatment::Copy;
+        }
+        Treatment::LeaveOut(format!("only {} defines it", self.release.title))
+    }
+
+    /// The treatment of messages whose fields differ from the definition of their type.
+    pub(super) fn differs(&self, id: MessageId) -> Treatment<'_> {
+        let release = self.source.release_of(id).map_or("", |release| &release.title);
+        Treatment::LeaveOut(format!("its fields differ from {release}"))
+    }
 
     /// The treatment of the messages of a type, on a topic.
     pub(super) fn treatment(&self, id: MessageId, topic: &str) -> Treatment<'_> {
@@ -224,10 +238,9 @@ impl Plan {
             1.. if is_versioned => name.strip_suffix(&format!("_v{before}"))?,
             _ => name,
         };
-        let mut renamed = counterpart(unversioned, source, target).to_owned();
-        if is_versioned && after > 0 {
-            renamed += &format!("_v{after}");
-        }
+        let renamed = counterpart(unversioned, source, target);
+        let renamed =
+            if is_versioned && after > 0 { format!("{renamed}_v{after}") } else { renamed.to_owned() };
         let start = topic.rfind(name).filter(|_| renamed != name)?;
         Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
     }

@@ -1,6 +1,7 @@
 //! Tests of conversions of captures: the output agrees with the target release.
 
 mod json;
+mod ulog;
 
 use std::fs;
 use std::path::Path;

@@ -94,13 +94,12 @@ impl Reading {
         Ok(match (tree, element) {
             (Tree::Object(_), PlacedElement::Message(ty)) => return self.message(tree, ty),
             (_, PlacedElement::Text(room)) => return self.text(tree, room),
-            (Tree::Null, _) => Value::Null,
+            // The deviation `NaN` isn't kept, because the token isn't JSON.
+            (Tree::Null | Tree::Token("NaN"), _) => Value::Null,
             (Tree::Bool(value), _) => (*value).into(),
             (Tree::Int(value), _) => Number::from_i128(*value).map_or(Value::Null, Value::Number),
             (Tree::Float(value, _), _) => (*value).into(),
             (Tree::Text(text), _) => (&**text).into(),
-            // The deviation isn't kept, because the token isn't JSON.
-            (Tree::Token("NaN"), _) => Value::Null,
             _ => return Err(format!("unexpected value: {tree}")),
         })
     }
@@ -153,7 +152,9 @@ impl Notation {
             let Some(value) = message.get_mut(field.name) else { continue };
             match (field.element, value) {
                 (PlacedElement::Message(ty), Value::Array(elements)) => {
-                    elements.iter_mut().for_each(|element| self.apply(element, ty));
+                    for element in elements {
+                        self.apply(element, ty);
+                    }
                 }
                 (PlacedElement::Message(ty), value) => self.apply(value, ty),
                 (PlacedElement::Text(room), value) => {

@@ -83,6 +83,14 @@ fn other_members_and_other_lines_stay_the_same() {
     assert!(losses.iter().any(|loss| loss.messages == Some(1)), "{losses:?}");
 }
 
+/// A message of such a type could have any fields.
+#[test]
+fn types_that_only_the_target_defines_are_left_out() {
+    let line = line("px4@1.17", "BatteryInfo");
+    let (report, output) = converted(line.as_bytes(), "px4@1.16", "px4@1.17");
+    assert_eq!((report.topics[0].action, output.as_str()), (Action::LeftOut, ""));
+}
+
 #[test]
 fn topics_and_types_are_renamed_in_all_operations() {
     let request = message("px4@1.16", "ArmingCheckRequest");
