@@ -1,13 +1,18 @@
 //! Converts the messages of a capture to another release.
 
+mod json;
 mod mcap;
 mod plan;
 mod report;
+mod topic;
+mod ulog;
 
 use std::io::{self, Write};
 use std::path::Path;
 
 pub(crate) use self::plan::Plan;
+#[cfg(test)]
+pub(crate) use self::report::TopicReport;
 pub(crate) use self::report::{Action, ConversionReport};
 use crate::check::Opened;
 
@@ -23,6 +28,8 @@ pub(crate) struct Settings {
 pub(crate) enum Error {
     /// Captures of this format can't be converted.
     Format(&'static str),
+    /// The capture doesn't show its release.
+    UnknownRelease,
     /// The output can't be written.
     Write(io::Error),
 }
@@ -42,6 +49,8 @@ pub(crate) fn convert(
 ) -> Result<ConversionReport, Error> {
     let Opened { kind, bytes, .. } = opened;
     let (topics, problems) = match kind {
+        "JSON" => json::convert(bytes, plan, settings, output)?,
+        "ULog" => ulog::convert(bytes, plan, settings, output)?,
         "MCAP" => mcap::convert(bytes, plan, settings, output)?,
         other => return Err(Error::Format(other)),
     };

@@ -142,8 +142,16 @@ fn write(
     match (result, written) {
         (Ok(report), Ok(())) => Ok(report),
         (Err(Error::Format(name)), _) if !name.is_empty() => {
-            let problem = format!("captures in the format {name} can't be converted; expected MCAP");
+            let problem = format!(
+                "captures in the format {name} can't be converted; expected MCAP, ULog or JSON Lines"
+            );
             Err(unreadable(&args.input, &problem))
+        }
+        (Err(Error::UnknownRelease), _) => {
+            let path = terminal::path(&args.input);
+            let help = "set it with --from, such as --from px4@1.17";
+            terminal::error(format_args!("{path}: JSON messages don't show their release"), Some(help));
+            Err(Status::Usage)
         }
         (Err(Error::Write(error)), _) | (_, Err(error)) => Err(unreadable(&args.output, &error.to_string())),
         (Err(Error::Format(_)), Ok(())) => Err(Status::Unreadable),

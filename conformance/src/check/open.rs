@@ -4,7 +4,9 @@ use std::io::{self, Cursor, Read};
 use std::path::Path;
 use std::sync::Arc;
 
+use super::log::ENCRYPTED_TEXT;
 use super::{Ahead, KINDS, Reading, START, Source, unknown_type};
+use crate::capture::ENCRYPTED_MAGIC;
 use crate::capture::input;
 use crate::definitions::{Clues, Definitions, Library};
 
@@ -17,7 +19,7 @@ pub(crate) struct Opened<'b> {
     pub(crate) bytes: Box<dyn Read + Send + 'b>,
 }
 
-/// Opens a capture. The inner error is the reason why its format is unknown.
+/// Opens a capture. The inner error is the reason why it can't be read.
 pub(crate) fn open_path(
     path: &Path,
     library: &Library,
@@ -30,6 +32,9 @@ pub(crate) fn open_path(
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         return Ok(Err(unknown_type(&start)));
     };
+    if start.starts_with(&ENCRYPTED_MAGIC) {
+        return Ok(Err(ENCRYPTED_TEXT.to_owned()));
+    }
     let mut whole = Cursor::new(start).chain(bytes);
     let (mut clues, mut ahead) = (Clues::default(), Vec::new());
     if library.depends_on_capture() {

@@ -1,6 +1,7 @@
 //! Converts MCAP files.
 
 mod chunk;
+mod json_schema;
 mod record;
 mod writer;
 
@@ -15,10 +16,13 @@ use uavspec_runtime::cdr::ByteOrder;
 
 use self::writer::Writer;
 use super::plan::{Converted, Plan, Treatment};
-use super::report::{Action, Loss, Problems, TopicReport};
+use super::report::{Action, Problems, TopicReport};
+use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::mcap::{Event, Item, Packing, Reader};
 use crate::check::{HASH, decompressed, definition_of, states_other_type};
+use crate::definitions::Definitions;
+use crate::json::Tree;
 
 /// The maximum total length of the schemas in a file, in bytes.
 const MAX_SCHEMAS: usize = 64 << 20;
@@ -35,17 +39,17 @@ type Schema = (String, String, Vec<u8>);
 enum Origin {
     /// The schema of the input with this id.
     Input(u16),
-    /// A message of the target.
+    /// A message of the target, as its definition.
     Target(MessageId),
+    /// A message of the target, in the encoding of this schema of the input.
+    Json(MessageId, u16),
 }
 
 struct Channel<'p> {
-    /// True if the messages are in the output.
-    is_kept: bool,
-    converted: Option<Box<Converted<'p>>>,
-    /// The number of messages that contain the data of each loss.
-    losses: Vec<u64>,
-    topic: TopicReport,
+    topic: Topic<'p>,
+    is_json: bool,
+    /// True if the output contains the payloads of the input.
+    keeps_payloads: bool,
 }
 
 struct Stream<'p, 'o> {
@@ -103,7 +107,7 @@ pub(super) fn convert(
     let Some(stream) = stream else { return Ok((Vec::new(), problems)) };
     stream.output.finish()?;
     let channels = stream.channels.into_iter().flatten();
-    Ok((channels.map(|channel| channel.close()).collect(), problems))
+    Ok((channels.map(|channel| channel.topic.finish()).collect(), problems))
 }
 
 impl<'p, 'o> Stream<'p, 'o> {
@@ -182,58 +186,38 @@ impl<'p, 'o> Stream<'p, 'o> {
         let plan = self.plan;
         let stored = self.schemas.get(&schema);
         let treatment = treatment(plan, (&topic, &encoding), stored, &metadata);
-        let mut channel =
-            Channel { is_kept: true, converted: None, losses: Vec::new(), topic: new_topic(topic) };
-        let name = &channel.topic.topic;
-        match treatment {
-            (_, Treatment::LeaveOut(reason)) if !self.settings.keeps_unconverted => {
-                channel.topic.reason = Some(reason);
-                channel.is_kept = false;
-            }
-            (from, Treatment::Convert(converted)) => {
+        let topic = Topic::new(&topic, treatment, plan, self.settings);
+        let is_json = encoding == "json";
+        let mut keeps_payloads = true;
+        let origin = match &topic.converted {
+            Some(converted) => {
                 let target = converted.conversion.to;
-                metadata.insert(HASH.to_owned(), plan.target_type(target).1.to_owned());
-                channel.topic.renamed = plan.renamed(name, converted.conversion);
-                let schema = self.written(Origin::Target(target))?;
-                let name = channel.topic.renamed.as_ref().unwrap_or(name);
-                self.output.channel((id, schema), (name, &encoding), &metadata);
-                channel.topic.action = Action::Converted;
-                channel.topic.from = from;
-                channel.losses = vec![0; converted.conversion.losses.len()];
-                channel.converted = Some(converted);
-            }
-            (_, treatment) => {
-                if let Treatment::LeaveOut(reason) = treatment {
-                    channel.topic.reason = Some(reason);
+                if !is_json || metadata.contains_key(HASH) {
+                    metadata.insert(HASH.to_owned(), plan.target_type(target).1.to_owned());
                 }
-                let schema = if stored.is_some() { self.written(Origin::Input(schema))? } else { 0 };
-                self.output.channel((id, schema), (name, &encoding), &metadata);
-                channel.topic.action = Action::Copied;
+                keeps_payloads =
+                    if is_json { converted.keeps_json() } else { converted.converter.keeps_cdr() };
+                if is_json { Origin::Json(target, schema) } else { Origin::Target(target) }
             }
+            None => Origin::Input(schema),
+        };
+        if topic.report.action != Action::LeftOut {
+            let schema = self.written(origin)?;
+            self.output.channel((id, schema), (topic.output_name(), &encoding), &metadata);
         }
-        self.channels[at] = Some(Box::new(channel));
+        self.channels[at] = Some(Box::new(Channel { topic, is_json, keeps_payloads }));
         Ok(())
     }
 
-    /// The id of a schema in the output. Writes the schema if necessary.
+    /// The id of a schema in the output; 0 if there is none. Writes the schema if necessary.
     fn written(&mut self, origin: Origin) -> Result<u16, Error> {
         if let Some(id) = self.written.get(&origin) {
             return Ok(*id);
         }
+        let Some((name, encoding, text)) = content(self.plan, &self.schemas, origin) else { return Ok(0) };
         let id = u16::try_from(self.written.len() + 1);
-        let id =
-            id.map_err(|_| Error::Write(io::Error::other("the output needs more than 65,535 schemas")))?;
-        match origin {
-            Origin::Input(schema) => {
-                if let Some((name, encoding, text)) = self.schemas.get(&schema) {
-                    self.output.schema(id, (name, encoding), text);
-                }
-            }
-            Origin::Target(message) => {
-                let text = self.plan.target_text(message);
-                self.output.schema(id, (&self.plan.target_type(message).0, "ros2msg"), text.as_bytes());
-            }
-        }
+        let id = id.map_err(|_| io::Error::other("the output needs more than 65,535 schemas"))?;
+        self.output.schema(id, (&name, &encoding), &text);
         self.written.insert(origin, id);
         Ok(id)
     }
@@ -249,19 +233,19 @@ impl<'p, 'o> Stream<'p, 'o> {
         let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut) else {
             return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
         };
-        channel.topic.messages += 1;
-        if !channel.is_kept {
+        channel.topic.report.messages += 1;
+        if channel.topic.report.action == Action::LeftOut {
             return Ok(None);
         }
-        let converted = channel.converted.as_ref().filter(|converted| !converted.converter.keeps_cdr());
-        let payload = match converted.map(|converted| converted.cdr(payload, &mut channel.losses)) {
-            None => Cow::Borrowed(payload),
-            Some(Ok(payload)) => Cow::Owned(payload),
-            Some(Err(error)) => {
-                channel.topic.unreadable += 1;
-                channel.topic.error.get_or_insert(error);
-                return Ok(None);
-            }
+        let payload = if channel.keeps_payloads {
+            Cow::Borrowed(payload)
+        } else {
+            let is_json = channel.is_json;
+            let converted = channel.topic.convert(|converted, losses| {
+                if is_json { converted.json_payload(payload, losses) } else { converted.cdr(payload, losses) }
+            });
+            let Some(converted) = converted else { return Ok(None) };
+            Cow::Owned(converted)
         };
         self.output.set_packing(packing)?;
         self.output.message(&header, &payload)?;
@@ -284,6 +268,36 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 }
 
+/// The content of a schema in the output.
+fn content<'s>(
+    plan: &Plan,
+    schemas: &'s HashMap<u16, Schema>,
+    origin: Origin,
+) -> Option<(Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>)> {
+    let of_input = |id: u16| schemas.get(&id);
+    let definition = |message: MessageId| {
+        let text = plan.target_text(message).into_bytes();
+        (plan.target_type(message).0.into(), "ros2msg".into(), text.into())
+    };
+    match origin {
+        Origin::Target(message) => Some(definition(message)),
+        Origin::Input(id) => {
+            let (name, encoding, text) = of_input(id)?;
+            Some((name.into(), encoding.into(), text.into()))
+        }
+        Origin::Json(message, id) => {
+            let (_, encoding, text) = of_input(id)?;
+            if encoding == "ros2msg" {
+                return Some(definition(message));
+            }
+            // Other encodings can't be written. An empty text states nothing.
+            let has_text = encoding == "jsonschema" && !text.is_empty();
+            let text = if has_text { json_schema::text(plan.target_schema(), message) } else { Vec::new() };
+            Some((plan.target_type(message).0.into(), encoding.into(), text.into()))
+        }
+    }
+}
+
 /// The treatment of a channel, and the release of its messages.
 fn treatment<'p>(
     plan: &'p Plan,
@@ -293,62 +307,45 @@ fn treatment<'p>(
 ) -> (Option<String>, Treatment<'p>) {
     let definitions = plan.source();
     let names = schema.map(|(name, encoding, _)| (name.as_str(), encoding.as_str()));
-    let Some(id) = definition_of(topic, names, definitions) else { return (None, Treatment::Copy) };
+    let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
+    let Some(id) = definition_of(topic, names, definitions) else {
+        let is_other = |target: &Definitions| {
+            let id = definition_of(topic, names, target).filter(|_| encoding == "cdr");
+            id.is_some_and(|id| states_other_type(stated, metadata, id, target))
+        };
+        return (None, plan.undefined(is_other));
+    };
     if !plan.concerns(id) {
         return (None, Treatment::Copy);
     }
-    let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
     let treatment = match encoding {
-        "cdr" if states_other_type(stated, metadata, id, definitions) => {
-            let release = definitions.release_of(id).map_or("", |release| &release.title);
-            Treatment::LeaveOut(format!("its fields differ from {release}"))
-        }
-        "cdr" => plan.treatment(id, topic),
-        "json" => Treatment::LeaveOut("JSON messages of bags can't be converted".to_owned()),
+        "cdr" if states_other_type(stated, metadata, id, definitions) => plan.differs(id),
+        "cdr" | "json" => plan.treatment(id, topic),
         _ => Treatment::Copy,
     };
     (definitions.release_of(id).map(|release| release.label.clone()), treatment)
 }
 
-fn new_topic(topic: String) -> TopicReport {
-    TopicReport {
-        topic,
-        renamed: None,
-        action: Action::LeftOut,
-        from: None,
-        reason: None,
-        messages: 0,
-        unreadable: 0,
-        error: None,
-        losses: Vec::new(),
-    }
-}
-
 impl Converted<'_> {
     /// Converts a CDR payload. Counts the losses.
     fn cdr(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
-        let payload = decompressed(payload)?;
-        let order = ByteOrder::of(&payload).map_err(|fault| fault.to_string())?;
-        let message = self.source.decode_cdr(&payload).map_err(|error| error.to_string())?;
-        if self.converter.counts_losses() {
-            self.converter.count_losses(&message, losses);
+        let plain = decompressed(payload)?;
+        let order = ByteOrder::of(&plain).map_err(|fault| fault.to_string())?;
+        let message = self.source.decode_cdr(&plain).map_err(|error| error.to_string())?;
+        let converted = self.message(&message, losses)?.to_cdr(order).map_err(|error| error.to_string())?;
+        // A message that was compressed separately stays compressed.
+        match plain {
+            Cow::Borrowed(_) => Ok(converted),
+            Cow::Owned(_) => chunk::compressed(Packing::Zstd, &converted).map_err(|error| error.to_string()),
         }
-        let converted = self.converter.convert(&message).map_err(|error| error.to_string())?;
-        converted.to_cdr(order).map_err(|error| error.to_string())
     }
-}
 
-impl Channel<'_> {
-    fn close(self) -> TopicReport {
-        let Self { converted, losses, mut topic, .. } = self;
-        if let Some(converted) = converted {
-            let counted = converted.conversion.losses.iter().zip(losses).enumerate();
-            let losses = counted.map(|(at, (loss, count))| Loss {
-                text: loss.text.clone(),
-                messages: converted.converter.is_counted(at).then_some(count),
-            });
-            topic.losses = losses.collect();
-        }
-        topic
+    /// Converts a JSON payload. Counts the losses.
+    fn json_payload(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
+        let text = std::str::from_utf8(payload);
+        let text = text.map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
+        let tree = Tree::read(text).map_err(|error| error.to_string())?;
+        // Foxglove writes bytes as base64, as rosbridge does.
+        self.json(&tree, true, losses).map(String::into_bytes)
     }
 }

@@ -9,7 +9,7 @@ use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, Ver
 use uavspec_codegen::dynamic::MessageType;
 use uavspec_codegen::release::{entries, full_name, write};
 use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Element, MessageId};
+use uavspec_codegen::schema::{Element, Message, MessageId, Schema};
 use uavspec_codegen::source::SourceId;
 use uavspec_codegen::{Failure, SourceMap};
 use uavspec_definitions::PX4_HINTS;
@@ -54,6 +54,21 @@ pub(crate) struct Converted<'p> {
     pub(crate) conversion: &'p Conversion,
     pub(crate) converter: Converter<'p>,
     pub(crate) source: MessageType<'p>,
+}
+
+/// The name of a topic in the target. The first topic of a message gets another name if the target lacks it.
+fn counterpart<'t>(topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
+    let is_first = source.topics.first().is_some_and(|first| first == topic);
+    match target.topics.first() {
+        Some(first)
+            if is_first
+                && !target.topics.iter().any(|known| known == topic)
+                && !source.topics.contains(first) =>
+        {
+            first
+        }
+        _ => topic,
+    }
 }
 
 /// Hints, with the file of the user's hints.
@@ -148,6 +163,10 @@ impl Plan {
         releases.map(|release| release.label.clone()).collect()
     }
 
+    pub(super) fn target_schema(&self) -> &Schema {
+        &self.target.schema
+    }
+
     pub(super) fn target_label(&self) -> &str {
         &self.release.label
     }
@@ -155,6 +174,20 @@ impl Plan {
     /// True if the type is part of the conversion.
     pub(super) fn concerns(&self, id: MessageId) -> bool {
         self.packages.contains_key(&self.source.schema.message(id).package)
+    }
+    /// The treatment of messages that the source doesn't define. `is_other` is true if the target defines other messages for
+    /// their topic or type.
+    pub(super) fn undefined(&self, is_other: impl FnOnce(&Definitions) -> bool) -> Treatment<'_> {
+        if self.packages.is_empty() || !is_other(&self.target) {
+            return Treatment::Copy;
+        }
+        Treatment::LeaveOut(format!("only {} defines it", self.release.title))
+    }
+
+    /// The treatment of messages whose fields differ from the definition of their type.
+    pub(super) fn differs(&self, id: MessageId) -> Treatment<'_> {
+        let release = self.source.release_of(id).map_or("", |release| &release.title);
+        Treatment::LeaveOut(format!("its fields differ from {release}"))
     }
 
     /// The treatment of the messages of a type, on a topic.
@@ -198,16 +231,31 @@ impl Plan {
         Some(format!("undecided: {}", own.unwrap_or_else(nested)))
     }
 
-    /// The name in the output of a topic. PX4's topics for ROS 2 end with the version of the message.
+    /// The name of a topic in the output, if it differs. PX4's topics for ROS 2 end with the version of the message.
     pub(super) fn renamed(&self, topic: &str, conversion: &Conversion) -> Option<String> {
-        let version = |message: &uavspec_codegen::schema::Message| message.version.unwrap_or(0);
-        let before = version(self.source.schema.message(conversion.from));
-        let after = version(self.target.schema.message(conversion.to));
-        if before == after || !topic.contains("/fmu/") {
-            return None;
-        }
-        let unversioned = if before == 0 { topic } else { topic.strip_suffix(&format!("_v{before}"))? };
-        Some(if after == 0 { unversioned.to_owned() } else { format!("{unversioned}_v{after}") })
+        let source = self.source.schema.message(conversion.from);
+        let target = self.target.schema.message(conversion.to);
+        let name = topic_of(topic);
+        let (before, after) = (source.version.unwrap_or(0), target.version.unwrap_or(0));
+        let is_versioned = before != after && topic.contains("/fmu/");
+        let unversioned = match before {
+            1.. if is_versioned => name.strip_suffix(&format!("_v{before}"))?,
+            _ => name,
+        };
+        let renamed = counterpart(unversioned, source, target);
+        let renamed =
+            if is_versioned && after > 0 { format!("{renamed}_v{after}") } else { renamed.to_owned() };
+        let start = topic.rfind(name).filter(|_| renamed != name)?;
+        Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
+    }
+
+    /// The name of a type in the output, if it differs. The notation stays the same.
+    pub(super) fn renamed_type(&self, ty: &str, conversion: &Conversion) -> Option<String> {
+        let source = &self.source.schema.message(conversion.from).name;
+        let target = &self.target.schema.message(conversion.to).name;
+        ty.strip_suffix(source.as_str())
+            .filter(|_| source != target)
+            .map(|package| format!("{package}{target}"))
     }
 
     /// The full ROS name and the type hash of a message of the target.

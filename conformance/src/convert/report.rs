@@ -59,6 +59,8 @@ pub(crate) struct TopicReport {
     pub(crate) error: Option<String>,
     /// The data that the conversion loses.
     pub(crate) losses: Vec<Loss>,
+    /// The fields that may have a value that the target's definition excludes.
+    pub(crate) unchecked: Vec<String>,
 }
 
 /// The treatment of a topic.
@@ -166,6 +168,22 @@ impl ConversionReport {
 }
 
 impl TopicReport {
+    /// A topic without messages, which is left out.
+    pub(super) fn new(topic: &str) -> Self {
+        Self {
+            topic: topic.to_owned(),
+            renamed: None,
+            action: Action::LeftOut,
+            from: None,
+            reason: None,
+            messages: 0,
+            unreadable: 0,
+            error: None,
+            losses: Vec::new(),
+            unchecked: Vec::new(),
+        }
+    }
+
     fn write(&self, text: &mut String) {
         let Self { topic, renamed, action, reason, messages, .. } = self;
         let _ = write!(text, "  {:<10} {}", action.text(), shown(topic));

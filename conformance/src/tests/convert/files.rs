@@ -2,13 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+
 use super::{checked, converted};
 use crate::capture::mcap::{Event, Packing, Reader};
-use crate::convert::Settings;
+use crate::convert::{Action, Settings};
 use crate::tests::mcap::file::{self, FORMS, Form};
 
 /// The definition of `ArmingCheckRequest` in PX4 1.16.
 const DEFINITION: &[u8] = b"uint32 MESSAGE_VERSION=0\nuint64 timestamp\nuint8 request_id\n";
+
+/// The start of a zstd frame.
+const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
 
 /// A payload of `ArmingCheckRequest` with this id.
 fn request(id: u8) -> Vec<u8> {
@@ -155,4 +160,88 @@ fn the_indexes_lead_to_each_message() {
     let statistics = summary.stats.expect("statistics");
     assert_eq!(statistics.channel_message_counts.into_iter().collect::<Vec<_>>(), [(5, 1), (6, 10)]);
     assert_eq!((statistics.message_start_time, statistics.message_end_time), (7, 7));
+}
+
+/// The only message of an output, with its channel's metadata and its schema.
+fn only(output: &[u8]) -> (String, BTreeMap<String, String>, (String, String, String)) {
+    let message = ::mcap::MessageStream::new(output).expect("a bag").next().expect("a message").expect("CDR");
+    let schema = message.channel.schema.as_ref().expect("a schema");
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
+    let names = (schema.name.clone(), schema.encoding.clone(), text(&schema.data));
+    (text(&message.data), message.channel.metadata.clone(), names)
+}
+
+#[test]
+fn json_messages_are_converted() {
+    // A CDR message shows the release.
+    let hash = [("topic_type_hash", "RIHS01_0")];
+    for (encoding, content, metadata) in [
+        ("jsonschema", &b"{}"[..], &[][..]),
+        ("jsonschema", b"", &[]),
+        ("ros2msg", DEFINITION, &hash),
+        ("other", b"text", &[]),
+    ] {
+        let name = if encoding == "ros2msg" {
+            "px4_msgs/msg/ArmingCheckRequest"
+        } else {
+            "px4.arming_check_request"
+        };
+        let records = [
+            file::schema(7, "px4_msgs/msg/ArmingCheckRequest", "ros2msg", DEFINITION),
+            file::channel(7, 7, "/fmu/out/arming_check_request", "cdr", &[]),
+            file::schema(9, name, encoding, content),
+            file::channel(5, 9, "/ns/fmu/out/arming_check_request", "json", metadata),
+            file::message(5, br#"{"timestamp": 9, "request_id": 3}"#),
+        ];
+        let (report, output) = converted(&file::file(&records.concat()), "px4@1.17", Settings::default());
+        assert!(report.is_complete() && report.count(Action::Converted) == 2, "{}", report.to_text());
+        let (payload, metadata_out, (name, encoding_out, text)) = only(&output);
+        assert_eq!(payload, r#"{"timestamp":9,"request_id":3,"valid_registrations_mask":4294967295}"#);
+        assert_eq!((name.as_str(), encoding_out.as_str()), ("px4_msgs/msg/ArmingCheckRequest", encoding));
+        assert_eq!(metadata_out.contains_key("topic_type_hash"), !metadata.is_empty());
+        assert_ne!(metadata_out.get("topic_type_hash").map(String::as_str), Some("RIHS01_0"));
+        match (encoding, content.is_empty()) {
+            ("jsonschema", false) => {
+                let schema: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+                assert_eq!(schema["properties"]["valid_registrations_mask"]["type"], "integer");
+                assert_eq!(schema["required"][2], "valid_registrations_mask");
+            }
+            ("ros2msg", _) => assert!(text.contains("uint32 valid_registrations_mask"), "{text}"),
+            _ => assert_eq!(text, ""),
+        }
+        let found = checked(&output);
+        assert_eq!(found.result.corruption.len(), 0);
+        assert_eq!(found.result.findings.groups().count(), 0);
+    }
+}
+
+#[test]
+fn unreadable_json_messages_are_left_out() {
+    let channel = file::channel(6, 0, "/fmu/out/arming_check_request", "json", &[]);
+    for payload in [
+        &b"{\"timestamp\": 9}"[..],
+        b"{\"timestamp\": 9, \"request_id\": 3, \"winch\": 1}",
+        b"{\"timestamp\": 9, \"request_id\": 300}",
+        b"{\"timestamp\": 9,",
+        b"\xff",
+        b"",
+    ] {
+        let records = [declarations(), channel.clone(), file::message(6, payload)].concat();
+        let (report, output) = converted(&file::file(&records), "px4@1.17", Settings::default());
+        assert!(!report.is_complete(), "{}", report.to_text());
+        assert_eq!(checked(&output).result.records, 0);
+    }
+}
+
+/// rosbag2 can compress each message.
+#[test]
+fn separately_compressed_messages_stay_compressed() {
+    let packed = |id| compress_to_vec(&request(id)[..], CompressionLevel::Fastest);
+    let records = [declarations(), file::message(5, &packed(1)), file::message(5, &packed(2))].concat();
+    let (report, output) = converted(&file::file(&records), "px4@1.17", Settings::default());
+    assert!(report.is_complete(), "{}", report.to_text());
+    let messages = ::mcap::MessageStream::new(&output).expect("a bag");
+    assert!(messages.into_iter().all(|message| message.expect("a message").data.starts_with(&ZSTD)));
+    let found = checked(&output);
+    assert_eq!((found.result.checked, found.result.findings.groups().count()), (2, 0));
 }
