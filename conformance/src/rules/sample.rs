@@ -18,7 +18,9 @@ use uavspec_codegen::emit::vectors;
 use uavspec_codegen::schema::{Element, Field, Message, MessageId, Restriction, Shape};
 use uavspec_runtime::{Constraint, Number, Rule};
 
-pub(crate) use self::bag::{Bag, BagChannel};
+pub(crate) use self::bag::Bag;
+#[cfg(test)]
+pub(crate) use self::bag::BagChannel;
 pub(crate) use self::encoding::Encoding;
 pub(crate) use self::lines::Lines;
 pub(crate) use self::log::{Entry, Log};
