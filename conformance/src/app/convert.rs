@@ -18,8 +18,9 @@ use crate::definitions::Library;
 use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
-  uavspec convert flight.mcap --to px4@1.16 -o converted.mcap
+  uavspec convert flight.ulg --to px4@1.16 -o converted.ulg
   uavspec convert flight.mcap --from px4@1.18 --to px4@1.15 -o old.mcap
+  uavspec convert messages.jsonl --from px4@1.17 --to px4@1.16 -o out.jsonl
   uavspec convert flight.mcap --to px4@1.16 --hints hints.toml -o out.mcap";
 
 const DETAILS: &str = "\
@@ -27,10 +28,17 @@ The output contains the types, the type hashes and the topic versions of the tar
 belong to PX4 are copied unchanged. The chunks of the output are not compressed. Attachments and metadata records are \
 not copied.
 
+The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
+same. Data that was appended after a crash directly follows the other data.
+
+JSON messages don't show their release, so they require --from. Each object names its type or its topic, as for \
+`uavspec check`. The other members stay the same.
+
 If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. After any \
 other error and after Ctrl-C, there is no output, and an existing file stays unchanged.
 
-Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB.
+Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB. A JSON value \
+may have up to 16 MiB. A file may have up to 10,000 topics and JSON types.
 
 Exit status:
   0  success
@@ -47,7 +55,8 @@ const INTERRUPTED: i32 = 130;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct ConvertArgs {
-    /// Bag to convert: an MCAP file with CDR messages, optionally compressed with gzip or zstd.
+    /// File to convert: a PX4 log (ULog), an MCAP file with CDR messages, or JSON messages (JSON Lines, an array, or
+    /// rosbridge). It may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// Release of the output, such as px4@1.16.
@@ -56,7 +65,7 @@ pub(super) struct ConvertArgs {
     /// File to write. It replaces an existing file, but never the input.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Release of the input (default: the release that the input agrees with, for each topic).
+    /// Release of the input (default: the release that the input agrees with, for each topic). Required for JSON.
     #[arg(long, value_name = "RELEASE")]
     from: Option<String>,
     /// File with hints, which decide what the definitions don't decide.
