@@ -11,6 +11,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub(crate) use self::plan::Plan;
+#[cfg(test)]
+pub(crate) use self::report::TopicReport;
 pub(crate) use self::report::{Action, ConversionReport};
 use crate::check::Opened;
 
@@ -40,7 +42,7 @@ impl From<io::Error> for Error {
 
 /// Converts a capture, and writes the result to `output`.
 pub(crate) fn convert(
-    (path, opened): (&Path, Opened),
+    (path, opened): (&Path, Opened<'_>),
     plan: &Plan,
     settings: Settings,
     output: &mut dyn Write,

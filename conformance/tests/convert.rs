@@ -3,13 +3,20 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
+#[cfg(unix)]
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+#[cfg(unix)]
+use std::time::{Duration, Instant};
 
 use mcap::records::MessageHeader;
 use mcap::{MessageStream, WriteOptions};
 use serde_json::Value;
 use tempfile::TempDir;
+
+#[cfg(unix)]
+use crate::support::send_signal;
 
 /// The definition of `ArmingCheckRequest` in PX4 1.16.
 const DEFINITION: &str = "uint32 MESSAGE_VERSION=0\nuint64 timestamp\nuint8 request_id\n";
@@ -103,6 +110,7 @@ fn invalid_usage_leaves_no_output() {
         .expect("a file");
     fs::write(path.join("log.ulg"), b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0").expect("a file");
     fs::write(path.join("text"), [1, 2, 3, 4]).expect("a file");
+    fs::create_dir(path.join("folder")).expect("a folder");
     let before = names(path);
     for (arguments, status, wanted) in [
         (&["in.mcap", "--to=px4@1.2", "-o=out.mcap"][..], 2, "unknown release `px4@1.2`"),
@@ -117,6 +125,7 @@ fn invalid_usage_leaves_no_output() {
         (&["none.mcap", "--to=px4@1.17", "-o=out.mcap"], 3, "none.mcap: "),
         (&["log.ulg", "--to=px4@1.17", "-o=out.mcap"], 3, "expected MCAP"),
         (&["text", "--to=px4@1.17", "-o=out.mcap"], 3, "unknown file type"),
+        (&["folder", "--to=px4@1.17", "-o=out.mcap"], 2, "convert each file of the folder"),
         (&["in.mcap", "--to=px4@1.17", "-o=none/out.mcap"], 3, "none/out.mcap: "),
     ] {
         let output = run(path, arguments);
@@ -173,4 +182,51 @@ fn unreadable_messages_are_counted() {
     let output = run(folder.path(), &["in.mcap", "--to=px4@1.17", "-o=out.mcap"]);
     assert_eq!(output.status.code(), Some(6), "{}", text(&output.stdout));
     assert!(text(&output.stdout).contains("1 unreadable message left out"), "{}", text(&output.stdout));
+}
+
+/// Waits until `is_over` returns true.
+#[cfg(unix)]
+fn wait(mut is_over: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !is_over() {
+        assert!(began.elapsed() < Duration::from_secs(60), "it never ends");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_conversion_leaves_no_output() {
+    use nix::sys::signal::Signal::SIGINT;
+
+    let folder = workspace();
+    let path = |name: &str| folder.path().join(name);
+    let made = Command::new("mkfifo").arg(path("pipe")).status().expect("mkfifo runs");
+    assert!(made.success(), "a pipe");
+    fs::write(path("old.mcap"), "old").expect("a file");
+    let before = names(folder.path());
+    // The program reads at most 8 MiB before it writes.
+    let mut long = bag(&[5; 230_000]);
+    long.truncate(9 << 20);
+    assert_eq!(long.len(), 9 << 20);
+    for output in ["old.mcap", "new.mcap"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+        command.args(["convert", "pipe", "--to=px4@1.17", "-o", output]).current_dir(folder.path());
+        let mut child = command.stderr(Stdio::piped()).spawn().expect("it runs");
+        let mut pipe = fs::OpenOptions::new().write(true).open(path("pipe")).expect("a pipe");
+        pipe.write_all(&long).expect("it reads");
+        wait(|| names(folder.path()) != before);
+        send_signal(child.id(), SIGINT);
+        // The next read fails.
+        wait(|| {
+            let _ = pipe.write_all(&[0]);
+            child.try_wait().expect("a child").is_some()
+        });
+        let ended = child.wait_with_output().expect("it ends");
+        assert_eq!(ended.status.code(), Some(3));
+        let errors = text(&ended.stderr);
+        assert!(errors.contains("interrupted: no output was written"), "{errors}");
+        assert_eq!(names(folder.path()), before);
+        assert_eq!(fs::read(path("old.mcap")).expect("a file"), b"old");
+    }
 }

@@ -43,8 +43,8 @@ may have up to 16 MiB. A file may have up to 10,000 topics and JSON types.
 Exit status:
   0  success
   2  invalid usage, an unknown release, or a mistake in the hints
-  3  the input can't be opened or has an unsupported format, or the output can't
-     be written
+  3  the input can't be opened or has an unsupported format, the output can't be
+     written, or the run was interrupted
   5  no topic was converted; the output is a copy
   6  incomplete: some data can't be read";
 
@@ -95,6 +95,9 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
         ..Inputs::default()
     };
     outputs::check(&inputs, &[Output::new("--output", &args.output)])?;
+    if args.input.is_dir() {
+        return Err(folder(&args.input));
+    }
     let source = args.from.as_deref().map_or_else(|| Ok(Library::built_in()), Library::release);
     let source = source.map_err(|failure| usage(&failure))?;
     let target = Library::release(&args.to).map_err(|failure| usage(&failure))?;
@@ -113,9 +116,7 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
     let report = report?;
     let text = match args.format {
         Format::Text => Ok(report.to_text()),
-        Format::Json => {
-            serde_json::to_string_pretty(&report).map(|text| text + "\n").map_err(io::Error::from)
-        }
+        Format::Json => report.to_json().map_err(io::Error::from),
     };
     text.and_then(|text| print(&text)).map_err(|error| {
         terminal::error(format_args!("standard output: {error}"), None);
@@ -127,7 +128,7 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
 /// Writes the output. Errors are printed, and leave no output.
 fn write(
     args: &ConvertArgs,
-    opened: Opened,
+    opened: Opened<'_>,
     plan: &Plan,
     interrupted: &AtomicBool,
 ) -> Result<ConversionReport, Status> {
@@ -143,6 +144,10 @@ fn write(
             Err(_) => Err(io::Error::other("failed")),
         }
     });
+    if written.is_err() && interrupted.load(Ordering::Relaxed) {
+        terminal::error("interrupted: no output was written", None);
+        return Err(Status::Unreadable);
+    }
     match (result, written) {
         (Ok(report), Ok(())) => Ok(report),
         (Err(Error::Format(name)), _) if !name.is_empty() => {
@@ -181,6 +186,13 @@ fn status(report: &ConversionReport) -> Status {
 
 fn usage(failure: &Failure) -> Status {
     terminal::eprintln!("{failure}");
+    Status::Usage
+}
+
+/// Refuses a folder.
+fn folder(path: &Path) -> Status {
+    let help = "convert each file of the folder, with an output for each";
+    terminal::error(format_args!("{}: a folder can't be converted", terminal::path(path)), Some(help));
     Status::Usage
 }
 

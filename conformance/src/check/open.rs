@@ -11,12 +11,12 @@ use crate::capture::input;
 use crate::definitions::{Clues, Definitions, Library};
 
 /// A capture with the definitions of the release that it agrees with.
-pub(crate) struct Opened {
+pub(crate) struct Opened<'b> {
     /// The name of the format, such as `MCAP`.
     pub(crate) kind: &'static str,
     pub(crate) definitions: Arc<Definitions>,
     /// All bytes, decompressed.
-    pub(crate) bytes: Box<dyn Read + Send>,
+    pub(crate) bytes: Box<dyn Read + Send + 'b>,
 }
 
 /// Opens a capture. The inner error is the reason why it can't be read.
@@ -24,7 +24,7 @@ pub(crate) fn open_path(
     path: &Path,
     library: &Library,
     reading: Reading<'_>,
-) -> io::Result<Result<Opened, String>> {
+) -> io::Result<Result<Opened<'static>, String>> {
     let (mut bytes, is_plain) = input::decompressed(reading(input::open(path)?))?;
     let file = (is_plain && path.is_file()).then_some(path);
     let mut start = Vec::new();

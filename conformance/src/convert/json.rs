@@ -292,12 +292,17 @@ impl<'p, 'o> Stream<'p, 'o> {
 
 impl Converted<'_> {
     /// True if a JSON message is the same in both types.
-    fn keeps_json(&self) -> bool {
+    pub(super) fn keeps_json(&self) -> bool {
         self.converter.keeps_cdr() && has_same_names(self.source, self.converter.target())
     }
 
     /// Converts a JSON message. Counts the losses.
-    fn json(&self, tree: &Tree<'_>, is_rosbridge: bool, losses: &mut [u64]) -> Result<String, String> {
+    pub(super) fn json(
+        &self,
+        tree: &Tree<'_>,
+        is_rosbridge: bool,
+        losses: &mut [u64],
+    ) -> Result<String, String> {
         let (message, dialects): (_, Dialects) = message::read(tree, self.source, is_rosbridge)?;
         message::write(&self.message(&message, losses)?, dialects)
     }

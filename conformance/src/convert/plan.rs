@@ -9,7 +9,7 @@ use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, Ver
 use uavspec_codegen::dynamic::MessageType;
 use uavspec_codegen::release::{entries, full_name, write};
 use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Element, Message, MessageId};
+use uavspec_codegen::schema::{Element, Message, MessageId, Schema};
 use uavspec_codegen::source::SourceId;
 use uavspec_codegen::{Failure, SourceMap};
 use uavspec_definitions::PX4_HINTS;
@@ -157,6 +157,10 @@ impl Plan {
     pub(super) fn sources(&self) -> Vec<String> {
         let releases = self.source.releases().iter().filter(|release| release.family == self.release.family);
         releases.map(|release| release.label.clone()).collect()
+    }
+
+    pub(super) fn target_schema(&self) -> &Schema {
+        &self.target.schema
     }
 
     pub(super) fn target_label(&self) -> &str {

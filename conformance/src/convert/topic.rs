@@ -93,6 +93,9 @@ impl<'p> Topic<'p> {
                 messages: converted.converter.is_counted(at).then_some(count),
             });
             report.losses = losses.collect();
+            let fields: Vec<_> = converted.converter.target().layout().collect();
+            let unchecked = converted.conversion.unchecked.iter().filter_map(|at| fields.get(*at));
+            report.unchecked = unchecked.map(|field| field.name.to_owned()).collect();
         }
         report
     }

@@ -18,17 +18,17 @@ use crate::rules::sample::Flight;
 const UPDATE: &str = "UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-conformance --lib schema";
 
 /// A published schema.
-pub(super) struct Published {
-    pub(super) title: &'static str,
+pub(crate) struct Published {
+    pub(crate) title: &'static str,
     /// The name of the file, without extensions.
-    pub(super) file: &'static str,
+    pub(crate) file: &'static str,
 }
 
 const REPORT: Published = Published { title: "Report", file: "report" };
 
 impl Published {
     /// The schema of a type.
-    pub(super) fn schema<T: JsonSchema>(&self) -> Value {
+    pub(crate) fn schema<T: JsonSchema>(&self) -> Value {
         let settings = SchemaSettings::draft2020_12().with_transform(RecursiveTransform(without_width));
         let schema = settings.into_generator().into_root_schema_for::<T>();
         let Value::Object(mut described) = schema.to_value() else { panic!("a schema") };
@@ -51,7 +51,7 @@ impl Published {
     }
 
     /// Checks that the published schema is up to date, or updates it.
-    pub(super) fn check<T: JsonSchema>(&self) {
+    pub(crate) fn check<T: JsonSchema>(&self) {
         let path = format!("../generated/schemas/uavspec/{}.schema.json", self.file);
         let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(&path);
         let text = serde_json::to_string_pretty(&self.schema::<T>()).expect("JSON") + "\n";
@@ -64,7 +64,7 @@ impl Published {
     }
 
     /// Checks that every member has a description.
-    pub(super) fn check_descriptions<T: JsonSchema>(&self) {
+    pub(crate) fn check_descriptions<T: JsonSchema>(&self) {
         let schema = self.schema::<T>();
         check_descriptions(self.title, &schema, false);
         for (name, definition) in schema["$defs"].as_object().expect("definitions") {
@@ -87,7 +87,7 @@ fn check_descriptions(at: &str, schema: &Value, is_variant: bool) {
 }
 
 /// The differences between a value and a schema.
-pub(super) fn errors(schema: &Value, value: &Value) -> Vec<String> {
+pub(crate) fn errors(schema: &Value, value: &Value) -> Vec<String> {
     let validator = jsonschema::validator_for(schema).expect("a schema");
     validator.iter_errors(value).map(|error| format!("{}: {error}", error.instance_path())).collect()
 }

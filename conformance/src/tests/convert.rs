@@ -1,6 +1,9 @@
 //! Tests of conversions of captures: the output agrees with the target release.
 
+mod files;
 mod json;
+mod releases;
+mod schema;
 mod ulog;
 
 use std::fs;

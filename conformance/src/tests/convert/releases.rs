@@ -1,0 +1,105 @@
+//! Properties of conversions between all neighbouring releases.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use super::{checked, converted, flight, release};
+use crate::capture::mcap::{Event, Reader};
+use crate::check::definition_of;
+use crate::convert::{Action, ConversionReport, Settings, TopicReport};
+
+/// The releases of PX4, in order.
+const RELEASES: [&str; 7] =
+    ["px4@1.13", "px4@1.14", "px4@1.15", "px4@1.16", "px4@1.17", "px4@1.18", "px4@main"];
+
+/// The pairs of neighbours in both directions.
+fn neighbours() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let pairs = RELEASES.windows(2).map(|pair| (pair[0], pair[1]));
+    pairs.flat_map(|(old, new)| [(old, new), (new, old)])
+}
+
+/// The name of a topic without a namespace.
+fn plain(topic: &str) -> &str {
+    topic.rsplit('/').next().unwrap_or(topic)
+}
+
+/// The topics of a report by their names in the output.
+fn by_output(report: &ConversionReport) -> BTreeMap<&str, &TopicReport> {
+    let converted = report.topics.iter().filter(|topic| topic.action == Action::Converted);
+    converted.map(|topic| (plain(topic.renamed.as_deref().unwrap_or(&topic.topic)), topic)).collect()
+}
+
+#[test]
+fn only_unchecked_fields_of_converted_bags_violate_the_target_release() {
+    for (from, to) in neighbours() {
+        let (report, output) = converted(&flight(from).to_bytes(), to, Settings::default());
+        assert!(report.is_complete(), "{:?}", report.problems);
+        let found = checked(&output);
+        let releases = found.result.summary.releases();
+        assert_eq!((releases.len(), releases[0].release.as_str()), (1, to), "{from}");
+        let topics = by_output(&report);
+        for group in found.result.findings.groups() {
+            let (topic, path) = group.subject.split_once('.').expect("a field of a topic");
+            let field = path.split(['.', '[']).next().expect("a field");
+            let unchecked = &topics[plain(topic)].unchecked;
+            assert!(unchecked.iter().any(|name| name == field), "{from} to {to}: {}", group.subject);
+        }
+    }
+}
+
+/// The messages of a bag as JSON, by topic.
+fn messages(bytes: &[u8], label: &str) -> BTreeMap<String, Vec<Value>> {
+    let library = release(label);
+    let definitions = library.base();
+    let (mut topics, mut found) = (BTreeMap::new(), BTreeMap::<String, Vec<Value>>::new());
+    let mut reader = Reader::new(bytes);
+    while let Some(item) = reader.next().expect("memory") {
+        match item.event {
+            Event::Channel { id, topic, .. } => {
+                let message = definition_of(&topic, None, definitions).expect("a PX4 topic");
+                topics.insert(id, (plain(&topic).to_owned(), message));
+            }
+            Event::Message { channel, payload, .. } => {
+                let (topic, message) = &topics[&channel];
+                let decoded = definitions.types().get(*message).decode_cdr(payload).expect("a message");
+                // Infinite floats have no JSON.
+                if let Ok(value) = decoded.to_json() {
+                    found.entry(topic.clone()).or_default().push(value);
+                }
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The losses of a topic, as text.
+fn losses(topic: &TopicReport) -> String {
+    topic.losses.iter().map(|loss| format!("{}\n", loss.text)).collect()
+}
+
+#[test]
+fn a_conversion_and_its_reverse_lose_only_what_they_report() {
+    for (from, to) in neighbours() {
+        let bytes = flight(from).to_bytes();
+        let (there, between) = converted(&bytes, to, Settings::default());
+        let (back, output) = converted(&between, from, Settings::default());
+        let (before, after) = (messages(&bytes, from), messages(&output, from));
+        let (there, back) = (by_output(&there), by_output(&back));
+        assert!(after.len() > 100, "{from} to {to}: {}", after.len());
+        for (topic, values) in after {
+            let second = back[&*topic];
+            let first = there[plain(&second.topic)];
+            let lost = losses(first) + &losses(second);
+            let Some(expected) = before.get(plain(&first.topic)) else { panic!("{topic}") };
+            assert_eq!(values.len(), expected.len());
+            for (value, expected) in values.iter().zip(expected) {
+                for (name, value) in value.as_object().expect("a message") {
+                    let is_lost = lost.contains(&format!("`{name}`"));
+                    assert!(is_lost || *value == expected[name], "{from} to {to}: {topic}.{name}: {lost}");
+                }
+            }
+        }
+    }
+}
