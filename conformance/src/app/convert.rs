@@ -20,7 +20,7 @@ use crate::text::terminal;
 const EXAMPLES: &str = "Examples:
   uavspec convert flight.ulg --to px4@1.16 -o converted.ulg
   uavspec convert flight.mcap --from px4@1.18 --to px4@1.15 -o old.mcap
-  uavspec convert messages.jsonl --from px4@1.17 --to px4@1.16 -o out.jsonl
+  uavspec convert messages.jsonl --to px4@1.16 -o out.jsonl
   uavspec convert flight.mcap --to px4@1.16 --hints hints.toml -o out.mcap";
 
 const DETAILS: &str = "\
@@ -31,8 +31,8 @@ not copied.
 The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
 same. Data that was appended after a crash directly follows the other data.
 
-JSON messages don't show their release, so they require --from. Each object names its type or its topic, as for \
-`uavspec check`. The other members stay the same.
+JSON messages name their type or their topic, as for `uavspec check`. Their other members stay the same, and so do \
+values that aren't messages. A value that spans lines is written on one line.
 
 If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. After any \
 other error and after Ctrl-C, there is no output, and an existing file stays unchanged.
@@ -65,7 +65,7 @@ pub(super) struct ConvertArgs {
     /// File to write. It replaces an existing file, but never the input.
     #[arg(short, long, value_name = "OUT")]
     output: PathBuf,
-    /// Release of the input (default: the release that the input agrees with, for each topic). Required for JSON.
+    /// Release of the input (default: the release that the input agrees with, for each topic).
     #[arg(long, value_name = "RELEASE")]
     from: Option<String>,
     /// File with hints, which decide what the definitions don't decide.
@@ -155,12 +155,6 @@ fn write(
                 "captures in the format {name} can't be converted; expected MCAP, ULog or JSON Lines"
             );
             Err(unreadable(&args.input, &problem))
-        }
-        (Err(Error::UnknownRelease), _) => {
-            let path = terminal::path(&args.input);
-            let help = "set it with --from, such as --from px4@1.17";
-            terminal::error(format_args!("{path}: JSON messages don't show their release"), Some(help));
-            Err(Status::Usage)
         }
         (Err(Error::Write(error)), _) | (_, Err(error)) => Err(unreadable(&args.output, &error.to_string())),
         (Err(Error::Format(_)), Ok(())) => Err(Status::Unreadable),
