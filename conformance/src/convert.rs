@@ -28,8 +28,6 @@ pub(crate) struct Settings {
 pub(crate) enum Error {
     /// Captures of this format can't be converted.
     Format(&'static str),
-    /// The capture doesn't show its release.
-    UnknownRelease,
     /// The output can't be written.
     Write(io::Error),
 }

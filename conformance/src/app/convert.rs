@@ -18,8 +18,9 @@ use crate::definitions::Library;
 use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
-  uavspec convert flight.mcap --to px4@1.16 -o converted.mcap
+  uavspec convert flight.ulg --to px4@1.16 -o converted.ulg
   uavspec convert flight.mcap --from px4@1.18 --to px4@1.15 -o old.mcap
+  uavspec convert messages.jsonl --to px4@1.16 -o out.jsonl
   uavspec convert flight.mcap --to px4@1.16 --hints hints.toml -o out.mcap";
 
 const DETAILS: &str = "\
@@ -27,10 +28,17 @@ The output contains the types, the type hashes and the topic versions of the tar
 belong to PX4 are copied unchanged. The chunks of the output are not compressed. Attachments and metadata records are \
 not copied.
 
+The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
+same. Data that was appended after a crash directly follows the other data.
+
+JSON messages name their type or their topic, as for `uavspec check`. Their other members stay the same, and so do \
+values that aren't messages. A value that spans lines is written on one line.
+
 If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. After any \
 other error and after Ctrl-C, there is no output, and an existing file stays unchanged.
 
-Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB.
+Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB. A JSON value \
+may have up to 16 MiB. A file may have up to 10,000 topics and JSON types.
 
 Exit status:
   0  success
@@ -47,7 +55,8 @@ const INTERRUPTED: i32 = 130;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct ConvertArgs {
-    /// Bag to convert: an MCAP file with CDR messages, optionally compressed with gzip or zstd.
+    /// File to convert: a PX4 log (ULog), an MCAP file with CDR messages, or JSON messages (JSON Lines, an array, or
+    /// rosbridge). It may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// Release of the output, such as px4@1.16.
@@ -146,12 +155,6 @@ fn write(
                 "captures in the format {name} can't be converted; expected MCAP, ULog or JSON Lines"
             );
             Err(unreadable(&args.input, &problem))
-        }
-        (Err(Error::UnknownRelease), _) => {
-            let path = terminal::path(&args.input);
-            let help = "set it with --from, such as --from px4@1.17";
-            terminal::error(format_args!("{path}: JSON messages don't show their release"), Some(help));
-            Err(Status::Usage)
         }
         (Err(Error::Write(error)), _) | (_, Err(error)) => Err(unreadable(&args.output, &error.to_string())),
         (Err(Error::Format(_)), Ok(())) => Err(Status::Unreadable),

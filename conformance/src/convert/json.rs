@@ -133,10 +133,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             return Ok(());
         }
         self.has_objects = true;
-        if is_flockwave(tree) {
-            return Err(Error::Format("Flockwave"));
-        }
-        if self.plan.sources().is_empty() { Err(Error::UnknownRelease) } else { Ok(()) }
+        if is_flockwave(tree) { Err(Error::Format("Flockwave")) } else { Ok(()) }
     }
 
     /// Converts a message.

@@ -56,19 +56,15 @@ pub(crate) struct Converted<'p> {
     pub(crate) source: MessageType<'p>,
 }
 
-/// The name of a topic in the target. The first topic of a message gets another name if the target lacks it.
-fn counterpart<'t>(topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
-    let is_first = source.topics.first().is_some_and(|first| first == topic);
-    match target.topics.first() {
-        Some(first)
-            if is_first
-                && !target.topics.iter().any(|known| known == topic)
-                && !source.topics.contains(first) =>
-        {
-            first
-        }
-        _ => topic,
-    }
+/// True if two messages have the same fields and constants.
+fn is_declared_alike(one: &Message, other: &Message) -> bool {
+    let fields = |message: &Message| -> Vec<_> {
+        message.fields.iter().map(|field| (field.name.clone(), field.ty)).collect()
+    };
+    let constants = |message: &Message| -> Vec<_> {
+        message.constants.iter().map(|known| (known.name.clone(), known.value.clone())).collect()
+    };
+    fields(one) == fields(other) && constants(one) == constants(other)
 }
 
 /// Hints, with the file of the user's hints.
@@ -201,11 +197,12 @@ impl Plan {
         let name = topic_of(topic);
         let has_topic = |conversion: &Conversion| target(conversion).topics.iter().any(|known| known == name);
         // A topic may have another message in the target.
-        let found = all
-            .iter()
-            .filter(|conversion| conversion.from == id)
-            .max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name));
-        let Some(conversion) = found else { return self.without_conversion(message) };
+        let find = |id| {
+            let found = all.iter().filter(|conversion| conversion.from == id);
+            found.max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name))
+        };
+        let twin = || self.twin(message, name).and_then(find).filter(|found| has_topic(found));
+        let Some(conversion) = find(id).or_else(twin) else { return self.without_conversion(message) };
         if let Some(reason) = self.undecided(conversion) {
             return Treatment::LeaveOut(reason);
         }
@@ -223,6 +220,17 @@ impl Plan {
             Some(_) => Treatment::LeaveOut("its service has other fields in the target release".to_owned()),
             None => Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name)),
         }
+    }
+
+    /// A message of the source that is declared like `message` and has the name of the topic's message in the target.
+    /// Releases before PX4 1.14 repeat a message for each of its topics.
+    fn twin(&self, message: &Message, topic: &str) -> Option<MessageId> {
+        let target = self.target.schema.message(self.target.message_of_topic(topic)?);
+        let all = &self.source.schema.packages.get(message.package)?.messages;
+        all.iter().copied().find(|id| {
+            let other = self.source.schema.message(*id);
+            other.name == target.name && is_declared_alike(message, other)
+        })
     }
 
     /// The reason why a conversion can't be used.
@@ -251,27 +259,34 @@ impl Plan {
             1.. if is_versioned => name.strip_suffix(&format!("_v{before}"))?,
             _ => name,
         };
-        let renamed = counterpart(unversioned, source, target);
+        let renamed = self.counterpart(unversioned, source, target);
         let renamed =
             if is_versioned && after > 0 { format!("{renamed}_v{after}") } else { renamed.to_owned() };
         let start = topic.rfind(name).filter(|_| renamed != name)?;
         Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
     }
 
-    /// The name of a type in the output, if it differs. The notation stays the same.
-    pub(super) fn renamed_type(&self, ty: &str, conversion: &Conversion) -> Option<String> {
-        let source = &self.source.schema.message(conversion.from).name;
-        let target = &self.target.schema.message(conversion.to).name;
-        ty.strip_suffix(source.as_str())
-            .filter(|_| source != target)
-            .map(|package| format!("{package}{target}"))
+    /// The name of a topic in the target. The only topic of a message is renamed with the message, unless both releases
+    /// have this topic, or the source has the new topic as well. All other topics keep their names, since the definitions
+    /// don't show which topic of several replaced another.
+    fn counterpart<'t>(&self, topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
+        let is_renamed = source.name != target.name && source.topics == [topic];
+        let is_known = target.topics.iter().any(|known| known == topic);
+        let new = target.topics.first().filter(|_| is_renamed && !is_known);
+        new.filter(|new| self.source.message_of_topic(new).is_none()).map_or(topic, String::as_str)
     }
 
-    /// The full ROS name of a message of the target, and the type hash that bags state for it.
+    /// The name of a type in the output, if it differs. The notation stays the same.
+    pub(super) fn renamed_type(&self, ty: &str, conversion: &Conversion) -> Option<String> {
+        let target = &self.target.schema.message(conversion.to).name;
+        let (package, name) = ty.rsplit_once('/')?;
+        (name != target).then(|| format!("{package}/{target}"))
+    }
+
+    /// The full ROS name and the type hash of a message of the target.
     pub(super) fn target_type(&self, id: MessageId) -> (String, &str) {
         let message = self.target.schema.message(id);
-        let hash = self.target.type_hashes(message).last();
-        (ros_name(&self.target.schema, message), hash.unwrap_or_default())
+        (ros_name(&self.target.schema, message), &message.type_hash)
     }
 
     /// The definition of a message of the target, or of a part of a service, by its full ROS name.
