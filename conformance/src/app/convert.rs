@@ -30,7 +30,7 @@ belong to PX4 are copied unchanged.
 In MCAP files, each chunk keeps its compression. Attachments, metadata records and private records are copied \
 unchanged. A truncated attachment is left out. CDR and JSON messages are converted; a JSON message with an unknown or a \
 missing field is unreadable. A file that is compressed as a whole becomes an uncompressed file. The files of a folder \
-must be converted one by one.
+must be converted separately.
 
 The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
 same. Data that was appended after a crash directly follows the other data.

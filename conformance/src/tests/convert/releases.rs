@@ -65,7 +65,7 @@ fn messages(bytes: &[u8], label: &str) -> BTreeMap<String, Vec<Value>> {
             Event::Message { channel, payload, .. } => {
                 let (topic, message) = &topics[&channel];
                 let decoded = definitions.types().get(*message).decode_cdr(payload).expect("a message");
-                // Infinite floats have no JSON.
+                // JSON can't represent infinite floats.
                 if let Ok(value) = decoded.to_json() {
                     found.entry(topic.clone()).or_default().push(value);
                 }
