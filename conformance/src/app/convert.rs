@@ -61,7 +61,7 @@ const INTERRUPTED: i32 = 130;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct ConvertArgs {
-    /// File to convert: a PX4 log (ULog), an MCAP file, or JSON messages (JSON Lines, an array, or
+    /// File to convert: a PX4 log, an MCAP file, or JSON messages (JSON Lines, an array, or
     /// rosbridge). It may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
@@ -175,10 +175,12 @@ fn status(report: &ConversionReport) -> Status {
         return Status::Incomplete;
     }
     if report.count(Action::Converted) == 0 {
-        terminal::error(
-            "no topic was converted",
-            Some("`uavspec check` lists the topics and their releases"),
-        );
+        let help = if report.from.is_empty() {
+            "set the release of the input, such as --from px4@1.17"
+        } else {
+            "`uavspec check` lists the topics and their releases"
+        };
+        terminal::error("no topic was converted", Some(help));
         return Status::Nothing;
     }
     Status::Conforms
