@@ -59,11 +59,13 @@ fn messages(bytes: &[u8], label: &str) -> BTreeMap<String, Vec<Value>> {
     while let Some(item) = reader.next().expect("memory") {
         match item.event {
             Event::Channel { id, topic, .. } => {
-                let message = definition_of(&topic, None, definitions).expect("a PX4 topic");
-                topics.insert(id, (plain(&topic).to_owned(), message));
+                // A topic keeps its name if the target has several topics instead of it.
+                if let Some(message) = definition_of(&topic, None, definitions) {
+                    topics.insert(id, (plain(&topic).to_owned(), message));
+                }
             }
             Event::Message { channel, payload, .. } => {
-                let (topic, message) = &topics[&channel];
+                let Some((topic, message)) = topics.get(&channel) else { continue };
                 let decoded = definitions.types().get(*message).decode_cdr(payload).expect("a message");
                 // JSON can't represent infinite floats.
                 if let Ok(value) = decoded.to_json() {
