@@ -54,18 +54,19 @@ fn only_unchecked_fields_of_converted_bags_violate_the_target_release() {
 fn messages(bytes: &[u8], label: &str) -> BTreeMap<String, Vec<Value>> {
     let library = release(label);
     let definitions = library.base();
-    let (mut topics, mut found) = (BTreeMap::new(), BTreeMap::<String, Vec<Value>>::new());
+    let (mut topics, mut schemas) = (BTreeMap::new(), BTreeMap::new());
+    let mut found = BTreeMap::<String, Vec<Value>>::new();
     let mut reader = Reader::new(bytes);
     while let Some(item) = reader.next().expect("memory") {
         match item.event {
-            Event::Channel { id, topic, .. } => {
-                // A topic keeps its name if the target has several topics instead of it.
-                if let Some(message) = definition_of(&topic, None, definitions) {
-                    topics.insert(id, (plain(&topic).to_owned(), message));
-                }
+            Event::Schema { id, name, encoding, .. } => _ = schemas.insert(id, (name, encoding)),
+            Event::Channel { id, schema, topic, .. } => {
+                let (name, encoding) = &schemas[&schema];
+                let message = definition_of(&topic, Some((name, encoding)), definitions);
+                topics.insert(id, (plain(&topic).to_owned(), message.expect("a PX4 message")));
             }
             Event::Message { channel, payload, .. } => {
-                let Some((topic, message)) = topics.get(&channel) else { continue };
+                let (topic, message) = &topics[&channel];
                 let decoded = definitions.types().get(*message).decode_cdr(payload).expect("a message");
                 // JSON can't represent infinite floats.
                 if let Ok(value) = decoded.to_json() {
