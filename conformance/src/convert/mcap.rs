@@ -128,6 +128,9 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 
     fn item(&mut self, item: Item<'_>, problems: &mut Problems) -> Result<(), Error> {
+        if matches!(item.event, Event::Schema { .. } | Event::Channel { .. } | Event::Message { .. }) {
+            self.output.set_packing(item.packing)?;
+        }
         let found = match item.event {
             Event::Schema { id, name, encoding, text } => self.schema(id, (name, encoding), text),
             Event::Channel { id, schema, topic, encoding, metadata } => {
@@ -136,7 +139,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             }
             Event::Message { channel, time, publish_time, sequence, payload } => {
                 let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time };
-                self.message(header, payload, item.packing)?
+                self.message(header, payload)?
             }
             Event::Attachment { length, at, bytes } => {
                 self.attachment((length, at), bytes)?;
@@ -226,12 +229,7 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 
     /// Writes a message. Returns the problem if its channel is unknown.
-    fn message(
-        &mut self,
-        header: MessageHeader,
-        payload: &[u8],
-        packing: Option<Packing>,
-    ) -> Result<Option<String>, Error> {
+    fn message(&mut self, header: MessageHeader, payload: &[u8]) -> Result<Option<String>, Error> {
         let id = header.channel_id;
         let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut) else {
             return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
@@ -250,7 +248,6 @@ impl<'p, 'o> Stream<'p, 'o> {
             let Some(converted) = converted else { return Ok(None) };
             Cow::Owned(converted)
         };
-        self.output.set_packing(packing)?;
         self.output.message(&header, &payload)?;
         Ok(None)
     }
