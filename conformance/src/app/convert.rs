@@ -25,8 +25,12 @@ const EXAMPLES: &str = "Examples:
 
 const DETAILS: &str = "\
 The output contains the types, the type hashes and the topic versions of the target release. Topics that don't \
-belong to PX4 are copied unchanged. The chunks of the output are not compressed. Attachments and metadata records are \
-not copied.
+belong to PX4 are copied unchanged.
+
+In MCAP files, each chunk keeps its compression. Attachments, metadata records and private records are copied \
+unchanged. A truncated attachment is left out. CDR and JSON messages are converted; a JSON message with an unknown or a \
+missing field is unreadable. A file that is compressed as a whole becomes an uncompressed file. The files of a folder \
+must be converted separately.
 
 The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
 same. Data that was appended after a crash directly follows the other data.
@@ -38,14 +42,16 @@ If a part of the input can't be read, the output contains all readable messages,
 other error and after Ctrl-C, there is no output, and an existing file stays unchanged.
 
 Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB. A JSON value \
-may have up to 16 MiB. A file may have up to 10,000 topics and JSON types.
+may have up to 16 MiB. A file may have up to 10,000 topics and JSON types. An attachment of more than 16 MiB is stored \
+in the folder for temporary files until it is complete. The index of an MCAP file is in memory until the end: about \
+0.6 MiB for each GiB of a bag with 235 topics.
 
 Exit status:
   0  success
   2  invalid usage, an unknown release, or a mistake in the hints
   3  the input can't be opened or has an unsupported format, the output can't be
      written, or the run was interrupted
-  5  no topic was converted; the output is a copy
+  5  no topic was converted; the output contains the copied topics
   6  incomplete: some data can't be read";
 
 /// The exit status after a second Ctrl-C: 128 plus the number of SIGINT.
@@ -55,7 +61,7 @@ const INTERRUPTED: i32 = 130;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct ConvertArgs {
-    /// File to convert: a PX4 log (ULog), an MCAP file with CDR messages, or JSON messages (JSON Lines, an array, or
+    /// File to convert: a PX4 log, an MCAP file, or JSON messages (JSON Lines, an array, or
     /// rosbridge). It may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
@@ -169,10 +175,12 @@ fn status(report: &ConversionReport) -> Status {
         return Status::Incomplete;
     }
     if report.count(Action::Converted) == 0 {
-        terminal::error(
-            "no topic was converted",
-            Some("`uavspec check` lists the topics and their releases"),
-        );
+        let help = if report.from.is_empty() {
+            "set the release of the input, such as --from px4@1.17"
+        } else {
+            "`uavspec check` lists the topics and their releases"
+        };
+        terminal::error("no topic was converted", Some(help));
         return Status::Nothing;
     }
     Status::Conforms

@@ -34,6 +34,9 @@ const MAX_ATTACHMENT: usize = 16 << 20;
 /// A schema: its name, encoding and text.
 type Schema = (String, String, Vec<u8>);
 
+/// The name, the encoding and the text of a schema in the output.
+type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
+
 /// The origin of a schema in the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Origin {
@@ -269,11 +272,7 @@ impl<'p, 'o> Stream<'p, 'o> {
 }
 
 /// The content of a schema in the output.
-fn content<'s>(
-    plan: &Plan,
-    schemas: &'s HashMap<u16, Schema>,
-    origin: Origin,
-) -> Option<(Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>)> {
+fn content<'s>(plan: &Plan, schemas: &'s HashMap<u16, Schema>, origin: Origin) -> Option<Content<'s>> {
     let of_input = |id: u16| schemas.get(&id);
     let definition = |message: MessageId| {
         let text = plan.target_text(message).into_bytes();

@@ -202,15 +202,24 @@ impl Plan {
             found.max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name))
         };
         let twin = || self.twin(message, name).and_then(find).filter(|found| has_topic(found));
-        let Some(conversion) = find(id).or_else(twin) else {
-            return Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name));
-        };
+        let Some(conversion) = find(id).or_else(twin) else { return self.without_conversion(message) };
         if let Some(reason) = self.undecided(conversion) {
             return Treatment::LeaveOut(reason);
         }
         let source = self.source.types().get(id);
         let converter = Converter::new(conversion, source, self.target.types().get(conversion.to));
         Treatment::Convert(Box::new(Converted { conversion, converter, source }))
+    }
+
+    /// The treatment of messages of a type that has no conversion. Events of services have none, but most services stay
+    /// the same.
+    fn without_conversion(&self, message: &Message) -> Treatment<'_> {
+        let name = ros_name(&self.source.schema, message);
+        match self.target.message_of_type(&name).map(|id| self.target.schema.message(id)) {
+            Some(twin) if twin.type_hash == message.type_hash => Treatment::Copy,
+            Some(_) => Treatment::LeaveOut("its service has other fields in the target release".to_owned()),
+            None => Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name)),
+        }
     }
 
     /// A message of the source that is declared like `message` and has the name of the topic's message in the target.
@@ -280,6 +289,16 @@ impl Plan {
         (ros_name(&self.target.schema, message), &message.type_hash)
     }
 
+    /// The definition of a message of the target, or of a part of a service, by its full ROS name.
+    fn text(&self, name: &str) -> Option<&str> {
+        let part = |suffix: &str, at: usize| {
+            let service = self.texts.get(name.strip_suffix(suffix)?)?;
+            service.split("---\n").nth(at)
+        };
+        let message = self.texts.get(name).map(String::as_str);
+        message.or_else(|| part("_Request", 0)).or_else(|| part("_Response", 1))
+    }
+
     /// The definition of a message of the target with its nested messages, as bags store it.
     pub(super) fn target_text(&self, id: MessageId) -> String {
         let (mut text, mut known, mut waiting) = (String::new(), BTreeSet::from([id]), vec![id]);
@@ -290,7 +309,7 @@ impl Plan {
                 let name = name.replacen("/msg/", "/", 1);
                 text.extend([&*"=".repeat(SEPARATOR), "\nMSG: ", &name, "\n"]);
             }
-            text.push_str(self.texts.get(&name).map_or("", String::as_str));
+            text.push_str(self.text(&name).unwrap_or_default());
             for field in &message.fields {
                 if let Element::Message(nested) = field.ty.element
                     && known.insert(nested)

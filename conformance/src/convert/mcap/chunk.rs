@@ -12,7 +12,7 @@ use crate::capture::mcap::Packing;
 /// The size of an index entry, in bytes.
 const ENTRY: usize = 16;
 
-/// The number of index bytes of a channel whose buffer is kept for the next chunk.
+/// The maximum size of an index buffer that the next chunk reuses, in bytes.
 const KEPT: usize = 1 << 16;
 
 /// The records of a chunk, with the index of its messages.

@@ -94,7 +94,7 @@ fn attachments_metadata_and_private_records_are_copied() {
 
 #[test]
 fn a_truncated_attachment_is_left_out() {
-    let whole = attachment("notes.txt", &[5; 300_000]);
+    let whole = attachment("notes.txt", &[5].repeat(300_000));
     let records = [declarations(), file::message(5, &request(1))].concat();
     for length in [40, 200_000, whole.len() - 1] {
         let bytes = [file::start(), records.clone(), whole[..length].to_vec()].concat();
@@ -137,7 +137,7 @@ fn chunks_keep_their_compression() {
 #[test]
 fn the_indexes_lead_to_each_message() {
     // More than one chunk.
-    let long = [&b"\0\x01\0\0"[..], &[b'x'; 1_000_000]].concat();
+    let long = [&b"\0\x01\0\0"[..], &b"x".repeat(1_000_000)].concat();
     let messages: Vec<Vec<u8>> = (0..10).map(|_| file::message(6, &long)).collect();
     let rope = file::channel(6, 0, "/rope", "cdr", &[]);
     let records = [declarations(), rope, messages.concat(), file::message(5, &request(4))].concat();

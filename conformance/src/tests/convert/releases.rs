@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
+use uavspec_runtime::cdr::ByteOrder;
 
 use super::{checked, converted, flight, release};
 use crate::capture::mcap::{Event, Reader};
 use crate::check::definition_of;
 use crate::convert::{Action, ConversionReport, Settings, TopicReport};
+use crate::rules::sample::BagChannel;
 
 /// The releases of PX4, in order.
 const RELEASES: [&str; 7] =
@@ -65,7 +67,7 @@ fn messages(bytes: &[u8], label: &str) -> BTreeMap<String, Vec<Value>> {
             Event::Message { channel, payload, .. } => {
                 let Some((topic, message)) = topics.get(&channel) else { continue };
                 let decoded = definitions.types().get(*message).decode_cdr(payload).expect("a message");
-                // Infinite floats have no JSON.
+                // JSON can't represent infinite floats.
                 if let Ok(value) = decoded.to_json() {
                     found.entry(topic.clone()).or_default().push(value);
                 }
@@ -103,5 +105,42 @@ fn a_conversion_and_its_reverse_lose_only_what_they_report() {
                 }
             }
         }
+    }
+}
+
+#[test]
+fn parts_and_events_of_services_are_converted() {
+    let (from, to) = ("px4@1.17", "px4@1.18");
+    let library = release(from);
+    for (part, topic, action) in [
+        ("VehicleCommand_Event", "/fmu/vehicle_command/_service_event", Action::Copied),
+        ("VehicleCommand_Request", "rq/fmu/vehicle_commandRequest", Action::Converted),
+        ("VehicleCommand_Response", "rr/fmu/vehicle_commandReply", Action::Converted),
+    ] {
+        let name = format!("px4_msgs/srv/{part}");
+        let id = library.base().message_of_type(&name).expect("a part of a service");
+        let message = library.base().types().get(id).default();
+        let payload = message.to_cdr(ByteOrder::LittleEndian).expect("a payload");
+        let mut bag = flight(from);
+        let channel = u16::try_from(bag.channels.len()).expect("an id");
+        bag.channels.push(BagChannel {
+            topic: topic.to_owned(),
+            schema: name.clone(),
+            text: String::new(),
+            hash: String::new(),
+        });
+        bag.messages.push((channel, 9, payload));
+        let (report, output) = converted(&bag.to_bytes(), to, Settings::default());
+        let found = report.topics.iter().find(|found| found.topic == topic).expect("the topic");
+        assert_eq!((found.action, &found.reason), (action, &None), "{part}");
+        let summary = ::mcap::Summary::read(&output).expect("a summary").expect("a summary");
+        let channel = summary.channels.values().find(|channel| channel.topic == topic).expect("a channel");
+        let schema = channel.schema.as_ref().expect("a schema");
+        assert_eq!(schema.name, name);
+        assert_eq!(schema.data.is_empty(), action == Action::Copied, "{part}");
+        let result = checked(&output).result;
+        let wrong: Vec<_> = result.findings.groups().map(|group| (group.rule.id, &group.subject)).collect();
+        assert!(!wrong.iter().any(|(_, subject)| subject.contains(topic)), "{part}: {wrong:?}");
+        assert_eq!(result.corruption, Vec::new(), "{part}");
     }
 }
