@@ -255,7 +255,7 @@ fn an_interrupted_conversion_leaves_no_output() {
     fs::write(path("old.mcap"), "old").expect("a file");
     let before = names(folder.path());
     // The program reads at most 8 MiB before it writes.
-    let mut long = bag(&[5; 230_000]);
+    let mut long = bag(&vec![5; 230_000]);
     long.truncate(9 << 20);
     assert_eq!(long.len(), 9 << 20);
     for output in ["old.mcap", "new.mcap"] {
