@@ -102,13 +102,62 @@ fn hints_of_the_user_take_precedence() {
     assert_eq!(message.data[16..], [7, 0, 0, 0]);
 }
 
+/// A log with one request of PX4 1.16. The header is followed by a format, a subscription and a message.
+#[test]
+fn logs_get_the_formats_of_the_target_release() {
+    let folder = workspace();
+    let mut log = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
+    let format = b"arming_check_request:uint64_t timestamp;uint8_t request_id;uint8_t[7] _padding0;";
+    let messages = [(b'F', &format[..]), (b'A', b"\0\x05\0arming_check_request")];
+    for (kind, payload) in messages.into_iter().chain([(b'D', &b"\x05\0\x09\0\0\0\0\0\0\0\x06"[..])]) {
+        log.extend(u16::try_from(payload.len()).expect("a size").to_le_bytes());
+        log.push(kind);
+        log.extend(payload);
+    }
+    fs::write(folder.path().join("in.ulg"), &log).expect("a file");
+    let arguments = ["in.ulg", "--from=px4@1.16", "--to=px4@1.17", "-o=out.ulg"];
+    let output = run(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let bytes = fs::read(folder.path().join("out.ulg")).expect("a file");
+    let fields =
+        b"uint64_t timestamp;uint32_t valid_registrations_mask;uint8_t request_id;uint8_t[3] _padding0;";
+    assert!(bytes.windows(fields.len()).any(|part| part == fields), "{}", bytes.escape_ascii());
+    // The timestamp, the mask from the published hints, and the id.
+    assert!(
+        bytes.ends_with(b"\x0f\0D\x05\0\x09\0\0\0\0\0\0\0\xff\xff\xff\xff\x06"),
+        "{}",
+        bytes.escape_ascii()
+    );
+    fs::write(folder.path().join("cut.ulg"), &log[..log.len() - 1]).expect("a file");
+    let output = run(folder.path(), &["cut.ulg", "--from=px4@1.16", "--to=px4@1.17", "-o=cut.out"]);
+    assert_eq!(output.status.code(), Some(6));
+    assert!(text(&output.stdout).contains("the log is truncated"), "{}", text(&output.stdout));
+    assert_eq!(fs::read(folder.path().join("cut.out")).expect("a file")[..], bytes[..bytes.len() - 18]);
+}
+
+#[test]
+fn json_messages_are_converted() {
+    let folder = workspace();
+    let line =
+        r#"{"type": "px4/ArmingCheckRequest", "message": {"timestamp": 9, "request_id": 6}, "line": 1}"#;
+    fs::write(folder.path().join("in.jsonl"), line).expect("a file");
+    let output = run(folder.path(), &["in.jsonl", "--from=px4@1.16", "--to=px4@1.17", "-o=out.jsonl"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let converted = fs::read_to_string(folder.path().join("out.jsonl")).expect("a file");
+    let message = r#"{"timestamp":9,"request_id":6,"valid_registrations_mask":4294967295}"#;
+    assert_eq!(
+        converted,
+        format!("{{\"type\": \"px4/ArmingCheckRequest\", \"message\": {message}, \"line\": 1}}\n")
+    );
+}
+
 #[test]
 fn invalid_usage_leaves_no_output() {
     let folder = workspace();
     let path = folder.path();
     fs::write(path.join("wrong.toml"), "[[hint]]\nmessage = \"ArmingCheckRequest\"\nnew.winch = 7\n")
         .expect("a file");
-    fs::write(path.join("log.ulg"), b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0").expect("a file");
+    fs::write(path.join("bag.db3"), b"SQLite format 3\0").expect("a file");
     fs::write(path.join("text"), [1, 2, 3, 4]).expect("a file");
     fs::create_dir(path.join("folder")).expect("a folder");
     let before = names(path);
@@ -123,7 +172,7 @@ fn invalid_usage_leaves_no_output() {
             "would overwrite the input",
         ),
         (&["none.mcap", "--to=px4@1.17", "-o=out.mcap"], 3, "none.mcap: "),
-        (&["log.ulg", "--to=px4@1.17", "-o=out.mcap"], 3, "expected MCAP"),
+        (&["bag.db3", "--to=px4@1.17", "-o=out.mcap"], 3, "expected MCAP"),
         (&["text", "--to=px4@1.17", "-o=out.mcap"], 3, "unknown file type"),
         (&["folder", "--to=px4@1.17", "-o=out.mcap"], 2, "convert each file of the folder"),
         (&["in.mcap", "--to=px4@1.17", "-o=none/out.mcap"], 3, "none/out.mcap: "),
@@ -206,7 +255,7 @@ fn an_interrupted_conversion_leaves_no_output() {
     fs::write(path("old.mcap"), "old").expect("a file");
     let before = names(folder.path());
     // The program reads at most 8 MiB before it writes.
-    let mut long = bag(&[5; 230_000]);
+    let mut long = bag(&vec![5; 230_000]);
     long.truncate(9 << 20);
     assert_eq!(long.len(), 9 << 20);
     for output in ["old.mcap", "new.mcap"] {

@@ -25,8 +25,6 @@ use crate::px4::json::Dialects;
 struct Channel<'p> {
     definition: Option<MessageId>,
     topic: Topic<'p>,
-    /// The name of the type in the output, if messages or advertisements name it.
-    ty: Option<String>,
     /// True if messages stay the same.
     is_kept: bool,
 }
@@ -166,10 +164,7 @@ impl<'p, 'o> Stream<'p, 'o> {
                 Some(text)
             }
         };
-        let name = match kind {
-            NameKind::Topic => channel.topic.report.renamed.as_deref().map(quoted),
-            NameKind::Type => channel.ty.as_deref().map(quoted),
-        };
+        let name = channel.topic.report.renamed.as_deref().map(quoted);
         let line = value.with(&[(kind.name_key(), name.as_deref()), (kind.key(), text.as_deref())]);
         self.write(&line)
     }
@@ -179,8 +174,12 @@ impl<'p, 'o> Stream<'p, 'o> {
         let Ok(at) = self.open((NameKind::Topic, topic), ty) else { return self.write(value.text) };
         let channel = &self.channels[at];
         let name = channel.topic.report.renamed.as_deref().map(quoted);
-        let renamed = channel.ty.as_deref().map(quoted).filter(|_| ty.is_some());
-        let line = value.with(&[("topic", name.as_deref()), ("type", renamed.as_deref())]);
+        // The type may be stated only after the first message, which shows another type.
+        let is_same =
+            |ty: &&str| definition_of(topic, Some((ty, ROS)), self.plan.source()) == channel.definition;
+        let ty = ty.filter(is_same).and_then(|ty| channel.topic.renamed_type(ty, self.plan));
+        let ty = ty.as_deref().map(quoted);
+        let line = value.with(&[("topic", name.as_deref()), ("type", ty.as_deref())]);
         self.write(&line)
     }
 
@@ -230,7 +229,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         definition: Option<MessageId>,
     ) -> Channel<'p> {
         let plan = self.plan;
-        let source = plan.source(); // The fields of undefined messages aren't known.
+        let source = plan.source();
+        // The fields of undefined messages aren't known.
         let is_other = |target: &Definitions| match kind {
             NameKind::Type => target.message_of_type(name).is_some(),
             NameKind::Topic => definition_of(name, ty.map(|ty| (ty, ROS)), target).is_some(),
@@ -244,17 +244,11 @@ impl<'p, 'o> Stream<'p, 'o> {
             }
         };
         let mut topic = Topic::new(name, treated, plan, self.settings);
-        let ty = if kind == NameKind::Type { Some(name) } else { ty };
-        let ty = topic
-            .converted
-            .as_ref()
-            .zip(ty)
-            .and_then(|(converted, ty)| plan.renamed_type(ty, converted.conversion));
         if kind == NameKind::Type {
-            topic.report.renamed.clone_from(&ty);
+            topic.report.renamed = topic.renamed_type(name, plan);
         }
         let is_kept = topic.converted.as_ref().is_some_and(|converted| converted.keeps_json());
-        Channel { definition, topic, ty, is_kept }
+        Channel { definition, topic, is_kept }
     }
 
     /// Writes a value.
@@ -288,7 +282,7 @@ impl<'p, 'o> Stream<'p, 'o> {
 }
 
 impl Converted<'_> {
-    /// True if a JSON message is the same in both types.
+    /// True if both types have equal JSON messages.
     pub(super) fn keeps_json(&self) -> bool {
         self.converter.keeps_cdr() && has_same_names(self.source, self.converter.target())
     }

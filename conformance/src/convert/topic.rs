@@ -49,6 +49,11 @@ impl<'p> Topic<'p> {
         self.report.renamed.as_deref().unwrap_or(&self.report.topic)
     }
 
+    /// The name of the messages' type in the output, if it differs.
+    pub(super) fn renamed_type(&self, ty: &str, plan: &Plan) -> Option<String> {
+        self.converted.as_ref().and_then(|converted| plan.renamed_type(ty, converted.conversion))
+    }
+
     /// Leaves out the messages.
     pub(super) fn leave_out(&mut self, reason: String) {
         self.converted = None;

@@ -98,7 +98,7 @@ fn other_members_and_other_lines_stay_the_same() {
     assert!(losses.iter().any(|loss| loss.messages == Some(1)), "{losses:?}");
 }
 
-/// A message of such a type could have any fields.
+/// The fields of these messages are unknown.
 #[test]
 fn types_that_only_the_target_defines_are_left_out() {
     let line = line("px4@1.17", "BatteryInfo");

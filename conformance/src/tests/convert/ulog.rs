@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 
 use tempfile::TempDir;
+use uavspec_codegen::dynamic::Value;
 use uavspec_runtime::Number;
 
 use super::{LIBRARY, checked, checked_against, converted, release};
@@ -274,7 +275,7 @@ fn topics_with_a_message_of_several_topics_are_converted() {
         let Some(record) = log.take(&item, &mut |_, problem| panic!("{problem}")) else { continue };
         if record.subscription.topic == positions[0] {
             let view = record.message_type.view_uorb(record.payload).expect("a message");
-            let latitude = view.get("latitude_deg").and_then(|value| value.number());
+            let latitude = view.get("latitude_deg").and_then(Value::number);
             assert!(
                 matches!(latitude, Some(Number::Float(value)) if value != 0.0 && value.abs() < 90.0),
                 "{latitude:?}"
