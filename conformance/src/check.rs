@@ -20,7 +20,7 @@ mod bag;
 mod clock;
 mod coverage;
 mod flockwave;
-mod json;
+pub(crate) mod json;
 pub(crate) mod known;
 mod log;
 mod observer;
@@ -48,6 +48,7 @@ use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
 #[doc(hidden)]
 pub use self::flockwave::FlockwaveChecker;
+pub(crate) use self::flockwave::is_flockwave;
 pub use self::flockwave::{FlockwaveSummary, TypeCount};
 pub use self::json::JsonSummary;
 #[doc(hidden)]

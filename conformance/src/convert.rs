@@ -1,13 +1,18 @@
 //! Converts the messages of a capture to another release.
 
+mod json;
 mod mcap;
 mod plan;
 mod report;
+mod topic;
+mod ulog;
 
 use std::io::{self, Write};
 use std::path::Path;
 
 pub(crate) use self::plan::Plan;
+#[cfg(test)]
+pub(crate) use self::report::TopicReport;
 pub(crate) use self::report::{Action, ConversionReport};
 use crate::check::Opened;
 
@@ -35,13 +40,15 @@ impl From<io::Error> for Error {
 
 /// Converts a capture, and writes the result to `output`.
 pub(crate) fn convert(
-    (path, opened): (&Path, Opened),
+    (path, opened): (&Path, Opened<'_>),
     plan: &Plan,
     settings: Settings,
     output: &mut dyn Write,
 ) -> Result<ConversionReport, Error> {
     let Opened { kind, bytes, .. } = opened;
     let (topics, problems) = match kind {
+        "JSON" => json::convert(bytes, plan, settings, output)?,
+        "ULog" => ulog::convert(bytes, plan, settings, output)?,
         "MCAP" => mcap::convert(bytes, plan, settings, output)?,
         other => return Err(Error::Format(other)),
     };

@@ -4,6 +4,7 @@
 #[cfg(feature = "db3")]
 pub(crate) mod bag_file;
 mod captures;
+mod conversions;
 mod lists;
 mod schemas;
 mod server;
@@ -36,6 +37,7 @@ pub const TARGETS: &[Target] = &[
     #[cfg(feature = "db3")]
     Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
+    Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },
     Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
     Target { name: "known-failures", check: lists::known_failures, seeds: lists::known_failure_seeds },

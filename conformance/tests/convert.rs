@@ -3,13 +3,20 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Cursor;
+#[cfg(unix)]
+use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+#[cfg(unix)]
+use std::time::{Duration, Instant};
 
 use mcap::records::MessageHeader;
 use mcap::{MessageStream, WriteOptions};
 use serde_json::Value;
 use tempfile::TempDir;
+
+#[cfg(unix)]
+use crate::support::send_signal;
 
 /// The definition of `ArmingCheckRequest` in PX4 1.16.
 const DEFINITION: &str = "uint32 MESSAGE_VERSION=0\nuint64 timestamp\nuint8 request_id\n";
@@ -95,14 +102,64 @@ fn hints_of_the_user_take_precedence() {
     assert_eq!(message.data[16..], [7, 0, 0, 0]);
 }
 
+/// A log with one request of PX4 1.16. The header is followed by a format, a subscription and a message.
+#[test]
+fn logs_get_the_formats_of_the_target_release() {
+    let folder = workspace();
+    let mut log = b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0".to_vec();
+    let format = b"arming_check_request:uint64_t timestamp;uint8_t request_id;uint8_t[7] _padding0;";
+    let messages = [(b'F', &format[..]), (b'A', b"\0\x05\0arming_check_request")];
+    for (kind, payload) in messages.into_iter().chain([(b'D', &b"\x05\0\x09\0\0\0\0\0\0\0\x06"[..])]) {
+        log.extend(u16::try_from(payload.len()).expect("a size").to_le_bytes());
+        log.push(kind);
+        log.extend(payload);
+    }
+    fs::write(folder.path().join("in.ulg"), &log).expect("a file");
+    let arguments = ["in.ulg", "--from=px4@1.16", "--to=px4@1.17", "-o=out.ulg"];
+    let output = run(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let bytes = fs::read(folder.path().join("out.ulg")).expect("a file");
+    let fields =
+        b"uint64_t timestamp;uint32_t valid_registrations_mask;uint8_t request_id;uint8_t[3] _padding0;";
+    assert!(bytes.windows(fields.len()).any(|part| part == fields), "{}", bytes.escape_ascii());
+    // The timestamp, the mask from the published hints, and the id.
+    assert!(
+        bytes.ends_with(b"\x0f\0D\x05\0\x09\0\0\0\0\0\0\0\xff\xff\xff\xff\x06"),
+        "{}",
+        bytes.escape_ascii()
+    );
+    fs::write(folder.path().join("cut.ulg"), &log[..log.len() - 1]).expect("a file");
+    let output = run(folder.path(), &["cut.ulg", "--from=px4@1.16", "--to=px4@1.17", "-o=cut.out"]);
+    assert_eq!(output.status.code(), Some(6));
+    assert!(text(&output.stdout).contains("the log is truncated"), "{}", text(&output.stdout));
+    assert_eq!(fs::read(folder.path().join("cut.out")).expect("a file")[..], bytes[..bytes.len() - 18]);
+}
+
+#[test]
+fn json_messages_are_converted() {
+    let folder = workspace();
+    let line =
+        r#"{"type": "px4/ArmingCheckRequest", "message": {"timestamp": 9, "request_id": 6}, "line": 1}"#;
+    fs::write(folder.path().join("in.jsonl"), line).expect("a file");
+    let output = run(folder.path(), &["in.jsonl", "--from=px4@1.16", "--to=px4@1.17", "-o=out.jsonl"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let converted = fs::read_to_string(folder.path().join("out.jsonl")).expect("a file");
+    let message = r#"{"timestamp":9,"request_id":6,"valid_registrations_mask":4294967295}"#;
+    assert_eq!(
+        converted,
+        format!("{{\"type\": \"px4/ArmingCheckRequest\", \"message\": {message}, \"line\": 1}}\n")
+    );
+}
+
 #[test]
 fn invalid_usage_leaves_no_output() {
     let folder = workspace();
     let path = folder.path();
     fs::write(path.join("wrong.toml"), "[[hint]]\nmessage = \"ArmingCheckRequest\"\nnew.winch = 7\n")
         .expect("a file");
-    fs::write(path.join("log.ulg"), b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0").expect("a file");
+    fs::write(path.join("bag.db3"), b"SQLite format 3\0").expect("a file");
     fs::write(path.join("text"), [1, 2, 3, 4]).expect("a file");
+    fs::create_dir(path.join("folder")).expect("a folder");
     let before = names(path);
     for (arguments, status, wanted) in [
         (&["in.mcap", "--to=px4@1.2", "-o=out.mcap"][..], 2, "unknown release `px4@1.2`"),
@@ -115,8 +172,9 @@ fn invalid_usage_leaves_no_output() {
             "would overwrite the input",
         ),
         (&["none.mcap", "--to=px4@1.17", "-o=out.mcap"], 3, "none.mcap: "),
-        (&["log.ulg", "--to=px4@1.17", "-o=out.mcap"], 3, "expected MCAP"),
+        (&["bag.db3", "--to=px4@1.17", "-o=out.mcap"], 3, "expected MCAP"),
         (&["text", "--to=px4@1.17", "-o=out.mcap"], 3, "unknown file type"),
+        (&["folder", "--to=px4@1.17", "-o=out.mcap"], 2, "convert each file of the folder"),
         (&["in.mcap", "--to=px4@1.17", "-o=none/out.mcap"], 3, "none/out.mcap: "),
     ] {
         let output = run(path, arguments);
@@ -173,4 +231,51 @@ fn unreadable_messages_are_counted() {
     let output = run(folder.path(), &["in.mcap", "--to=px4@1.17", "-o=out.mcap"]);
     assert_eq!(output.status.code(), Some(6), "{}", text(&output.stdout));
     assert!(text(&output.stdout).contains("1 unreadable message left out"), "{}", text(&output.stdout));
+}
+
+/// Waits until `is_over` returns true.
+#[cfg(unix)]
+fn wait(mut is_over: impl FnMut() -> bool) {
+    let began = Instant::now();
+    while !is_over() {
+        assert!(began.elapsed() < Duration::from_secs(60), "it never ends");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_conversion_leaves_no_output() {
+    use nix::sys::signal::Signal::SIGINT;
+
+    let folder = workspace();
+    let path = |name: &str| folder.path().join(name);
+    let made = Command::new("mkfifo").arg(path("pipe")).status().expect("mkfifo runs");
+    assert!(made.success(), "a pipe");
+    fs::write(path("old.mcap"), "old").expect("a file");
+    let before = names(folder.path());
+    // The program reads at most 8 MiB before it writes.
+    let mut long = bag(&vec![5; 230_000]);
+    long.truncate(9 << 20);
+    assert_eq!(long.len(), 9 << 20);
+    for output in ["old.mcap", "new.mcap"] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+        command.args(["convert", "pipe", "--to=px4@1.17", "-o", output]).current_dir(folder.path());
+        let mut child = command.stderr(Stdio::piped()).spawn().expect("it runs");
+        let mut pipe = fs::OpenOptions::new().write(true).open(path("pipe")).expect("a pipe");
+        pipe.write_all(&long).expect("it reads");
+        wait(|| names(folder.path()) != before);
+        send_signal(child.id(), SIGINT);
+        // The next read fails.
+        wait(|| {
+            let _ = pipe.write_all(&[0]);
+            child.try_wait().expect("a child").is_some()
+        });
+        let ended = child.wait_with_output().expect("it ends");
+        assert_eq!(ended.status.code(), Some(3));
+        let errors = text(&ended.stderr);
+        assert!(errors.contains("interrupted: no output was written"), "{errors}");
+        assert_eq!(names(folder.path()), before);
+        assert_eq!(fs::read(path("old.mcap")).expect("a file"), b"old");
+    }
 }

@@ -122,6 +122,11 @@ impl<'t> Converter<'t> {
         }
     }
 
+    /// The type of converted messages.
+    pub fn target(&self) -> MessageType<'t> {
+        self.target
+    }
+
     /// True if a message has the same CDR payload in both types. It then needs no conversion.
     pub fn keeps_cdr(&self) -> bool {
         self.keeps_cdr

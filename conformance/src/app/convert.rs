@@ -18,26 +18,40 @@ use crate::definitions::Library;
 use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
-  uavspec convert flight.mcap --to px4@1.16 -o converted.mcap
+  uavspec convert flight.ulg --to px4@1.16 -o converted.ulg
   uavspec convert flight.mcap --from px4@1.18 --to px4@1.15 -o old.mcap
+  uavspec convert messages.jsonl --to px4@1.16 -o out.jsonl
   uavspec convert flight.mcap --to px4@1.16 --hints hints.toml -o out.mcap";
 
 const DETAILS: &str = "\
 The output contains the types, the type hashes and the topic versions of the target release. Topics that don't \
-belong to PX4 are copied unchanged. The chunks of the output are not compressed. Attachments and metadata records are \
-not copied.
+belong to PX4 are copied unchanged.
+
+In MCAP files, each chunk keeps its compression. Attachments, metadata records and private records are copied \
+unchanged. A truncated attachment is left out. CDR and JSON messages are converted; a JSON message with an unknown or a \
+missing field is unreadable. A file that is compressed as a whole becomes an uncompressed file. The files of a folder \
+must be converted separately.
+
+The output of a log contains the formats of the target release. Parameters, information and logged text stay the \
+same. Data that was appended after a crash directly follows the other data.
+
+JSON messages name their type or their topic, as for `uavspec check`. Their other members stay the same, and so do \
+values that aren't messages. A value that spans lines is written on one line.
 
 If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. After any \
 other error and after Ctrl-C, there is no output, and an existing file stays unchanged.
 
-Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB.
+Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB. A JSON value \
+may have up to 16 MiB. A file may have up to 10,000 topics and JSON types. An attachment of more than 16 MiB is stored \
+in the folder for temporary files until it is complete. The index of an MCAP file is in memory until the end: about \
+0.6 MiB for each GiB of a bag with 235 topics.
 
 Exit status:
   0  success
   2  invalid usage, an unknown release, or a mistake in the hints
-  3  the input can't be opened or has an unsupported format, or the output can't
-     be written
-  5  no topic was converted; the output is a copy
+  3  the input can't be opened or has an unsupported format, the output can't be
+     written, or the run was interrupted
+  5  no topic was converted; the output contains the copied topics
   6  incomplete: some data can't be read";
 
 /// The exit status after a second Ctrl-C: 128 plus the number of SIGINT.
@@ -47,7 +61,8 @@ const INTERRUPTED: i32 = 130;
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{DETAILS}"))]
 pub(super) struct ConvertArgs {
-    /// Bag to convert: an MCAP file with CDR messages, optionally compressed with gzip or zstd.
+    /// File to convert: a PX4 log, an MCAP file, or JSON messages (JSON Lines, an array, or
+    /// rosbridge). It may be compressed with gzip or zstd.
     #[arg(value_name = "IN")]
     input: PathBuf,
     /// Release of the output, such as px4@1.16.
@@ -86,6 +101,9 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
         ..Inputs::default()
     };
     outputs::check(&inputs, &[Output::new("--output", &args.output)])?;
+    if args.input.is_dir() {
+        return Err(folder(&args.input));
+    }
     let source = args.from.as_deref().map_or_else(|| Ok(Library::built_in()), Library::release);
     let source = source.map_err(|failure| usage(&failure))?;
     let target = Library::release(&args.to).map_err(|failure| usage(&failure))?;
@@ -104,9 +122,7 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
     let report = report?;
     let text = match args.format {
         Format::Text => Ok(report.to_text()),
-        Format::Json => {
-            serde_json::to_string_pretty(&report).map(|text| text + "\n").map_err(io::Error::from)
-        }
+        Format::Json => report.to_json().map_err(io::Error::from),
     };
     text.and_then(|text| print(&text)).map_err(|error| {
         terminal::error(format_args!("standard output: {error}"), None);
@@ -118,7 +134,7 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
 /// Writes the output. Errors are printed, and leave no output.
 fn write(
     args: &ConvertArgs,
-    opened: Opened,
+    opened: Opened<'_>,
     plan: &Plan,
     interrupted: &AtomicBool,
 ) -> Result<ConversionReport, Status> {
@@ -134,10 +150,16 @@ fn write(
             Err(_) => Err(io::Error::other("failed")),
         }
     });
+    if written.is_err() && interrupted.load(Ordering::Relaxed) {
+        terminal::error("interrupted: no output was written", None);
+        return Err(Status::Unreadable);
+    }
     match (result, written) {
         (Ok(report), Ok(())) => Ok(report),
         (Err(Error::Format(name)), _) if !name.is_empty() => {
-            let problem = format!("captures in the format {name} can't be converted; expected MCAP");
+            let problem = format!(
+                "captures in the format {name} can't be converted; expected MCAP, ULog or JSON Lines"
+            );
             Err(unreadable(&args.input, &problem))
         }
         (Err(Error::Write(error)), _) | (_, Err(error)) => Err(unreadable(&args.output, &error.to_string())),
@@ -153,10 +175,12 @@ fn status(report: &ConversionReport) -> Status {
         return Status::Incomplete;
     }
     if report.count(Action::Converted) == 0 {
-        terminal::error(
-            "no topic was converted",
-            Some("`uavspec check` lists the topics and their releases"),
-        );
+        let help = if report.from.is_empty() {
+            "set the release of the input, such as --from px4@1.17"
+        } else {
+            "`uavspec check` lists the topics and their releases"
+        };
+        terminal::error("no topic was converted", Some(help));
         return Status::Nothing;
     }
     Status::Conforms
@@ -164,6 +188,13 @@ fn status(report: &ConversionReport) -> Status {
 
 fn usage(failure: &Failure) -> Status {
     terminal::eprintln!("{failure}");
+    Status::Usage
+}
+
+/// Refuses a folder.
+fn folder(path: &Path) -> Status {
+    let help = "convert each file of the folder, with an output for each";
+    terminal::error(format_args!("{}: a folder can't be converted", terminal::path(path)), Some(help));
     Status::Usage
 }
 

@@ -38,6 +38,8 @@ pub(crate) enum Event<'r> {
         bytes: &'r [u8],
         /// True if the input ends directly after the value, without a newline or separator.
         is_last: bool,
+        /// True if the value is an element of an array.
+        is_element: bool,
     },
     /// An unreadable part.
     Problem(Problem),
@@ -292,7 +294,7 @@ impl<R: Read> Reader<R> {
             let length = skipped + bytes.len() as u64;
             return problem(line, Problem::TooLong { length });
         }
-        Item { line, event: Event::Value { bytes, is_last } }
+        Item { line, event: Event::Value { bytes, is_last, is_element: self.mode == Some(Mode::Array) } }
     }
 
     /// Reads a value that may span lines.

@@ -11,6 +11,7 @@
 //! - They decompress chunks with C libraries, or not at all.
 //! - In version 0.26.0, a record longer than its chunk causes an integer underflow, and an attachment that is too short
 //!   causes a panic. Attachments, and records with contradictory lengths, are therefore never passed to the crate.
+//!   Messages are not passed either, because most records are messages.
 //!
 //! This module parses the framing of records, and `ruzstd` and `lz4_flex` decompress chunks.
 //!
@@ -18,7 +19,7 @@
 //!
 //! An uncompressed chunk of any length is read record by record. A compressed chunk is buffered (at most
 //! [`Reader::MAX_PACKED`]) and decompressed as it is read. Each returned record is buffered (at most
-//! [`Reader::MAX_RECORD`]), and all other records are skipped. Buffers grow with the data that is read, not with the
+//! [`Reader::MAX_RECORD`]), except attachments, which are returned in parts. All other records are skipped. Buffers grow with the data that is read, not with the
 //! stated lengths.
 //!
 //! # Recovery from corruption
@@ -42,6 +43,8 @@ use std::collections::BTreeMap;
 
 pub(crate) use self::problem::Problem;
 pub(crate) use self::reader::Reader;
+pub(crate) use self::sound::AttachmentHead;
+pub(crate) use self::unpack::Packing;
 
 /// The magic bytes at the start and at the end of a file.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
@@ -51,8 +54,8 @@ pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 pub(crate) struct Item<'r> {
     /// The offset in the file. For a record in a compressed chunk, this is the offset of the chunk.
     pub offset: u64,
-    /// True if the record is in a compressed chunk.
-    pub is_packed: bool,
+    /// The compression of the chunk that contains the record; `None` outside of compressed chunks.
+    pub packing: Option<Packing>,
     /// The content.
     pub event: Event<'r>,
 }
@@ -103,6 +106,30 @@ pub(crate) enum Event<'r> {
         sequence: u32,
         /// The bytes.
         payload: &'r [u8],
+    },
+    /// A part of an attachment. The parts follow each other without gaps. If the file is truncated, the last part is
+    /// missing.
+    Attachment {
+        /// The length of the record's body.
+        length: u64,
+        /// The position of this part in the body. The first part contains the head of the attachment.
+        at: u64,
+        /// The bytes.
+        bytes: &'r [u8],
+    },
+    /// A metadata record.
+    Metadata {
+        /// The body of the record.
+        body: &'r [u8],
+    },
+    /// A record of an application. The specification reserves opcodes for such records.
+    Private {
+        /// The opcode.
+        opcode: u8,
+        /// The body of the record.
+        body: &'r [u8],
+        /// True if the record is in a chunk.
+        is_in_chunk: bool,
     },
     /// A problem.
     Problem(Problem),

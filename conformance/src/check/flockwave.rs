@@ -47,7 +47,7 @@ const MAX_HOW: usize = 512;
 const MAX_TIME: f64 = 1e11;
 
 /// True for a line of a recorded session, and for a bare Flockwave message.
-pub(super) fn is_flockwave(tree: &Tree<'_>) -> bool {
+pub(crate) fn is_flockwave(tree: &Tree<'_>) -> bool {
     is_line(tree) || is_message(tree)
 }
 

@@ -11,7 +11,8 @@ use serde::Serialize;
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
-use self::envelope::{Channels, Fast, Form, NameKind, Open, form, read};
+use self::envelope::{Channels, Fast, Open, read};
+pub(crate) use self::envelope::{Form, NameKind, form};
 use self::templates::Templates;
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::flockwave::{FlockwaveChecker, is_flockwave};
@@ -28,13 +29,13 @@ use crate::rules::px4;
 use crate::text::shown;
 
 /// The maximum number of topics and types. Hostile input may contain any number of both.
-const MAX_CHANNELS: usize = 10_000;
+pub(crate) const MAX_CHANNELS: usize = 10_000;
 
 /// The maximum length of a topic or type name, in bytes. ROS 2 has the same limit.
-const MAX_NAME: usize = 256;
+pub(crate) const MAX_NAME: usize = 256;
 
 /// The schema encoding that MCAP uses for ROS 2 types. rosbridge uses the same type names.
-const ROS: &str = "ros2msg";
+pub(crate) const ROS: &str = "ros2msg";
 
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
@@ -146,7 +147,7 @@ fn check_with(input: impl Read, message_id: Option<MessageId>, checker: JsonChec
                         problem.extent(),
                     );
                 }
-                Event::Value { bytes, is_last } => checker.value(bytes, item.line, is_last),
+                Event::Value { bytes, is_last, .. } => checker.value(bytes, item.line, is_last),
             },
             Ok(None) => break,
             // The findings up to here remain valid.

@@ -33,12 +33,12 @@ pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
     clues: |_| Clues::default(),
-    check: |_, _, _| {
-        let text = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
-                    https://docs.px4.io/main/en/dev_log/log_encryption";
-        CaptureResult::unknown(text)
-    },
+    check: |_, _, _| CaptureResult::unknown(ENCRYPTED_TEXT),
 };
+
+/// The reason why an encrypted log can't be read.
+pub(super) const ENCRYPTED_TEXT: &str = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
+                                         https://docs.px4.io/main/en/dev_log/log_encryption";
 
 /// The summary of a log.
 #[derive(Clone, Debug, Serialize)]

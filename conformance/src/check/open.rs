@@ -4,25 +4,27 @@ use std::io::{self, Cursor, Read};
 use std::path::Path;
 use std::sync::Arc;
 
+use super::log::ENCRYPTED_TEXT;
 use super::{Ahead, KINDS, Reading, START, Source, unknown_type};
+use crate::capture::ENCRYPTED_MAGIC;
 use crate::capture::input;
 use crate::definitions::{Clues, Definitions, Library};
 
 /// A capture with the definitions of the release that it agrees with.
-pub(crate) struct Opened {
+pub(crate) struct Opened<'b> {
     /// The name of the format, such as `MCAP`.
     pub(crate) kind: &'static str,
     pub(crate) definitions: Arc<Definitions>,
     /// All bytes, decompressed.
-    pub(crate) bytes: Box<dyn Read + Send>,
+    pub(crate) bytes: Box<dyn Read + Send + 'b>,
 }
 
-/// Opens a capture. The inner error is the reason why its format is unknown.
+/// Opens a capture. The inner error is the reason why it can't be read.
 pub(crate) fn open_path(
     path: &Path,
     library: &Library,
     reading: Reading<'_>,
-) -> io::Result<Result<Opened, String>> {
+) -> io::Result<Result<Opened<'static>, String>> {
     let (mut bytes, is_plain) = input::decompressed(reading(input::open(path)?))?;
     let file = (is_plain && path.is_file()).then_some(path);
     let mut start = Vec::new();
@@ -30,6 +32,9 @@ pub(crate) fn open_path(
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         return Ok(Err(unknown_type(&start)));
     };
+    if start.starts_with(&ENCRYPTED_MAGIC) {
+        return Ok(Err(ENCRYPTED_TEXT.to_owned()));
+    }
     let mut whole = Cursor::new(start).chain(bytes);
     let (mut clues, mut ahead) = (Clues::default(), Vec::new());
     if library.depends_on_capture() {

@@ -1,43 +1,72 @@
 //! Converts MCAP files.
 
+mod chunk;
+mod json_schema;
+mod record;
+mod writer;
+
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek as _, SeekFrom, Write};
 
 use mcap::records::MessageHeader;
-use mcap::write::NoSeek;
-use mcap::{McapError, WriteOptions, Writer};
+use tempfile::SpooledTempFile;
+use uavspec_codegen::schema::MessageId;
 use uavspec_runtime::cdr::ByteOrder;
 
+use self::writer::Writer;
 use super::plan::{Converted, Plan, Treatment};
-use super::report::{Action, Loss, Problems, TopicReport};
+use super::report::{Action, Problems, TopicReport};
+use super::topic::Topic;
 use super::{Error, Settings};
-use crate::capture::mcap::{Event, Item, Reader};
+use crate::capture::mcap::{Event, Item, Packing, Reader};
 use crate::check::{HASH, decompressed, definition_of, states_other_type};
+use crate::definitions::Definitions;
+use crate::json::Tree;
 
 /// The maximum total length of the schemas in a file, in bytes.
 const MAX_SCHEMAS: usize = 64 << 20;
 
-type Output<'o> = Writer<NoSeek<&'o mut dyn Write>>;
+/// The size of the attachments that are kept in memory, in bytes. A larger one is stored in a temporary file, until it
+/// is complete.
+const MAX_ATTACHMENT: usize = 16 << 20;
 
 /// A schema: its name, encoding and text.
 type Schema = (String, String, Vec<u8>);
 
+/// The name, the encoding and the text of a schema in the output.
+type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
+
+/// The origin of a schema in the output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Origin {
+    /// The schema of the input with this id.
+    Input(u16),
+    /// A message of the target, as its definition.
+    Target(MessageId),
+    /// A message of the target, in the encoding of this schema of the input.
+    Json(MessageId, u16),
+}
+
 struct Channel<'p> {
-    /// The id in the output; `None` if the messages are left out.
-    id: Option<u16>,
-    converted: Option<Box<Converted<'p>>>,
-    /// The number of messages that contain the data of each loss.
-    losses: Vec<u64>,
-    topic: TopicReport,
+    topic: Topic<'p>,
+    is_json: bool,
+    /// True if the output contains the payloads of the input.
+    keeps_payloads: bool,
 }
 
 struct Stream<'p, 'o> {
     plan: &'p Plan,
     settings: Settings,
-    output: Output<'o>,
+    output: Writer<'o>,
     schemas: HashMap<u16, Schema>,
     schema_size: usize,
-    channels: HashMap<u16, Channel<'p>>,
+    /// The ids of the schemas in the output.
+    written: HashMap<Origin, u16>,
+    /// The channels, by id. The output has the same ids.
+    channels: Vec<Option<Box<Channel<'p>>>>,
+    /// The attachment that is being read.
+    attachment: Option<SpooledTempFile>,
 }
 
 /// Converts a file. Returns the topics and the parts that can't be read.
@@ -68,43 +97,40 @@ pub(super) fn convert(
         };
         // The writer needs the profile of the header, which is the first record.
         if let Some(output) = output.take() {
-            stream = Some(Stream::new(plan, settings, output, profile)?);
+            stream = Some(Stream::new(plan, settings, Writer::new(output, &profile)?));
         }
         if let Some(stream) = &mut stream {
             stream.item(item, &mut problems)?;
         }
     }
-    let Some(mut stream) = stream else { return Ok((Vec::new(), problems)) };
-    stream.output.finish().map_err(failed)?;
-    let channels = std::mem::take(&mut stream.channels);
-    Ok((channels.into_values().map(Channel::close).collect(), problems))
-}
-
-/// An error of the writer.
-fn failed(error: McapError) -> Error {
-    Error::Write(match error {
-        McapError::Io(error) => error,
-        other => io::Error::other(other.to_string()),
-    })
+    // Even without records, the output is a valid file.
+    if let Some(output) = output {
+        Writer::new(output, "")?.finish()?;
+    }
+    let Some(stream) = stream else { return Ok((Vec::new(), problems)) };
+    stream.output.finish()?;
+    let channels = stream.channels.into_iter().flatten();
+    Ok((channels.map(|channel| channel.topic.finish()).collect(), problems))
 }
 
 impl<'p, 'o> Stream<'p, 'o> {
-    fn new(
-        plan: &'p Plan,
-        settings: Settings,
-        output: &'o mut dyn Write,
-        profile: String,
-    ) -> Result<Self, Error> {
-        let options = WriteOptions::new()
-            .profile(profile)
-            .library(format!("uavspec {}", env!("CARGO_PKG_VERSION")))
-            .compression(None)
-            .disable_seeking(true);
-        let output = options.create(NoSeek::new(output)).map_err(failed)?;
-        Ok(Self { plan, settings, output, schemas: HashMap::new(), schema_size: 0, channels: HashMap::new() })
+    fn new(plan: &'p Plan, settings: Settings, output: Writer<'o>) -> Self {
+        Self {
+            plan,
+            settings,
+            output,
+            schemas: HashMap::new(),
+            schema_size: 0,
+            written: HashMap::new(),
+            channels: Vec::new(),
+            attachment: None,
+        }
     }
 
     fn item(&mut self, item: Item<'_>, problems: &mut Problems) -> Result<(), Error> {
+        if matches!(item.event, Event::Schema { .. } | Event::Channel { .. } | Event::Message { .. }) {
+            self.output.set_packing(item.packing)?;
+        }
         let found = match item.event {
             Event::Schema { id, name, encoding, text } => self.schema(id, (name, encoding), text),
             Event::Channel { id, schema, topic, encoding, metadata } => {
@@ -114,6 +140,18 @@ impl<'p, 'o> Stream<'p, 'o> {
             Event::Message { channel, time, publish_time, sequence, payload } => {
                 let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time };
                 self.message(header, payload)?
+            }
+            Event::Attachment { length, at, bytes } => {
+                self.attachment((length, at), bytes)?;
+                None
+            }
+            Event::Metadata { body } => {
+                self.output.metadata(body)?;
+                None
+            }
+            Event::Private { opcode, body, is_in_chunk } => {
+                self.output.private(opcode, body, is_in_chunk)?;
+                None
             }
             Event::Header { .. } | Event::Problem(_) => None,
         };
@@ -144,74 +182,115 @@ impl<'p, 'o> Stream<'p, 'o> {
         (topic, encoding): (String, String),
         mut metadata: BTreeMap<String, String>,
     ) -> Result<(), Error> {
-        if self.channels.contains_key(&id) {
+        let at = usize::from(id);
+        if self.channels.len() <= at {
+            self.channels.resize_with(at + 1, || None);
+        }
+        if self.channels[at].is_some() {
             return Ok(());
         }
         let plan = self.plan;
         let stored = self.schemas.get(&schema);
         let treatment = treatment(plan, (&topic, &encoding), stored, &metadata);
-        let mut channel = Channel { id: None, converted: None, losses: Vec::new(), topic: new_topic(topic) };
-        let name = &channel.topic.topic;
-        match treatment {
-            (_, Treatment::LeaveOut(reason)) if !self.settings.keeps_unconverted => {
-                channel.topic.reason = Some(reason);
-            }
-            (from, Treatment::Convert(converted)) => {
-                let (ty, hash) = plan.target_type(converted.conversion.to);
-                let text = plan.target_text(converted.conversion.to);
-                metadata.insert(HASH.to_owned(), hash.to_owned());
-                let schema = self.output.add_schema(&ty, "ros2msg", text.as_bytes()).map_err(failed)?;
-                channel.topic.renamed = plan.renamed(name, converted.conversion);
-                let name = channel.topic.renamed.as_ref().unwrap_or(name);
-                let added = self.output.add_channel(schema, name, &encoding, &metadata);
-                channel.id = Some(added.map_err(failed)?);
-                channel.topic.action = Action::Converted;
-                channel.topic.from = from;
-                channel.losses = vec![0; converted.conversion.losses.len()];
-                channel.converted = Some(converted);
-            }
-            (_, treatment) => {
-                if let Treatment::LeaveOut(reason) = treatment {
-                    channel.topic.reason = Some(reason);
+        let topic = Topic::new(&topic, treatment, plan, self.settings);
+        let is_json = encoding == "json";
+        let mut keeps_payloads = true;
+        let origin = match &topic.converted {
+            Some(converted) => {
+                let target = converted.conversion.to;
+                if !is_json || metadata.contains_key(HASH) {
+                    metadata.insert(HASH.to_owned(), plan.target_type(target).1.to_owned());
                 }
-                let schema = match stored {
-                    Some((name, encoding, text)) => {
-                        self.output.add_schema(name, encoding, text).map_err(failed)?
-                    }
-                    None => 0,
-                };
-                let added = self.output.add_channel(schema, name, &encoding, &metadata);
-                channel.id = Some(added.map_err(failed)?);
-                channel.topic.action = Action::Copied;
+                keeps_payloads =
+                    if is_json { converted.keeps_json() } else { converted.converter.keeps_cdr() };
+                if is_json { Origin::Json(target, schema) } else { Origin::Target(target) }
             }
+            None => Origin::Input(schema),
+        };
+        if topic.report.action != Action::LeftOut {
+            let schema = self.written(origin)?;
+            self.output.channel((id, schema), (topic.output_name(), &encoding), &metadata);
         }
-        self.channels.insert(id, channel);
+        self.channels[at] = Some(Box::new(Channel { topic, is_json, keeps_payloads }));
         Ok(())
+    }
+
+    /// The id of a schema in the output; 0 if there is none. Writes the schema if necessary.
+    fn written(&mut self, origin: Origin) -> Result<u16, Error> {
+        if let Some(id) = self.written.get(&origin) {
+            return Ok(*id);
+        }
+        let Some((name, encoding, text)) = content(self.plan, &self.schemas, origin) else { return Ok(0) };
+        let id = u16::try_from(self.written.len() + 1);
+        let id = id.map_err(|_| io::Error::other("the output needs more than 65,535 schemas"))?;
+        self.output.schema(id, (&name, &encoding), &text);
+        self.written.insert(origin, id);
+        Ok(id)
     }
 
     /// Writes a message. Returns the problem if its channel is unknown.
     fn message(&mut self, header: MessageHeader, payload: &[u8]) -> Result<Option<String>, Error> {
-        let Some(channel) = self.channels.get_mut(&header.channel_id) else {
-            return Ok(Some(format!(
-                "a message refers to channel {}, which hasn't been declared yet",
-                header.channel_id
-            )));
+        let id = header.channel_id;
+        let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut) else {
+            return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
         };
-        channel.topic.messages += 1;
-        let Some(id) = channel.id else { return Ok(None) };
-        let header = MessageHeader { channel_id: id, ..header };
-        let converted = channel.converted.as_ref().filter(|converted| !converted.converter.keeps_cdr());
-        let written = match converted.map(|converted| converted.cdr(payload, &mut channel.losses)) {
-            None => self.output.write_to_known_channel(&header, payload),
-            Some(Ok(payload)) => self.output.write_to_known_channel(&header, &payload),
-            Some(Err(error)) => {
-                channel.topic.unreadable += 1;
-                channel.topic.error.get_or_insert(error);
-                return Ok(None);
-            }
+        channel.topic.report.messages += 1;
+        if channel.topic.report.action == Action::LeftOut {
+            return Ok(None);
+        }
+        let payload = if channel.keeps_payloads {
+            Cow::Borrowed(payload)
+        } else {
+            let is_json = channel.is_json;
+            let converted = channel.topic.convert(|converted, losses| {
+                if is_json { converted.json_payload(payload, losses) } else { converted.cdr(payload, losses) }
+            });
+            let Some(converted) = converted else { return Ok(None) };
+            Cow::Owned(converted)
         };
-        written.map_err(failed)?;
+        self.output.message(&header, &payload)?;
         Ok(None)
+    }
+
+    /// Copies an attachment after its last part. A truncated attachment is left out.
+    fn attachment(&mut self, (length, at): (u64, u64), bytes: &[u8]) -> Result<(), Error> {
+        if at == 0 {
+            self.attachment = Some(SpooledTempFile::new(MAX_ATTACHMENT));
+        }
+        let Some(body) = &mut self.attachment else { return Ok(()) };
+        body.write_all(bytes)?;
+        if at + bytes.len() as u64 == length {
+            body.seek(SeekFrom::Start(0))?;
+            self.output.attachment(length, body)?;
+            self.attachment = None;
+        }
+        Ok(())
+    }
+}
+
+/// The content of a schema in the output.
+fn content<'s>(plan: &Plan, schemas: &'s HashMap<u16, Schema>, origin: Origin) -> Option<Content<'s>> {
+    let of_input = |id: u16| schemas.get(&id);
+    let definition = |message: MessageId| {
+        let text = plan.target_text(message).into_bytes();
+        (plan.target_type(message).0.into(), "ros2msg".into(), text.into())
+    };
+    match origin {
+        Origin::Target(message) => Some(definition(message)),
+        Origin::Input(id) => {
+            let (name, encoding, text) = of_input(id)?;
+            Some((name.into(), encoding.into(), text.into()))
+        }
+        Origin::Json(message, id) => {
+            let (_, encoding, text) = of_input(id)?;
+            if encoding == "ros2msg" {
+                return Some(definition(message));
+            }
+            // Other encodings can't be written. An empty text states nothing.
+            let has_text = encoding == "jsonschema" && !text.is_empty();
+            let text = if has_text { json_schema::text(plan.target_schema(), message) } else { Vec::new() };
+            Some((plan.target_type(message).0.into(), encoding.into(), text.into()))
+        }
     }
 }
 
@@ -224,62 +303,45 @@ fn treatment<'p>(
 ) -> (Option<String>, Treatment<'p>) {
     let definitions = plan.source();
     let names = schema.map(|(name, encoding, _)| (name.as_str(), encoding.as_str()));
-    let Some(id) = definition_of(topic, names, definitions) else { return (None, Treatment::Copy) };
+    let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
+    let Some(id) = definition_of(topic, names, definitions) else {
+        let is_other = |target: &Definitions| {
+            let id = definition_of(topic, names, target).filter(|_| encoding == "cdr");
+            id.is_some_and(|id| states_other_type(stated, metadata, id, target))
+        };
+        return (None, plan.undefined(is_other));
+    };
     if !plan.concerns(id) {
         return (None, Treatment::Copy);
     }
-    let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
     let treatment = match encoding {
-        "cdr" if states_other_type(stated, metadata, id, definitions) => {
-            let release = definitions.release_of(id).map_or("", |release| &release.title);
-            Treatment::LeaveOut(format!("its fields differ from {release}"))
-        }
-        "cdr" => plan.treatment(id, topic),
-        "json" => Treatment::LeaveOut("JSON messages of bags can't be converted".to_owned()),
+        "cdr" if states_other_type(stated, metadata, id, definitions) => plan.differs(id),
+        "cdr" | "json" => plan.treatment(id, topic),
         _ => Treatment::Copy,
     };
     (definitions.release_of(id).map(|release| release.label.clone()), treatment)
 }
 
-fn new_topic(topic: String) -> TopicReport {
-    TopicReport {
-        topic,
-        renamed: None,
-        action: Action::LeftOut,
-        from: None,
-        reason: None,
-        messages: 0,
-        unreadable: 0,
-        error: None,
-        losses: Vec::new(),
-    }
-}
-
 impl Converted<'_> {
     /// Converts a CDR payload. Counts the losses.
     fn cdr(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
-        let payload = decompressed(payload)?;
-        let order = ByteOrder::of(&payload).map_err(|fault| fault.to_string())?;
-        let message = self.source.decode_cdr(&payload).map_err(|error| error.to_string())?;
-        if self.converter.counts_losses() {
-            self.converter.count_losses(&message, losses);
+        let plain = decompressed(payload)?;
+        let order = ByteOrder::of(&plain).map_err(|fault| fault.to_string())?;
+        let message = self.source.decode_cdr(&plain).map_err(|error| error.to_string())?;
+        let converted = self.message(&message, losses)?.to_cdr(order).map_err(|error| error.to_string())?;
+        // A message that was compressed separately stays compressed.
+        match plain {
+            Cow::Borrowed(_) => Ok(converted),
+            Cow::Owned(_) => chunk::compressed(Packing::Zstd, &converted).map_err(|error| error.to_string()),
         }
-        let converted = self.converter.convert(&message).map_err(|error| error.to_string())?;
-        converted.to_cdr(order).map_err(|error| error.to_string())
     }
-}
 
-impl Channel<'_> {
-    fn close(self) -> TopicReport {
-        let Self { converted, losses, mut topic, .. } = self;
-        if let Some(converted) = converted {
-            let counted = converted.conversion.losses.iter().zip(losses).enumerate();
-            let losses = counted.map(|(at, (loss, count))| Loss {
-                text: loss.text.clone(),
-                messages: converted.converter.is_counted(at).then_some(count),
-            });
-            topic.losses = losses.collect();
-        }
-        topic
+    /// Converts a JSON payload. Counts the losses.
+    fn json_payload(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
+        let text = std::str::from_utf8(payload);
+        let text = text.map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
+        let tree = Tree::read(text).map_err(|error| error.to_string())?;
+        // Foxglove writes bytes as base64, as rosbridge does.
+        self.json(&tree, true, losses).map(String::into_bytes)
     }
 }

@@ -9,7 +9,7 @@ use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, Ver
 use uavspec_codegen::dynamic::MessageType;
 use uavspec_codegen::release::{entries, full_name, write};
 use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Element, MessageId};
+use uavspec_codegen::schema::{Element, Message, MessageId, Schema};
 use uavspec_codegen::source::SourceId;
 use uavspec_codegen::{Failure, SourceMap};
 use uavspec_definitions::PX4_HINTS;
@@ -54,6 +54,17 @@ pub(crate) struct Converted<'p> {
     pub(crate) conversion: &'p Conversion,
     pub(crate) converter: Converter<'p>,
     pub(crate) source: MessageType<'p>,
+}
+
+/// True if two messages have the same fields and constants.
+fn is_declared_alike(one: &Message, other: &Message) -> bool {
+    let fields = |message: &Message| -> Vec<_> {
+        message.fields.iter().map(|field| (field.name.clone(), field.ty)).collect()
+    };
+    let constants = |message: &Message| -> Vec<_> {
+        message.constants.iter().map(|known| (known.name.clone(), known.value.clone())).collect()
+    };
+    fields(one) == fields(other) && constants(one) == constants(other)
 }
 
 /// Hints, with the file of the user's hints.
@@ -148,6 +159,10 @@ impl Plan {
         releases.map(|release| release.label.clone()).collect()
     }
 
+    pub(super) fn target_schema(&self) -> &Schema {
+        &self.target.schema
+    }
+
     pub(super) fn target_label(&self) -> &str {
         &self.release.label
     }
@@ -155,6 +170,20 @@ impl Plan {
     /// True if the type is part of the conversion.
     pub(super) fn concerns(&self, id: MessageId) -> bool {
         self.packages.contains_key(&self.source.schema.message(id).package)
+    }
+    /// The treatment of messages that the source doesn't define. `is_other` is true if the target defines other messages for
+    /// their topic or type.
+    pub(super) fn undefined(&self, is_other: impl FnOnce(&Definitions) -> bool) -> Treatment<'_> {
+        if self.packages.is_empty() || !is_other(&self.target) {
+            return Treatment::Copy;
+        }
+        Treatment::LeaveOut(format!("only {} defines it", self.release.title))
+    }
+
+    /// The treatment of messages whose fields differ from the definition of their type.
+    pub(super) fn differs(&self, id: MessageId) -> Treatment<'_> {
+        let release = self.source.release_of(id).map_or("", |release| &release.title);
+        Treatment::LeaveOut(format!("its fields differ from {release}"))
     }
 
     /// The treatment of the messages of a type, on a topic.
@@ -168,19 +197,40 @@ impl Plan {
         let name = topic_of(topic);
         let has_topic = |conversion: &Conversion| target(conversion).topics.iter().any(|known| known == name);
         // A topic may have another message in the target.
-        let found = all
-            .iter()
-            .filter(|conversion| conversion.from == id)
-            .max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name));
-        let Some(conversion) = found else {
-            return Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name));
+        let find = |id| {
+            let found = all.iter().filter(|conversion| conversion.from == id);
+            found.max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name))
         };
+        let twin = || self.twin(message, name).and_then(find).filter(|found| has_topic(found));
+        let Some(conversion) = find(id).or_else(twin) else { return self.without_conversion(message) };
         if let Some(reason) = self.undecided(conversion) {
             return Treatment::LeaveOut(reason);
         }
         let source = self.source.types().get(id);
         let converter = Converter::new(conversion, source, self.target.types().get(conversion.to));
         Treatment::Convert(Box::new(Converted { conversion, converter, source }))
+    }
+
+    /// The treatment of messages of a type that has no conversion. Events of services have none, but most services stay
+    /// the same.
+    fn without_conversion(&self, message: &Message) -> Treatment<'_> {
+        let name = ros_name(&self.source.schema, message);
+        match self.target.message_of_type(&name).map(|id| self.target.schema.message(id)) {
+            Some(twin) if twin.type_hash == message.type_hash => Treatment::Copy,
+            Some(_) => Treatment::LeaveOut("its service has other fields in the target release".to_owned()),
+            None => Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name)),
+        }
+    }
+
+    /// A message of the source that is declared like `message` and has the name of the topic's message in the target.
+    /// Releases before PX4 1.14 repeat a message for each of its topics.
+    fn twin(&self, message: &Message, topic: &str) -> Option<MessageId> {
+        let target = self.target.schema.message(self.target.message_of_topic(topic)?);
+        let all = &self.source.schema.packages.get(message.package)?.messages;
+        all.iter().copied().find(|id| {
+            let other = self.source.schema.message(*id);
+            other.name == target.name && is_declared_alike(message, other)
+        })
     }
 
     /// The reason why a conversion can't be used.
@@ -198,22 +248,55 @@ impl Plan {
         Some(format!("undecided: {}", own.unwrap_or_else(nested)))
     }
 
-    /// The name in the output of a topic. PX4's topics for ROS 2 end with the version of the message.
+    /// The name of a topic in the output, if it differs. PX4's topics for ROS 2 end with the version of the message.
     pub(super) fn renamed(&self, topic: &str, conversion: &Conversion) -> Option<String> {
-        let version = |message: &uavspec_codegen::schema::Message| message.version.unwrap_or(0);
-        let before = version(self.source.schema.message(conversion.from));
-        let after = version(self.target.schema.message(conversion.to));
-        if before == after || !topic.contains("/fmu/") {
-            return None;
-        }
-        let unversioned = if before == 0 { topic } else { topic.strip_suffix(&format!("_v{before}"))? };
-        Some(if after == 0 { unversioned.to_owned() } else { format!("{unversioned}_v{after}") })
+        let source = self.source.schema.message(conversion.from);
+        let target = self.target.schema.message(conversion.to);
+        let name = topic_of(topic);
+        let (before, after) = (source.version.unwrap_or(0), target.version.unwrap_or(0));
+        let is_versioned = before != after && topic.contains("/fmu/");
+        let unversioned = match before {
+            1.. if is_versioned => name.strip_suffix(&format!("_v{before}"))?,
+            _ => name,
+        };
+        let renamed = self.counterpart(unversioned, source, target);
+        let renamed =
+            if is_versioned && after > 0 { format!("{renamed}_v{after}") } else { renamed.to_owned() };
+        let start = topic.rfind(name).filter(|_| renamed != name)?;
+        Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
+    }
+
+    /// The name of a topic in the target. The only topic of a message is renamed with the message, unless both releases
+    /// have this topic, or the source has the new topic as well. All other topics keep their names, since the definitions
+    /// don't show which topic of several replaced another.
+    fn counterpart<'t>(&self, topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
+        let is_renamed = source.name != target.name && source.topics == [topic];
+        let is_known = target.topics.iter().any(|known| known == topic);
+        let new = target.topics.first().filter(|_| is_renamed && !is_known);
+        new.filter(|new| self.source.message_of_topic(new).is_none()).map_or(topic, String::as_str)
+    }
+
+    /// The name of a type in the output, if it differs. The notation stays the same.
+    pub(super) fn renamed_type(&self, ty: &str, conversion: &Conversion) -> Option<String> {
+        let target = &self.target.schema.message(conversion.to).name;
+        let (package, name) = ty.rsplit_once('/')?;
+        (name != target).then(|| format!("{package}/{target}"))
     }
 
     /// The full ROS name and the type hash of a message of the target.
     pub(super) fn target_type(&self, id: MessageId) -> (String, &str) {
         let message = self.target.schema.message(id);
         (ros_name(&self.target.schema, message), &message.type_hash)
+    }
+
+    /// The definition of a message of the target, or of a part of a service, by its full ROS name.
+    fn text(&self, name: &str) -> Option<&str> {
+        let part = |suffix: &str, at: usize| {
+            let service = self.texts.get(name.strip_suffix(suffix)?)?;
+            service.split("---\n").nth(at)
+        };
+        let message = self.texts.get(name).map(String::as_str);
+        message.or_else(|| part("_Request", 0)).or_else(|| part("_Response", 1))
     }
 
     /// The definition of a message of the target with its nested messages, as bags store it.
@@ -226,7 +309,7 @@ impl Plan {
                 let name = name.replacen("/msg/", "/", 1);
                 text.extend([&*"=".repeat(SEPARATOR), "\nMSG: ", &name, "\n"]);
             }
-            text.push_str(self.texts.get(&name).map_or("", String::as_str));
+            text.push_str(self.text(&name).unwrap_or_default());
             for field in &message.fields {
                 if let Element::Message(nested) = field.ty.element
                     && known.insert(nested)

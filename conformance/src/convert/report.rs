@@ -17,6 +17,7 @@ const MAX_PROBLEMS: usize = 100;
 
 /// The result of a conversion.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ConversionReport {
     /// The version of this format.
     pub(crate) version: u32,
@@ -38,11 +39,13 @@ pub(crate) struct ConversionReport {
 
 /// A topic of the capture.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct TopicReport {
     /// The name in the capture.
     pub(crate) topic: String,
     /// The name in the output, if it differs.
     pub(crate) renamed: Option<String>,
+    /// The treatment of the messages.
     pub(crate) action: Action,
     /// The release of the source message.
     pub(crate) from: Option<String>,
@@ -52,14 +55,17 @@ pub(crate) struct TopicReport {
     pub(crate) messages: u64,
     /// The number of unreadable messages, which are left out.
     pub(crate) unreadable: u64,
-    /// The first error.
+    /// The error of the first unreadable message.
     pub(crate) error: Option<String>,
     /// The data that the conversion loses.
     pub(crate) losses: Vec<Loss>,
+    /// The fields that may have a value that the target's definition excludes.
+    pub(crate) unchecked: Vec<String>,
 }
 
 /// The treatment of a topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Action {
     /// The messages have the type of the target release.
@@ -82,6 +88,7 @@ impl Action {
 
 /// Data that the conversion of a topic loses.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Loss {
     /// The loss, in the words of the conversion.
     pub(crate) text: String,
@@ -131,6 +138,11 @@ impl ConversionReport {
         self.topics.iter().filter(|topic| topic.action == action).count()
     }
 
+    /// The report in JSON.
+    pub(crate) fn to_json(&self) -> serde_json::Result<String> {
+        serde_json::to_string_pretty(self).map(|text| text + "\n")
+    }
+
     /// The report for people.
     pub(crate) fn to_text(&self) -> String {
         let from = if self.from.is_empty() { "no known release".to_owned() } else { self.from.join(", ") };
@@ -156,6 +168,22 @@ impl ConversionReport {
 }
 
 impl TopicReport {
+    /// A topic without messages, which is left out.
+    pub(super) fn new(topic: &str) -> Self {
+        Self {
+            topic: topic.to_owned(),
+            renamed: None,
+            action: Action::LeftOut,
+            from: None,
+            reason: None,
+            messages: 0,
+            unreadable: 0,
+            error: None,
+            losses: Vec::new(),
+            unchecked: Vec::new(),
+        }
+    }
+
     fn write(&self, text: &mut String) {
         let Self { topic, renamed, action, reason, messages, .. } = self;
         let _ = write!(text, "  {:<10} {}", action.text(), shown(topic));

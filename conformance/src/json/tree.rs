@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 use std::fmt::{self, Write as _};
+use std::ops::Range;
 
 use super::error::SyntaxError;
 use super::tokens::{Token, Tokens};
@@ -60,6 +61,24 @@ impl<'t> Tree<'t> {
         let tree = value(&mut tokens, &mut 0)?;
         tokens.end()?;
         Ok(tree)
+    }
+
+    /// Parses a text. If it is an object, also returns the positions of its members' values.
+    pub(crate) fn read_with_places(text: &'t str) -> Result<(Self, Vec<Range<usize>>), SyntaxError> {
+        let mut tokens = Tokens::new(text);
+        if tokens.peek() != Some(b'{') {
+            return Ok((Self::read(text)?, Vec::new()));
+        }
+        let (mut members, mut places, mut count) = (Vec::new(), Vec::new(), 1);
+        tokens.members(|tokens, key| {
+            tokens.peek();
+            let start = tokens.at();
+            members.push((key, value(tokens, &mut count)?));
+            places.push(start..tokens.at());
+            Ok::<(), SyntaxError>(())
+        })?;
+        tokens.end()?;
+        Ok((Self::Object(members), places))
     }
 
     /// The value of a key, if this is an object. For a repeated key, returns the first value.

@@ -18,7 +18,7 @@ mod tests;
 mod value;
 
 pub(crate) use self::clean::Clean;
-pub(crate) use self::dialect::Dialects;
+pub(crate) use self::dialect::{Dialect, Dialects};
 pub(crate) use self::explain::MessageOrigin;
 pub(crate) use self::template::Template;
 pub(crate) use super::values::Plans;

@@ -19,6 +19,8 @@ use uavspec_codegen::schema::{Element, Field, Message, MessageId, Restriction, S
 use uavspec_runtime::{Constraint, Number, Rule};
 
 pub(crate) use self::bag::Bag;
+#[cfg(test)]
+pub(crate) use self::bag::BagChannel;
 pub(crate) use self::encoding::Encoding;
 pub(crate) use self::lines::Lines;
 pub(crate) use self::log::{Entry, Log};

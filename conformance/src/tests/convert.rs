@@ -1,5 +1,11 @@
 //! Tests of conversions of captures: the output agrees with the target release.
 
+mod files;
+mod json;
+mod releases;
+mod schema;
+mod ulog;
+
 use std::fs;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
@@ -7,7 +13,7 @@ use std::sync::{Arc, LazyLock};
 use tempfile::TempDir;
 
 use crate::check::{Checked, check_path, open_path};
-use crate::convert::{Action, ConversionReport, Plan, Settings, convert};
+use crate::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
 use crate::definitions::Library;
 use crate::rules::sample::{Bag, Flight};
 
@@ -27,21 +33,35 @@ fn flight(label: &str) -> Bag {
 
 /// Converts a capture. Returns the report and the output.
 fn converted(bytes: &[u8], to: &str, settings: Settings) -> (ConversionReport, Vec<u8>) {
+    try_converted(bytes, &LIBRARY, to, settings).expect("a conversion")
+}
+
+/// Converts a capture of the library's releases.
+fn try_converted(
+    bytes: &[u8],
+    library: &Library,
+    to: &str,
+    settings: Settings,
+) -> Result<(ConversionReport, Vec<u8>), Error> {
     let folder = TempDir::new().expect("a folder");
-    let path = folder.path().join("in.mcap");
+    let path = folder.path().join("in");
     fs::write(&path, bytes).expect("a file");
-    let opened = open_path(&path, &LIBRARY, &|input| input).expect("a file").expect("a capture");
-    let plan = Plan::new(Arc::clone(&opened.definitions), &LIBRARY, &release(to), None).expect("a plan");
+    let opened = open_path(&path, library, &|input| input).expect("a file").expect("a capture");
+    let plan = Plan::new(Arc::clone(&opened.definitions), library, &release(to), None).expect("a plan");
     let mut output = Vec::new();
-    let report = convert((&path, opened), &plan, settings, &mut output).expect("a conversion");
-    (report, output)
+    let report = convert((&path, opened), &plan, settings, &mut output)?;
+    Ok((report, output))
 }
 
 fn checked(bytes: &[u8]) -> Checked {
+    checked_against(bytes, &LIBRARY)
+}
+
+fn checked_against(bytes: &[u8], library: &Library) -> Checked {
     let folder = TempDir::new().expect("a folder");
-    let path = folder.path().join("out.mcap");
+    let path = folder.path().join("out");
     fs::write(&path, bytes).expect("a file");
-    check_path(&path, None, &LIBRARY, &|input| input).expect("a capture")
+    check_path(&path, None, library, &|input| input).expect("a capture")
 }
 
 #[test]

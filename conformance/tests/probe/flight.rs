@@ -10,6 +10,8 @@ use uavspec_conformance::transport::{Received, connect};
 
 use super::*;
 use crate::support::proxy::{Pass, Proxy, Watch};
+#[cfg(unix)]
+use crate::support::send_signal;
 
 pub(super) const UAV: &str = "glider-2";
 
@@ -173,12 +175,6 @@ fn call(hook: &Hook) {
     if let Some(act) = &*hook.lock().unwrap_or_else(PoisonError::into_inner) {
         act();
     }
-}
-
-#[cfg(unix)]
-fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
-    let process = nix::unistd::Pid::from_raw(process.cast_signed());
-    nix::sys::signal::kill(process, signal).expect("the process runs");
 }
 
 /// The options that select a flight.

@@ -27,6 +27,12 @@ pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
+#[cfg(unix)]
+pub(crate) fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
+    let process = nix::unistd::Pid::from_raw(process.cast_signed());
+    nix::sys::signal::kill(process, signal).expect("the process runs");
+}
+
 /// The first value if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise the second value.
 pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }

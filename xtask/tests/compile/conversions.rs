@@ -35,6 +35,10 @@ uint8[40] many
 uint8 limit
 float32 share
 bool is_valid
+uint32 num_marks  # [@count marks]
+uint8[5] marks
+uint32 num_seats  # [@count seats]
+uint8[5] seats
 uint32 dropped
 ";
 
@@ -62,6 +66,10 @@ uint8[50] many
 uint8 limit
 float32 share
 bool is_valid
+uint8 num_marks   # [@count marks]
+uint8[2] marks
+uint8 num_seats   # [@count seats]
+uint8[2] seats
 uint16[40] added
 float32[2] unknown  # [m] [@invalid NaN] Unknown
 char[9] tower     # [@invalid 0]
@@ -75,7 +83,7 @@ const PARTS: [&str; 2] = ["uint8 id\nint64 code\n", "int64 code\nuint16 id\nbool
 const HINTS: &str = r#"
 [[hint]]
 message = "Glider"
-narrow = { narrow = "nearest", neutral = "neutral", rounded = "nearest" }
+narrow = { narrow = "nearest", neutral = "neutral", rounded = "nearest", num_marks = "nearest", num_seats = "neutral" }
 new.limit = "if mode == old.MODE_B and not is_valid then limit - 300 else -limit + 0x10 * 2 | 1"
 new.share = "share / 2 + limit"
 new.is_valid = "share != share or faults & ~old.FAULT_B == 0 and is_valid == true"

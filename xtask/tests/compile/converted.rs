@@ -38,6 +38,16 @@ fn values_are_converted() {
     assert!(new.unknown.iter().all(|value| value.is_nan()));
 }
 
+/// A count is limited to the length of the array that was cut, even if its type is narrower.
+#[test]
+fn counts_of_cut_arrays_are_limited() {
+    for (count, nearest, neutral) in [(1, 1, 1), (2, 2, 2), (4, 2, 2), (300, 2, 0)] {
+        let old = old::Glider { num_marks: count, num_seats: count, ..glider() };
+        let new = new::Glider::from(&old);
+        assert_eq!((new.num_marks, new.num_seats), (nearest, neutral), "{count}");
+    }
+}
+
 #[test]
 fn constants_are_converted_by_name() {
     for (mode, faults, new_mode, new_faults) in [(0, 0, 0, 0), (1, 1, 2, 2), (2, 2, 1, 1), (9, 0x83, 9, 0x83)]

@@ -4,8 +4,8 @@ use std::io::{self, Read};
 
 use mcap::records::op;
 
-use super::sound::{self, HEAD, MAX_RECORD, can_be, has_parts};
-use super::unpack::Unpacker;
+use super::sound::{self, HEAD, MAX_RECORD, can_be, has_parts, is_private};
+use super::unpack::{Packing, Unpacker};
 use super::window::Window;
 
 /// A chunk that is being read.
@@ -14,6 +14,7 @@ pub(super) struct Chunk {
     pub(super) offset: u64,
     pub(super) size: u64,
     pub(super) checksum: u32,
+    pub(super) packing: Option<Packing>,
     /// The number of bytes after the records.
     pub(super) added: u64,
     pub(super) records: Records,
@@ -26,12 +27,6 @@ pub(super) enum Records {
     Plain(u64),
     /// Compressed. The flag is true if the file ended within the records.
     Packed(Box<Window<Unpacker>>, bool),
-}
-
-impl Chunk {
-    pub(super) fn is_packed(&self) -> bool {
-        matches!(self.records, Records::Packed(..))
-    }
 }
 
 /// The next item of a chunk.
@@ -54,7 +49,7 @@ pub(super) fn next_record<R: Read>(window: &mut Window<R>, left: u64) -> io::Res
     if opcode == 0 || !is_within {
         return Ok(Next::Corrupt);
     }
-    let is_wanted = matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE);
+    let is_wanted = matches!(opcode, op::SCHEMA | op::CHANNEL | op::MESSAGE) || is_private(opcode);
     if !is_wanted || length > MAX_RECORD {
         let whole = HEAD as u64 + length;
         let is_there = window.skip(whole)? == whole;

@@ -9,7 +9,8 @@ use mcap::records::{Record, op};
 use super::chunk::{Chunk, Next, Records, next_record};
 use super::problem::Malformed;
 use super::sound::{
-    self, ChunkHead, HEAD, MAX_CHUNK_HEAD, can_be, can_follow, has_parts, is_attachment, is_sound,
+    self, ChunkHead, HEAD, MAX_CHUNK_HEAD, can_be, can_follow, has_parts, is_attachment, is_private,
+    is_sound, message,
 };
 use super::unpack::{Packing, Unpacker};
 use super::window::Window;
@@ -26,11 +27,22 @@ pub(crate) struct Reader<R> {
     stage: Stage,
     /// The chunk that contains the cursor.
     chunk: Option<Chunk>,
+    /// The attachment that contains the cursor.
+    attachment: Option<Attachment>,
     /// The problems to return before the next record.
     problems: VecDeque<(u64, Problem)>,
     declared: Declared,
     /// A reusable buffer for compressed chunks.
     room: Vec<u8>,
+}
+
+/// An attachment that is being read.
+#[derive(Clone, Copy, Debug)]
+struct Attachment {
+    offset: u64,
+    length: u64,
+    /// The position of the cursor in the body.
+    at: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +89,7 @@ impl<R: Read> Reader<R> {
             file: Window::new(input),
             stage: Stage::Start,
             chunk: None,
+            attachment: None,
             problems: VecDeque::new(),
             declared: Declared(Box::new([0; 1 << 10])),
             room: Vec::new(),
@@ -88,15 +101,21 @@ impl<R: Read> Reader<R> {
         self.file.offset()
     }
 
-    /// The next problem or relevant record. Relevant records are headers, schemas, channels and messages. `None` at the
-    /// end.
+    /// The next problem or relevant record. All records are relevant, except the structure of the file, such as indexes.
+    /// `None` at the end.
     ///
     /// Fails if the input can't be read. The caller may try again.
     #[allow(clippy::should_implement_trait)] // an iterator's items can't borrow from it
     pub(crate) fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         loop {
             if let Some((offset, problem)) = self.problems.pop_front() {
-                return Ok(Some(Item { offset, is_packed: false, event: Event::Problem(problem) }));
+                return Ok(Some(Item { offset, packing: None, event: Event::Problem(problem) }));
+            }
+            if let Some(attachment) = self.attachment {
+                if let Some(length) = self.attachment_part(attachment)? {
+                    return Ok(Some(self.lend_part(attachment, length)));
+                }
+                continue;
             }
             let found = match (&self.chunk, self.stage) {
                 (Some(_), _) => self.in_chunk()?,
@@ -116,6 +135,19 @@ impl<R: Read> Reader<R> {
             Some(Chunk { records: Records::Packed(window, _), .. }) if is_packed => window.behind(length),
             _ => self.file.behind(length),
         };
+        let is_in_chunk = self.chunk.is_some();
+        let packing = self.chunk.as_ref().and_then(|chunk| chunk.packing);
+        if opcode == op::MESSAGE
+            && let Some(event) = message(body)
+        {
+            return Item { offset, packing, event };
+        }
+        if opcode == op::METADATA {
+            return Item { offset, packing, event: Event::Metadata { body } };
+        }
+        if is_private(opcode) {
+            return Item { offset, packing, event: Event::Private { opcode, body, is_in_chunk } };
+        }
         let event = match mcap::parse_record(opcode, body) {
             Ok(Record::Header(header)) => Event::Header { profile: header.profile, library: header.library },
             // The text of a schema is borrowed from the record.
@@ -132,13 +164,37 @@ impl<R: Read> Reader<R> {
                     metadata: channel.metadata,
                 }
             }
-            Ok(Record::Message { header, data: std::borrow::Cow::Borrowed(payload) }) => {
-                let mcap::records::MessageHeader { channel_id, sequence, log_time, publish_time } = header;
-                Event::Message { channel: channel_id, time: log_time, publish_time, sequence, payload }
-            }
             _ => Event::Problem(Problem::Unreadable { opcode }),
         };
-        Item { offset, is_packed, event }
+        Item { offset, packing, event }
+    }
+
+    /// Reads a part of an attachment. Returns its length; `None` at the end.
+    fn attachment_part(
+        &mut self,
+        Attachment { offset, length, at }: Attachment,
+    ) -> io::Result<Option<usize>> {
+        if at == length {
+            self.attachment = None;
+            return Ok(None);
+        }
+        self.file.require(1)?;
+        let left = length - at;
+        let here = usize::try_from(left).unwrap_or(usize::MAX).min(self.file.ahead().len());
+        if here == 0 {
+            self.attachment = None;
+            self.report(offset, Problem::Truncated { missing: left });
+            self.stage = Stage::End;
+            return Ok(None);
+        }
+        self.file.advance(here);
+        self.attachment = Some(Attachment { offset, length, at: at + here as u64 });
+        Ok(Some(here))
+    }
+
+    fn lend_part(&self, Attachment { offset, length, at }: Attachment, here: usize) -> Item<'_> {
+        let event = Event::Attachment { length, at, bytes: self.file.behind(here) };
+        Item { offset, packing: None, event }
     }
 
     fn report(&mut self, offset: u64, problem: Problem) {
@@ -179,7 +235,8 @@ impl<R: Read> Reader<R> {
                     self.search(offset, Malformed::Parts { opcode })?;
                     return Ok(None);
                 }
-                self.skip(offset, HEAD as u64 + length)?;
+                self.file.advance(HEAD);
+                self.attachment = Some(Attachment { offset, length, at: 0 });
             }
             // The length was checked, so this doesn't overflow.
             _ => {
@@ -245,7 +302,8 @@ impl<R: Read> Reader<R> {
             _ => {}
         }
         self.file.advance(end);
-        let is_wanted = matches!(opcode, op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE);
+        let is_wanted = is_private(opcode)
+            || matches!(opcode, op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA);
         Ok(is_wanted.then_some(Found { offset, opcode, length, is_packed: false }))
     }
 
@@ -372,14 +430,14 @@ impl<R: Read> Reader<R> {
                 Records::Packed(Box::new(Window::new(Unpacker::new(packing, room))), taken < packed)
             }
         };
-        self.chunk = Some(Chunk { offset, size, checksum, added, records });
+        self.chunk = Some(Chunk { offset, size, checksum, packing, added, records });
         Ok(())
     }
 
     /// Reads the next record of the current chunk.
     fn in_chunk(&mut self) -> io::Result<Option<Found>> {
         let Some(chunk) = &mut self.chunk else { return Ok(None) };
-        let (chunk_offset, size, is_packed) = (chunk.offset, chunk.size, chunk.is_packed());
+        let (chunk_offset, size, is_packed) = (chunk.offset, chunk.size, chunk.packing.is_some());
         let (next, record_offset) = match &mut chunk.records {
             Records::Plain(start) => {
                 let offset = self.file.offset();

@@ -2,7 +2,7 @@
 
 use mcap::records::op;
 
-use super::MAGIC;
+use super::{Event, MAGIC};
 
 /// The size of a record header: an opcode and a length.
 pub(super) const HEAD: usize = 9;
@@ -28,6 +28,9 @@ const FOOTER: u64 = 20;
 
 /// The size of the known fields of an end-of-data record, in bytes.
 const DATA_END: u64 = 4;
+
+/// The first opcode for the records of applications.
+const PRIVATE: u8 = 0x80;
 
 /// The opcode and the length of a record.
 pub(super) fn head(ahead: &[u8]) -> Option<(u8, u64)> {
@@ -92,14 +95,39 @@ impl ChunkHead {
     }
 }
 
+/// The head of an attachment. The texts include their lengths.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct AttachmentHead<'b> {
+    /// The log time and the creation time.
+    pub(crate) times: &'b [u8],
+    pub(crate) name: &'b [u8],
+    pub(crate) media_type: &'b [u8],
+    /// The length of the data, in bytes.
+    pub(crate) size: u64,
+    /// The length of the head, in bytes.
+    length: usize,
+}
+
+impl<'b> AttachmentHead<'b> {
+    /// Parses the start of an attachment. Returns `None` if it is too short.
+    pub(crate) fn read(start: &'b [u8]) -> Option<Self> {
+        let mut parts = Parts(start);
+        let times = parts.take(16)?;
+        let (name, media_type, size) = (parts.text()?, parts.text()?, parts.u64()?);
+        Some(Self { times, name, media_type, size, length: start.len() - parts.0.len() })
+    }
+}
+
 /// True if an attachment's header, data and checksum fit the record length.
 pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
-    let mut parts = Parts(start);
-    let data =
-        parts.take(16).and_then(|_| parts.text()).and_then(|()| parts.text()).and_then(|()| parts.u64());
-    let head = (start.len() - parts.0.len()) as u64;
-    let known = data.and_then(|data| data.checked_add(head)?.checked_add(4));
+    let known = AttachmentHead::read(start)
+        .and_then(|head| head.size.checked_add(head.length as u64)?.checked_add(4));
     known.and_then(|known| length.checked_sub(known)).is_some_and(|added| added <= MAX_ADDED)
+}
+
+/// True if applications define the records with this opcode.
+pub(super) fn is_private(opcode: u8) -> bool {
+    opcode >= PRIVATE
 }
 
 /// True if the parts of a record match its length. Unless `is_exact` is true, the record may end with parts that later
@@ -107,23 +135,33 @@ pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
 pub(super) fn has_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
     let mut parts = Parts(body);
     let parts_found = match opcode {
-        op::HEADER => parts.text().and_then(|()| parts.text()),
-        op::SCHEMA => {
-            let names = parts.take(2).and_then(|_| parts.text()).and_then(|()| parts.text());
-            names.and_then(|()| parts.text())
-        }
+        op::HEADER => parts.text().and_then(|_| parts.text()).map(drop),
+        op::SCHEMA => parts
+            .take(2)
+            .and_then(|_| parts.text())
+            .and_then(|_| parts.text())
+            .and_then(|_| parts.text())
+            .map(drop),
         op::CHANNEL => {
-            let names = parts.take(4).and_then(|_| parts.text()).and_then(|()| parts.text());
-            names.and_then(|()| parts.texts())
+            let names = parts.take(4).and_then(|_| parts.text()).and_then(|_| parts.text());
+            names.and_then(|_| parts.texts())
         }
         op::MESSAGE_INDEX => parts.take(2).and_then(|_| parts.u32()).and_then(|length| {
             let entries = parts.take(length as usize)?;
             entries.len().is_multiple_of(16).then_some(())
         }),
-        op::METADATA => parts.text().and_then(|()| parts.texts()),
+        op::METADATA => parts.text().and_then(|_| parts.texts()),
         _ => return true,
     };
     parts_found.is_some() && (parts.0.is_empty() || !is_exact)
+}
+
+/// The message in a record.
+pub(super) fn message(body: &[u8]) -> Option<Event<'_>> {
+    let mut parts = Parts(body);
+    let channel = u16::from_le_bytes(*parts.take(2)?.first_chunk()?);
+    let (sequence, time, publish_time) = (parts.u32()?, parts.u64()?, parts.u64()?);
+    Some(Event::Message { channel, time, publish_time, sequence, payload: parts.0 })
 }
 
 /// True if these bytes appear to be the start of a record. `is_declared` returns true for known channels.
@@ -159,8 +197,7 @@ pub(super) fn is_sound(ahead: &[u8], is_declared: impl Fn(u16) -> bool) -> bool 
 pub(super) fn can_follow(ahead: &[u8]) -> bool {
     match head(ahead) {
         Some((opcode, length)) => {
-            // Opcodes of 0x80 and above denote private records.
-            (opcode <= op::DATA_END || opcode >= 0x80) && can_be(opcode, length) && length >> 40 == 0
+            (opcode <= op::DATA_END || is_private(opcode)) && can_be(opcode, length) && length >> 40 == 0
         }
         None => ahead.is_empty(),
     }
@@ -184,10 +221,12 @@ impl<'b> Parts<'b> {
         Some(u64::from_le_bytes(*self.take(8)?.first_chunk()?))
     }
 
-    /// Skips a length-prefixed string.
-    fn text(&mut self) -> Option<()> {
-        let length = self.u32()?;
-        self.take(length as usize).map(|_| ())
+    /// A length-prefixed string, including its length.
+    fn text(&mut self) -> Option<&'b [u8]> {
+        let start = self.0;
+        let length = self.u32()? as usize;
+        self.take(length)?;
+        start.get(..4 + length)
     }
 
     /// Skips a map of strings, which starts with the length of the whole map.

@@ -8,7 +8,7 @@ use crate::capture::input::zstd::Frames as Zstd;
 
 /// The compression of a chunk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Packing {
+pub(crate) enum Packing {
     Zstd,
     Lz4,
 }

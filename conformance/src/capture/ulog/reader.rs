@@ -30,6 +30,8 @@ pub struct Item<'b> {
     pub offset: u64,
     /// The message or problem.
     pub event: Event<'b>,
+    /// The bytes of the file header or of the message with its header; empty for most problems.
+    pub bytes: &'b [u8],
 }
 
 /// Reads a log from any input, without seeking.
@@ -108,11 +110,12 @@ impl<R: Read> Reader<R> {
         let Some(size) = self.data_ahead() else { return self.next_of_any_kind() };
         let offset = self.window.offset();
         self.window.advance(HEADER + size);
-        let event = match self.window.behind(size) {
+        let bytes = self.window.behind(HEADER + size);
+        let event = match &bytes[HEADER..] {
             [low, high, payload @ ..] => Event::Data { id: u16::from_le_bytes([*low, *high]), payload },
             payload => Event::Unknown { kind: b'D', payload },
         };
-        Ok(Some(Item { offset, event }))
+        Ok(Some(Item { offset, event, bytes }))
     }
 
     /// The size of the next message, if the message is in the buffer and is clearly valid data. Nearly all messages
@@ -139,10 +142,11 @@ impl<R: Read> Reader<R> {
     fn next_of_any_kind(&mut self) -> io::Result<Option<Item<'_>>> {
         Ok(Some(match self.step()? {
             Step::Start { version, timestamp } => {
-                Item { offset: 0, event: Event::Start { version, timestamp } }
+                let bytes = self.window.behind(FILE_HEADER);
+                Item { offset: 0, event: Event::Start { version, timestamp }, bytes }
             }
             Step::Message(header) => self.lend(header),
-            Step::Problem(offset, problem) => Item { offset, event: Event::Problem(problem) },
+            Step::Problem(offset, problem) => Item { offset, event: Event::Problem(problem), bytes: &[] },
             Step::End => return Ok(None),
         }))
     }
@@ -279,7 +283,8 @@ impl<R> Reader<R> {
         let offset = self.window.offset();
         self.window.advance(header.total());
         let Header { size, kind } = header;
-        let payload = self.window.behind(size.into());
+        let bytes = self.window.behind(header.total());
+        let payload = &bytes[HEADER..];
         let event = match parse(kind, payload) {
             Ok((event, defect)) => {
                 self.queued.extend(
@@ -321,7 +326,7 @@ impl<R> Reader<R> {
         if matches!(self.state, State::First(_)) {
             self.state = State::Messages;
         }
-        Item { offset, event }
+        Item { offset, event, bytes }
     }
 
     /// Skips a message that extends beyond the end of its section.

@@ -84,7 +84,7 @@ impl<'c, 'd> McapFile<'c, 'd> {
     fn item(&mut self, item: Item<'_>) {
         let byte = Location::Byte(item.offset);
         // In a compressed chunk, and in a bag of several files, an offset doesn't identify a record.
-        let has_offset = !item.is_packed && self.name.is_empty();
+        let has_offset = item.packing.is_none() && self.name.is_empty();
         let place = |other: Location| if has_offset { byte } else { other };
         match item.event {
             Event::Header { profile, library } => {
@@ -112,6 +112,7 @@ impl<'c, 'd> McapFile<'c, 'd> {
                     self.corruption(location, &text, Extent::WithGaps);
                 }
             }
+            Event::Attachment { .. } | Event::Metadata { .. } | Event::Private { .. } => {}
             Event::Problem(problem) => self.corruption(byte, &problem.to_string(), problem.extent()),
         }
     }

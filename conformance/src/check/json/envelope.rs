@@ -14,7 +14,7 @@ const SUBSCRIBE: &str = "subscribe";
 
 /// The way in which an envelope identifies its message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum NameKind {
+pub(crate) enum NameKind {
     /// `{"type": "px4/FailsafeFlags", "message": {…}}`.
     Type,
     /// rosbridge: `{"op": "publish", "topic": "/fmu/out/failsafe_flags", "msg": {…}}`.
@@ -22,8 +22,16 @@ pub(super) enum NameKind {
 }
 
 impl NameKind {
+    /// The key of the name.
+    pub(crate) const fn name_key(self) -> &'static str {
+        match self {
+            Self::Type => "type",
+            Self::Topic => "topic",
+        }
+    }
+
     /// The key of the message.
-    pub(super) const fn key(self) -> &'static str {
+    pub(crate) const fn key(self) -> &'static str {
         match self {
             Self::Type => "message",
             Self::Topic => "msg",
@@ -78,7 +86,7 @@ impl Channels {
 }
 
 /// The form of a parsed value.
-pub(super) enum Form<'t> {
+pub(crate) enum Form<'t> {
     Message(NameKind, &'t str, &'t Tree<'t>),
     /// A rosbridge message that states the type of a topic.
     Advertised(&'t str, &'t str),
@@ -89,7 +97,7 @@ pub(super) enum Form<'t> {
 }
 
 /// Determines the form of a value.
-pub(super) fn form<'t>(tree: &'t Tree<'t>) -> Form<'t> {
+pub(crate) fn form<'t>(tree: &'t Tree<'t>) -> Form<'t> {
     let Tree::Object(members) = tree else {
         return Form::Unknown("expected an object that names its message type");
     };

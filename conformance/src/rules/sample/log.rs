@@ -1,14 +1,12 @@
 //! Flights as `ULog` files.
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
 
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::Shape;
-use uavspec_runtime::Scalar;
+use uavspec_codegen::dynamic::MessageType;
 
 use super::{Flight, START};
 use crate::capture::ULOG_MAGIC;
+use crate::px4::format::{fields, format_name, nested};
 
 /// The entries of a `ULog`.
 #[derive(Clone, Debug)]
@@ -61,10 +59,8 @@ impl Log {
             return;
         }
         self.entries.push(Entry::Format(name.to_owned(), fields(ty)));
-        for field in ty.layout() {
-            if let PlacedElement::Message(nested) = field.element {
-                self.format(&snake_case(nested.name()), nested, named);
-            }
+        for nested in nested(ty) {
+            self.format(&format_name(nested.name()), nested, named);
         }
     }
 
@@ -122,59 +118,4 @@ impl Entry {
             Self::Dropout(milliseconds) => (b'O', milliseconds.to_le_bytes().to_vec()),
         }
     }
-}
-
-/// The fields of a format, with the padding of the memory layout.
-fn fields(ty: MessageType<'_>) -> String {
-    let mut placed: Vec<Placed<'_>> = ty.layout().collect();
-    placed.sort_by_key(|field| field.offset);
-    let (mut text, mut end, mut paddings) = (String::new(), 0, 0);
-    // Writing to a string can't fail.
-    let mut pad = |text: &mut String, from: usize, to: usize| {
-        if to > from {
-            let _ = write!(text, "uint8_t[{}] _padding{paddings};", to - from);
-            paddings += 1;
-        }
-    };
-    for field in placed {
-        pad(&mut text, end, field.offset);
-        let (length, elements) = match (field.element, field.shape) {
-            (PlacedElement::Text(length), _) => (Some(length), 1),
-            (_, Shape::Array(length)) => (Some(length), length as usize),
-            _ => (None, 1),
-        };
-        let array = length.map(|length| format!("[{length}]")).unwrap_or_default();
-        let _ = write!(text, "{}{array} {};", type_of(field.element), field.name);
-        end = field.offset + field.stride * elements;
-    }
-    pad(&mut text, end, ty.size().map_or(end, |size| size.padded));
-    text
-}
-
-/// The name of a type in a format.
-fn type_of(element: PlacedElement<'_>) -> String {
-    match element {
-        PlacedElement::Scalar(scalar) => match scalar {
-            Scalar::Float32 => "float".to_owned(),
-            Scalar::Float64 => "double".to_owned(),
-            Scalar::Bool | Scalar::Char => scalar.name().to_owned(),
-            _ => format!("{}_t", scalar.name()),
-        },
-        PlacedElement::Text(_) => "char".to_owned(),
-        // Messages of a fixed size have no strings.
-        PlacedElement::String => String::new(),
-        PlacedElement::Message(nested) => snake_case(nested.name()),
-    }
-}
-
-/// Converts a message name to `snake_case`, as in topic names.
-fn snake_case(name: &str) -> String {
-    let mut text = String::new();
-    for (at, letter) in name.char_indices() {
-        if letter.is_ascii_uppercase() && at > 0 {
-            text.push('_');
-        }
-        text.push(letter.to_ascii_lowercase());
-    }
-    text
 }

@@ -24,6 +24,10 @@ fn read(bytes: &[u8]) -> Result<BTreeMap<&'static str, usize>, String> {
             Event::Schema { .. } => "Schema",
             Event::Channel { .. } => "Channel",
             Event::Message { .. } => "Message",
+            Event::Attachment { at: 0, .. } => "Attachment",
+            Event::Attachment { .. } => continue,
+            Event::Metadata { .. } => "Metadata",
+            Event::Private { .. } => "Private",
             Event::Problem(problem) => return Err(problem.to_string()),
         };
         *counts.entry(kind).or_default() += 1;
@@ -35,7 +39,8 @@ fn read(bytes: &[u8]) -> Result<BTreeMap<&'static str, usize>, String> {
 fn expected(description: &Value) -> BTreeMap<&'static str, usize> {
     let records = description["records"].as_array().expect("records");
     let count = |kind: &str| records.iter().filter(|record| record["type"] == kind).count();
-    let counts = ["Header", "Schema", "Channel", "Message"].map(|kind| (kind, count(kind)));
+    let kinds = ["Header", "Schema", "Channel", "Message", "Attachment", "Metadata"];
+    let counts = kinds.map(|kind| (kind, count(kind)));
     counts.into_iter().filter(|(_, count)| *count > 0).collect()
 }
 

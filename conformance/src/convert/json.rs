@@ -1,0 +1,331 @@
+//! Converts JSON messages: JSON Lines, an array, or values that span lines.
+
+mod message;
+
+use std::collections::HashMap;
+use std::io::{BufWriter, Read, Write};
+use std::ops::Range;
+
+use uavspec_codegen::schema::MessageId;
+
+use self::message::has_same_names;
+use super::plan::{Converted, Plan};
+use super::report::{Action, Problems, TopicReport};
+use super::topic::Topic;
+use super::{Error, Settings};
+use crate::capture::json::{Event, Item, Reader};
+use crate::check::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, ROS, form};
+use crate::check::{definition_of, is_flockwave};
+use crate::definitions::Definitions;
+use crate::json::Tree;
+use crate::model::Extent;
+use crate::px4::json::Dialects;
+
+/// A topic or a type of the capture.
+struct Channel<'p> {
+    definition: Option<MessageId>,
+    topic: Topic<'p>,
+    /// True if messages stay the same.
+    is_kept: bool,
+}
+
+struct Stream<'p, 'o> {
+    plan: &'p Plan,
+    settings: Settings,
+    output: BufWriter<&'o mut dyn Write>,
+    problems: Problems,
+    channels: Vec<Channel<'p>>,
+    by_type: HashMap<String, usize>,
+    by_topic: HashMap<String, usize>,
+    /// True once the first object was read.
+    has_objects: bool,
+    /// True if the capture is an array.
+    is_array: bool,
+    written: u64,
+}
+
+/// Converts JSON messages. Returns the topics and types, and the parts that can't be read.
+pub(super) fn convert(
+    input: impl Read,
+    plan: &Plan,
+    settings: Settings,
+    output: &mut dyn Write,
+) -> Result<(Vec<TopicReport>, Problems), Error> {
+    let mut reader = Reader::new(input);
+    let mut stream = Stream::new(plan, settings, output);
+    loop {
+        match reader.next() {
+            Ok(Some(Item { line, event: Event::Value { bytes, is_element, .. } })) => {
+                stream.is_array |= is_element;
+                stream.value(bytes, line)?;
+            }
+            Ok(Some(Item { line, event: Event::Problem(problem) })) => {
+                if problem.extent() != Extent::Whole {
+                    stream.problem(line, problem);
+                }
+            }
+            Ok(None) => break,
+            Err(error) => {
+                stream.problem(reader.lines().max(1), format_args!("the rest is unreadable: {error}"));
+                break;
+            }
+        }
+    }
+    stream.finish()
+}
+
+impl<'p, 'o> Stream<'p, 'o> {
+    fn new(plan: &'p Plan, settings: Settings, output: &'o mut dyn Write) -> Self {
+        Self {
+            plan,
+            settings,
+            output: BufWriter::new(output),
+            problems: Problems::default(),
+            channels: Vec::new(),
+            by_type: HashMap::new(),
+            by_topic: HashMap::new(),
+            has_objects: false,
+            is_array: false,
+            written: 0,
+        }
+    }
+
+    fn problem(&mut self, line: u64, problem: impl std::fmt::Display) {
+        self.problems.add(format!("line {line}: {problem}"));
+    }
+
+    fn value(&mut self, bytes: &[u8], line: u64) -> Result<(), Error> {
+        let text = match std::str::from_utf8(bytes) {
+            Ok(text) => text,
+            Err(error) => {
+                self.problem(line, format_args!("invalid UTF-8 at byte {}", error.valid_up_to()));
+                return Ok(());
+            }
+        };
+        let (tree, places) = match Tree::read_with_places(text) {
+            Ok(read) => read,
+            Err(error) => {
+                self.problem(line, error);
+                return Ok(());
+            }
+        };
+        let value = TextValue { text, tree: &tree, places: &places };
+        self.check_kind(&tree)?;
+        match form(&tree) {
+            Form::Message(kind, name, message) => self.message((kind, name), message, value, line),
+            Form::Advertised(topic, ty) => self.operation(topic, Some(ty), value),
+            Form::Skipped => match tree.get("topic").and_then(Tree::as_str) {
+                Some(topic) => self.operation(topic, None, value),
+                None => self.write(text),
+            },
+            Form::Unknown(problem) => {
+                self.problem(line, format_args!("{problem}; copied unchanged"));
+                self.write(text)
+            }
+        }
+    }
+
+    /// Fails if the first object shows that the capture can't be converted.
+    fn check_kind(&mut self, tree: &Tree<'_>) -> Result<(), Error> {
+        if self.has_objects || !matches!(tree, Tree::Object(_)) {
+            return Ok(());
+        }
+        self.has_objects = true;
+        if is_flockwave(tree) { Err(Error::Format("Flockwave")) } else { Ok(()) }
+    }
+
+    /// Converts a message.
+    fn message(
+        &mut self,
+        name: (NameKind, &str),
+        message: &Tree<'_>,
+        value: TextValue<'_>,
+        line: u64,
+    ) -> Result<(), Error> {
+        let at = match self.open(name, None) {
+            Ok(at) => at,
+            Err(problem) => {
+                self.problem(line, problem);
+                return Ok(());
+            }
+        };
+        let channel = &mut self.channels[at];
+        channel.topic.report.messages += 1;
+        let (kind, _) = name;
+        let text = match channel.topic.report.action {
+            Action::LeftOut => return Ok(()),
+            Action::Copied => return self.write(value.text),
+            Action::Converted if channel.is_kept => None,
+            Action::Converted => {
+                let is_rosbridge = kind == NameKind::Topic;
+                let converted =
+                    channel.topic.convert(|converted, losses| converted.json(message, is_rosbridge, losses));
+                let Some(text) = converted else { return Ok(()) };
+                Some(text)
+            }
+        };
+        let name = channel.topic.report.renamed.as_deref().map(quoted);
+        let line = value.with(&[(kind.name_key(), name.as_deref()), (kind.key(), text.as_deref())]);
+        self.write(&line)
+    }
+
+    /// Copies a rosbridge message other than `publish`. Renames its topic and its type.
+    fn operation(&mut self, topic: &str, ty: Option<&str>, value: TextValue<'_>) -> Result<(), Error> {
+        let Ok(at) = self.open((NameKind::Topic, topic), ty) else { return self.write(value.text) };
+        let channel = &self.channels[at];
+        let name = channel.topic.report.renamed.as_deref().map(quoted);
+        // The type may be stated only after the first message, which shows another type.
+        let is_same =
+            |ty: &&str| definition_of(topic, Some((ty, ROS)), self.plan.source()) == channel.definition;
+        let ty = ty.filter(is_same).and_then(|ty| channel.topic.renamed_type(ty, self.plan));
+        let ty = ty.as_deref().map(quoted);
+        let line = value.with(&[("topic", name.as_deref()), ("type", ty.as_deref())]);
+        self.write(&line)
+    }
+
+    /// The index of a topic or a type. `ty` is the type of a topic, if it is stated. The type that is stated before the
+    /// first message applies.
+    fn open(&mut self, (kind, name): (NameKind, &str), ty: Option<&str>) -> Result<usize, String> {
+        if name.len() > MAX_NAME {
+            return Err(format!("the name of the topic or type is longer than {MAX_NAME} bytes"));
+        }
+        let names = match kind {
+            NameKind::Type => &self.by_type,
+            NameKind::Topic => &self.by_topic,
+        };
+        let definitions = self.plan.source();
+        let known = names.get(name).copied();
+        let find = || match kind {
+            NameKind::Type => definitions.message_of_type(name),
+            NameKind::Topic => definition_of(name, ty.map(|ty| (ty, ROS)), definitions),
+        };
+        if let Some(at) = known {
+            let channel = &self.channels[at];
+            let is_stated = ty.is_some() && channel.topic.report.messages == 0;
+            let definition = if is_stated { find() } else { channel.definition };
+            if definition != channel.definition {
+                self.channels[at] = self.channel((kind, name), ty, definition);
+            }
+            return Ok(at);
+        }
+        let at = self.channels.len();
+        if at >= MAX_CHANNELS {
+            return Err(format!("more than {MAX_CHANNELS} topics and types"));
+        }
+        let channel = self.channel((kind, name), ty, find());
+        self.channels.push(channel);
+        let names = match kind {
+            NameKind::Type => &mut self.by_type,
+            NameKind::Topic => &mut self.by_topic,
+        };
+        names.insert(name.to_owned(), at);
+        Ok(at)
+    }
+
+    fn channel(
+        &self,
+        (kind, name): (NameKind, &str),
+        ty: Option<&str>,
+        definition: Option<MessageId>,
+    ) -> Channel<'p> {
+        let plan = self.plan;
+        let source = plan.source();
+        // The fields of undefined messages aren't known.
+        let is_other = |target: &Definitions| match kind {
+            NameKind::Type => target.message_of_type(name).is_some(),
+            NameKind::Topic => definition_of(name, ty.map(|ty| (ty, ROS)), target).is_some(),
+        };
+        let treated = match definition {
+            None => (None, plan.undefined(is_other)),
+            Some(id) => {
+                let first = source.schema.message(id).topics.first().map_or("", String::as_str);
+                let topic = if kind == NameKind::Topic { name } else { first };
+                (source.release_of(id).map(|release| release.label.clone()), plan.treatment(id, topic))
+            }
+        };
+        let mut topic = Topic::new(name, treated, plan, self.settings);
+        if kind == NameKind::Type {
+            topic.report.renamed = topic.renamed_type(name, plan);
+        }
+        let is_kept = topic.converted.as_ref().is_some_and(|converted| converted.keeps_json());
+        Channel { definition, topic, is_kept }
+    }
+
+    /// Writes a value.
+    fn write(&mut self, value: &str) -> Result<(), Error> {
+        let before: &[u8] = match (self.is_array, self.written) {
+            (false, _) => b"",
+            (true, 0) => b"[\n",
+            (true, _) => b",\n",
+        };
+        self.output.write_all(before)?;
+        // In valid JSON, a newline is whitespace. A value that spans lines would change the form of the capture.
+        if value.contains('\n') {
+            self.output.write_all(value.replace(['\r', '\n'], " ").as_bytes())?;
+        } else {
+            self.output.write_all(value.as_bytes())?;
+        }
+        if !self.is_array {
+            self.output.write_all(b"\n")?;
+        }
+        self.written += 1;
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<(Vec<TopicReport>, Problems), Error> {
+        if self.is_array && self.written > 0 {
+            self.output.write_all(b"\n]\n")?;
+        }
+        self.output.flush()?;
+        Ok((self.channels.into_iter().map(|channel| channel.topic.finish()).collect(), self.problems))
+    }
+}
+
+impl Converted<'_> {
+    /// True if both types have equal JSON messages.
+    pub(super) fn keeps_json(&self) -> bool {
+        self.converter.keeps_cdr() && has_same_names(self.source, self.converter.target())
+    }
+
+    /// Converts a JSON message. Counts the losses.
+    pub(super) fn json(
+        &self,
+        tree: &Tree<'_>,
+        is_rosbridge: bool,
+        losses: &mut [u64],
+    ) -> Result<String, String> {
+        let (message, dialects): (_, Dialects) = message::read(tree, self.source, is_rosbridge)?;
+        message::write(&self.message(&message, losses)?, dialects)
+    }
+}
+
+/// A value with its text.
+#[derive(Clone, Copy)]
+struct TextValue<'t> {
+    text: &'t str,
+    tree: &'t Tree<'t>,
+    /// The positions of the members' values.
+    places: &'t [Range<usize>],
+}
+
+impl TextValue<'_> {
+    /// The text with some members' values replaced.
+    fn with(self, replaced: &[(&str, Option<&str>)]) -> String {
+        let members = if let Tree::Object(members) = self.tree { members.as_slice() } else { &[] };
+        let (mut text, mut end) = (String::with_capacity(self.text.len()), 0);
+        for ((key, _), place) in members.iter().zip(self.places) {
+            let new = replaced.iter().find_map(|(known, new)| new.filter(|_| known == key));
+            let Some(new) = new else { continue };
+            text.push_str(self.text.get(end..place.start).unwrap_or_default());
+            text.push_str(new);
+            end = place.end;
+        }
+        text.push_str(self.text.get(end..).unwrap_or_default());
+        text
+    }
+}
+
+/// A name as a JSON string.
+fn quoted(name: &str) -> String {
+    serde_json::Value::from(name).to_string()
+}

@@ -1,0 +1,248 @@
+//! Tests of the files that conversions write.
+
+use std::collections::BTreeMap;
+
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
+
+use super::{checked, converted};
+use crate::capture::mcap::{Event, Packing, Reader};
+use crate::convert::{Action, Settings};
+use crate::tests::mcap::file::{self, FORMS, Form};
+
+/// The definition of `ArmingCheckRequest` in PX4 1.16.
+const DEFINITION: &[u8] = b"uint32 MESSAGE_VERSION=0\nuint64 timestamp\nuint8 request_id\n";
+
+/// The start of a zstd frame.
+const ZSTD: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
+
+/// A payload of `ArmingCheckRequest` with this id.
+fn request(id: u8) -> Vec<u8> {
+    [&[0, 1, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0][..], &[id]].concat()
+}
+
+/// The declarations of a channel with the id 5.
+fn declarations() -> Vec<u8> {
+    let schema = file::schema(9, "px4_msgs/msg/ArmingCheckRequest", "ros2msg", DEFINITION);
+    [schema, file::channel(5, 9, "/fmu/out/arming_check_request", "cdr", &[])].concat()
+}
+
+/// An attachment with its name and data.
+fn attachment(name: &str, data: &[u8]) -> Vec<u8> {
+    let times = [7_u64.to_le_bytes(), 8_u64.to_le_bytes()].concat();
+    let head = [times, file::text(name.as_bytes()), file::text(b"text/plain")].concat();
+    let body = [&head[..], &(data.len() as u64).to_le_bytes(), data].concat();
+    file::record(9, &[&body, &crc32fast::hash(&body).to_le_bytes()])
+}
+
+fn metadata(name: &str) -> Vec<u8> {
+    let pair = [file::text(b"pilot"), file::text(b"Ada")].concat();
+    file::record(12, &[&file::text(name.as_bytes()), &file::text(&pair)])
+}
+
+/// The records of an output that aren't messages, schemas or channels.
+fn others(bytes: &[u8]) -> Vec<(u8, Vec<u8>)> {
+    let mut found: Vec<(u8, Vec<u8>)> = Vec::new();
+    let mut reader = Reader::new(bytes);
+    while let Some(item) = reader.next().expect("memory") {
+        match item.event {
+            Event::Attachment { at, bytes, .. } if at > 0 => {
+                found.last_mut().expect("the first part").1.extend_from_slice(bytes);
+            }
+            Event::Attachment { bytes, .. } => found.push((9, bytes.to_vec())),
+            Event::Metadata { body } => found.push((12, body.to_vec())),
+            Event::Private { opcode, body, .. } => found.push((opcode, body.to_vec())),
+            Event::Problem(problem) => panic!("{problem}"),
+            _ => {}
+        }
+    }
+    found
+}
+
+#[test]
+fn attachments_metadata_and_private_records_are_copied() {
+    // The first doesn't fit in memory.
+    let large: Vec<u8> = (0..17 << 20).map(|at: u32| at.to_le_bytes()[0]).collect();
+    let others_in = [
+        attachment("notes.txt", &large),
+        metadata("crew"),
+        attachment("", b""),
+        metadata(""),
+        file::record(0x81, &[b"private"]),
+    ];
+    let messages = [declarations(), file::message(5, &request(1)), file::message(5, &request(2))].concat();
+    let packed = file::chunk(Form::Lz4, &[messages, file::record(0xff, &[b"in a chunk"])].concat());
+    let [first, rest @ ..] = &others_in;
+    let bytes = file::file(&[first.clone(), packed, rest.concat()].concat());
+    let (report, output) = converted(&bytes, "px4@1.17", Settings::default());
+    assert!(report.is_complete(), "{:?}", report.problems);
+    let found = others(&output);
+    let bodies = others_in.iter().map(|record| (record[0], record[9..].to_vec()));
+    let mut expected: Vec<(u8, Vec<u8>)> = bodies.collect();
+    expected.insert(1, (0xff, b"in a chunk".to_vec()));
+    assert!(found == expected);
+
+    let summary = ::mcap::Summary::read(&output).expect("a summary").expect("a summary");
+    let statistics = summary.stats.as_ref().expect("statistics");
+    assert_eq!((statistics.attachment_count, statistics.metadata_count, statistics.message_count), (2, 2, 2));
+    let notes = ::mcap::read::attachment(&output, &summary.attachment_indexes[0]).expect("an attachment");
+    assert_eq!((notes.log_time, notes.create_time, notes.name.as_str()), (7, 8, "notes.txt"));
+    assert!(*notes.data == large && notes.media_type == "text/plain");
+    let crew = ::mcap::read::metadata(&output, &summary.metadata_indexes[0]).expect("metadata");
+    let pilot = BTreeMap::from([("pilot".to_owned(), "Ada".to_owned())]);
+    assert_eq!((crew.name.as_str(), crew.metadata), ("crew", pilot));
+}
+
+#[test]
+fn a_truncated_attachment_is_left_out() {
+    let whole = attachment("notes.txt", &[5].repeat(300_000));
+    let records = [declarations(), file::message(5, &request(1))].concat();
+    for length in [40, 200_000, whole.len() - 1] {
+        let bytes = [file::start(), records.clone(), whole[..length].to_vec()].concat();
+        let (report, output) = converted(&bytes, "px4@1.17", Settings::default());
+        assert!(!report.is_complete());
+        assert_eq!(others(&output), [], "{length}");
+        assert_eq!(checked(&output).result.records, 1);
+    }
+}
+
+#[test]
+fn chunks_keep_their_compression() {
+    let messages: Vec<u8> = (0..200_u8).flat_map(|id| file::message(5, &request(id))).collect();
+    let records = [declarations(), messages].concat();
+    for form in FORMS {
+        let input = file::file(&file::chunked(form, std::slice::from_ref(&records)));
+        let (report, output) = converted(&input, "px4@1.17", Settings::default());
+        assert!(report.is_complete(), "{:?}", report.problems);
+        let summary = ::mcap::Summary::read(&output).expect("a summary").expect("a summary");
+        let (name, packing) = match form {
+            Form::Unchunked | Form::Plain => ("", None),
+            Form::Zstd => ("zstd", Some(Packing::Zstd)),
+            Form::Lz4 => ("lz4", Some(Packing::Lz4)),
+        };
+        assert_eq!(summary.chunk_indexes.len(), 1);
+        let chunk = &summary.chunk_indexes[0];
+        assert_eq!(chunk.compression, name);
+        assert_eq!(chunk.compressed_size < chunk.uncompressed_size / 2, packing.is_some());
+        let (mut reader, mut ids) = (Reader::new(&*output), Vec::new());
+        while let Some(item) = reader.next().expect("memory") {
+            if let Event::Message { payload, .. } = item.event {
+                assert_eq!(item.packing, packing);
+                ids.push(payload[12]);
+            }
+        }
+        assert_eq!(ids, (0..200).collect::<Vec<u8>>());
+        assert_eq!(checked(&output).result.corruption.len(), 0);
+    }
+}
+
+#[test]
+fn the_indexes_lead_to_each_message() {
+    // More than one chunk.
+    let long = [&b"\0\x01\0\0"[..], &b"x".repeat(1_000_000)].concat();
+    let messages: Vec<Vec<u8>> = (0..10).map(|_| file::message(6, &long)).collect();
+    let rope = file::channel(6, 0, "/rope", "cdr", &[]);
+    let records = [declarations(), rope, messages.concat(), file::message(5, &request(4))].concat();
+    let (_, output) = converted(&file::file(&records), "px4@1.17", Settings::default());
+    let summary = ::mcap::Summary::read(&output).expect("a summary").expect("a summary");
+    assert!(summary.chunk_indexes.len() > 2);
+    let mut found: BTreeMap<String, usize> = BTreeMap::new();
+    for chunk in &summary.chunk_indexes {
+        let indexes = summary.read_message_indexes(&output, chunk).expect("indexes");
+        for (channel, entries) in indexes {
+            for entry in entries {
+                let message = summary.seek_message(&output, chunk, &entry).expect("a message");
+                assert_eq!((&message.channel.topic, message.log_time), (&channel.topic, entry.log_time));
+                *found.entry(channel.topic.clone()).or_default() += 1;
+            }
+        }
+    }
+    let expected = [("/fmu/out/arming_check_request_v1", 1), ("/rope", 10)];
+    assert_eq!(found, expected.map(|(topic, count)| (topic.to_owned(), count)).into());
+    let statistics = summary.stats.expect("statistics");
+    assert_eq!(statistics.channel_message_counts.into_iter().collect::<Vec<_>>(), [(5, 1), (6, 10)]);
+    assert_eq!((statistics.message_start_time, statistics.message_end_time), (7, 7));
+}
+
+/// The only message of an output, with its channel's metadata and its schema.
+fn only(output: &[u8]) -> (String, BTreeMap<String, String>, (String, String, String)) {
+    let message = ::mcap::MessageStream::new(output).expect("a bag").next().expect("a message").expect("CDR");
+    let schema = message.channel.schema.as_ref().expect("a schema");
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
+    let names = (schema.name.clone(), schema.encoding.clone(), text(&schema.data));
+    (text(&message.data), message.channel.metadata.clone(), names)
+}
+
+#[test]
+fn json_messages_are_converted() {
+    // A CDR message shows the release.
+    let hash = [("topic_type_hash", "RIHS01_0")];
+    for (encoding, content, metadata) in [
+        ("jsonschema", &b"{}"[..], &[][..]),
+        ("jsonschema", b"", &[]),
+        ("ros2msg", DEFINITION, &hash),
+        ("other", b"text", &[]),
+    ] {
+        let name = if encoding == "ros2msg" {
+            "px4_msgs/msg/ArmingCheckRequest"
+        } else {
+            "px4.arming_check_request"
+        };
+        let records = [
+            file::schema(7, "px4_msgs/msg/ArmingCheckRequest", "ros2msg", DEFINITION),
+            file::channel(7, 7, "/fmu/out/arming_check_request", "cdr", &[]),
+            file::schema(9, name, encoding, content),
+            file::channel(5, 9, "/ns/fmu/out/arming_check_request", "json", metadata),
+            file::message(5, br#"{"timestamp": 9, "request_id": 3}"#),
+        ];
+        let (report, output) = converted(&file::file(&records.concat()), "px4@1.17", Settings::default());
+        assert!(report.is_complete() && report.count(Action::Converted) == 2, "{}", report.to_text());
+        let (payload, metadata_out, (name, encoding_out, text)) = only(&output);
+        assert_eq!(payload, r#"{"timestamp":9,"request_id":3,"valid_registrations_mask":4294967295}"#);
+        assert_eq!((name.as_str(), encoding_out.as_str()), ("px4_msgs/msg/ArmingCheckRequest", encoding));
+        assert_eq!(metadata_out.contains_key("topic_type_hash"), !metadata.is_empty());
+        assert_ne!(metadata_out.get("topic_type_hash").map(String::as_str), Some("RIHS01_0"));
+        match (encoding, content.is_empty()) {
+            ("jsonschema", false) => {
+                let schema: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+                assert_eq!(schema["properties"]["valid_registrations_mask"]["type"], "integer");
+                assert_eq!(schema["required"][2], "valid_registrations_mask");
+            }
+            ("ros2msg", _) => assert!(text.contains("uint32 valid_registrations_mask"), "{text}"),
+            _ => assert_eq!(text, ""),
+        }
+        let found = checked(&output);
+        assert_eq!(found.result.corruption.len(), 0);
+        assert_eq!(found.result.findings.groups().count(), 0);
+    }
+}
+
+#[test]
+fn unreadable_json_messages_are_left_out() {
+    let channel = file::channel(6, 0, "/fmu/out/arming_check_request", "json", &[]);
+    for payload in [
+        &b"{\"timestamp\": 9}"[..],
+        b"{\"timestamp\": 9, \"request_id\": 3, \"winch\": 1}",
+        b"{\"timestamp\": 9, \"request_id\": 300}",
+        b"{\"timestamp\": 9,",
+        b"\xff",
+        b"",
+    ] {
+        let records = [declarations(), channel.clone(), file::message(6, payload)].concat();
+        let (report, output) = converted(&file::file(&records), "px4@1.17", Settings::default());
+        assert!(!report.is_complete(), "{}", report.to_text());
+        assert_eq!(checked(&output).result.records, 0);
+    }
+}
+
+/// rosbag2 can compress each message.
+#[test]
+fn separately_compressed_messages_stay_compressed() {
+    let packed = |id| compress_to_vec(&request(id)[..], CompressionLevel::Fastest);
+    let records = [declarations(), file::message(5, &packed(1)), file::message(5, &packed(2))].concat();
+    let (report, output) = converted(&file::file(&records), "px4@1.17", Settings::default());
+    assert!(report.is_complete(), "{}", report.to_text());
+    let messages = ::mcap::MessageStream::new(&output).expect("a bag");
+    assert!(messages.into_iter().all(|message| message.expect("a message").data.starts_with(&ZSTD)));
+    let found = checked(&output);
+    assert_eq!((found.result.checked, found.result.findings.groups().count()), (2, 0));
+}

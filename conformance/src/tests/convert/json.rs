@@ -1,0 +1,217 @@
+//! Tests of conversions of JSON messages.
+
+use super::{checked_against, release, try_converted};
+use crate::check::Summary;
+use crate::convert::{Action, ConversionReport, Error, Settings};
+use crate::rules::sample::{Encoding, Flight};
+
+/// Converts messages of a release.
+fn converted(bytes: &[u8], from: &str, to: &str) -> (ConversionReport, String) {
+    let (report, output) =
+        try_converted(bytes, &release(from), to, Settings::default()).expect("a conversion");
+    (report, String::from_utf8(output).expect("UTF-8"))
+}
+
+/// A typical message of a release, as JSON.
+fn message(from: &str, name: &str) -> String {
+    let library = release(from);
+    let flight = Flight::new(library.base());
+    let topic = flight.topic(name).expect("a message");
+    flight.messages.iter().find(|sent| sent.topic == topic).expect("a message").value.to_string()
+}
+
+/// A line with a typical message.
+fn line(from: &str, name: &str) -> String {
+    format!(r#"{{"type": "px4/{name}", "message": {}}}"#, message(from, name))
+}
+
+#[test]
+fn converted_lines_agree_with_the_target_release() {
+    for (from, to) in [("1.16", "1.17"), ("1.17", "1.16"), ("1.13", "1.18"), ("main", "1.14")] {
+        let (from, to) = (format!("px4@{from}"), format!("px4@{to}"));
+        let (source, target) = (release(&from), release(&to));
+        let mut flight = Flight::new(source.base());
+        flight.messages.truncate(2 * flight.topics.len());
+        for encoding in [Encoding::Lines, Encoding::Rosbridge] {
+            let bytes = encoding.write(&flight).expect("an encoding");
+            // The keys of the messages show the release.
+            let (report, output) = super::converted(&bytes, &to, Settings::default());
+            assert_eq!(report.from, [from.as_str()]);
+            assert!(report.is_complete(), "{:?}", report.problems);
+            assert!(report.count(Action::Converted) > 100 && report.count(Action::Copied) == 0);
+            let left_out = report.topics.iter().filter(|topic| topic.action == Action::LeftOut);
+            let left_out: u64 = left_out.map(|topic| topic.messages).sum();
+            let found = checked_against(&output, &target).result;
+            assert_eq!(found.records, flight.messages.len() as u64 - left_out);
+            let Summary::Json(summary) = &found.summary else { panic!("JSON") };
+            // A topic keeps its name if the target has several topics instead of it.
+            let unknown = summary.undefined.len();
+            assert!(
+                unknown <= 5 && (unknown == 0 || encoding == Encoding::Rosbridge),
+                "{:?}",
+                summary.undefined
+            );
+            assert_eq!(
+                (found.corruption.len(), found.checked),
+                (0, found.records - 2 * unknown as u64),
+                "{from} {to}"
+            );
+            // A value that is valid only in the source stays as it is.
+            let is_form = |id: &&str| !["PX-ENUM-01", "PX-RANGE-01"].contains(id);
+            let wrong: Vec<&str> =
+                found.findings.groups().map(|group| group.rule.id).filter(is_form).collect();
+            assert_eq!(wrong, Vec::<&str>::new(), "{from} {to} {encoding:?}");
+        }
+    }
+}
+
+#[test]
+fn messages_of_the_target_release_stay_the_same() {
+    let library = release("px4@1.16");
+    let mut flight = Flight::new(library.base());
+    flight.messages.truncate(flight.topics.len());
+    for encoding in [Encoding::Lines, Encoding::Rosbridge] {
+        let bytes = encoding.write(&flight).expect("an encoding");
+        let (_, output) = converted(&bytes, "px4@1.16", "px4@1.16");
+        assert!(output.as_bytes() == bytes);
+    }
+}
+
+#[test]
+fn other_members_and_other_lines_stay_the_same() {
+    let (old, new) = (message("px4@1.17", "AirspeedValidated"), "\"calibrated_airspeed_m_s\"");
+    assert!(old.contains("calibraded_airspeed_synth_m_s") && old.contains(new));
+    let around =
+        [r#"{ "t":1.50, "type":"px4_msgs/msg/AirspeedValidated" ,"message": "#, r#" , "e":[1e3,"\u0041"]}"#];
+    let other = r#"{"type": "club/Winch", "message": {"id":7.0}}"#;
+    let imu = r#"{"message": {"x": NaN }, "type": "sensor_msgs/msg/Imu"}"#;
+    let status = r#"{"op":"status", "level":"info"}"#;
+    let text = format!("{}{old}{}\n{other}\n{imu}\n{status}\n", around[0], around[1]);
+    let (report, output) = converted(text.as_bytes(), "px4@1.17", "px4@1.16");
+    assert!(report.is_complete());
+    let lines: Vec<&str> = output.lines().collect();
+    let message = lines[0].strip_prefix(around[0]).and_then(|rest| rest.strip_suffix(around[1]));
+    let message = message.expect("the same members");
+    assert!(message.contains(new) && !message.contains("calibraded_airspeed_synth_m_s"), "{message}");
+    assert_eq!(lines[1..], [other, imu, status]);
+    let losses: Vec<_> = report.topics.iter().flat_map(|topic| &topic.losses).collect();
+    assert!(losses.iter().any(|loss| loss.messages == Some(1)), "{losses:?}");
+}
+
+/// The fields of these messages are unknown.
+#[test]
+fn types_that_only_the_target_defines_are_left_out() {
+    let line = line("px4@1.17", "BatteryInfo");
+    let (report, output) = converted(line.as_bytes(), "px4@1.16", "px4@1.17");
+    assert_eq!((report.topics[0].action, output.as_str()), (Action::LeftOut, ""));
+}
+
+#[test]
+fn topics_and_types_are_renamed_in_all_operations() {
+    let request = message("px4@1.16", "ArmingCheckRequest");
+    let text = format!(
+        r#"{{"op": "advertise", "topic": "/fmu/out/arming_check_request", "type": "px4_msgs/msg/ArmingCheckRequest"}}
+{{"op": "publish", "msg": {request}, "topic": "/fmu/out/arming_check_request"}}
+{{"op": "unadvertise", "topic": "/fmu/out/arming_check_request"}}
+"#
+    );
+    let (report, output) = converted(text.as_bytes(), "px4@1.16", "px4@1.17");
+    assert_eq!(report.topics[0].renamed.as_deref(), Some("/fmu/out/arming_check_request_v1"));
+    assert_eq!(output.matches(r#""topic": "/fmu/out/arming_check_request_v1""#).count(), 3, "{output}");
+    let data = message("px4@1.17", "GpsInjectData");
+    let text = format!(
+        r#"{{"op": "advertise", "topic": "/fmu/in/gps_inject_data", "type": "px4_msgs/msg/GpsInjectData"}}
+{{"op": "publish", "topic": "/fmu/in/gps_inject_data", "msg": {data}}}
+{{"type": "px4/GpsInjectData", "message": {data}}}
+"#
+    );
+    let (_, output) = converted(text.as_bytes(), "px4@1.17", "px4@1.18");
+    let lines: Vec<&str> = output.lines().collect();
+    let advertised =
+        r#"{"op": "advertise", "topic": "/fmu/in/rtcm_corrections", "type": "px4_msgs/msg/RtcmData"}"#;
+    assert_eq!(lines[0], advertised);
+    assert!(lines[1].contains(r#""topic": "/fmu/in/rtcm_corrections""#), "{}", lines[1]);
+    assert!(lines[2].starts_with(r#"{"type": "px4/RtcmData", "#), "{}", lines[2]);
+}
+
+/// rosbridge writes bytes as base64, and ROS 2 writes text as numbers.
+#[test]
+fn the_notation_of_bytes_stays_the_same() {
+    let mut value: serde_json::Value =
+        serde_json::from_str(&message("px4@1.15", "DebugArray")).expect("JSON");
+    let name: Vec<u8> = (0..10).map(|at| if at < 3 { b'a' + at } else { 0 }).collect();
+    for (form, text) in
+        [(serde_json::json!(name), "[97,98,99,0,"), (serde_json::json!("YWJjAAAAAAAAAA=="), "\"YWJj")]
+    {
+        value["name"] = form;
+        let text_of =
+            |value| format!(r#"{{"op": "publish", "topic": "/fmu/out/debug_array", "msg": {value}}}"#);
+        let (report, output) = converted(text_of(&value).as_bytes(), "px4@1.15", "px4@1.17");
+        assert!(report.is_complete(), "{:?}", report.topics);
+        assert!(output.contains(text), "{output}");
+        let found = checked_against(output.as_bytes(), &release("px4@1.17")).result;
+        assert_eq!((found.checked, found.findings.groups().count()), (1, 0), "{output}");
+    }
+    // Other programs write text only.
+    let (report, _) = converted(
+        format!(r#"{{"type": "px4/DebugArray", "message": {value}}}"#).as_bytes(),
+        "px4@1.15",
+        "px4@1.17",
+    );
+    assert_eq!(report.topics[0].unreadable, 0);
+}
+
+#[test]
+fn unreadable_values_are_reported_and_left_out() {
+    let good = line("px4@1.17", "BatteryStatus");
+    let wrong = good.replace("\"timestamp\":", "\"timestomp\":");
+    let repeated = good.replace("{\"timestamp\":", "{\"timestamp\":1,\"timestamp\":");
+    let unknown = r#"{"winch": 7}"#;
+    let text = [&good, "{\"type\": 1", &wrong, &repeated, "\u{fffd}", unknown, &good, &good[..99]].join("\n");
+    let bytes: Vec<u8> = text.bytes().filter(|byte| *byte != 0xbf).collect();
+    let (report, output) = converted(&bytes, "px4@1.17", "px4@1.16");
+    assert!(!report.is_complete());
+    let lines: Vec<&str> = report.problems.iter().filter_map(|problem| problem.split(':').next()).collect();
+    assert_eq!(lines, ["line 2", "line 5", "line 6", "line 8"], "{:?}", report.problems);
+    assert_eq!((report.topics[0].messages, report.topics[0].unreadable), (4, 2));
+    assert!(report.topics[0].error.as_ref().is_some_and(|error| error.contains("timestomp")));
+    assert_eq!(output.lines().count(), 3);
+    assert!(output.lines().nth(1) == Some(unknown), "a value of an unknown form may not be a message");
+}
+
+#[test]
+fn arrays_stay_arrays_and_values_get_one_line_each() {
+    let good = line("px4@1.17", "BatteryStatus");
+    let other = "{\"type\": \"club/Winch\",\n  \"message\": {}}";
+    let (report, output) =
+        converted(format!("[{good},\n{other}, {good}]").as_bytes(), "px4@1.17", "px4@1.16");
+    assert!(report.is_complete());
+    let values: Vec<serde_json::Value> = serde_json::from_str(&output).expect("an array");
+    assert_eq!(values.len(), 3);
+    let spread =
+        format!("{other}\n{good}\n{other}").replace("\"px4/BatteryStatus\",", "\"px4/BatteryStatus\",\n");
+    let (report, output) = converted(spread.as_bytes(), "px4@1.17", "px4@1.16");
+    assert!(report.is_complete(), "{:?}", report.problems);
+    assert_eq!(
+        output.lines().filter(|line| serde_json::from_str::<serde_json::Value>(line).is_ok()).count(),
+        3
+    );
+}
+
+#[test]
+fn flockwave_sessions_are_rejected() {
+    let session = r#"{"$fw.version": "1.0", "id": "a", "body": {"type": "SYS-VER"}}"#;
+    let error = try_converted(session.as_bytes(), &release("px4@1.17"), "px4@1.16", Settings::default());
+    assert!(matches!(error, Err(Error::Format("Flockwave"))));
+}
+
+#[test]
+fn every_part_of_a_truncated_file_is_converted_or_reported() {
+    let text = [line("px4@1.17", "AirspeedValidated"), line("px4@1.17", "BatteryStatus")].join("\n");
+    let first = text.find('\n').expect("two lines");
+    for cut in [0, 1, 9, 40, first - 1, first, first + 1, first + 2, first + 300, text.len() - 1] {
+        let (report, output) = converted(&text.as_bytes()[..cut], "px4@1.17", "px4@1.16");
+        assert_eq!(output.lines().count(), usize::from(cut >= first), "{cut}");
+        assert_eq!(report.is_complete(), [0, first, first + 1].contains(&cut), "{cut}");
+    }
+}

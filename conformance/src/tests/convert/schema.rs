@@ -1,0 +1,32 @@
+//! Tests of the published JSON Schema of conversion reports.
+
+use serde_json::{Value, json};
+
+use super::{converted, flight};
+use crate::convert::{ConversionReport, Settings};
+use crate::report::schema::{Published, errors};
+
+const CONVERSION: Published = Published { title: "ConversionReport", file: "conversion" };
+
+#[test]
+fn the_published_schema_is_up_to_date() {
+    CONVERSION.check::<ConversionReport>();
+}
+
+#[test]
+fn every_member_has_a_description() {
+    CONVERSION.check_descriptions::<ConversionReport>();
+}
+
+#[test]
+fn reports_match_the_schema() {
+    let schema = CONVERSION.schema::<ConversionReport>();
+    let bytes = flight("px4@1.17").to_bytes();
+    for bytes in [&bytes[..], &bytes[..bytes.len() / 2]] {
+        let (report, _) = converted(bytes, "px4@1.16", Settings::default());
+        let mut value: Value = serde_json::from_str(&report.to_json().expect("JSON")).expect("JSON");
+        assert_eq!(errors(&schema, &value), Vec::<String>::new());
+        value["topics"][0]["action"] = json!("lost");
+        assert!(!errors(&schema, &value).is_empty(), "the schema rejects unknown actions");
+    }
+}
