@@ -74,6 +74,16 @@ fn truncation_errors<T: Message + std::fmt::Debug>() -> Vec<String> {
 }
 
 #[test]
+fn decodes_messages_without_fields_as_one_byte() {
+    let hollows = Hollows { x: 0x1112, last: Hollow { x: 9, ..Hollow::default() }, ..Hollows::default() };
+    for order in ORDERS {
+        let payload = hollows.to_cdr(order).expect("a payload");
+        assert_eq!(Hollows::from_cdr(&payload).as_ref(), Ok(&hollows));
+        assert_eq!(Hollows::from_cdr_strict(&payload).as_ref(), Ok(&hollows));
+    }
+}
+
+#[test]
 fn locates_truncation_in_messages_without_fields() {
     assert_eq!(truncation_errors::<Empty>(), ["Empty at byte 4: expected 1 more byte, found 0"]);
     assert_eq!(
@@ -142,7 +152,11 @@ fn check_view(out: &Out, payload: &[u8]) {
     for (seen, expected) in view.ins().iter().zip(&out.ins) {
         assert_eq!(seen.x(), expected.x);
         assert!(seen.flags().iter().eq(expected.flags));
+        assert!((0..3).all(|index| seen.flags().get(index) == Some(expected.flags[index])));
+        assert_eq!(seen.flags().get(3), None);
+        assert_eq!(format!("{:?}", seen.flags()), format!("{:?}", expected.flags));
     }
+    assert_eq!(view.ins().get(1).map(InView::x), Some(out.ins[1].x));
     assert_eq!(&Out::from_view(view), out);
 }
 
