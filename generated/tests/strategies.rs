@@ -312,8 +312,7 @@ fn an_invalid_value_stays_invalid_during_simplification() {
 fn simplifies_flags_and_enums() {
     assert_eq!(simplest(&any::<Bits>(), |bits| bits.contains(Bits(0x40))), Bits(0x40));
     assert_eq!(simplest(&any::<Mode>(), |_| true), Mode(-1));
-    let unknown = undocumented::<ErrorCode>().expect("most codes have no name");
-    assert_eq!(simplest(&unknown, |code| code.0 > 1_000_000).0, 1_000_001);
+    assert_eq!(simplest(&any::<Mode>(), |mode| *mode != Mode(-1)), Mode(3));
 }
 
 #[test]
