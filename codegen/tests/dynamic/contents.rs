@@ -4,6 +4,7 @@ use serde_json::json;
 use uavspec_codegen::dynamic::{Types, Value};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
+use uavspec_runtime::cdr::ByteOrder;
 
 use crate::support;
 
@@ -61,4 +62,32 @@ fn values_are_accessible_by_path_and_index() {
     );
     assert_eq!((message.message_type().name(), message.memory().len()), ("Outer", message.size_in_memory()));
     assert!(message.size_in_memory() > ty.default().size_in_memory());
+}
+
+#[test]
+fn text_of_fixed_size_is_a_string() {
+    let (_, schema, _) =
+        support::texts(Form::Msg(Dialect::Px4), &[("Named.msg", "uint64 timestamp\nchar[4] name\n")]);
+    let types = Types::new(&schema);
+    let ty = types.find("demo", "Named").expect("the type");
+    let error = ty.from_json(&json!({ "timestamp": 0, "name": 7 })).expect_err("refused");
+    assert_eq!(error.to_string(), "name: invalid type: integer `7`, expected a string of at most 4 bytes");
+}
+
+/// In memory, `c` and `nested` are adjacent. In CDR, there is padding between them.
+#[test]
+fn fields_that_are_adjacent_in_memory_only_are_read_separately() {
+    let files = [("Outer.msg", "uint8 a\nuint32 b\nuint8[3] c\nInner nested\n"), ("Inner.msg", "uint64 x\n")];
+    let (_, schema, _) = support::texts(Form::Msg(Dialect::Px4), &files);
+    let types = Types::new(&schema);
+    let ty = types.find("demo", "Outer").expect("the type");
+    let json = json!({ "a": 1, "b": 2, "c": [3, 4, 5], "nested": { "x": 6 } });
+    let message = ty.from_json(&json).expect("a message");
+    for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
+        let payload = message.to_cdr(order).expect("a payload");
+        assert_eq!(payload.len(), 4 + 16 + 8);
+        assert_eq!(ty.decode_cdr(&payload).expect("a message").to_json().expect("JSON"), json);
+        let last = if order == ByteOrder::LittleEndian { 20 } else { 27 };
+        assert_eq!(payload[last], 6);
+    }
 }
