@@ -35,13 +35,16 @@ use clap::{Parser, Subcommand};
 pub(crate) use self::baseline::without_findings;
 use self::status::Status;
 
+/// The program in the examples.
+const PROGRAM: &str = "cargo xtask";
+
 /// Generates code, schemas and documentation from drone interface definitions.
 ///
 /// Reads `.msg` definitions and specification tables.
 #[derive(Debug, Parser)]
 #[command(
-    name = "cargo xtask",
-    bin_name = "cargo xtask",
+    name = PROGRAM,
+    bin_name = PROGRAM,
     max_term_width = 80,
     version,
     after_help = "Run `cargo xtask COMMAND --help` for examples."
@@ -66,6 +69,19 @@ pub enum Command {
     Translate(translate::TranslateArgs),
     /// Compare the definitions with an earlier version
     Breaking(breaking::BreakingArgs),
+}
+
+/// Names another program in the examples of the commands, instead of `cargo xtask`.
+#[must_use]
+pub fn with_program(mut command: clap::Command, program: &str) -> clap::Command {
+    let own = Command::augment_subcommands(clap::Command::new(PROGRAM));
+    for known in own.get_subcommands() {
+        command = command.mut_subcommand(known.get_name(), |command| {
+            let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+            command.after_help(help.replace(PROGRAM, program))
+        });
+    }
+    command
 }
 
 /// Runs the command line of an `xtask` that has no other commands.

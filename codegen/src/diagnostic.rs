@@ -383,7 +383,7 @@ problems! {
         "{what}", "write each entry as `msgctxt`, `msgid` and `msgstr`, each followed by strings in quotes";
     CatalogueHeader = Error "catalogue-header"
         "the catalogue has no header",
-        "add a first entry with an empty `msgid`; `cargo xtask translate LANGUAGE` writes one";
+        "add a first entry with an empty `msgid`; `translate LANGUAGE` writes one";
     CatalogueEncoding { charset: String } = Error "catalogue-encoding"
         "the header declares the charset `{charset}`",
         "save the file as UTF-8, and write `Content-Type: text/plain; charset=UTF-8`";
@@ -398,16 +398,16 @@ problems! {
         "duplicate entry for `{key}`", "remove one of them";
     UnknownTranslation { what: String } = Warning "unknown-translation"
         "{what} does not match any definition",
-        "correct it, or run `cargo xtask translate` to mark the entry as obsolete";
+        "correct it, or run `translate` to mark the entry as obsolete";
     TranslationStale { key: String } = Warning "translation-stale"
         "`{key}` has changed since it was translated",
-        "run `cargo xtask translate`, translate the new text, and remove the `fuzzy` flag; until then the translation \
+        "run `translate`, translate the new text, and remove the `fuzzy` flag; until then the translation \
             is not used";
     TranslationFuzzy { key: String } = Warning "translation-fuzzy"
         "the translation of `{key}` is marked as fuzzy", "review the translation, then remove the flag; \
             until then the translation is not used";
     TranslationMissing { tag: String, unit: String, missing: usize, all: usize, some: String } = Warning "translation-missing"
         "{missing} of {all} texts of `{unit}` are not translated into `{tag}`: {some}",
-        "run `cargo xtask translate` to add missing entries, and translate them; until then the texts are \
+        "run `translate` to add missing entries, and translate them; until then the texts are \
             shown in English";
 }

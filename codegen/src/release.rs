@@ -26,7 +26,7 @@ mod selection;
 mod text;
 
 pub use self::entries::{Entry, Section, entries, packages, sections};
-pub use self::fingerprint::{Fingerprint, LayoutHashes, fingerprints};
+pub use self::fingerprint::{Fingerprint, LayoutHashes, fingerprints, keys_hash};
 pub use self::history::{Change, ReleaseText, Releases, Step, history};
 pub use self::selection::{full_name, select};
 pub use self::text::write;

@@ -15,7 +15,7 @@ mod shown;
 pub(crate) use self::command::Command;
 pub use self::guard::{Guard, guarded};
 #[cfg(feature = "print")]
-pub use self::parse::parse;
+pub use self::parse::{parse, parse_as};
 #[cfg(feature = "print")]
 pub use self::print::{error, error_with_details, print, print_error, stderr, stdout};
 pub use self::shown::{MAX_SHOWN, path, shown};

@@ -18,10 +18,12 @@
 
 mod access;
 mod check;
+mod completions;
 mod convert;
 mod explain;
 mod interrupt;
 mod known;
+mod man;
 mod outcome;
 mod outputs;
 mod probe;
@@ -39,7 +41,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use clap::{Parser, Subcommand, ValueEnum};
+use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
+use uavspec_codegen::cli;
 use uavspec_codegen::msg::Dialect;
 
 use crate::definitions::{Definitions, Library};
@@ -50,8 +53,11 @@ use crate::report::{Outcome, OutcomeKind};
 use crate::rules::RULES;
 use crate::text::{command_line, similar, terminal};
 
+const PROGRAM: &str = "uavspec";
+
 const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg
+  uavspec lint --package my_msgs --dialect px4 --input msg
   uavspec test -- ./my-codec --stdio
   uavspec probe tcp://localhost:5001
   uavspec rules PX-RANGE-01";
@@ -83,9 +89,9 @@ fn outcome_statuses(failure: &str, incomplete: Option<&str>) -> String {
     )
 }
 
-/// Checks drone software against its interface specifications.
+/// Checks drone software against its interface specifications, and maintains the definitions.
 #[derive(Debug, Parser)]
-#[command(name = "uavspec", version, max_term_width = 80)]
+#[command(name = PROGRAM, version, max_term_width = 80)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 struct Cli {
     #[command(subcommand)]
@@ -94,6 +100,8 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    #[command(flatten)]
+    Definitions(cli::Command),
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
     /// Convert a bag to another release.
@@ -159,6 +167,15 @@ enum Command {
     ///
     /// The probes use free ports of 127.0.0.1 and take about two minutes.
     SelfTest(self_test::SelfTestArgs),
+    /// Print a script that completes commands and options in a shell.
+    Completions(completions::CompletionsArgs),
+    /// Print the man page, or write the man pages of all commands.
+    Man(man::ManArgs),
+}
+
+/// The command line with its texts.
+fn interface() -> clap::Command {
+    cli::with_program(Cli::command(), PROGRAM)
 }
 
 /// The output format of commands that don't write reports.
@@ -212,7 +229,8 @@ impl From<&Outcome> for Status {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let status = match terminal::parse::<Cli>().command {
+    let status = match terminal::parse_as::<Cli>(interface()).command {
+        Command::Definitions(command) => return command.run(),
         Command::Check(args) => check::check(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Explain(args) => explain::explain(&args),
@@ -223,6 +241,8 @@ pub fn main() -> ExitCode {
         Command::Watch(args) => watch::watch(&args),
         Command::Rules(args) => rules::rules(&args),
         Command::SelfTest(args) => self_test::self_test(&args),
+        Command::Completions(args) => completions::run(&args),
+        Command::Man(args) => man::run(&args),
     };
     ExitCode::from(status.code())
 }

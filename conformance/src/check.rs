@@ -153,7 +153,8 @@ impl Summary {
             Self::Log(summary) => &summary.releases,
             Self::Mcap(summary) => &summary.releases,
             Self::Bag(summary) => &summary.releases,
-            Self::Json(_) | Self::Flockwave(_) | Self::Unknown(_) => &[],
+            Self::Json(summary) => &summary.releases,
+            Self::Flockwave(_) | Self::Unknown(_) => &[],
         }
     }
 

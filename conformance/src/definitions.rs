@@ -28,7 +28,7 @@ use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
-pub(crate) use self::choice::Clues;
+pub(crate) use self::choice::{Clues, FormatClue, TypeClue};
 pub use self::index::Family;
 pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;
@@ -197,11 +197,7 @@ impl Definitions {
 
     /// The message of a PX4 topic. The name of a versioned topic may end with its version.
     pub(crate) fn message_of_topic(&self, topic: &str) -> Option<MessageId> {
-        let unversioned = || {
-            let (name, version) = topic.rsplit_once("_v")?;
-            let is_version = !version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit());
-            self.by_topic.get(name).filter(|_| is_version)
-        };
+        let unversioned = || self.by_topic.get(unversioned(topic)?);
         self.by_topic.get(topic).or_else(unversioned).map(|id| self.current(*id))
     }
 
@@ -279,6 +275,12 @@ fn embedded(name: &str, form: Form, folder: &Dir<'_>, sources: &mut SourceMap) -
         sources.add(path, file.contents().to_vec()).ok()
     });
     PackageInput::new(name, form, ids.collect())
+}
+
+/// The name of a topic without the version at its end: `vehicle_status` of `vehicle_status_v1`.
+pub(crate) fn unversioned(topic: &str) -> Option<&str> {
+    let (name, version) = topic.rsplit_once("_v")?;
+    (!version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit())).then_some(name)
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ mod outcome;
 pub(crate) mod rule_list;
 mod sarif;
 #[cfg(test)]
-mod schema;
+pub(crate) mod schema;
 mod short;
 mod spool;
 pub(crate) mod story;

@@ -440,6 +440,60 @@ fn prints_rules_and_help() {
     assert!(printed.contains("Examples:") && printed.contains("uavspec check flight.ulg"), "{printed}");
 }
 
+/// The names of all commands in the help.
+fn commands(folder: &Path) -> Vec<String> {
+    let (_, help, _) = uavspec(folder, &["--help"]);
+    let list = help.split("Commands:\n").nth(1).and_then(|rest| rest.split("\n\n").next()).expect("a list");
+    let names = list.lines().filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    names.filter_map(|line| line.split_whitespace().next()).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_command_has_an_example_a_man_page_and_completions() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let commands = commands(folder.path());
+    assert!(commands.len() > 15, "{commands:?}");
+    let (status, page, _) = uavspec(folder.path(), &["man"]);
+    assert!(status == Some(0) && page.contains(".TH uavspec 1"), "{page}");
+    assert_eq!(uavspec(folder.path(), &["man", "--out", "man/man1"]).0, Some(0));
+    let scripts: Vec<String> = ["bash", "elvish", "fish", "powershell", "zsh"]
+        .map(|shell| uavspec(folder.path(), &["completions", shell]).1)
+        .to_vec();
+    for command in commands.iter().filter(|command| *command != "help") {
+        let (status, help, errors) = uavspec(folder.path(), &[command, "--help"]);
+        assert_eq!((status, errors.as_str()), (Some(0), ""), "{command}");
+        assert!(help.contains(&format!("\n  uavspec {command}")), "{command}: {help}");
+        assert!(!help.contains("xtask"), "{command}: {help}");
+        assert!(help.lines().all(|line| line.chars().count() <= 80), "{command}: {help}");
+        let page = fs::read_to_string(folder.path().join(format!("man/man1/uavspec-{command}.1")));
+        assert!(page.is_ok_and(|page| page.contains("SYNOPSIS")), "{command}");
+        assert!(scripts.iter().all(|script| script.contains(command.as_str())), "{command}");
+    }
+    let (status, _, errors) = uavspec(folder.path(), &["completions", "tcsh"]);
+    assert!(status == Some(2) && errors.contains("[possible values: bash, elvish"), "{errors}");
+    fs::write(folder.path().join("file"), "").expect("a file");
+    let (status, _, errors) = uavspec(folder.path(), &["man", "--out", "file"]);
+    assert!(status == Some(3) && errors.starts_with("error: file: "), "{errors}");
+}
+
+#[test]
+fn definitions_are_maintained_without_a_workspace() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join("msg")).expect("a folder");
+    fs::write(folder.path().join("msg/Wind.msg"), "# Wind\n\nuint64 timestamp # [us] Time\n")
+        .expect("a file");
+    let package = ["--package", "my_msgs", "--dialect", "px4", "--input", "msg"];
+    let run = |command: &[&str]| uavspec(folder.path(), &[command, &package].concat());
+    let (status, printed, _) = run(&["lint", "--summary"]);
+    assert!(status == Some(0) && printed.contains("no findings"), "{printed}");
+    let (status, printed, errors) = run(&["fmt", "--check"]);
+    assert_eq!(status, Some(1), "{printed}{errors}");
+    assert_eq!(run(&["fmt"]).0, Some(0));
+    assert_eq!(run(&["fmt", "--check"]).0, Some(0));
+    assert_eq!(run(&["codegen", "--out", "out"]).0, Some(0));
+    assert!(folder.path().join("out").is_dir());
+}
+
 /// Encodes an MCAP record.
 fn mcap_record(opcode: u8, parts: &[&[u8]]) -> Vec<u8> {
     let body = parts.concat();

@@ -10,6 +10,7 @@ use uavspec_codegen::load::{self, Definitions};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::release::{self, Fingerprint};
 use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::stage::Stage;
 use uavspec_codegen::{SourceMap, read};
 
 use crate::paths::{repository, shown};
@@ -27,13 +28,13 @@ const HEADING: &str = "# Facts of all definitions, written by `cargo xtask impor
 #[derive(Args)]
 pub(crate) struct Arguments {
     /// Family of the release
-    #[arg(required_unless_present = "check")]
+    #[arg(requires_all = ["release", "input"])]
     family: Option<Family>,
     /// Name of the release
-    #[arg(long, value_name = "NAME", required_unless_present = "check", value_parser = release_name)]
+    #[arg(long, value_name = "NAME", requires = "family", value_parser = release_name)]
     release: Option<String>,
     /// Folder with the definitions (repeatable)
-    #[arg(long, value_name = "DIR", required_unless_present = "check")]
+    #[arg(long, value_name = "DIR", requires = "family")]
     input: Vec<PathBuf>,
     /// Only check that the stored fingerprints belong to the stored releases
     #[arg(long, conflicts_with_all = ["family", "release", "input"])]
@@ -104,8 +105,11 @@ fn text_of(schema: &Schema) -> String {
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", path.display());
-    path.parent().map_or(Ok(()), fs::create_dir_all).map_err(failed)?;
-    fs::write(path, text).map_err(failed)
+    let folder = path.parent().unwrap_or(Path::new(""));
+    fs::create_dir_all(folder).map_err(failed)?;
+    let stage = Stage::new(folder).map_err(failed)?;
+    let staged = stage.path().join("new");
+    fs::write(&staged, text).and_then(|()| fs::rename(staged, path)).map_err(failed)
 }
 
 /// A release's family and name.
@@ -119,14 +123,15 @@ fn fingerprints(folder: &Path) -> Result<String, String> {
             known.entry(fingerprint).or_default().push(format!("{}@{name}", family.dialect().name()));
         }
     }
-    let mut text = String::from("name\treleases\ttopics\tlayout\tCDR size\tuORB hash\ttype hash\n");
+    let mut text = String::from("name\treleases\ttopics\tlayout\tCDR size\tkeys\tuORB hash\ttype hash\n");
     for (fingerprint, releases) in known {
-        let Fingerprint { name, topics, layout, cdr_size, hash, type_hash } = fingerprint;
-        let layout = layout.map(|layout| format!("{layout:016x}")).unwrap_or_default();
+        let Fingerprint { name, topics, layout, cdr_size, keys, hash, type_hash } = fingerprint;
+        let hex = |hash: Option<u64>| hash.map(|hash| format!("{hash:016x}")).unwrap_or_default();
+        let (layout, keys) = (hex(layout), hex(keys));
         let size = cdr_size.map(|size| size.to_string()).unwrap_or_default();
         let _ = writeln!(
             text,
-            "{name}\t{}\t{}\t{layout}\t{size}\t{hash:08x}\t{type_hash}",
+            "{name}\t{}\t{}\t{layout}\t{size}\t{keys}\t{hash:08x}\t{type_hash}",
             releases.join(" "),
             topics.join(" ")
         );

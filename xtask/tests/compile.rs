@@ -31,7 +31,7 @@ impl Crate {
         let manifest = format!(
             "[package]\nname = \"{name}\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\nuavspec-runtime = \
              {{ path = \"{}\" }}\n\n[dev-dependencies]\nproptest = {{ version = \"1\", default-features = false }}\n\
-             serde_json = {{ version = \"1\", features = [\"float_roundtrip\"] }}\n\n[workspace]\n\n{lints}",
+             serde = \"1\"\nserde_json = {{ version = \"1\", features = [\"float_roundtrip\"] }}\n\n[workspace]\n\n{lints}",
             runtime.display()
         );
         let result = Self { folder };

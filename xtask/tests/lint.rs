@@ -55,6 +55,16 @@ fn fails_at_the_denied_level() {
 }
 
 #[test]
+fn patterns_may_start_with_a_wildcard() {
+    let folder = workspace(&CONFIG.replace("msg/*.msg", "*/*.msg"), WIND);
+    assert!(lint(folder.path(), &[], 0).results.contains("--> msg/Wind.msg:5"));
+    let config = CONFIG.replace("msg/*.msg", "*.msg");
+    fs::write(folder.path().join("uavspec.toml"), config).expect("a file");
+    let messages = lint(folder.path(), &["--config", "uavspec.toml"], 2).messages;
+    assert!(messages.contains("`*.msg` matches no file in ."), "{messages}");
+}
+
+#[test]
 fn applies_only_automatic_fixes() {
     let folder = workspace(CONFIG, WIND);
     let Printed { results, messages } = lint(folder.path(), &["--fix"], 0);

@@ -95,7 +95,7 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
         }
         let summary = match differences.len() {
             0 => "up to date".to_owned(),
-            count => format!("{}; run `cargo xtask codegen`", plural(count, "stale file")),
+            count => format!("{}; run `codegen`", plural(count, "stale file")),
         };
         summarise(&loaded, &schema, &folders, &summary, started);
         return Ok(differences.is_empty());

@@ -43,7 +43,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     report("fmt", &loaded, &loaded.diagnostics, "these files stay unchanged");
     let result = if args.check {
         print(&changes);
-        let advice = if changes.is_empty() { "" } else { "; run `cargo xtask fmt`" };
+        let advice = if changes.is_empty() { "" } else { "; run `fmt`" };
         format!("{} unformatted{advice}", changes.len())
     } else {
         rewrite::write(&changes)?;

@@ -70,7 +70,7 @@ pub(super) fn run(args: &TranslateArgs) -> Result<bool, Failure> {
         terminal::eprintln!("{}: {}", outcome.shown, outcome.summary(args.check));
     }
     let read = plural(loaded.files.len(), "file");
-    let advice = if succeeded { "" } else { "; run `cargo xtask translate`" };
+    let advice = if succeeded { "" } else { "; run `translate`" };
     let elapsed = started.elapsed().as_millis();
     terminal::eprintln!(
         "translate: {read} read, {}{advice} ({elapsed} ms)",
@@ -161,8 +161,9 @@ fn outcomes(
         }
     }
     if outcomes.is_empty() {
-        return Err(Failure::new("no catalogue exists")
-            .with_hint("give a language to create one: `cargo xtask translate uk`"));
+        return Err(
+            Failure::new("no catalogue exists").with_hint("give a language to create one: `translate uk`")
+        );
     }
     Ok(outcomes)
 }

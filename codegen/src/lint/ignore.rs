@@ -193,7 +193,7 @@ impl<'s> Request<'s> {
             let help = match similar(self.rule, rules.iter().map(|rule| rule.id)) {
                 _ if is_error => "correct the error".to_owned(),
                 Some(similar) => format!("did you mean `{similar}`?"),
-                None => "`cargo xtask lint --rules` lists all rules".to_owned(),
+                None => "`lint --rules` lists all rules".to_owned(),
             };
             let what = if is_error { "an error and can't be ignored" } else { "not a rule" };
             return report(format!("`{}` is {what}", self.rule), help);

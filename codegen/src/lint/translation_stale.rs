@@ -8,7 +8,7 @@ pub(super) const RULE: Rule = Rule {
     id: "translation-stale",
     statement: "A translation whose English text has changed.",
     why: "The translation is not used, and the page shows the English text.",
-    fix: "Run `cargo xtask translate`, which updates the text and keeps the old text for comparison. \
+    fix: "Run `translate`, which updates the text and keeps the old text for comparison. \
         Then update the translation.",
     levels: Levels::both(Level::Warning),
     bad: Example {

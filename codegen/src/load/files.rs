@@ -433,7 +433,7 @@ fn files_matching(
             let message = format!(
                 "package {}: `{pattern}` matches no file in {}",
                 package.name,
-                terminal::path(folder)
+                terminal::path(or_current(folder))
             );
             return Err(Failure::new(message).with_hint(expected_files(package.form)));
         }
@@ -456,12 +456,18 @@ fn matching(folder: &Path, pattern: &str, is_match: impl Fn(&Path) -> bool) -> R
     if base.is_file() && rest.is_empty() {
         return Ok(vec![base]);
     }
-    if !base.is_dir() {
+    let searched = or_current(&base);
+    if !searched.is_dir() {
         return Ok(Vec::new());
     }
-    let mut files = search(&base, is_match)?;
-    files.retain(|file| file.strip_prefix(&base).is_ok_and(|path| set.is_match(path)));
-    Ok(files)
+    let files = search(searched, is_match)?;
+    let paths = files.iter().filter_map(|file| file.strip_prefix(searched).ok());
+    Ok(paths.filter(|path| set.is_match(path)).map(|path| base.join(path)).collect())
+}
+
+/// The path of a folder. That of the current folder may be empty.
+fn or_current(folder: &Path) -> &Path {
+    if folder.as_os_str().is_empty() { Path::new(".") } else { folder }
 }
 
 /// Splits a pattern before its first component with a wildcard. The part before the split is the folder to search.

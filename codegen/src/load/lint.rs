@@ -100,8 +100,9 @@ impl Lint {
         for (id, level) in self.levels {
             if lint::rule(id.get_ref()).is_none() {
                 let message = format!("unknown rule `{}`", id.get_ref());
-                return Err(failure_at(path, text, id.span(), &message)
-                    .with_hint("`cargo xtask lint --rules` lists all rules"));
+                return Err(
+                    failure_at(path, text, id.span(), &message).with_hint("`lint --rules` lists all rules")
+                );
             }
             levels.insert(id.into_inner(), level.level());
         }

@@ -1,6 +1,6 @@
 //! Fingerprints of definitions, by which captures are compared with many releases.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 use sha2::{Digest as _, Sha256};
 
@@ -20,6 +20,8 @@ pub struct Fingerprint {
     pub layout: Option<u64>,
     /// The size in CDR including the encapsulation header, in bytes, if it is fixed.
     pub cdr_size: Option<u64>,
+    /// The hash of the keys in JSON; see [`keys_hash`]. `None` for services.
+    pub keys: Option<u64>,
     /// PX4's hash of the fields.
     pub hash: u32,
     /// The ROS type hash (RIHS01). An event of a service has the hash of the service.
@@ -40,6 +42,7 @@ pub fn fingerprints(schema: &Schema) -> Vec<Fingerprint> {
                 topics: message.topics.clone(),
                 layout: layouts.get(types.get(*id)),
                 cdr_size: message.cdr.is_fixed.then_some(message.cdr.least),
+                keys: Some(keys_hash(message.fields.iter().map(|field| field.name.as_str()))),
                 hash: message.hash,
                 type_hash: message.type_hash.clone(),
             }
@@ -51,6 +54,7 @@ pub fn fingerprints(schema: &Schema) -> Vec<Fingerprint> {
                 topics: Vec::new(),
                 layout: None,
                 cdr_size: None,
+                keys: None,
                 hash: 0,
                 type_hash: service.type_hash.clone()?,
             })
@@ -58,6 +62,22 @@ pub fn fingerprints(schema: &Schema) -> Vec<Fingerprint> {
     }
     found.sort();
     found
+}
+
+/// The hash of the keys of a message in JSON, without those of nested messages. Their order doesn't change it.
+pub fn keys_hash<'k>(keys: impl Iterator<Item = &'k str>) -> u64 {
+    let keys: BTreeSet<&str> = keys.collect();
+    let mut hasher = Sha256::new();
+    for key in keys {
+        hasher.update(key);
+        hasher.update("\n");
+    }
+    hash_of(hasher)
+}
+
+/// The first 8 bytes of a hash.
+fn hash_of(hasher: Sha256) -> u64 {
+    hasher.finalize().first_chunk().map_or(0, |first| u64::from_be_bytes(*first))
 }
 
 /// The maximum nesting depth of a layout. PX4's messages have a depth of 2.
@@ -93,7 +113,7 @@ impl<'t> LayoutHashes<'t> {
             hasher.update(format!("{element}{} {} {}\n", shape_text(field.shape), field.name, field.offset));
         }
         hasher.update(size.padded.to_string());
-        let hash = hasher.finalize().first_chunk().map(|first| u64::from_be_bytes(*first));
+        let hash = Some(hash_of(hasher));
         self.0.insert(key, hash);
         hash
     }

@@ -1,15 +1,21 @@
 //! Command lines, with escaped error messages.
 
-use clap::Parser;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
+use clap::{Command, Parser};
 
 use super::print::{print, print_error};
 use super::shown::shown;
 
 /// Parses the arguments of the process. After `--help` or invalid arguments, prints the text and ends the process.
 pub fn parse<P: Parser>() -> P {
-    P::try_parse().unwrap_or_else(|error| {
+    parse_as(P::command())
+}
+
+/// Like [`parse`], for a command whose texts were changed.
+pub fn parse_as<P: Parser>(command: Command) -> P {
+    let parsed = command.try_get_matches().and_then(|mut matches| P::from_arg_matches_mut(&mut matches));
+    parsed.unwrap_or_else(|error| {
         let error = escaped(error);
         let text = error.render().ansi().to_string();
         if error.use_stderr() {
@@ -46,8 +52,6 @@ fn escaped(mut error: clap::Error) -> clap::Error {
 
 #[cfg(test)]
 mod tests {
-    use clap::Command;
-
     use super::*;
 
     #[test]

@@ -1,5 +1,6 @@
 //! Checks JSON messages, and detects Flockwave sessions.
 
+mod clues;
 mod envelope;
 mod templates;
 
@@ -14,11 +15,12 @@ use self::envelope::{Channels, Fast, Form, NameKind, Open, form, read};
 use self::templates::Templates;
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::flockwave::{FlockwaveChecker, is_flockwave};
+use super::release::{ComparedTopic, ReleaseMatch, release_line, release_matches};
 use super::summary::names;
 use super::topic::{definition_of, topic_of};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
 use crate::capture::json::{Event, Reader};
-use crate::definitions::{Clues, Definitions};
+use crate::definitions::Definitions;
 use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Channel, Extent, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
@@ -37,7 +39,7 @@ const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(start),
-    clues: |_| Clues::default(),
+    clues: clues::clues,
     check: |input, message_id, run| check_with(input, message_id, JsonChecker::new(message_id, run)),
 };
 
@@ -70,6 +72,8 @@ pub struct JsonSummary {
     pub types: usize,
     /// The number of rosbridge messages other than `publish`.
     pub skipped: u64,
+    /// The releases that the keys of the messages were compared with.
+    pub releases: Vec<ReleaseMatch>,
     /// The topics or types without a definition, by name.
     #[cfg_attr(test, schemars(with = "Vec<String>"))]
     pub undefined: BTreeSet<String>,
@@ -87,8 +91,8 @@ impl Describe for JsonSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        let mut lines: Vec<Line> =
-            self.dialects.iter().map(|dialect| Line::new("dialect", dialect.to_string())).collect();
+        let mut lines: Vec<Line> = self.releases.iter().map(release_line).collect();
+        lines.extend(self.dialects.iter().map(|dialect| Line::new("dialect", dialect.to_string())));
         if self.skipped > 0 {
             let text = format!("{} other than `publish`", plural(self.skipped, "rosbridge message"));
             lines.push(Line::new("skipped", text));
@@ -312,6 +316,9 @@ impl<'d> JsonChecker<'d> {
         }) else {
             return self.run.gap(location, format!("more than {MAX_CHANNELS} topics and types"));
         };
+        if known.is_none() {
+            self.channels.open[at].has_keys = self.has_keys(at, message);
+        }
         // The channel is open now. If the first message has no findings, rules may need its values.
         if known.is_none()
             && let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
@@ -319,6 +326,16 @@ impl<'d> JsonChecker<'d> {
             return self.message(at, clean, location);
         }
         self.check_message(at, message, location, which == NameKind::Topic);
+    }
+
+    /// True if a message has the keys of its definition.
+    fn has_keys(&self, at: usize, message: &Tree<'_>) -> bool {
+        let (Some((id, _)), Tree::Object(members)) = (self.channels.open[at].defined, message) else {
+            return false;
+        };
+        let fields = &self.run.definitions.schema.message(id).fields;
+        let names: BTreeSet<&str> = fields.iter().map(|field| &*field.name).collect();
+        names == members.iter().map(|(key, _)| &**key).collect()
     }
 
     /// Stores the stated type of a topic.
@@ -383,7 +400,8 @@ impl<'d> JsonChecker<'d> {
         };
         let shown_name = shown_name.escape_debug().to_string();
         let key = Some(which.key());
-        let mut open = Open { name: shown_name, defined, key, tally: Tally::default(), num_bytes: 0, line };
+        let (tally, has_keys) = (Tally::default(), false);
+        let mut open = Open { name: shown_name, defined, key, has_keys, tally, num_bytes: 0, line };
         if let Some(channel) = open.channel() {
             self.run.opened(&channel);
             if self.run.wants_values(channel.index) {
@@ -396,6 +414,12 @@ impl<'d> JsonChecker<'d> {
     }
 
     fn finish(mut self, lines: u64, bytes: u64) -> CaptureResult {
+        let open = self.channels.open.iter().map(|open| ComparedTopic {
+            topic: &open.name,
+            definition: open.defined.map(|(id, _)| id),
+            is_equal: open.has_keys,
+        });
+        let releases = release_matches(self.run.definitions, &open);
         let mut types = BTreeSet::new();
         let (mut undefined, mut parts) = (BTreeSet::new(), Parts::default());
         for open in self.channels.open {
@@ -422,6 +446,7 @@ impl<'d> JsonChecker<'d> {
             lines,
             types: types.len(),
             skipped: self.skipped,
+            releases,
             undefined,
             dialects: self.dialects,
             has_objects: self.has_objects,

@@ -14,7 +14,7 @@ use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, time_offset};
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
-use crate::definitions::Clues;
+use crate::definitions::{Clues, FormatClue};
 use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
 use crate::px4::comparison::{Comparison, compare};
 use crate::px4::memory::{Plan, shared_fields};
@@ -146,7 +146,8 @@ fn clues(input: impl Read) -> Clues {
     // A log that ends early may have no subscriptions.
     let is_topic = |name: &str| topics.is_empty() || topics.contains(name);
     let formats = log.types().iter().filter(|format| is_topic(format.name()));
-    let formats = formats.filter_map(|format| Some((format.name().to_owned(), layouts.get(format)?)));
+    let formats = formats
+        .filter_map(|format| Some((format.name().to_owned(), FormatClue::Layout(layouts.get(format)?))));
     clues.formats = formats.collect();
     clues
 }

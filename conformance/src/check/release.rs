@@ -100,13 +100,15 @@ pub(super) fn release_lines(matches: &[ReleaseMatch], compared: Line) -> Vec<Lin
         let text = format!("{}: {}", shown(title), compared.text);
         return vec![Line { text, ..compared }];
     }
-    let releases = matches.iter().map(|found| {
-        let ReleaseMatch { title, matching, topics, others, .. } = found;
-        let text = format!("{}: {matching} of {topics} topics match", shown(title));
-        let others = others.iter().map(|other| (other.topic.as_str(), shown(&other.release)));
-        Line::new("release", text).list("other", others)
-    });
-    releases.chain([compared]).collect()
+    matches.iter().map(release_line).chain([compared]).collect()
+}
+
+/// The line about a release in reports for people.
+pub(super) fn release_line(found: &ReleaseMatch) -> Line {
+    let ReleaseMatch { title, matching, topics, others, .. } = found;
+    let text = format!("{}: {matching} of {topics} topics match", shown(title));
+    let others = others.iter().map(|other| (other.topic.as_str(), shown(&other.release)));
+    Line::new("release", text).list("other", others)
 }
 
 /// A reader that keeps the bytes that it reads, up to a limit. It then ends.

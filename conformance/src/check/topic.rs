@@ -60,6 +60,20 @@ pub(super) fn plain(name: &str) -> String {
     }
 }
 
+/// The full ROS name of a type: `package/msg/Name`. For an event of a service, the name of the service.
+pub(super) fn full_name(name: &str) -> String {
+    let name = plain(name);
+    match name.split_once('/') {
+        Some((package, last)) if !last.contains('/') => format!("{package}/msg/{last}"),
+        _ => service_of(&name).map(str::to_owned).unwrap_or(name),
+    }
+}
+
+/// The service of an event.
+pub(super) fn service_of(name: &str) -> Option<&str> {
+    name.strip_suffix("_Event").filter(|service| service.contains("/srv/"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

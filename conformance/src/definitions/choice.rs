@@ -7,21 +7,41 @@ use super::index::{Family, Index, ReleaseId, ReleaseSet, Row};
 /// The facts in a capture that show its release.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Clues {
-    /// The formats in a log, by topic: the hashes of their layouts.
-    pub(crate) formats: BTreeMap<String, u64>,
-    /// The types in a bag, by full ROS name.
+    /// The formats in a log or of JSON messages, by topic.
+    pub(crate) formats: BTreeMap<String, FormatClue>,
+    /// The types in a bag or of JSON messages, by full ROS name.
     pub(crate) types: BTreeMap<String, TypeClue>,
     /// The firmware's version, as two numbers.
     pub(crate) version: Option<(u8, u8)>,
 }
 
-/// The facts about a type in a bag.
+/// The hash of a topic's format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FormatClue {
+    /// The hash of the layout in memory.
+    Layout(u64),
+    /// The hash of the keys in JSON. The types of the fields are unknown.
+    Keys(u64),
+}
+
+impl FormatClue {
+    fn agrees(self, row: &Row) -> bool {
+        match self {
+            Self::Layout(hash) => row.layout == Some(hash),
+            Self::Keys(hash) => row.keys == Some(hash),
+        }
+    }
+}
+
+/// The facts about a type.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct TypeClue {
     /// The type hash: stated, or calculated from the schema in the bag.
     pub(crate) type_hash: Option<String>,
     /// The size of a CDR payload.
     pub(crate) size: Option<u64>,
+    /// The hash of the keys of a JSON message.
+    pub(crate) keys: Option<u64>,
 }
 
 /// The release that a capture agrees with best.
@@ -84,16 +104,17 @@ impl Index {
     fn matches<'c>(&'c self, clues: &'c Clues, family: Family) -> Vec<Match<'c>> {
         let mut matches = Vec::new();
         let own = self.releases_of(family).fold(ReleaseSet::default(), ReleaseSet::with);
-        for (topic, layout) in &clues.formats {
+        for (topic, format) in &clues.formats {
             let mut rows =
                 self.of_topic(topic).filter(|row| !row.releases.intersection(own).is_empty()).peekable();
             if rows.peek().is_none() {
                 continue;
             }
-            let equal: Vec<_> = rows.filter(|row| row.layout == Some(*layout)).collect();
+            let equal: Vec<_> = rows.filter(|row| format.agrees(row)).collect();
             let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
             let name = equal.first().map_or(topic.as_str(), |row| &row.name);
-            matches.push(Match { name, agreeing, is_undecided: false });
+            let is_undecided = matches!(format, FormatClue::Keys(_)) && equal.len() > 1;
+            matches.push(Match { name, agreeing, is_undecided });
         }
         for (name, clue) in &clues.types {
             let rows: Vec<_> =
@@ -103,6 +124,7 @@ impl Index {
             }
             let agrees = |row: &&Row| match (&clue.type_hash, clue.size, row.cdr_size) {
                 (Some(hash), ..) => *hash == row.type_hash,
+                _ if clue.keys.is_some() => clue.keys == row.keys,
                 // Some writers pad payloads to a multiple of four bytes.
                 (None, Some(size), Some(expected)) => {
                     size == expected || size == expected.next_multiple_of(4)
@@ -138,10 +160,10 @@ fn nearest(set: ReleaseSet, release: ReleaseId) -> Option<ReleaseId> {
 mod tests {
     use super::*;
 
-    fn layout(index: &Index, topic: &str, release: &str) -> u64 {
+    fn layout(index: &Index, topic: &str, release: &str) -> FormatClue {
         let release = index.find(release).expect("a release");
         let row = index.of_topic(topic).find(|row| row.releases.contains(release)).expect("a topic");
-        row.layout.expect("a layout")
+        FormatClue::Layout(row.layout.expect("a layout"))
     }
 
     fn clues(index: &Index, topics: &[(&str, &str)]) -> Clues {
@@ -163,8 +185,8 @@ mod tests {
         let topics =
             [("vehicle_status", "px4@1.14"), ("battery_status", "px4@1.14"), ("failsafe_flags", "px4@1.16")];
         let mut clues = clues(&index, &topics);
-        clues.formats.insert("winch".to_owned(), 7);
-        clues.formats.insert("airspeed".to_owned(), 7);
+        clues.formats.insert("winch".to_owned(), FormatClue::Layout(7));
+        clues.formats.insert("airspeed".to_owned(), FormatClue::Layout(7));
         clues.version = Some((1, 16));
         let others = vec!["px4_msgs/msg/FailsafeFlags px4@1.16".to_owned()];
         assert_eq!(chosen(&index, &clues), Some(("px4@1.14".to_owned(), 2, 4, others)));
@@ -187,7 +209,10 @@ mod tests {
     #[test]
     fn captures_without_matches_have_no_release() {
         let index = Index::built_in();
-        let other = |topic: &str| Clues { formats: [(topic.to_owned(), 7)].into(), ..Clues::default() };
+        let other = |topic: &str| Clues {
+            formats: [(topic.to_owned(), FormatClue::Layout(7))].into(),
+            ..Clues::default()
+        };
         assert_eq!(chosen(&index, &other("winch")), None);
         assert_eq!(chosen(&index, &other("vehicle_status")), None);
         let forced = index.find("px4@1.15");
@@ -201,7 +226,7 @@ mod tests {
         let release = index.find("px4@1.15").expect("a release");
         let row = index.of_name("px4_msgs/msg/VehicleStatus").find(|row| row.releases.contains(release));
         let name = "px4_msgs/msg/VehicleStatus".to_owned();
-        let clue = |size| TypeClue { type_hash: None, size };
+        let clue = |size| TypeClue { size, ..TypeClue::default() };
         let clues = |size| Clues { types: [(name.clone(), clue(size))].into(), ..Clues::default() };
         let sized = index.choose(&clues(row.expect("a row").cdr_size), Family::Px4, None).expect("a release");
         assert!(row.expect("a row").releases.contains(sized.release));

@@ -97,6 +97,8 @@ pub(crate) struct Row {
     pub(crate) layout: Option<u64>,
     /// The size in CDR, if it is fixed.
     pub(crate) cdr_size: Option<u64>,
+    /// The hash of the keys in JSON.
+    pub(crate) keys: Option<u64>,
     /// PX4's hash of the fields.
     pub(crate) hash: u32,
     /// The ROS type hash.
@@ -201,7 +203,7 @@ fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
     let mut columns = line.split('\t');
     let mut next = || columns.next();
     let (name, releases, topics) = (next()?.to_owned(), next()?, next()?);
-    let (layout, cdr_size, hash, type_hash) = (next()?, next()?, next()?, next()?);
+    let (layout, cdr_size, keys, hash, type_hash) = (next()?, next()?, next()?, next()?, next()?);
     let releases = releases.split(' ').filter_map(|label| ids.get(label));
     Some(Row {
         name,
@@ -209,6 +211,7 @@ fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
         topics: topics.split_whitespace().map(str::to_owned).collect(),
         layout: u64::from_str_radix(layout, 16).ok(),
         cdr_size: cdr_size.parse().ok(),
+        keys: u64::from_str_radix(keys, 16).ok(),
         hash: u32::from_str_radix(hash, 16).ok()?,
         type_hash: type_hash.to_owned(),
     })

@@ -278,13 +278,15 @@ mod tests {
     use uavspec_codegen::release::LayoutHashes;
 
     use super::*;
+    use crate::definitions::FormatClue;
 
     /// The clues of a log that contains all topics of a release.
     fn clues(index: &Index, label: &str) -> Clues {
         let release = index.find(label).expect("a release");
         let rows = index.rows().iter().filter(|row| row.releases.contains(release));
-        let formats =
-            rows.flat_map(|row| row.topics.iter().filter_map(|topic| Some((topic.clone(), row.layout?))));
+        let formats = rows.flat_map(|row| {
+            row.topics.iter().filter_map(|topic| Some((topic.clone(), FormatClue::Layout(row.layout?))))
+        });
         Clues { formats: formats.collect(), ..Clues::default() }
     }
 
@@ -301,7 +303,8 @@ mod tests {
             let types = Types::new(&definitions.schema);
             for (topic, layout) in &clues.formats {
                 let id = definitions.message_of_topic(topic).expect("a definition");
-                assert_eq!(LayoutHashes::default().get(types.get(id)), Some(*layout), "{label} {topic}");
+                let found = LayoutHashes::default().get(types.get(id)).map(FormatClue::Layout);
+                assert_eq!(found, Some(*layout), "{label} {topic}");
             }
         }
     }
@@ -317,7 +320,7 @@ mod tests {
         let id = definitions.message_of_topic("vehicle_status").expect("a definition");
         assert_eq!(definitions.message_of_type("px4_msgs/msg/VehicleStatus"), Some(id));
         assert_eq!(definitions.message_of_type("px4/VehicleStatus"), Some(id));
-        let hash = LayoutHashes::default().get(definitions.types().get(id));
+        let hash = LayoutHashes::default().get(definitions.types().get(id)).map(FormatClue::Layout);
         assert_eq!(hash, Some(other["vehicle_status"]));
         let again = library.choose(&clues);
         assert!(Arc::ptr_eq(&definitions, &again));

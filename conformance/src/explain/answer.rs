@@ -6,6 +6,7 @@ use crate::report::rule_list;
 
 /// A word with its meanings.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Explanation {
     /// The word.
     pub(crate) word: String,
@@ -15,6 +16,7 @@ pub(crate) struct Explanation {
 
 /// A meaning of a word.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub(crate) enum Answer {
     /// A rule.
@@ -35,16 +37,22 @@ pub(crate) enum Answer {
 
 /// An error code.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ErrorCode {
+    /// The code.
     pub(crate) code: u32,
+    /// The abbreviation, such as `LOWBAT`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) abbreviation: Option<String>,
+    /// The class of the code.
     pub(crate) class: &'static str,
+    /// The severity.
     pub(crate) severity: &'static str,
-    /// `None` if the code has no definition.
+    /// The meaning, or `null` if the code has no definition.
     pub(crate) description: Option<String>,
     /// Codes for the same condition at other severities.
     pub(crate) alternatives: Vec<Code>,
+    /// Codes for related conditions.
     pub(crate) see_also: Vec<Code>,
     /// The version of the protocol that introduced the code.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -53,26 +61,36 @@ pub(crate) struct ErrorCode {
 
 /// A related error code.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Code {
+    /// The code.
     pub(crate) code: u32,
+    /// The meaning.
     pub(crate) description: String,
 }
 
 /// A hash.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Hash {
+    /// The digits of the hash.
     #[serde(rename = "hash")]
     pub(crate) digits: String,
-    /// `uorb` or `type_hash`.
+    /// The form of the hash: `uorb` or `type_hash`.
     pub(crate) form: &'static str,
+    /// The definitions with this hash.
     pub(crate) definitions: Vec<Hashed>,
 }
 
 /// A definition with a hash.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Hashed {
+    /// The full ROS name.
     pub(crate) name: String,
+    /// The topics of the message.
     pub(crate) topics: Vec<String>,
+    /// The releases that contain the definition.
     pub(crate) releases: Vec<String>,
     /// True if the definition is one of uavspec's documented definitions.
     pub(crate) documented: bool,
@@ -80,17 +98,24 @@ pub(crate) struct Hashed {
 
 /// A message or a service.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Message {
+    /// The full ROS name.
     pub(crate) name: String,
+    /// The topics of the message.
     pub(crate) topics: Vec<String>,
     /// The release that the facts are from.
     pub(crate) release: String,
+    /// The version of the message.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) version: Option<u32>,
+    /// The meaning.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub(crate) description: String,
+    /// PX4's hash of the fields.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) uorb_hash: Option<String>,
+    /// The ROS type hash.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) type_hash: Option<String>,
     /// The size in uORB memory, in bytes.
@@ -104,41 +129,58 @@ pub(crate) struct Message {
 
 /// A message, or a part of a service.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Part {
+    /// The name, such as `VehicleCommand_Request`.
     pub(crate) name: String,
+    /// The fields.
     pub(crate) fields: Vec<Summary>,
+    /// The constants.
     pub(crate) constants: Vec<Member>,
 }
 
 /// A field of a message, in short.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Summary {
+    /// The name.
     pub(crate) name: String,
+    /// The type in the definition.
     #[serde(rename = "type")]
     pub(crate) ty: String,
+    /// The unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) unit: Option<String>,
+    /// The meaning.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub(crate) description: String,
 }
 
 /// A field.
 #[derive(Debug, Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Field {
+    /// The name.
     pub(crate) name: String,
     /// The message that declares the field.
     pub(crate) message: String,
+    /// The release that the facts are from.
     pub(crate) release: String,
+    /// The type in the definition.
     #[serde(rename = "type")]
     pub(crate) ty: String,
     #[serde(flatten)]
     pub(crate) limits: Limits,
+    /// The default value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) default: Option<String>,
+    /// The meaning.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub(crate) description: String,
+    /// The constants that the field may contain.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) values: Option<Values>,
+    /// The value in the question.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) asked: Option<Asked>,
     #[serde(flatten)]
@@ -147,9 +189,12 @@ pub(crate) struct Field {
 
 /// The unit and the valid values of a field or a parameter.
 #[derive(Debug, Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Limits {
+    /// The unit.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) unit: Option<String>,
+    /// The valid range.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) range: Option<String>,
     /// Other facts, such as the value for missing data and the frame.
@@ -159,6 +204,7 @@ pub(crate) struct Limits {
 
 /// The named values of a field.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Values {
     /// The message that declares the constants.
     pub(crate) message: String,
@@ -168,21 +214,28 @@ pub(crate) struct Values {
     pub(crate) flags: bool,
     /// The source from which uavspec knows that the field uses these constants.
     pub(crate) known_from: String,
+    /// The constants.
     pub(crate) members: Vec<Member>,
 }
 
 /// A constant.
 #[derive(Clone, Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Member {
+    /// The name.
     pub(crate) name: String,
+    /// The value.
     pub(crate) value: String,
+    /// The meaning.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub(crate) description: String,
 }
 
 /// The value in the question.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Asked {
+    /// The value.
     pub(crate) value: String,
     /// The constants that the value denotes; for a mask, one for each bit.
     pub(crate) meaning: Vec<Member>,
@@ -196,20 +249,30 @@ pub(crate) struct Asked {
 
 /// The meaning of a value in some releases.
 #[derive(Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Meaning {
+    /// The releases.
     pub(crate) releases: Vec<String>,
+    /// The constants with this value.
     pub(crate) names: Vec<String>,
 }
 
 /// A constant, or a command with parameters.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Constant {
+    /// The name.
     pub(crate) name: String,
+    /// The message that declares the constant.
     pub(crate) message: String,
+    /// The release that the facts are from.
     pub(crate) release: String,
+    /// The type.
     #[serde(rename = "type")]
     pub(crate) ty: String,
+    /// The value.
     pub(crate) value: String,
+    /// The meaning.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub(crate) description: String,
     /// The fields that contain the constant.
@@ -228,20 +291,25 @@ pub(crate) struct Constant {
 
 /// A parameter of a command.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Parameter {
+    /// The number of the parameter, from 1.
     pub(crate) number: usize,
     #[serde(flatten)]
     pub(crate) limits: Limits,
     /// The prefixes of the constants that the parameter may contain.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) values: Vec<String>,
+    /// The meaning.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub(crate) description: String,
 }
 
 /// A name that occurs in several messages.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Candidates {
+    /// The name.
     pub(crate) name: String,
     /// The full names, each of which can be explained.
     pub(crate) candidates: Vec<String>,
@@ -249,17 +317,23 @@ pub(crate) struct Candidates {
 
 /// The releases that contain a definition or an item.
 #[derive(Debug, Default, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Presence {
     /// The first release, unless it is the oldest known one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) since: Option<String>,
+    /// The releases that contain it.
     pub(crate) releases: Vec<String>,
+    /// The changes, from the oldest release to the newest.
     pub(crate) history: Vec<Changes>,
 }
 
 /// The changes in a release.
 #[derive(Debug, PartialEq, Eq, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct Changes {
+    /// The release.
     pub(crate) release: String,
+    /// The changes since the release before.
     pub(crate) changes: Vec<String>,
 }

@@ -8,7 +8,7 @@ use uavspec_codegen::schema::{Element, Message};
 
 use super::answer::Candidates;
 use super::catalogue::{Catalogue, Definition};
-use crate::definitions::ReleaseId;
+use crate::definitions::{ReleaseId, unversioned};
 
 /// The ROS 2 names of PX4's topics start with one of these.
 const NAMESPACES: [&str; 3] = ["/fmu/out/", "/fmu/in/", "/"];
@@ -56,8 +56,8 @@ pub(super) fn find(catalogue: &Catalogue<'_>, word: &str) -> Vec<Target> {
 
 /// The definitions that a topic or a name denotes, in the newest release that has some.
 fn definitions(catalogue: &Catalogue<'_>, word: &str) -> Vec<(String, ReleaseId)> {
-    let unversioned = word.rsplit_once("_v").filter(|(_, version)| version.parse::<u32>().is_ok());
-    let is_topic = |topic: &String| topic == word || unversioned.is_some_and(|(start, _)| topic == start);
+    let unversioned = unversioned(word);
+    let is_topic = |topic: &String| topic == word || unversioned.is_some_and(|name| topic == name);
     let rows = catalogue.rows().filter(|row| is_named(&row.name, word) || row.topics.iter().any(is_topic));
     let newest = rows.filter_map(|row| Some((row.name.clone(), catalogue.newest(&row.name)?)));
     newest_of_each_family(catalogue, &newest.collect())

@@ -2,8 +2,12 @@
 
 use serde_json::{Value, json};
 
+use super::answer::Explanation;
 use super::{Unknown, explain, to_text};
 use crate::definitions::Library;
+use crate::report::schema::{Published, errors};
+
+const EXPLANATION: Published = Published { title: "Explanation", file: "explanation" };
 
 /// The answers about a word in JSON.
 fn answers(library: &Library, word: &str, release: Option<&str>) -> Result<Value, Unknown> {
@@ -275,5 +279,35 @@ fn texts_fit_a_terminal() {
         let text = to_text(&explain(&library, word, None).expect("an explanation"));
         let is_long = |line: &&str| line.chars().count() > 80 && !line.contains("RIHS01_");
         assert_eq!(text.lines().find(is_long), None, "{word}");
+    }
+}
+
+#[test]
+fn the_published_schema_is_up_to_date() {
+    EXPLANATION.check::<Explanation>();
+    EXPLANATION.check_descriptions::<Explanation>();
+}
+
+#[test]
+fn all_kinds_of_answers_match_the_schema() {
+    let library = Library::built_in();
+    let schema = EXPLANATION.schema::<Explanation>();
+    for word in [
+        "FW-ENV-07",
+        "134",
+        "VehicleStatus",
+        "VehicleCommand",
+        "vehicle_status.nav_state=17",
+        "failsafe_flags.mode_req_mission=0x80",
+        "battery_status.remaining",
+        "VEHICLE_CMD_NAV_TAKEOFF",
+        "timestamp",
+        "a492864e",
+    ] {
+        let explanation = explain(&library, word, None).unwrap_or_else(|unknown| panic!("{unknown:?}"));
+        let mut value = serde_json::to_value(&explanation).expect("JSON");
+        assert_eq!(errors(&schema, &value), Vec::<String>::new(), "{word}");
+        value["answers"][0]["kind"] = json!("riddle");
+        assert!(!errors(&schema, &value).is_empty(), "{word}: the schema rejects unknown kinds");
     }
 }

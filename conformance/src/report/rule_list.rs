@@ -19,20 +19,34 @@ use crate::rules::{Mutant, checked_by, mutants};
 
 /// A rule in JSON.
 #[derive(Debug, Serialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema), schemars(rename = "Rule"))]
 pub(crate) struct Entry {
+    /// The id.
     pub(crate) id: &'static str,
+    /// The level.
     level: Level,
+    /// The status of the requirement in the specification.
     status: String,
+    /// The reason why the requirement is disputed.
     #[serde(skip_serializing_if = "Option::is_none")]
     dispute: Option<&'static str>,
+    /// The requirement.
     statement: &'static str,
+    /// The part of the specification that states it.
     source: &'static str,
+    /// The messages that the rule applies to.
     applies_to: &'static str,
+    /// The consequence of a violation.
     why: &'static str,
+    /// A violation.
     example: &'static str,
+    /// The way to conform.
     fix: &'static str,
+    /// The way in which uavspec checks the rule.
     checked_by: &'static str,
+    /// The bugs that the self-test inserts.
     mutants: Vec<&'static str>,
+    /// The page about the rule.
     url: String,
 }
 

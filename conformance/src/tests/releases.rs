@@ -92,6 +92,28 @@ fn captures_of_each_release_are_checked_against_it() {
 }
 
 #[test]
+fn json_messages_of_each_release_are_checked_against_it() {
+    for name in RELEASES {
+        let library = release(name);
+        let mut flight = Flight::new(library.base());
+        flight.messages.truncate(2 * flight.topics.len());
+        let label = format!("px4@{name}");
+        for (kind, lines) in [("typed", flight.lines()), ("published", flight.rosbridge())] {
+            let found = checked("flight.jsonl", &lines.to_bytes());
+            let releases = chosen(&found);
+            assert_eq!(releases.len(), 1, "{name} {kind}");
+            let (chosen, matching, topics, ref others) = releases[0];
+            assert_eq!((chosen, matching, others), (&*label, topics, &vec![]), "{kind}");
+            assert!(topics > 100, "{name} {kind}: {topics}");
+            let fails = found.result.findings.groups().filter(|group| group.rule.level == Level::Must);
+            let fails: Vec<_> =
+                fails.map(|group| (group.rule.id, &*group.subject, group.messages())).collect();
+            assert_eq!(fails, [], "{name} {kind}");
+        }
+    }
+}
+
+#[test]
 fn topics_of_other_releases_are_checked_against_those() {
     let (main, other) = (release("1.14"), release("1.17"));
     let mut bag = Flight::new(main.base()).bag();

@@ -1,5 +1,14 @@
 //! Tests that generated conversions compile, and convert as their definitions and hints require.
 
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+use uavspec_codegen::conversion::{Conversion, Conversions, read_hints};
+use uavspec_codegen::dynamic::Types;
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::{Form, Schema};
+use uavspec_codegen::{PackageInput, SourceMap, read};
+
 use super::{Crate, FEATURES};
 
 const OLD: &str = "uint32 MESSAGE_VERSION = 0
@@ -79,6 +88,51 @@ message = "Part"
 narrow = { id = "nearest" }
 "#;
 
+/// The number of messages in each direction that are compared with the reference.
+const NUM_CASES: usize = 200;
+
+/// Random messages in JSON, converted by the reference.
+fn cases() -> Value {
+    let mut sources = SourceMap::default();
+    let packages = [("old", OLD, PARTS[0]), ("new", NEW, PARTS[1])].map(|(package, glider, part)| {
+        let texts = [("Glider", glider), ("Part", part)];
+        let ids = texts
+            .map(|(name, text)| sources.add(format!("{package}/{name}.msg"), text.into()).expect("a source"));
+        PackageInput::new(package, Form::Msg(Dialect::Px4), ids.to_vec())
+    });
+    let (schema, _) = read(&sources, &packages);
+    let source = sources.add("hints.toml", HINTS.into()).expect("a source");
+    let hints = read_hints(&sources, source);
+    let conversions = Conversions::within(&schema, "old", "new", &hints).expect("both packages");
+    let all = |conversions: &[Arc<Conversion>]| -> serde_json::Map<String, Value> {
+        let decided = conversions.iter().filter(|found| found.is_decided());
+        decided
+            .map(|found| (schema.message(found.from).name.clone(), json!(converted(&schema, found))))
+            .collect()
+    };
+    json!({ "forward": all(&conversions.forward), "backward": all(&conversions.backward) })
+}
+
+/// Pairs of a message and the converted message.
+fn converted(schema: &Schema, conversion: &Conversion) -> Vec<(Value, Value)> {
+    let types = Types::new(schema);
+    let (source, target) = (types.get(conversion.from), types.get(conversion.to));
+    let (size, initial) = (source.size().expect("a fixed size"), target.default().to_json().expect("JSON"));
+    let mut state = 7_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        // JSON has no form for invalid text and infinite numbers, which the mask excludes.
+        state.to_le_bytes()[5] & 0x3f
+    };
+    let pairs = (0..NUM_CASES).map(|_| {
+        let payload: Vec<u8> = (0..size.padded).map(|_| next()).collect();
+        let message = source.decode_uorb(&payload).expect("a message").to_json().expect("JSON");
+        let converted = conversion.convert_json((schema, schema), &message, &initial);
+        (message, converted)
+    });
+    pairs.collect()
+}
+
 #[test]
 fn conversions_compile_and_convert() {
     let package = Crate::new("conversions");
@@ -102,6 +156,7 @@ fn conversions_compile_and_convert() {
     package.write("hints.toml", HINTS);
     package.write("ros.toml", "[[hint]]\nmessage = \"Part\"\nnarrow = { id = \"nearest\" }\n");
     package.write("tests/conversions.rs", include_str!("converted.rs"));
+    package.write("tests/cases.json", &cases().to_string());
     let table = |name: &str, dialect: &str| {
         format!("\n[[package]]\nname = \"{name}\"\ndialect = \"{dialect}\"\ninclude = [\"{name}/**/*.*\"]\n")
     };

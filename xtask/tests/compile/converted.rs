@@ -86,3 +86,28 @@ fn messages_of_ros_and_services_are_converted() {
     let request = ros_new::srv::TowRequest::from(&ros_old::srv::TowRequest { height: 3 });
     assert_eq!(request.height, 3_u16);
 }
+
+#[test]
+fn random_messages_convert_like_the_reference() {
+    let cases: serde_json::Value = serde_json::from_str(include_str!("cases.json")).unwrap();
+    let compare = |direction: &str, name: &str, convert: fn(&serde_json::Value) -> serde_json::Value| {
+        let pairs = cases[direction][name].as_array().unwrap();
+        assert!(pairs.len() > 100, "{direction} {name}");
+        for pair in pairs {
+            assert_eq!(convert(&pair[0]), pair[1], "{direction} {name}: {}", pair[0]);
+        }
+    };
+    compare("forward", "Glider", convert::<old::Glider, new::Glider>);
+    compare("forward", "Part", convert::<old::Part, new::Part>);
+    compare("backward", "Part", convert::<new::Part, old::Part>);
+}
+
+/// Converts a message in JSON.
+fn convert<Old, New>(message: &serde_json::Value) -> serde_json::Value
+where
+    Old: serde::de::DeserializeOwned,
+    New: serde::Serialize + for<'m> From<&'m Old>,
+{
+    let message: Old = serde_json::from_value(message.clone()).unwrap();
+    serde_json::to_value(New::from(&message)).unwrap()
+}

@@ -37,7 +37,7 @@ pub(super) fn overview(site: &Site<'_>, options: &Options) -> OutputFile {
     if options.rules {
         page.heading(2, rules::TITLE);
         let all = link("All rules", &href(path, rules::OVERVIEW, ""));
-        page.block(&format!("{all} that `cargo xtask` checks definitions against, with examples."));
+        page.block(&format!("{all} that uavspec checks definitions against, with examples."));
     }
     page.finish()
 }

@@ -249,7 +249,7 @@ fn rule_pages_have_all_sections() {
     for expected in [
         "\n# `annotation-near-miss`\n",
         "\nText that resembles an annotation but deviates from the standard form.\n",
-        "\nLevel: warning in all presets · Fixed by `cargo xtask lint --fix` · ",
+        "\nLevel: warning in all presets · Fixed by `lint --fix` · ",
         "\n## Why it matters\n\nuavspec treats this text as the annotation that it resembles.",
         "\n## Example\n\n```text\nwarning[annotation-near-miss]: ",
         "\n## How to fix\n\nWrite the annotation in its standard form, such as `[@enum PREFIX]`, ",

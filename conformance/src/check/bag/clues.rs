@@ -10,7 +10,7 @@ use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Reader};
 use crate::capture::rosbag::metadata::{self, Metadata};
 use crate::check::Source;
-use crate::check::topic::plain;
+use crate::check::topic::{full_name, plain, service_of};
 use crate::definitions::Clues;
 
 /// The maximum number of types.
@@ -138,20 +138,6 @@ fn add(clues: &mut Clues, name: &str, hash: Option<&String>) -> Option<String> {
         clue.type_hash = hash.cloned();
     }
     clue.type_hash.is_none().then_some(name)
-}
-
-/// The full ROS name of a type: `package/msg/Name`. For an event of a service, the name of the service.
-fn full_name(name: &str) -> String {
-    let name = plain(name);
-    match name.split_once('/') {
-        Some((package, last)) if !last.contains('/') => format!("{package}/msg/{last}"),
-        _ => service_of(&name).map(str::to_owned).unwrap_or(name),
-    }
-}
-
-/// The service of an event.
-fn service_of(name: &str) -> Option<&str> {
-    name.strip_suffix("_Event").filter(|service| service.contains("/srv/"))
 }
 
 /// The type hash of a schema. The hash of a service can't be calculated from an event. rosbag2 writes an empty schema for

@@ -40,6 +40,8 @@ pub(super) struct Open {
     pub(super) defined: Option<(MessageId, usize)>,
     /// The key of the message in the envelope, if messages have an envelope.
     pub(super) key: Option<&'static str>,
+    /// True if the first message has the keys of the definition.
+    pub(super) has_keys: bool,
     pub(super) tally: Tally,
     /// The size of the messages in memory, in bytes; 0 if no rule needs their values.
     pub(super) num_bytes: usize,

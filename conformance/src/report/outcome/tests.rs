@@ -29,6 +29,7 @@ fn capture(coverage: Coverage, verdicts: &[Verdict], settings: &Settings) -> Sub
         lines: 1,
         types: 1,
         skipped: 0,
+        releases: Vec::new(),
         undefined: std::collections::BTreeSet::new(),
         dialects: Dialects::default(),
         has_objects: true,

@@ -114,6 +114,7 @@ fn summaries(text: &str) -> Vec<Summary> {
             lines: 1,
             types: 1,
             skipped: 1,
+            releases: releases(),
             undefined: BTreeSet::from([name()]),
             dialects: Dialects::default(),
             has_objects: true,

@@ -12,7 +12,7 @@ use crate::source::SourceMap;
 
 /// The text above the table.
 const ABOUT: &str = "\
-`cargo xtask breaking --against REV` compares the definitions with an earlier version. Each rule covers one \
+`uavspec breaking --against REV` compares the definitions with an earlier version. Each rule covers one \
 kind of change. The columns show who is affected. `source` means programs built from the definitions. `json`, `cdr` \
 (DDS and ROS 2) and `uorb` (memory and logs) mean peers that exchange messages in these formats. `version` means \
 programs that use MESSAGE_VERSION. `semantic` means programs that depend on the meaning of a value.";

@@ -28,7 +28,7 @@ pub(super) fn chapter() -> Chapter {
 
 /// The text above the table.
 const ABOUT: &str = "\
-`cargo xtask lint` finds definitions that are valid but misleading, incomplete or inconsistent. The `px4` preset \
+`uavspec lint` finds definitions that are valid but misleading, incomplete or inconsistent. The `px4` preset \
 contains the rules of PX4's documentation standard and rules for mistakes that mislead readers or parsers. The \
 `strict` preset contains all rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. \
 Each page gives the number of findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding counts as \
@@ -52,7 +52,7 @@ impl Described {
         let Rule { id, statement, why, fix, levels, bad, good, measured, .. } = *self.rule;
         let mut facts = vec![format!("Level: {}", levels_text(levels))];
         if self.is_fixable {
-            facts.push("Fixed by `cargo xtask lint --fix`".to_owned());
+            facts.push("Fixed by `lint --fix`".to_owned());
         }
         facts.extend(measured.map(measured_text));
         RulePage {
