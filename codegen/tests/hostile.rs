@@ -219,6 +219,23 @@ fn rejects_exponential_nesting() {
     }
 }
 
+/// The hashes visit each nested field of each message.
+#[test]
+fn limits_the_number_of_nested_fields_in_all_messages() {
+    let levels = (0..18_u32).map(|level| match level.checked_sub(1) {
+        None => file("Level0", "bool a\nbool b\n"),
+        Some(below) => file(&format!("Level{level}"), format!("Level{below} a\nLevel{below} b\n")),
+    });
+    // The last level has 2^19 - 2 nested fields, and all levels have 2^20 - 40.
+    let copies = |name: &str, count: u32| -> Vec<(String, Vec<u8>)> {
+        (0..count).map(|copy| file(&format!("{name}{copy}"), "Level17 a\n")).collect()
+    };
+    let rest: String = (0..46).map(|field| format!("bool x{field}\n")).collect();
+    let most = [levels.collect(), copies("Copy", 6), vec![file("Rest", rest)]].concat();
+    assert_eq!(codes_of(PX4, &most), [""; 0], "2^22 fields");
+    assert_eq!(codes_of(PX4, &[most, copies("More", 3)].concat()), ["too-much-nesting"]);
+}
+
 /// A page of objects, each given by its name and its field rows.
 fn objects(types: impl Iterator<Item = (String, String)>) -> Vec<(String, Vec<u8>)> {
     let mut page = String::from("# Gliders\n");

@@ -304,6 +304,15 @@ fn an_invalid_value_stays_invalid_during_simplification() {
     assert_eq!(found.value.bytes, [0; 4]);
     let found = simplest(&strategy, |invalid| invalid.path == "count");
     assert_eq!(found.value.count, 4);
+    let found = simplest(&strategy, |invalid| invalid.path == "text" && invalid.value.long > 4711);
+    assert_eq!((found.path.as_str(), found.value.long), ("text", 4712));
+}
+
+#[test]
+fn simplifies_flags_and_enums() {
+    assert_eq!(simplest(&any::<Bits>(), |bits| bits.contains(Bits(0x40))), Bits(0x40));
+    assert_eq!(simplest(&any::<Mode>(), |_| true), Mode(-1));
+    assert_eq!(simplest(&any::<Mode>(), |mode| *mode != Mode(-1)), Mode(3));
 }
 
 #[test]

@@ -58,9 +58,6 @@ fn write_field(builder: &mut Builder<'_>, field: &Field, at: usize, default: &Va
 fn write_element(builder: &mut Builder<'_>, element: Element, at: usize, value: &Value) {
     match (element, value) {
         (Element::Scalar(scalar), value) => builder.write(at, &number(scalar, value)[..scalar.size()]),
-        (Element::Text(room), Value::Text(text)) if text.len() <= room as usize => {
-            builder.write(at, text.as_bytes());
-        }
         (Element::String(_), Value::Text(text)) => {
             // See above.
             let _ = builder.string::<Error>(at, text);

@@ -45,19 +45,19 @@ pub(crate) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
     order.sort_by_key(|index| (offsets[*index], members[*index].is_nested));
     let mut slots = Vec::with_capacity(members.len() + 1);
     let mut end = 0;
-    let mut paddings = 0;
-    let mut pad = |slots: &mut Vec<Slot>, from: usize, to: usize| {
+    let pad = |slots: &mut Vec<Slot>, from: usize, to: usize| {
         if to > from {
             let type_text =
                 format!("uint8{}", shape_text(Shape::Array(u32::try_from(to - from).unwrap_or(u32::MAX))));
             slots.push(Slot {
                 field: None,
-                name: format!("_padding{paddings}"),
+                // A message has at most one: numbers are sorted by size, and nested messages fill multiples of 8
+                // bytes.
+                name: "_padding0".to_owned(),
                 type_text,
                 offset: from,
                 size: to - from,
             });
-            paddings += 1;
         }
     };
     for index in order {

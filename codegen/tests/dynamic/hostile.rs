@@ -233,6 +233,8 @@ fn reports_the_path_of_invalid_json() {
         (r#""a":1,"#, "", "Twig: missing field `a`"),
         (r#""a":1,"#, r#""a":1,"a":1,"#, "a: duplicate field `a`"),
         (r#""a":1,"#, r#""a":1,"z":1,"#, "Twig: unknown field `z`"),
+        (r#""b":["x"]"#, r#""b":7"#, "b: invalid type: integer `7`, expected an array"),
+        (r#""d":["#, r#""d":7,"x":["#, "d: invalid type: integer `7`, expected an array of 2"),
         (r#""b":["x"]"#, r#""b":["x",7]"#, "b[1]: invalid type: integer `7`, expected a string"),
         (
             r#""d":["#,

@@ -322,7 +322,7 @@ impl Part {
         }
         let (Some(first), Some(last)) = (self.first, self.last) else { return };
         #[allow(clippy::cast_precision_loss)] // a rate needs no more than 15 digits
-        if last > first && self.timed > 1 {
+        if last > first {
             self.rate = Some(((self.timed - 1) as f64 * 1e9 / (last - first) as f64).round() / 1e3);
         }
     }
@@ -485,5 +485,67 @@ mod tests {
         assert_eq!(coverage.units.text("type"), "10,000 of 10,003 types");
         assert_eq!(coverage.unchecked().as_deref(), Some("3 types not listed"));
         assert_eq!(coverage.values.total, None);
+    }
+
+    /// The label and text of each line, followed by its details.
+    fn lines(coverage: &super::Coverage) -> Vec<String> {
+        let text = |line: &crate::check::Line| format!("{}: {}", line.label, line.text);
+        coverage
+            .lines("record")
+            .iter()
+            .flat_map(|line| [vec![text(line)], line.details.clone()].concat())
+            .collect()
+    }
+
+    #[test]
+    fn lines_name_the_parts_that_were_not_fully_checked() {
+        let mut parts = Parts::default();
+        let mut undecodable = tally(&[1, 3]);
+        undecodable.records += 1;
+        for (name, result, tally) in [
+            ("kite", PartResult::Checked, tally(&[1, 2, 3])),
+            ("owl", PartResult::Checked, undecodable),
+            ("gull", PartResult::OwnSchema, tally(&[5])),
+            ("duck", PartResult::Different, tally(&[4, 4])),
+            ("wren", PartResult::Undefined, Tally::of(1)),
+            ("stork", PartResult::Checked, Tally::of(0)),
+        ] {
+            parts.add(name, result, tally, Share::of(1, 2));
+        }
+        let coverage = parts.finish(Unit::Topic, 10);
+        assert_eq!(
+            lines(&coverage),
+            [
+                "checked: 2 of 5 topics (40 %), 8 of 10 records, 5 of 10 values",
+                "not checked: 1 topic without a definition, 1 with a different format (partly checked), \
+                 1 with undecodable records",
+                "duck: with a different format (partly checked), 2 records",
+                "owl: with undecodable records, 3 records, 0.5 Hz",
+                "wren: without a definition, 1 record",
+                "own schema: 1 topic checked against the schema in the file",
+                "no records: 1 topic",
+            ]
+        );
+        assert_eq!(coverage.undecodable(), 1);
+        assert_eq!(lines(&Parts::default().finish(Unit::Topic, 0)), [""; 0]);
+    }
+
+    #[test]
+    fn lines_count_values_if_there_are_any() {
+        for (checked, total, expected) in [
+            (0, Some(0), ""),
+            (0, None, ""),
+            (0, Some(5), ", 0 of 5 values"),
+            (3, None, ", 3 values"),
+            (3, Some(3), ", 3 of 3 values"),
+        ] {
+            let (units, values) = (Share::of(2, 2), Share { checked, total });
+            let coverage =
+                super::Coverage { unit: Unit::Type, units, records: units, values, ..Default::default() };
+            assert_eq!(
+                lines(&coverage),
+                [format!("checked: 2 of 2 types (100 %), 2 of 2 records{expected}")]
+            );
+        }
     }
 }

@@ -309,3 +309,53 @@ fn finding(
         known: known.as_ref().map(Known::from),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{CheckedCapture, Settings};
+    use crate::check::check_capture;
+    use crate::definitions::Definitions;
+    use crate::model::{Detail, Findings, Location};
+    use crate::report::{Subject, Verdict};
+    use crate::rules::rule;
+
+    #[test]
+    fn the_command_reproduces_the_findings() {
+        let check = Settings { arguments: vec!["--strict-formats".to_owned()], ..Settings::default() };
+        for (path, expected) in [("a.ulg", "a.ulg"), ("-a.ulg", "./-a.ulg"), ("-", "-")] {
+            assert_eq!(check.command(path), format!("uavspec check --strict-formats {expected}"));
+        }
+        let probe = Settings { command: Some("uavspec probe host".to_owned()), ..check };
+        assert_eq!(probe.command("-a.ulg"), "uavspec probe host");
+    }
+
+    #[test]
+    fn strict_formats_make_different_formats_violations() {
+        let mut findings = Findings::default();
+        let rules = ["PX-FMT-01", "FW-ERR-04"].map(|id| rule(id).expect("a rule"));
+        for rule in rules {
+            findings.report(rule, "kite", Location::Line(1), None, || Detail::new("differs"));
+        }
+        for (are_formats_strict, expected) in [(false, Verdict::Shown), (true, Verdict::Fail)] {
+            let settings = Settings { are_formats_strict, ..Settings::default() };
+            assert_eq!(rules.map(|rule| settings.verdict(&findings, rule)), [expected, Verdict::Shown]);
+        }
+    }
+
+    #[test]
+    fn a_report_lists_the_rules_for_the_kind_of_capture() {
+        let definitions = Definitions::built_in();
+        let subject = |bytes: &[u8], is_unrecorded| {
+            let result = check_capture(bytes, None, &definitions).expect("bytes can be read");
+            let (notes, requests, cut_short) = (Vec::new(), Vec::new(), Vec::new());
+            let path = "a.jsonl".to_owned();
+            let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed: 0 };
+            Subject::from_capture(checked, &definitions, &Settings { is_unrecorded, ..Settings::default() })
+        };
+        let flight = subject(b"{\"topic\":\"failsafe_flags\",\"message\":{}}\n", false);
+        assert!(!flight.rules.is_empty() && flight.rules.iter().all(|rule| rule.id.starts_with("PX-")));
+        assert!(flight.is_readable_again);
+        let unknown = subject(b"", true);
+        assert!(unknown.rules.is_empty() && !unknown.is_readable_again);
+    }
+}

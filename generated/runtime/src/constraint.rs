@@ -295,7 +295,7 @@ impl fmt::Display for Rule {
 mod tests {
     use core::fmt;
 
-    use super::{Constraint, Number, Rule};
+    use super::{Constraint, Number, Open, Rule, Scalar};
     use crate::alloc::format;
 
     /// The explanation of a number that violates a rule.
@@ -328,5 +328,64 @@ mod tests {
         ] {
             assert_eq!(format!("{}", Explained(rule, constraint)), expected);
         }
+    }
+
+    #[test]
+    fn numbers_are_floats_or_exact_integers() {
+        for (number, is_nan, float) in [
+            (Number::Int(7), false, 7.0),
+            (Number::Int(i128::from(u64::MAX)), false, 18_446_744_073_709_551_616.0),
+            (Number::Float(-0.5), false, -0.5),
+        ] {
+            assert_eq!((number.is_nan(), number.as_f64().to_bits()), (is_nan, f64::to_bits(float)));
+        }
+        assert!(Number::Float(f64::NAN).is_nan() && Number::Float(f64::NAN).as_f64().is_nan());
+    }
+
+    struct Mode;
+
+    impl Open for Mode {
+        const NAME: &'static str = "Mode";
+        const SCALAR: Scalar = Scalar::UInt8;
+        const KNOWN: &'static [i128] = &[1, 4];
+        const NAMES: &'static [&'static str] = &["ON", "OFF"];
+        const IS_FLAGS: bool = false;
+
+        fn from_bits(_: u64) -> Self {
+            Self
+        }
+    }
+
+    #[test]
+    fn each_method_adds_one_restriction() {
+        let none = Constraint::NONE;
+        let (known, names) = (Some(Mode::KNOWN), Mode::NAMES);
+        for (found, expected) in [
+            (none.from(Number::Int(2)), Constraint { low: Some(Number::Int(2)), ..none }),
+            (none.to(Number::Int(2)), Constraint { high: Some(Number::Int(2)), ..none }),
+            (none.or(&[Number::Int(9)]), Constraint { special: &[Number::Int(9)], ..none }),
+            (none.counting(3), Constraint { count: Some(3), ..none }),
+            (none.values::<Mode>(), Constraint { known, names, ..none }),
+            (none.flags::<Mode>(), Constraint { known, names, is_flags: true, ..none }),
+            (none.not_nan(), Constraint { forbids_nan: true, ..none }),
+        ] {
+            assert_eq!(found, expected);
+            assert_eq!(found.to(Number::Int(5)).high, Some(Number::Int(5)));
+            assert_eq!(found.is_interval(), found.known.is_none());
+        }
+    }
+
+    #[test]
+    fn schemas_bound_all_numbers_of_a_type() {
+        let bounds = |scalar| {
+            let asserted = Constraint::NONE.asserted(scalar)?;
+            asserted.low.zip(asserted.high)
+        };
+        assert_eq!(bounds(Scalar::Bool), None);
+        assert_eq!(bounds(Scalar::Int8), Some((Number::Int(-128), Number::Int(127))));
+        assert_eq!(bounds(Scalar::UInt64), Some((Number::Int(0), Number::Int(u64::MAX.into()))));
+        assert_eq!(bounds(Scalar::Float64), Some((Number::Float(f64::MIN), Number::Float(f64::MAX))));
+        let single = Number::Float(3.402_823_5e38);
+        assert_eq!(bounds(Scalar::Float32), Some((Number::Float(-3.402_823_5e38), single)));
     }
 }

@@ -191,4 +191,19 @@ mod tests {
             assert_eq!(Severity::of(code) as u32, (code & 0xFF) >> 6);
         }
     }
+
+    #[test]
+    fn two_bits_of_a_code_are_its_severity() {
+        for (code, severity) in [
+            (0, Severity::Informational),
+            (0x3f, Severity::Informational),
+            (0x40, Severity::Warning),
+            (0xbf, Severity::Error),
+            (0xc0, Severity::Fatal),
+            (0x1ff, Severity::Fatal),
+            (0x140, Severity::Warning),
+        ] {
+            assert_eq!(Severity::of(code), severity, "{code:#x}");
+        }
+    }
 }

@@ -1,7 +1,7 @@
 //! Codecs for fixed-size messages. The messages are written like generated code.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER};
-use uavspec_runtime::{DecodeError, Definition, Fault, Message, UorbMessage};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, is_padding};
+use uavspec_runtime::{DecodeError, Definition, Fault, Message, Scalar, UorbMessage};
 
 macro_rules! sample {
     ($type:ident, $cdr:literal { $($field:ident: $field_type:ty),* }) => {
@@ -74,6 +74,16 @@ fn truncation_errors<T: Message + std::fmt::Debug>() -> Vec<String> {
 }
 
 #[test]
+fn decodes_messages_without_fields_as_one_byte() {
+    let hollows = Hollows { x: 0x1112, last: Hollow { x: 9, ..Hollow::default() }, ..Hollows::default() };
+    for order in ORDERS {
+        let payload = hollows.to_cdr(order).expect("a payload");
+        assert_eq!(Hollows::from_cdr(&payload).as_ref(), Ok(&hollows));
+        assert_eq!(Hollows::from_cdr_strict(&payload).as_ref(), Ok(&hollows));
+    }
+}
+
+#[test]
 fn locates_truncation_in_messages_without_fields() {
     assert_eq!(truncation_errors::<Empty>(), ["Empty at byte 4: expected 1 more byte, found 0"]);
     assert_eq!(
@@ -138,11 +148,15 @@ fn check_view(_: &Out, _: &[u8]) {}
 fn check_view(out: &Out, payload: &[u8]) {
     let view = Out::view(payload).expect("a payload");
     assert_eq!((view.time(), view.share(), view.last()), (out.time, out.share, out.last));
-    assert_eq!(view.ins().len(), out.ins.len());
+    assert_eq!((view.ins().len(), view.ins().is_empty()), (out.ins.len(), false));
     for (seen, expected) in view.ins().iter().zip(&out.ins) {
         assert_eq!(seen.x(), expected.x);
         assert!(seen.flags().iter().eq(expected.flags));
+        assert!((0..3).all(|index| seen.flags().get(index) == Some(expected.flags[index])));
+        assert_eq!(seen.flags().get(3), None);
+        assert_eq!(format!("{:?}", seen.flags()), format!("{:?}", expected.flags));
     }
+    assert_eq!(view.ins().get(1).map(InView::x), Some(out.ins[1].x));
     assert_eq!(&Out::from_view(view), out);
 }
 
@@ -197,4 +211,32 @@ fn check_true(read: &Result<Out, DecodeError>, invalid: &[(&str, usize, usize)])
     let all = [&mut expected.last].into_iter().chain(flags);
     all.skip(BOOLS.len() - invalid.len()).for_each(|flag| *flag = true);
     assert_eq!(read, &Ok(expected));
+}
+
+#[test]
+fn padding_ends_at_a_multiple_of_four_bytes() {
+    let most = |end: usize| (0..9).filter(|left| is_padding(end, *left)).max();
+    assert_eq!([8, 9, 10, 11].map(most), [Some(0), Some(3), Some(2), Some(1)]);
+}
+
+#[test]
+fn integer_types_have_bounds() {
+    for (name, bounds) in [
+        ("bool", None),
+        ("byte", Some((0, 255))),
+        ("char", Some((0, 255))),
+        ("int8", Some((-128, 127))),
+        ("uint8", Some((0, 255))),
+        ("int16", Some((-32_768, 32_767))),
+        ("uint16", Some((0, 65_535))),
+        ("int32", Some((-0x8000_0000, 0x7fff_ffff))),
+        ("uint32", Some((0, 0xffff_ffff))),
+        ("int64", Some((i64::MIN.into(), i64::MAX.into()))),
+        ("uint64", Some((0, u64::MAX.into()))),
+        ("float32", None),
+        ("float64", None),
+    ] {
+        let scalar = Scalar::from_name(name).expect("a type");
+        assert_eq!((scalar.name(), scalar.integer_bounds()), (name, bounds));
+    }
 }

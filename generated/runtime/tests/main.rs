@@ -1,4 +1,7 @@
 //! Integration tests of the runtime. Each file is a module of this program, so the tests are linked only once.
 
 mod fixed_size;
+#[cfg(feature = "serde")]
+mod formats;
+mod open;
 mod variable_size;

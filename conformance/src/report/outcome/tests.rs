@@ -147,6 +147,11 @@ fn several_captures_count_each_rule_once() {
     let all = [good.clone(), bad.clone(), bad.clone(), empty.clone(), part.clone()];
     assert_eq!(outcome_of(&all), (1, "Does not conform: 1 MUST, 0 SHOULD (2 of 5 files)".to_owned()));
     assert_eq!(outcome_of(&[good.clone(), empty.clone()]), (6, "Incomplete: 1 of 2 files".to_owned()));
+    let warned = full(&[Verdict::Warn]);
+    assert_eq!(
+        outcome_of(&[good.clone(), warned.clone(), warned]),
+        (0, "Conforms, with 1 warning".to_owned())
+    );
     let text = "No violations found, partial coverage of 1 of 2 files";
     assert_eq!(outcome_of(&[good.clone(), part]), (0, text.to_owned()));
     assert_eq!(outcome_of(&[empty.clone(), empty]), (6, "Incomplete: 2 of 2 files".to_owned()));
@@ -191,6 +196,11 @@ fn required_rules_and_unreadable_files_change_the_outcome() {
     let required = Outcome::for_run(Action::Check, &good, &[], vec!["a rule was required".to_owned()]);
     assert_eq!((required.status, required.text.as_str()), (1, "Does not conform"));
     assert_eq!(required.remarks, ["a rule was required"]);
+    assert_eq!(required.last_line(), "does not conform");
+    let truncated = [read(Extent::EndsEarly, Verdict::Pass), full(&[Verdict::Pass])];
+    let remarks = vec!["a rule was required".to_owned()];
+    let required = Outcome::for_run(Action::Check, &Totals::of(&truncated), &[], remarks);
+    assert_eq!(required.remarks, ["a.jsonl: the file is truncated", "a rule was required"]);
     let gone = Unreadable { path: "gone".to_owned(), message: "absent".to_owned() };
     let unreadable = Outcome::for_run(Action::Check, &good, &[gone.clone(), gone], Vec::new());
     assert_eq!((unreadable.status, unreadable.text.as_str()), (3, "Failed: 2 files can't be opened"));
