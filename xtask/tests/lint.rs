@@ -102,10 +102,7 @@ fn comments_and_the_configuration_can_ignore_findings() {
 fn failures_have_status_2_and_a_hint() {
     for (config, parts) in [
         ("[lint]\npreset = \"loose\"\n", ["uavspec.toml:6:10", "expected `px4` or `strict`"]),
-        (
-            "[lint.levels]\nunit-mising = \"off\"\n",
-            ["unknown rule `unit-mising`", "help: `lint --rules`"],
-        ),
+        ("[lint.levels]\nunit-mising = \"off\"\n", ["unknown rule `unit-mising`", "help: `lint --rules`"]),
         ("[lint.levels]\nunit-missing = \"fatal\"\n", ["uavspec.toml:6:16", "unknown variant `fatal`"]),
         ("[[lint.ignore]]\nrule = \"unit-missing\"\n", ["uavspec.toml:5:1", "missing field `reason`"]),
         ("[lint]\npresett = \"px4\"\n", ["uavspec.toml:6:1", "unknown field `presett`"]),

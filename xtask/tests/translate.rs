@@ -94,10 +94,7 @@ fn creates_and_updates_a_catalogue() {
         "{results}"
     );
     let errors = run(&folder, &["translate", "--check"], 1);
-    assert!(
-        errors.contains("i18n/uk.po: outdated") && errors.contains("run `translate`"),
-        "{errors}"
-    );
+    assert!(errors.contains("i18n/uk.po: outdated") && errors.contains("run `translate`"), "{errors}");
     assert_eq!(read(&folder, "i18n/uk.po"), translated, "--check writes nothing");
     let errors = run(&folder, &["translate"], 0);
     assert!(errors.contains("updated, 1 fuzzy, 1 untranslated, 1 obsolete"), "{errors}");
