@@ -89,7 +89,7 @@ fn take_line(line: &str, messages: Vec<&str>, rest: &str, done: &mut Vec<String>
 }
 
 /// The messages at the start of a line, and the remaining text. A server can't read a line with bytes that aren't valid
-/// UTF-8; U+FFFD stands for them in recordings.
+/// UTF-8. Recordings contain U+FFFD instead of these bytes.
 fn messages(line: &str) -> (Vec<&str>, &str) {
     let (mut messages, mut rest) = (Vec::new(), line);
     while !line.contains(char::REPLACEMENT_CHARACTER) {
