@@ -26,10 +26,19 @@ pub(crate) struct Settings {
 /// The reason why a capture isn't converted.
 #[derive(Debug)]
 pub(crate) enum Error {
-    /// Captures of this format can't be converted.
-    Format(&'static str),
+    /// The capture can't be converted; contains the reason.
+    Input(String),
     /// The output can't be written.
     Write(io::Error),
+}
+
+impl Error {
+    /// The error for a format that can't be converted.
+    fn format(name: &str) -> Self {
+        Self::Input(format!(
+            "captures in the format {name} can't be converted; expected MCAP, ULog or JSON messages"
+        ))
+    }
 }
 
 impl From<io::Error> for Error {
@@ -50,7 +59,7 @@ pub(crate) fn convert(
         "JSON" => json::convert(bytes, plan, settings, output)?,
         "ULog" => ulog::convert(bytes, plan, settings, output)?,
         "MCAP" => mcap::convert(bytes, plan, settings, output)?,
-        other => return Err(Error::Format(other)),
+        other => return Err(Error::format(other)),
     };
     Ok(ConversionReport::new(path, plan, topics, problems))
 }

@@ -139,32 +139,21 @@ fn write(
     interrupted: &AtomicBool,
 ) -> Result<ConversionReport, Status> {
     let settings = Settings { keeps_unconverted: args.keep_unconverted };
-    let (mut opened, mut result) = (Some(opened), Err(Error::Format("")));
-    let written = write_file(&args.output, |file| {
-        if let Some(opened) = opened.take() {
-            result = convert((&args.input, opened), plan, settings, file);
+    let result = write_file(&args.output, |file| {
+        let report = convert((&args.input, opened), plan, settings, file)?;
+        if interrupted.load(Ordering::Relaxed) {
+            return Err(Error::Write(io::Error::other("interrupted")));
         }
-        match &result {
-            _ if interrupted.load(Ordering::Relaxed) => Err(io::Error::other("interrupted")),
-            Ok(_) => Ok(()),
-            Err(_) => Err(io::Error::other("failed")),
-        }
+        Ok(report)
     });
-    if written.is_err() && interrupted.load(Ordering::Relaxed) {
+    if result.is_err() && interrupted.load(Ordering::Relaxed) {
         terminal::error("interrupted: no output was written", None);
         return Err(Status::Unreadable);
     }
-    match (result, written) {
-        (Ok(report), Ok(())) => Ok(report),
-        (Err(Error::Format(name)), _) if !name.is_empty() => {
-            let problem = format!(
-                "captures in the format {name} can't be converted; expected MCAP, ULog or JSON Lines"
-            );
-            Err(unreadable(&args.input, &problem))
-        }
-        (Err(Error::Write(error)), _) | (_, Err(error)) => Err(unreadable(&args.output, &error.to_string())),
-        (Err(Error::Format(_)), Ok(())) => Err(Status::Unreadable),
-    }
+    result.map_err(|error| match error {
+        Error::Input(problem) => unreadable(&args.input, &problem),
+        Error::Write(error) => unreadable(&args.output, &error.to_string()),
+    })
 }
 
 /// The exit status of a finished conversion.

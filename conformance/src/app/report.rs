@@ -204,14 +204,15 @@ fn folder_for_parts(path: &Path) -> Option<&Path> {
 }
 
 /// Writes a file atomically. If this fails, an existing file stays unchanged.
-pub(super) fn write_file(
+pub(super) fn write_file<T, E: From<io::Error>>(
     path: &Path,
-    content: impl FnOnce(&mut Box<dyn Write>) -> io::Result<()>,
-) -> io::Result<()> {
+    content: impl FnOnce(&mut Box<dyn Write>) -> Result<T, E>,
+) -> Result<T, E> {
     let fill = |file: File| {
         let mut file: Box<dyn Write> = Box::new(BufWriter::new(file));
-        content(&mut file)?;
-        file.flush()
+        let result = content(&mut file)?;
+        file.flush()?;
+        Ok(result)
     };
     // A pipe or a terminal can't be replaced. If the path is a link, the link's target is replaced. A pipe may have no
     // real path, and the target of a link may be absent.
@@ -223,8 +224,9 @@ pub(super) fn write_file(
     // A new file in a temporary folder has default permissions. A temporary file would be private.
     let stage = Stage::new(parent(&path))?;
     let staged = stage.path().join("file");
-    fill(File::create(&staged)?)?;
-    fs::rename(staged, path)
+    let result = fill(File::create(&staged)?)?;
+    fs::rename(staged, path)?;
+    Ok(result)
 }
 
 #[cfg(test)]
@@ -256,7 +258,7 @@ mod tests {
         let path = folder.path().join("report.json");
         fs::write(&path, "old and long").expect("a file");
         let write = |path: &Path| super::write_file(path, |file| file.write_all(b"new"));
-        let failed = super::write_file(&path, |file| {
+        let failed: io::Result<()> = super::write_file(&path, |file| {
             file.write_all(b"half")?;
             Err(io::Error::other("the disk is full"))
         });

@@ -39,6 +39,8 @@ struct Stream<'p, 'o> {
     by_topic: HashMap<String, usize>,
     /// True once the first object was read.
     has_objects: bool,
+    /// True if a value starts like an object.
+    is_json: bool,
     /// True if the capture is an array.
     is_array: bool,
     written: u64,
@@ -85,6 +87,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             by_type: HashMap::new(),
             by_topic: HashMap::new(),
             has_objects: false,
+            is_json: false,
             is_array: false,
             written: 0,
         }
@@ -95,6 +98,8 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 
     fn value(&mut self, bytes: &[u8], line: u64) -> Result<(), Error> {
+        // The first byte may be corrupt.
+        self.is_json |= bytes.iter().take(2).any(|byte| *byte == b'{');
         let text = match std::str::from_utf8(bytes) {
             Ok(text) => text,
             Err(error) => {
@@ -131,7 +136,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             return Ok(());
         }
         self.has_objects = true;
-        if is_flockwave(tree) { Err(Error::Format("Flockwave")) } else { Ok(()) }
+        if is_flockwave(tree) { Err(Error::format("Flockwave")) } else { Ok(()) }
     }
 
     /// Converts a message.
@@ -273,6 +278,9 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 
     fn finish(mut self) -> Result<(Vec<TopicReport>, Problems), Error> {
+        if !self.is_json {
+            return Err(Error::Input("the capture contains no JSON objects".to_owned()));
+        }
         if self.is_array && self.written > 0 {
             self.output.write_all(b"\n]\n")?;
         }

@@ -202,16 +202,24 @@ fn arrays_stay_arrays_and_values_get_one_line_each() {
 fn flockwave_sessions_are_rejected() {
     let session = r#"{"$fw.version": "1.0", "id": "a", "body": {"type": "SYS-VER"}}"#;
     let error = try_converted(session.as_bytes(), &release("px4@1.17"), "px4@1.16", Settings::default());
-    assert!(matches!(error, Err(Error::Format("Flockwave"))));
+    assert!(matches!(error, Err(Error::Input(problem)) if problem.contains("Flockwave")));
+}
+
+#[test]
+fn text_without_objects_is_rejected() {
+    for text in ["", "no JSON\nat all\n", "[1, 2]"] {
+        let error = try_converted(text.as_bytes(), &release("px4@1.17"), "px4@1.16", Settings::default());
+        assert!(matches!(error, Err(Error::Input(problem)) if problem.contains("no JSON objects")), "{text}");
+    }
 }
 
 #[test]
 fn every_part_of_a_truncated_file_is_converted_or_reported() {
     let text = [line("px4@1.17", "AirspeedValidated"), line("px4@1.17", "BatteryStatus")].join("\n");
     let first = text.find('\n').expect("two lines");
-    for cut in [0, 1, 9, 40, first - 1, first, first + 1, first + 2, first + 300, text.len() - 1] {
+    for cut in [1, 9, 40, first - 1, first, first + 1, first + 2, first + 300, text.len() - 1] {
         let (report, output) = converted(&text.as_bytes()[..cut], "px4@1.17", "px4@1.16");
         assert_eq!(output.lines().count(), usize::from(cut >= first), "{cut}");
-        assert_eq!(report.is_complete(), [0, first, first + 1].contains(&cut), "{cut}");
+        assert_eq!(report.is_complete(), [first, first + 1].contains(&cut), "{cut}");
     }
 }
