@@ -150,7 +150,7 @@ fn levels_of_translation_rules_are_configurable() {
 fn failures_have_a_hint() {
     let folder = workspace();
     for (arguments, message, hint) in [
-        (&["translate"][..], "no catalogue exists", "cargo xtask translate uk"),
+        (&["translate"][..], "no catalogue exists", "to create one: `translate uk`"),
         (&["translate", "ukrainian"], "`ukrainian` is not a valid language tag", "BCP 47"),
         (&["translate", "../uk"], "`../uk` is not a valid language tag", "BCP 47"),
         (&["translate", "en"], "`en` is not a valid language tag", "definitions are in English"),
