@@ -11,9 +11,9 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub(crate) use self::plan::Plan;
-#[cfg(test)]
-pub(crate) use self::report::TopicReport;
 pub(crate) use self::report::{Action, ConversionReport};
+#[cfg(test)]
+pub(crate) use self::report::{Loss, TopicReport};
 use crate::check::Opened;
 
 /// The settings of a conversion.

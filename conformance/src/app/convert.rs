@@ -121,10 +121,10 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
     drop(progress);
     let report = report?;
     let text = match args.format {
-        Format::Text => Ok(report.to_text()),
-        Format::Json => report.to_json().map_err(io::Error::from),
+        Format::Text => report.to_text(),
+        Format::Json => report.to_json(),
     };
-    text.and_then(|text| print(&text)).map_err(|error| {
+    print(&text).map_err(|error| {
         terminal::error(format_args!("standard output: {error}"), None);
         Status::Unreadable
     })?;

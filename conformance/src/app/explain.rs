@@ -174,10 +174,10 @@ fn status(story: &Story) -> Status {
 /// Prints the story, and writes the page. Errors are printed.
 fn write(args: &ExplainArgs, story: &Story, language: &str) -> Result<(), Status> {
     let text = match args.format {
-        Format::Text => Ok(to_text(story, language)),
-        Format::Json => to_json(story).map_err(std::io::Error::from),
+        Format::Text => to_text(story, language),
+        Format::Json => to_json(story),
     };
-    let printed = text.and_then(|text| print(&text)).map_err(|error| format!("standard output: {error}"));
+    let printed = print(&text).map_err(|error| format!("standard output: {error}"));
     let written = args.report.as_ref().map_or(Ok(()), |Page(path)| {
         let page = to_html(story, language, &super::command());
         write_file(path, |file| file.write_all(page.as_bytes()))

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::Serialize;
 use uavspec_codegen::emit::docs::markdown::plural;
+use uavspec_codegen::json_text;
 
 use super::plan::Plan;
 use crate::text::{Grouped, shown};
@@ -139,14 +140,15 @@ impl ConversionReport {
     }
 
     /// The report in JSON.
-    pub(crate) fn to_json(&self) -> serde_json::Result<String> {
-        serde_json::to_string_pretty(self).map(|text| text + "\n")
+    pub(crate) fn to_json(&self) -> String {
+        json_text::pretty(self)
     }
 
     /// The report for people.
     pub(crate) fn to_text(&self) -> String {
-        let from = if self.from.is_empty() { "no known release".to_owned() } else { self.from.join(", ") };
-        let mut text = format!("{}: {from} to {}\n", shown(&self.capture), self.to);
+        let from =
+            if self.from.is_empty() { "no known release".to_owned() } else { shown(&self.from.join(", ")) };
+        let mut text = format!("{}: {from} to {}\n", shown(&self.capture), shown(&self.to));
         for topic in &self.topics {
             topic.write(&mut text);
         }
@@ -190,8 +192,7 @@ impl TopicReport {
         if let Some(renamed) = renamed {
             let _ = write!(text, " as {}", shown(renamed));
         }
-        let _ =
-            write!(text, ": {} {}", Grouped(*messages), if *messages == 1 { "message" } else { "messages" });
+        let _ = write!(text, ": {}", plural(*messages, "message"));
         if let Some(reason) = reason {
             let _ = write!(text, "; {}", shown(reason));
         }
@@ -200,7 +201,7 @@ impl TopicReport {
             let _ = match loss.messages {
                 Some(0) => continue,
                 Some(count) => {
-                    writeln!(text, "             {} ({} messages)", shown(&loss.text), Grouped(count))
+                    writeln!(text, "             {} ({})", shown(&loss.text), plural(count, "message"))
                 }
                 None => writeln!(text, "             {}", shown(&loss.text)),
             };

@@ -137,8 +137,7 @@ fn capture(data: &[u8]) {
 fn story(data: &[u8]) {
     let texts = Texts::of(Translations::default());
     let Ok(story) = Story::of_bytes(data, &DEFINITIONS, texts) else { return };
-    let rendered = [to_text(&story, "en"), to_html(&story, "en", "uavspec")];
-    for text in rendered.iter().map(String::as_str).chain(to_json(&story).as_deref().ok()) {
+    for text in [to_text(&story, "en"), to_html(&story, "en", "uavspec"), to_json(&story)] {
         assert!(!text.contains(|character: char| character.is_control() && character != '\n'), "{text}");
     }
 }

@@ -10,6 +10,7 @@ mod text;
 pub(crate) use self::html::to_html;
 pub(crate) use self::text::to_text;
 use uavspec_codegen::emit::docs::markdown::plural;
+use uavspec_codegen::json_text;
 
 use crate::check::ReleaseMatch;
 use crate::story::{Change, Lane, LaneKind, Story, TopicStatus, Value};
@@ -24,8 +25,8 @@ const STATUSES: [(TopicStatus, &str); 4] = [
 ];
 
 /// The story in JSON.
-pub(crate) fn to_json(story: &Story) -> serde_json::Result<String> {
-    serde_json::to_string_pretty(story).map(|text| text + "\n")
+pub(crate) fn to_json(story: &Story) -> String {
+    json_text::pretty(story)
 }
 
 /// A change of a lane.

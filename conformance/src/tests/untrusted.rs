@@ -14,6 +14,7 @@ use regex_lite::Regex;
 use serde_json::Value;
 use uavspec_codegen::terminal::{Guard, guarded};
 
+use crate::report::story::{to_html, to_json, to_text};
 use crate::report::{Kind, Report};
 
 /// Fragments that mean something to a terminal, a CI system, a markup language or a site.
@@ -241,5 +242,16 @@ fn check(text: &str) {
         }
         let json: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
         assert_eq!(json["command"], text.as_str(), "JSON preserves texts");
+    }
+    let (story, conversion) = (poison::story(text), poison::conversion(text));
+    let json = [to_json(&story), conversion.to_json()];
+    for document in &json {
+        assert!(serde_json::from_str::<Value>(document).is_ok_and(|json| json["capture"] == text.as_str()));
+    }
+    let texts = [to_text(&story, "en"), to_html(&story, "en", text), conversion.to_text()];
+    for document in texts.iter().chain(&json) {
+        assert!(guarded(document) == *document, "{document}");
+        let is_acted_on = |character: char| character.is_control() && character != '\n';
+        assert!(!document.contains(is_acted_on), "{document}");
     }
 }

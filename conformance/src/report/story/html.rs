@@ -139,7 +139,7 @@ fn value(lane: &Lane, value: &Value, story: &Story) -> Markup {
         @if value.parts.is_empty() { "none" }
         @for (at, part) in value.parts.iter().enumerate() {
             @if at > 0 { "; " }
-            @if is_flag(lane) { (part.name) } @else { code { (shown(&part.name)) } }
+            @if is_flag(lane) { (shown(&part.name)) } @else { code { (shown(&part.name)) } }
             @if let Some(text) = &part.label { " – " (label(text, story)) }
         }
     }
@@ -205,7 +205,7 @@ fn topics(story: &Story) -> Markup {
             h2 id="topics" { (if story.is_session { "Message types" } else { "Topics" }) }
             dl.evidence {
                 @for (status, heading) in STATUSES {
-                    @let names: Vec<&str> = story.topics(status).collect();
+                    @let names: Vec<String> = story.topics(status).map(shown).collect();
                     @if !names.is_empty() {
                         dt { (heading) }
                         dd { @for (at, name) in names.iter().enumerate() { @if at > 0 { ", " } code { (name) } } }

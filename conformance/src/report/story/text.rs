@@ -22,7 +22,8 @@ pub(crate) fn to_text(story: &Story, language: &str) -> String {
 
 /// The capture, its start and its duration.
 fn head(story: &Story) -> String {
-    let start = story.start_utc.as_ref().map(|start| format!(", starts {start}")).unwrap_or_default();
+    let start =
+        story.start_utc.as_ref().map(|start| format!(", starts {}", shown(start))).unwrap_or_default();
     let (path, definitions) = (shown(&story.capture), shown(&story.definitions));
     format!("{path}: {} long{start}, explained by {definitions}", duration(story.duration_us))
 }
@@ -80,7 +81,7 @@ fn summary(story: &Story) -> Vec<String> {
     };
     let mut lines = vec![format!("{}{more}.{quiet}\n", plural(listed, "change"))];
     for (status, heading) in STATUSES {
-        let names: Vec<&str> = story.topics(status).collect();
+        let names: Vec<String> = story.topics(status).map(shown).collect();
         if !names.is_empty() {
             lines.push(paragraph(&format!("{heading}: {}", names.join(", "))));
         }

@@ -5,10 +5,13 @@
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
+use uavspec_codegen::translation::Translations;
+
 use crate::check::{
     BagChannel, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary, McapSummary, OtherRelease,
     Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, check_capture,
 };
+use crate::convert::{Action as Treated, ConversionReport, Loss, TopicReport};
 use crate::definitions::Definitions;
 use crate::model::{Location, Reason};
 use crate::probe::RequestType;
@@ -18,6 +21,8 @@ use crate::report::{
     About, Action, Case, CheckedCapture, Corruption, Definition, Example, Finding, Known, Outcome, Remark,
     Report, Row, Settings, Subject, Testee, Unreadable,
 };
+use crate::rules::sample::Flight;
+use crate::story::{Story, Texts};
 use crate::tests::hostile::tested;
 
 /// Reports of each command, with a capture of each kind. Their structure doesn't depend on the text.
@@ -315,5 +320,54 @@ fn testee(testee: &mut Testee, text: &str) {
         *rule = Some(text.to_owned());
         *definition = Some(definition_of(text));
         *known = index.is_multiple_of(2).then(|| known_as(text));
+    }
+}
+
+/// A story with the text in every field.
+pub(super) fn story(text: &str) -> Story {
+    let definitions = Definitions::built_in();
+    let bytes = Flight::new(&definitions).log().to_bytes();
+    let story = Story::of_bytes(&bytes, &definitions, Texts::of(Translations::default()));
+    let mut story = story.expect("a readable capture");
+    story.capture = text.to_owned();
+    story.definitions = text.to_owned();
+    story.corruption = vec![text.to_owned()];
+    story.topics.iter_mut().for_each(|topic| topic.name = text.to_owned());
+    for lane in &mut story.lanes {
+        lane.topic = text.to_owned();
+        lane.name = text.to_owned();
+        lane.subject = Some(text.to_owned());
+        lane.values
+            .iter_mut()
+            .flat_map(|value| &mut value.parts)
+            .for_each(|part| part.name = text.to_owned());
+    }
+    story
+}
+
+/// The report of a conversion with the text in every field.
+pub(super) fn conversion(text: &str) -> ConversionReport {
+    let name = || text.to_owned();
+    let topic = |action| TopicReport {
+        topic: name(),
+        renamed: Some(name()),
+        action,
+        from: Some(name()),
+        reason: Some(name()),
+        messages: 1,
+        unreadable: 1,
+        error: Some(name()),
+        losses: vec![Loss { text: name(), messages: None }, Loss { text: name(), messages: Some(1) }],
+        unchecked: vec![name()],
+    };
+    ConversionReport {
+        version: 1,
+        uavspec: name(),
+        capture: name(),
+        from: vec![name()],
+        to: name(),
+        topics: [Treated::Converted, Treated::Copied, Treated::LeftOut].map(topic).to_vec(),
+        problems: vec![name()],
+        more_problems: 1,
     }
 }
