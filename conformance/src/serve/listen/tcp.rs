@@ -34,6 +34,7 @@ impl Sink for LineSink {
 }
 
 /// A notification with line breaks.
+#[allow(clippy::disallowed_methods, reason = "a client reads it, no terminal")]
 fn spread(text: &str) -> Option<String> {
     let message: Value = serde_json::from_str(text).ok()?;
     if message.get("refs").is_some() { None } else { serde_json::to_string_pretty(&message).ok() }
