@@ -104,7 +104,7 @@ enum Command {
     Definitions(cli::Command),
     /// Check logs, bags, messages and recorded sessions.
     Check(check::CheckArgs),
-    /// Convert a bag to another release.
+    /// Convert a log, a bag or JSON messages to another release.
     ///
     /// Each message gets the type of the target release. The definitions and the hints decide the values of all fields.
     /// The report lists the data that is lost, and the number of messages that contain such data.

@@ -11,6 +11,7 @@ use serde::Serialize;
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
+pub(in crate::check) use self::clues::Found;
 use self::envelope::{Channels, Fast, Open, read};
 pub(crate) use self::envelope::{Form, NameKind, form};
 use self::templates::Templates;

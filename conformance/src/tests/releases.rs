@@ -1,9 +1,13 @@
 //! Tests of the release that is chosen for a capture.
 
+use std::collections::BTreeMap;
 use std::fs;
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
+use mcap::WriteOptions;
+use mcap::records::MessageHeader;
 use tempfile::TempDir;
 
 use super::support::shared;
@@ -109,6 +113,46 @@ fn json_messages_of_each_release_are_checked_against_it() {
             let fails: Vec<_> =
                 fails.map(|group| (group.rule.id, &*group.subject, group.messages())).collect();
             assert_eq!(fails, [], "{name} {kind}");
+        }
+    }
+}
+
+/// A bag with JSON messages. The name of a schema is the type, or empty.
+fn json_bag(flight: &Flight<'_>, has_types: bool) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let mut writer = WriteOptions::new().compression(None).create(&mut bytes).expect("a writer");
+    let bag = flight.bag();
+    let channels = bag.channels.iter().map(|channel| {
+        let name = if has_types { channel.schema.as_str() } else { "" };
+        let schema = writer.add_schema(name, "jsonschema", b"{}").expect("a schema");
+        writer.add_channel(schema, &channel.topic, "json", &BTreeMap::new()).expect("a channel")
+    });
+    let channels: Vec<u16> = channels.collect();
+    for (sent, (channel, time, _)) in flight.messages.iter().zip(&bag.messages) {
+        let channel_id = channels[usize::from(*channel)];
+        let header = MessageHeader { channel_id, sequence: 0, log_time: *time, publish_time: *time };
+        writer.write_to_known_channel(&header, sent.value.to_string().as_bytes()).expect("a message");
+    }
+    writer.finish().expect("a summary");
+    drop(writer);
+    bytes.into_inner()
+}
+
+#[test]
+fn bags_with_json_messages_of_each_release_are_checked_against_it() {
+    for name in RELEASES {
+        let library = release(name);
+        let mut flight = Flight::new(library.base());
+        flight.messages.truncate(2 * flight.topics.len());
+        let label = format!("px4@{name}");
+        for has_types in [false, true] {
+            let found = checked("bag.mcap", &json_bag(&flight, has_types));
+            let releases: Vec<&str> = chosen(&found).iter().map(|(release, ..)| *release).collect();
+            assert_eq!(releases, [&*label], "{has_types}");
+            let fails = found.result.findings.groups().filter(|group| group.rule.level == Level::Must);
+            let fails: Vec<_> =
+                fails.map(|group| (group.rule.id, &*group.subject, group.messages())).collect();
+            assert_eq!(fails, [], "{name} {has_types}");
         }
     }
 }

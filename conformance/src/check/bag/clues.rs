@@ -10,6 +10,7 @@ use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{Event, Reader};
 use crate::capture::rosbag::metadata::{self, Metadata};
 use crate::check::Source;
+use crate::check::json::Found;
 use crate::check::topic::{full_name, plain, service_of};
 use crate::definitions::Clues;
 
@@ -47,6 +48,8 @@ fn declarations(input: impl Read) -> Clues {
     let mut schemas: HashMap<u16, (String, Option<String>)> = HashMap::new();
     // The types of channels whose schema is empty.
     let mut unknown: HashMap<u16, String> = HashMap::new();
+    // The topics and types of JSON channels without a message.
+    let (mut json, mut found) = (HashMap::new(), Found::default());
     while let Ok(Some(item)) = reader.next() {
         match item.event {
             Event::Schema { id, name, encoding, text } if schemas.len() < MAX_TYPES => {
@@ -60,7 +63,16 @@ fn declarations(input: impl Read) -> Clues {
                     unknown.insert(id, name);
                 }
             }
+            Event::Channel { id, schema, topic, encoding, .. } if encoding == "json" => {
+                let ty = schemas.get(&schema).map(|(name, _)| name.clone()).unwrap_or_default();
+                if json.len() < MAX_TYPES {
+                    json.insert(id, (topic, ty));
+                }
+            }
             Event::Message { channel, payload, .. } => {
+                if let Some((topic, ty)) = json.remove(&channel) {
+                    found.add_message(&topic, &ty, payload);
+                }
                 if let Some(clue) = unknown.remove(&channel).and_then(|name| clues.types.get_mut(&name)) {
                     clue.size = Some(payload.len() as u64);
                 }
@@ -68,6 +80,10 @@ fn declarations(input: impl Read) -> Clues {
             _ => {}
         }
     }
+    for (name, clue) in found.clues.types {
+        clues.types.entry(name).or_insert(clue);
+    }
+    clues.formats.extend(found.clues.formats);
     clues
 }
 

@@ -40,14 +40,23 @@ pub(super) fn clues(source: &mut Source<'_>) -> Clues {
     found.clues
 }
 
+/// The facts in messages.
 #[derive(Default)]
-struct Found {
-    clues: Clues,
+pub(in crate::check) struct Found {
+    pub(in crate::check) clues: Clues,
     /// The types of topics, by the topic's name.
     types: HashMap<String, String>,
 }
 
 impl Found {
+    /// Adds a message of a JSON channel in a bag.
+    pub(in crate::check) fn add_message(&mut self, topic: &str, ty: &str, payload: &[u8]) {
+        let tree = std::str::from_utf8(payload).ok().and_then(|text| Tree::read(text).ok());
+        let Some(tree) = tree else { return };
+        let (kind, name) = if ty.contains('/') { (NameKind::Type, ty) } else { (NameKind::Topic, topic) };
+        self.add(&Form::Message(kind, name, &tree));
+    }
+
     fn add(&mut self, form: &Form<'_>) {
         match form {
             Form::Message(which, name, Tree::Object(members)) => {
