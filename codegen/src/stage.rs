@@ -96,6 +96,20 @@ impl Stage {
     }
 }
 
+/// The folder that contains a file.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Replaces a file in one step. `fill` writes the new file to the path that it receives.
+pub fn replace<T, E: From<io::Error>>(path: &Path, fill: impl FnOnce(&Path) -> Result<T, E>) -> Result<T, E> {
+    let stage = Stage::new(folder_of(path))?;
+    let staged = stage.path().join("file");
+    let result = fill(&staged)?;
+    fs::rename(staged, path)?;
+    Ok(result)
+}
+
 impl Drop for Stage {
     fn drop(&mut self) {
         remove(&self.path);

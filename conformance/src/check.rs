@@ -319,19 +319,28 @@ fn check_with(
 ) -> io::Result<Checked> {
     let mut definitions = None;
     let result = check_source(source, message_id, &mut |kind, source| {
-        let (mut start, mut clues) = (Vec::new(), Clues::default());
-        if library.depends_on_capture() {
-            let mut ahead = Ahead::new(source.bytes);
-            clues = (kind.clues)(&mut Source { bytes: &mut ahead, file: source.file });
-            start = ahead.bytes;
-        }
-        let chosen = definitions.insert(library.choose(&clues));
+        let (chosen, start) = choose(kind, source.bytes, source.file, library);
         let whole = &mut io::Cursor::new(start).chain(source.bytes);
-        let run = CheckRun::observed_by(chosen, observer.as_deref_mut());
+        let run = CheckRun::observed_by(definitions.insert(chosen), observer.as_deref_mut());
         (kind.check)(Source { bytes: whole, file: source.file }, message_id, run)
     })?;
     let definitions = definitions.unwrap_or_else(|| Arc::clone(library.base()));
     Ok(Checked { result, definitions })
+}
+
+/// Chooses the definitions of a capture. Returns them with the bytes that were read for this.
+fn choose(
+    kind: &Kind,
+    bytes: &mut dyn Read,
+    file: Option<&Path>,
+    library: &Library,
+) -> (Arc<Definitions>, Vec<u8>) {
+    if !library.depends_on_capture() {
+        return (library.choose(&Clues::default()), Vec::new());
+    }
+    let mut ahead = Ahead::new(bytes);
+    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file });
+    (library.choose(&clues), ahead.bytes)
 }
 
 /// Checks the readable part of a capture with `check`, which receives the kind and the whole capture.

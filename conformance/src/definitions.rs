@@ -32,6 +32,7 @@ pub(crate) use self::choice::{Clues, FormatClue, TypeClue};
 pub use self::index::Family;
 pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;
+pub(crate) use self::library::ros_package;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
 

@@ -12,6 +12,11 @@ pub(crate) use self::wrap::wrapped;
 // All text from captures, servers, testees, files and arguments passes through this function before it is shown.
 pub(crate) use uavspec_codegen::terminal::{self, shown};
 
+/// Bytes as text. The error says where the text isn't valid UTF-8.
+pub(crate) fn utf8(bytes: &[u8]) -> Result<&str, String> {
+    std::str::from_utf8(bytes).map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))
+}
+
 /// A number with thousands separators: 1,234,567.
 pub(crate) struct Grouped(pub(crate) u64);
 

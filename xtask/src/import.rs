@@ -10,7 +10,7 @@ use uavspec_codegen::load::{self, Definitions};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::release::{self, Fingerprint};
 use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::stage::Stage;
+use uavspec_codegen::stage::replace;
 use uavspec_codegen::{SourceMap, read};
 
 use crate::paths::{repository, shown};
@@ -105,11 +105,8 @@ fn text_of(schema: &Schema) -> String {
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", path.display());
-    let folder = path.parent().unwrap_or(Path::new(""));
-    fs::create_dir_all(folder).map_err(failed)?;
-    let stage = Stage::new(folder).map_err(failed)?;
-    let staged = stage.path().join("new");
-    fs::write(&staged, text).and_then(|()| fs::rename(staged, path)).map_err(failed)
+    path.parent().map_or(Ok(()), fs::create_dir_all).map_err(failed)?;
+    replace(path, |staged| fs::write(staged, text)).map_err(failed)
 }
 
 /// A release's family and name.

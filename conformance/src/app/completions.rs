@@ -3,9 +3,8 @@
 use clap::Args;
 use clap_complete::{Shell, generate};
 
-use super::report::print;
+use super::report::print_result;
 use super::{PROGRAM, Status, interface};
-use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec completions bash > ~/.local/share/bash-completion/completions/uavspec
@@ -24,11 +23,5 @@ pub(super) struct CompletionsArgs {
 pub(super) fn run(args: &CompletionsArgs) -> Status {
     let mut script = Vec::new();
     generate(args.shell, &mut interface(), PROGRAM, &mut script);
-    match print(&String::from_utf8_lossy(&script)) {
-        Ok(()) => Status::Conforms,
-        Err(error) => {
-            terminal::error(format_args!("standard output: {error}"), None);
-            Status::Unreadable
-        }
-    }
+    print_result(&String::from_utf8_lossy(&script)).err().unwrap_or(Status::Conforms)
 }

@@ -10,7 +10,7 @@ use uavspec_codegen::Failure;
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
-use super::report::{print, write_file};
+use super::report::{print_result, write_file};
 use super::{Format, Status};
 use crate::check::{Opened, open_path};
 use crate::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
@@ -124,10 +124,7 @@ fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
         Format::Text => report.to_text(),
         Format::Json => report.to_json(),
     };
-    print(&text).map_err(|error| {
-        terminal::error(format_args!("standard output: {error}"), None);
-        Status::Unreadable
-    })?;
+    print_result(&text)?;
     Ok(status(&report))
 }
 

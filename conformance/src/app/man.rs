@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use clap_mangen::{Man, generate_to};
 
-use super::report::print;
+use super::report::print_result;
 use super::{Status, interface};
 use crate::text::terminal;
 
@@ -25,17 +25,14 @@ pub(super) struct ManArgs {
 
 /// Runs `uavspec man`.
 pub(super) fn run(args: &ManArgs) -> Status {
-    let (place, result) = match &args.out {
-        Some(folder) => (terminal::path(folder), write(folder)),
-        None => ("standard output".to_owned(), print_page()),
-    };
-    match result {
-        Ok(()) => Status::Conforms,
-        Err(error) => {
-            terminal::error(format_args!("{place}: {error}"), None);
+    let result = match &args.out {
+        Some(folder) => write(folder).map_err(|error| {
+            terminal::error(format_args!("{}: {error}", terminal::path(folder)), None);
             Status::Unreadable
-        }
-    }
+        }),
+        None => print_page(),
+    };
+    result.err().unwrap_or(Status::Conforms)
 }
 
 fn write(folder: &Path) -> io::Result<()> {
@@ -43,8 +40,9 @@ fn write(folder: &Path) -> io::Result<()> {
     generate_to(interface(), folder)
 }
 
-fn print_page() -> io::Result<()> {
+fn print_page() -> Result<(), Status> {
     let mut page = Vec::new();
-    Man::new(interface()).render(&mut page)?;
-    print(&String::from_utf8_lossy(&page))
+    // Writing to memory can't fail.
+    let _ = Man::new(interface()).render(&mut page);
+    print_result(&String::from_utf8_lossy(&page))
 }

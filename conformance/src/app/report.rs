@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use anstream::StripStream;
 use clap::{Args, ValueEnum as _};
-use uavspec_codegen::stage::Stage;
+use uavspec_codegen::stage::{folder_of, replace};
 
 use super::Status;
 use super::known::{KnownArgs, NewList};
@@ -188,19 +188,22 @@ pub(super) fn print(text: &str) -> io::Result<()> {
     ignore_broken_pipe(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
 }
 
+/// Like [`print`]. Errors are printed.
+pub(super) fn print_result(text: &str) -> Result<(), Status> {
+    print(text).map_err(|error| {
+        terminal::error(format_args!("standard output: {error}"), None);
+        Status::Unreadable
+    })
+}
+
 /// A closed pipe is not an error.
 fn ignore_broken_pipe(written: io::Result<()>) -> io::Result<()> {
     written.or_else(|error| if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) })
 }
 
-/// The folder that contains a file.
-fn parent(path: &Path) -> &Path {
-    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
-}
-
 /// The folder for the temporary file of a report. `None` for pipes and devices, whose folder may not be writable.
 fn folder_for_parts(path: &Path) -> Option<&Path> {
-    fs::metadata(path).map_or(true, |metadata| metadata.is_file()).then(|| parent(path))
+    fs::metadata(path).map_or(true, |metadata| metadata.is_file()).then(|| folder_of(path))
 }
 
 /// Writes a file atomically. If this fails, an existing file stays unchanged.
@@ -222,11 +225,7 @@ pub(super) fn write_file<T, E: From<io::Error>>(
         _ => return fill(File::create(path)?),
     };
     // A new file in a temporary folder has default permissions. A temporary file would be private.
-    let stage = Stage::new(parent(&path))?;
-    let staged = stage.path().join("file");
-    let result = fill(File::create(&staged)?)?;
-    fs::rename(staged, path)?;
-    Ok(result)
+    replace(&path, |staged| fill(File::create(staged)?))
 }
 
 #[cfg(test)]

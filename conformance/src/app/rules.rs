@@ -2,12 +2,12 @@
 
 use clap::Args;
 
+use super::report::print_result;
 use super::{Format, Status, print_unknown_rule};
 use crate::definitions::Definitions;
 use crate::matrix::matrix;
 use crate::report::rule_list;
 use crate::rules::rule;
-use crate::text::terminal;
 
 /// Arguments of `rules`.
 #[derive(Args, Debug)]
@@ -47,11 +47,5 @@ pub(super) fn rules(args: &RulesArgs) -> Status {
         (None, Format::Text) => rule_list::to_text(),
         (None, Format::Json) => rule_list::to_json(&crate::rules::RULES),
     };
-    match super::report::print(&text) {
-        Ok(()) => Status::Conforms,
-        Err(error) => {
-            terminal::error(format_args!("standard output: {error}"), None);
-            Status::Unreadable
-        }
-    }
+    print_result(&text).err().unwrap_or(Status::Conforms)
 }

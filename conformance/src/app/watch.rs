@@ -10,7 +10,7 @@ use ratatui::crossterm::event;
 
 use super::Status;
 use super::access::AccessArgs;
-use super::report::print;
+use super::report::print_result;
 use super::test::seconds;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::access::Access;
@@ -117,10 +117,9 @@ fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Stat
         }
     }
     if (fleet.is_complete() || !fleet.is_empty())
-        && let Err(error) = print(&table(&fleet, codes, Instant::now()))
+        && let Err(status) = print_result(&table(&fleet, codes, Instant::now()))
     {
-        terminal::error(format_args!("standard output: {error}"), None);
-        return Status::Unreadable;
+        return status;
     }
     if fleet.is_complete() {
         return Status::Conforms;

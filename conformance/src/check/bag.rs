@@ -46,6 +46,7 @@ use crate::model::{Detail, Extent, Findings, Location, Message};
 use crate::px4::comparison::{Comparison, compare_declared};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
+use crate::text::utf8;
 
 /// The maximum length of a topic or schema name, in bytes. ROS 2 has the same limit.
 const MAX_NAME: usize = 256;
@@ -417,8 +418,7 @@ fn check_message(
     values: &mut Vec<u8>,
     findings: &mut Findings,
 ) -> Result<Clean, String> {
-    let text = std::str::from_utf8(payload)
-        .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
+    let text = utf8(payload)?;
     // Foxglove writes bytes as base64, as rosbridge does.
     if let Ok(clean) = plans.read_text(origin.id, text, origin.is_rosbridge, values) {
         return Ok(clean);

@@ -29,7 +29,7 @@ use crate::flockwave::session::parts;
 use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Extent, Location};
 use crate::rules::rule;
-use crate::text::Grouped;
+use crate::text::{Grouped, utf8};
 
 /// The maximum number of connections. Hostile input may contain any number of connections.
 const MAX_CONNECTIONS: usize = 10_000;
@@ -172,8 +172,7 @@ impl<'d> FlockwaveChecker<'d> {
     }
 
     fn read(&mut self, bytes: &[u8], location: Location, is_last: bool) -> Result<(), String> {
-        let text = std::str::from_utf8(bytes)
-            .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
+        let text = utf8(bytes)?;
         let tree = Tree::read(text).map_err(|error| match error {
             SyntaxError { problem: TRUNCATED, at } if is_last => {
                 format!("the last value is truncated after {at} bytes")

@@ -27,7 +27,7 @@ use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Channel, Extent, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
-use crate::text::shown;
+use crate::text::{shown, utf8};
 
 /// The maximum number of topics and types. Hostile input may contain any number of both.
 pub(crate) const MAX_CHANNELS: usize = 10_000;
@@ -62,6 +62,11 @@ fn is_binary(start: &[u8]) -> bool {
 pub(super) fn starts_like_json(start: &[u8]) -> bool {
     let text = String::from_utf8_lossy(start);
     text.trim_start_matches('\u{feff}').trim_start().starts_with(['{', '['])
+}
+
+/// True if a value starts like an object. The first byte may be corrupt.
+pub(crate) fn starts_like_object(bytes: &[u8]) -> bool {
+    bytes.iter().take(2).any(|byte| *byte == b'{')
 }
 
 /// The summary of JSON messages.
@@ -251,15 +256,11 @@ impl<'d> JsonChecker<'d> {
     }
 
     fn value(&mut self, bytes: &[u8], line: u64, is_last: bool) {
-        // The first byte may be corrupt.
-        self.has_objects |= bytes.iter().take(2).any(|byte| *byte == b'{');
+        self.has_objects |= starts_like_object(bytes);
         let location = Location::Line(line);
-        let text = match std::str::from_utf8(bytes) {
+        let text = match utf8(bytes) {
             Ok(text) => text,
-            Err(error) => {
-                let text = format!("invalid UTF-8 at byte {}", error.valid_up_to());
-                return self.run.gap(location, text);
-            }
+            Err(error) => return self.run.gap(location, error),
         };
         if let Some((at, clean)) = self.templates.read(text, &self.plans, &mut self.values) {
             return self.message(at, clean, location);

@@ -5,10 +5,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::log::ENCRYPTED_TEXT;
-use super::{Ahead, KINDS, Reading, START, Source, unknown_type};
+use super::{KINDS, Reading, START, choose, unknown_type};
 use crate::capture::ENCRYPTED_MAGIC;
 use crate::capture::input;
-use crate::definitions::{Clues, Definitions, Library};
+use crate::definitions::{Definitions, Library};
 
 /// A capture with the definitions of the release that it agrees with.
 pub(crate) struct Opened<'b> {
@@ -36,12 +36,6 @@ pub(crate) fn open_path(
         return Ok(Err(ENCRYPTED_TEXT.to_owned()));
     }
     let mut whole = Cursor::new(start).chain(bytes);
-    let (mut clues, mut ahead) = (Clues::default(), Vec::new());
-    if library.depends_on_capture() {
-        let mut read = Ahead::new(&mut whole);
-        clues = (kind.clues)(&mut Source { bytes: &mut read, file });
-        ahead = read.bytes;
-    }
-    let definitions = library.choose(&clues);
+    let (definitions, ahead) = choose(kind, &mut whole, file, library);
     Ok(Ok(Opened { kind: kind.name, definitions, bytes: Box::new(Cursor::new(ahead).chain(whole)) }))
 }

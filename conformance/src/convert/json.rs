@@ -14,12 +14,13 @@ use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::json::{Event, Item, Reader};
-use crate::check::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, ROS, form};
+use crate::check::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, ROS, form, starts_like_object};
 use crate::check::{definition_of, is_flockwave};
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::Extent;
 use crate::px4::json::Dialects;
+use crate::text::utf8;
 
 /// A topic or a type of the capture.
 struct Channel<'p> {
@@ -98,12 +99,11 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 
     fn value(&mut self, bytes: &[u8], line: u64) -> Result<(), Error> {
-        // The first byte may be corrupt.
-        self.is_json |= bytes.iter().take(2).any(|byte| *byte == b'{');
-        let text = match std::str::from_utf8(bytes) {
+        self.is_json |= starts_like_object(bytes);
+        let text = match utf8(bytes) {
             Ok(text) => text,
             Err(error) => {
-                self.problem(line, format_args!("invalid UTF-8 at byte {}", error.valid_up_to()));
+                self.problem(line, error);
                 return Ok(());
             }
         };
@@ -279,7 +279,7 @@ impl<'p, 'o> Stream<'p, 'o> {
 
     fn finish(mut self) -> Result<(Vec<TopicReport>, Problems), Error> {
         if !self.is_json {
-            return Err(Error::Input("the capture contains no JSON objects".to_owned()));
+            return Err(Error::Input("expected objects in JSON, found none".to_owned()));
         }
         if self.is_array && self.written > 0 {
             self.output.write_all(b"\n]\n")?;

@@ -23,6 +23,7 @@ use crate::capture::mcap::{Event, Item, Packing, Reader};
 use crate::check::{HASH, decompressed, definition_of, states_other_type};
 use crate::definitions::Definitions;
 use crate::json::Tree;
+use crate::text::utf8;
 
 /// The maximum total length of the schemas in a file, in bytes.
 const MAX_SCHEMAS: usize = 64 << 20;
@@ -338,9 +339,7 @@ impl Converted<'_> {
 
     /// Converts a JSON payload. Counts the losses.
     fn json_payload(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
-        let text = std::str::from_utf8(payload);
-        let text = text.map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
-        let tree = Tree::read(text).map_err(|error| error.to_string())?;
+        let tree = Tree::read(utf8(payload)?).map_err(|error| error.to_string())?;
         // Foxglove writes bytes as base64, as rosbridge does.
         self.json(&tree, true, losses).map(String::into_bytes)
     }

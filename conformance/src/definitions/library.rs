@@ -20,6 +20,11 @@ const MAX_STORED: usize = 8;
 /// The ROS package of PX4's messages.
 const PX4_ROS_PACKAGE: &str = "px4_msgs";
 
+/// The ROS package that a name denotes, since PX4's package is also named after its family.
+pub(crate) fn ros_package(name: &str) -> &str {
+    if name == Family::Px4.name() { PX4_ROS_PACKAGE } else { name }
+}
+
 /// Documented messages by name: their declarations without comments, and their files.
 type Documented = HashMap<String, (String, &'static str)>;
 

@@ -8,7 +8,7 @@ use uavspec_codegen::schema::{Element, Message};
 
 use super::answer::Candidates;
 use super::catalogue::{Catalogue, Definition};
-use crate::definitions::{ReleaseId, unversioned};
+use crate::definitions::{ReleaseId, ros_package, unversioned};
 
 /// The ROS 2 names of PX4's topics start with one of these.
 const NAMESPACES: [&str; 3] = ["/fmu/out/", "/fmu/in/", "/"];
@@ -68,7 +68,7 @@ fn is_named(full_name: &str, word: &str) -> bool {
     let Some((package, name)) = word.rsplit_once('/') else {
         return full_name.rsplit('/').next() == Some(word);
     };
-    let package = if package == "px4" { "px4_msgs" } else { package };
+    let package = ros_package(package);
     full_name == word
         || full_name.rsplit_once('/').is_some_and(|(start, known)| {
             known == name && (start == package || start.split('/').next() == Some(package))

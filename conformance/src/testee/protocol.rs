@@ -26,6 +26,7 @@ use std::fmt;
 use serde_json::{Value, json};
 
 use super::wire::integer;
+use crate::text::utf8;
 
 /// The version of the protocol.
 pub const PROTOCOL: u32 = 1;
@@ -201,8 +202,7 @@ impl Response {
 }
 
 fn json(line: &[u8]) -> Result<Value, String> {
-    let text = std::str::from_utf8(line)
-        .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
+    let text = utf8(line)?;
     serde_json::from_str(text).map_err(|error| format!("invalid JSON: {error}"))
 }
 

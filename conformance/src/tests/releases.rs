@@ -49,6 +49,12 @@ fn chosen(checked: &Checked) -> Vec<(&str, u64, u64, Vec<&str>)> {
     describe.collect()
 }
 
+/// The violated rules of level MUST, with the topics and the messages.
+fn failures(checked: &Checked) -> Vec<(&str, &str, Vec<String>)> {
+    let groups = checked.result.findings.groups().filter(|group| group.rule.level == Level::Must);
+    groups.map(|group| (group.rule.id, &*group.subject, group.messages())).collect()
+}
+
 fn subject(checked: Checked) -> Subject {
     let capture = CheckedCapture {
         path: "capture".to_owned(),
@@ -87,10 +93,7 @@ fn captures_of_each_release_are_checked_against_it() {
             assert_eq!(chosen(&found), [(&*label, topics, topics, vec![])], "{kind}");
             let streamed = check_bytes(&bytes, &LIBRARY).expect("bytes can be read");
             assert_eq!(chosen(&streamed), chosen(&found), "{kind}");
-            let fails = found.result.findings.groups().filter(|group| group.rule.level == Level::Must);
-            let fails: Vec<_> =
-                fails.map(|group| (group.rule.id, &*group.subject, group.messages())).collect();
-            assert_eq!(fails, [], "{name} {kind}");
+            assert_eq!(failures(&found), [], "{name} {kind}");
         }
     }
 }
@@ -109,10 +112,7 @@ fn json_messages_of_each_release_are_checked_against_it() {
             let (chosen, matching, topics, ref others) = releases[0];
             assert_eq!((chosen, matching, others), (&*label, topics, &vec![]), "{kind}");
             assert!(topics > 100, "{name} {kind}: {topics}");
-            let fails = found.result.findings.groups().filter(|group| group.rule.level == Level::Must);
-            let fails: Vec<_> =
-                fails.map(|group| (group.rule.id, &*group.subject, group.messages())).collect();
-            assert_eq!(fails, [], "{name} {kind}");
+            assert_eq!(failures(&found), [], "{name} {kind}");
         }
     }
 }
@@ -149,10 +149,7 @@ fn bags_with_json_messages_of_each_release_are_checked_against_it() {
             let found = checked("bag.mcap", &json_bag(&flight, has_types));
             let releases: Vec<&str> = chosen(&found).iter().map(|(release, ..)| *release).collect();
             assert_eq!(releases, [&*label], "{has_types}");
-            let fails = found.result.findings.groups().filter(|group| group.rule.level == Level::Must);
-            let fails: Vec<_> =
-                fails.map(|group| (group.rule.id, &*group.subject, group.messages())).collect();
-            assert_eq!(fails, [], "{name} {has_types}");
+            assert_eq!(failures(&found), [], "{name} {has_types}");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use uavspec_codegen::json_text;
 
-use crate::app::report::print;
+use crate::app::report::print_result;
 use crate::app::{Format, Status};
 use crate::definitions::{Library, ReleaseId};
 use crate::explain::{Unknown, explain, to_text};
@@ -23,13 +23,7 @@ pub(super) fn explain_word(word: &str, release: Option<&str>, format: Format) ->
         Format::Text => to_text(&explanation),
         Format::Json => json_text::pretty(&explanation),
     };
-    match print(&text) {
-        Ok(()) => Status::Conforms,
-        Err(error) => {
-            terminal::error(format_args!("standard output: {error}"), None);
-            Status::Unreadable
-        }
-    }
+    print_result(&text).err().unwrap_or(Status::Conforms)
 }
 
 /// Prints an error.

@@ -17,6 +17,8 @@ use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read_formats};
 use uavspec_runtime::Number;
 
+use crate::text::utf8;
+
 /// The package of a type whose name contains no package.
 const NO_PACKAGE: &str = "unnamed";
 
@@ -32,8 +34,7 @@ pub(super) struct Stated {
 impl Stated {
     /// Parses the text of the schema `name`. The error is a one-line message.
     pub(super) fn read(name: &str, text: &[u8]) -> Result<Self, String> {
-        let text = std::str::from_utf8(text)
-            .map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))?;
+        let text = utf8(text)?;
         let root = parts_of(name).ok_or("its name is not a type name")?;
         let event = Event::of(name, text);
         let texts = event.as_ref().map_or_else(|| definitions(text), Event::definitions);

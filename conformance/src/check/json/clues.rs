@@ -10,7 +10,7 @@ use super::{MAX_CHANNELS, is_flockwave};
 use crate::capture::json::{Event, Reader};
 use crate::check::Source;
 use crate::check::topic::{full_name, topic_of};
-use crate::definitions::{Clues, FormatClue, TypeClue, unversioned};
+use crate::definitions::{Clues, FormatClue, TypeClue, ros_package, unversioned};
 use crate::json::Tree;
 
 /// The maximum number of bytes that are read.
@@ -88,5 +88,8 @@ impl Found {
 /// The full ROS name of a type, which may be named after its package here: `px4/VehicleStatus`.
 fn type_name(ty: &str) -> String {
     let full = full_name(ty);
-    full.strip_prefix("px4/").map(|name| format!("px4_msgs/{name}")).unwrap_or(full)
+    match full.split_once('/') {
+        Some((package, name)) => format!("{}/{name}", ros_package(package)),
+        None => full,
+    }
 }
