@@ -104,6 +104,8 @@ pub mod lint;
 #[cfg(feature = "files")]
 #[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 pub mod load;
+#[cfg(feature = "lsp")]
+pub mod lsp;
 pub mod msg;
 #[cfg_attr(not(feature = "files"), allow(dead_code))]
 mod name;

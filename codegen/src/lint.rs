@@ -190,6 +190,16 @@ pub fn lint(
     catalogues: &[SourceId],
     settings: &Settings,
 ) -> Vec<Finding> {
+    read_and_lint(sources, packages, catalogues, settings).1
+}
+
+/// Like [`lint`], but also returns the schema. The schema is incomplete if the definitions contain errors.
+pub(crate) fn read_and_lint(
+    sources: &SourceMap,
+    packages: &[PackageInput],
+    catalogues: &[SourceId],
+    settings: &Settings,
+) -> (Schema, Vec<Finding>) {
     let (parsed, mut diagnostics) = parse_all(sources, packages);
     let (schema, mut resolved) = resolve(&parsed);
     diagnostics.append(&mut resolved);
@@ -211,7 +221,7 @@ pub fn lint(
     findings.sort_by(|left, right| {
         (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message))
     });
-    findings
+    (schema, findings)
 }
 
 struct Linter<'s> {

@@ -17,8 +17,8 @@ mod located;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-pub(crate) use self::config::{Config, Inputs, Plan};
-use self::dialect::detected;
+pub(crate) use self::config::{Config, Inputs, Plan, PlannedPackage};
+pub(crate) use self::dialect::detected;
 use self::files::definitions_at;
 pub(crate) use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,

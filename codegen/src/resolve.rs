@@ -15,6 +15,8 @@ mod reference;
 mod resolver;
 mod select;
 
+#[cfg(feature = "lsp")]
+pub(crate) use self::error_codes::code_references;
 pub(crate) use self::lower::default_topic;
 pub(crate) use self::package::PackageSource;
 use self::resolver::Resolver;

@@ -111,6 +111,12 @@ impl SourceMap {
         sources
     }
 
+    /// The ids of all sources.
+    #[cfg(feature = "lsp")]
+    pub(crate) fn ids(&self) -> impl Iterator<Item = SourceId> {
+        (0..self.sources.len()).map(|at| SourceId(offset(at)))
+    }
+
     /// The text of a source.
     pub fn text(&self, id: SourceId) -> &str {
         &self.sources[id.0 as usize].text

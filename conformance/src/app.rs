@@ -23,6 +23,7 @@ mod convert;
 mod explain;
 mod interrupt;
 mod known;
+mod lsp;
 mod man;
 mod outcome;
 mod outputs;
@@ -167,6 +168,11 @@ enum Command {
     ///
     /// The probes use free ports of 127.0.0.1 and take about two minutes.
     SelfTest(self_test::SelfTestArgs),
+    /// Serve an editor that supports the Language Server Protocol.
+    ///
+    /// The server reports the findings of `lint` while the user types. It also provides quick fixes, completion, texts
+    /// about the item under the cursor, navigation, renaming, formatting, and the memory layout of messages.
+    Lsp(lsp::LspArgs),
     /// Print a script that completes commands and options in a shell.
     Completions(completions::CompletionsArgs),
     /// Print the man page, or write the man pages of all commands.
@@ -241,6 +247,7 @@ pub fn main() -> ExitCode {
         Command::Watch(args) => watch::watch(&args),
         Command::Rules(args) => rules::rules(&args),
         Command::SelfTest(args) => self_test::self_test(&args),
+        Command::Lsp(args) => lsp::run(&args),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     };

@@ -9,6 +9,7 @@ mod constant;
 mod error_code;
 mod field;
 mod hash;
+mod history;
 mod message;
 mod presence;
 mod suggestion;
@@ -20,6 +21,7 @@ mod value;
 
 pub(crate) use self::answer::{Answer, Explanation};
 use self::answer::{Candidates, Field};
+pub(crate) use self::history::History;
 pub(crate) use self::text::to_text;
 use crate::definitions::{Library, ReleaseId};
 use crate::explain::catalogue::Catalogue;

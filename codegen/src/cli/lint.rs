@@ -1,6 +1,6 @@
 //! The `lint` command, which checks and fixes the style of definitions.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::fs;
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ use super::status::Status;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::finding::Finding;
-use crate::lint::{Ignore, Preset, RULES, Settings, apply, lint, rule};
+use crate::lint::{RULES, Settings, apply, lint, rule};
 use crate::load::{self, Loaded};
 use crate::load::{Plan, PresetName};
 use crate::report::{RuleInfo, Totals};
@@ -138,21 +138,10 @@ fn list_rules() {
 }
 
 fn settings(plan: &Plan, loaded: &Loaded, args: &LintArgs) -> Settings {
-    let ignores = plan.lint.ignores.iter().map(|ignore| Ignore {
-        rule: ignore.rule.clone(),
-        sources: ignore.files.as_ref().map(|files| {
-            let matching = loaded.paths.iter().filter(|(_, path)| files.is_match(path));
-            matching.map(|(source, _)| *source).collect::<BTreeSet<SourceId>>()
-        }),
-        reason: ignore.reason.clone(),
-        span: loaded.config.unwrap_or_default().part(ignore.range.clone()),
-    });
-    let mut settings = Settings {
-        preset: args.preset.or(plan.lint.preset).map_or_else(Preset::default, Preset::from),
-        levels: plan.lint.levels.clone(),
-        ignores: ignores.collect(),
-        conversions: loaded.conversions.clone(),
-    };
+    let mut settings = plan.lint.settings(loaded);
+    if let Some(preset) = args.preset {
+        settings.preset = preset.into();
+    }
     for rule in args.rule.iter().filter_map(|id| rule(id)) {
         if settings.level(rule).is_none() {
             settings.levels.insert(rule.id.to_owned(), rule.levels.strict.or(rule.levels.px4));

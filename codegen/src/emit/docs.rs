@@ -48,7 +48,7 @@ pub mod markdown;
 mod message;
 mod options;
 mod pages;
-mod picture;
+pub(crate) mod picture;
 mod rules;
 mod scope;
 mod site;

@@ -102,6 +102,8 @@ pub(crate) struct Plan {
     pub(crate) conversions: Vec<PlannedConversion>,
     /// The Git revision of the sources; `None` for the working tree.
     pub(crate) revision: Option<String>,
+    /// The texts of the files that are open in an editor. They are read instead of the files.
+    pub(crate) open: BTreeMap<PathBuf, String>,
 }
 
 /// A pair of packages to convert between.
@@ -128,6 +130,23 @@ pub(crate) struct PlannedPackage {
     pub(crate) revision: Option<String>,
     /// The folder with earlier releases of the package.
     pub(crate) releases: Option<PathBuf>,
+}
+
+impl PlannedPackage {
+    /// A package in which all messages are selected.
+    pub(crate) fn new(name: &str, form: Form, inputs: Inputs) -> Self {
+        Self {
+            name: name.to_owned(),
+            name_range: None,
+            form,
+            inputs,
+            select: None,
+            ros_package: None,
+            origin: None,
+            revision: None,
+            releases: None,
+        }
+    }
 }
 
 /// The location of a package's definitions.
@@ -250,6 +269,7 @@ impl Config {
             catalogues,
             conversions,
             revision: None,
+            open: BTreeMap::new(),
         })
     }
 }
@@ -347,26 +367,22 @@ impl Plan {
             .iter()
             .map(|emitter| PlannedOutput { path: out.join(emitter.name), output: emitter.default() })
             .collect();
-        let package = PlannedPackage {
-            name: name.to_owned(),
-            name_range: None,
-            form,
-            inputs: Inputs::Paths(inputs.to_vec()),
-            select: None,
-            ros_package: None,
-            origin: None,
-            revision: None,
-            releases: None,
-        };
+        let package = PlannedPackage::new(name, form, Inputs::Paths(inputs.to_vec()));
+        Self { outputs, ..Self::of_packages(vec![package]) }
+    }
+
+    /// A plan for packages, without outputs and without a configuration file.
+    pub(crate) fn of_packages(packages: Vec<PlannedPackage>) -> Self {
         Self {
             root: PathBuf::new(),
-            packages: vec![package],
-            outputs,
+            packages,
+            outputs: Vec::new(),
             config: None,
             lint: PlannedLint::default(),
             catalogues: (PathBuf::new(), Vec::new()),
             conversions: Vec::new(),
             revision: None,
+            open: BTreeMap::new(),
         }
     }
 }

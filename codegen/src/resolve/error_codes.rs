@@ -4,7 +4,7 @@ mod alternatives;
 mod prose;
 
 use std::collections::BTreeMap;
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use uavspec_runtime::ErrorClass;
 
@@ -14,6 +14,14 @@ use crate::schema::{ErrorCode, ErrorTable};
 use crate::source::Span;
 use crate::table::error_code::{self, ErrorCodeRow, ErrorCodeTable, range_text};
 use crate::table::{Page, Text};
+
+/// The codes to which a description refers, with their locations. The codes may be unknown.
+#[cfg_attr(not(feature = "lsp"), allow(dead_code))]
+pub(crate) fn code_references(description: &Text) -> Vec<(u32, Span)> {
+    let text = description.as_str();
+    let code = |range: Range<usize>| Some((text[range.clone()].parse().ok()?, description.part(range)));
+    prose::references(text).into_iter().filter_map(|reference| code(reference.range)).collect()
+}
 
 /// Resolves the error codes of all `pages` of a package. The tables are sorted by their ranges.
 pub(super) fn resolve(pages: &[Page]) -> (Vec<ErrorTable>, Vec<Diagnostic>) {

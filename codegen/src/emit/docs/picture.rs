@@ -7,30 +7,33 @@ use self::grid::{Grid, Member, Tint};
 use super::markdown::plural;
 use super::site::Site;
 use crate::emit::file::OutputFile;
-use crate::schema::{Element, Message, MessageId, Slot, UorbLayout};
+use crate::schema::{Element, Message, MessageId, Schema, Slot, UorbLayout};
 
 /// The path of the picture for a message page.
 pub(super) fn path(page: &str) -> String {
     format!("{}.svg", page.strip_suffix(".md").unwrap_or(page))
 }
 
-/// Draws the memory layout of a message, if it has one.
+/// The picture of a message's memory layout, as a file next to its page.
 pub(super) fn file(site: &Site<'_>, id: MessageId) -> Option<OutputFile> {
     let message = site.schema.message(id);
-    let layout = site.layout(message)?;
-    let members: Vec<Member<'_>> = layout.slots.iter().map(|slot| member(site, message, slot)).collect();
-    let grid = Grid::new(&members, layout.size);
-    let text = svg::draw(&grid, &message.name, &caption(layout));
+    let text = draw(site.schema, message, site.layout(message)?);
     Some(OutputFile { path: path(site.path(id)), text })
 }
 
-fn member<'s>(site: &Site<'s>, message: &'s Message, slot: &'s Slot) -> Member<'s> {
+/// Draws the memory layout of a message as SVG.
+pub(crate) fn draw(schema: &Schema, message: &Message, layout: &UorbLayout) -> String {
+    let members: Vec<Member<'_>> = layout.slots.iter().map(|slot| member(schema, message, slot)).collect();
+    svg::draw(&Grid::new(&members, layout.size), &message.name, &caption(layout))
+}
+
+fn member<'s>(schema: &Schema, message: &'s Message, slot: &'s Slot) -> Member<'s> {
     let field = slot.field.map(|index| &message.fields[index]);
     let (tint, element_size) = match field.map(|field| field.ty.element) {
         None => (Tint::Padding, slot.size),
         Some(Element::Scalar(scalar)) => (Tint::of_scalar(scalar.size()), scalar.size()),
         Some(Element::Message(id)) => {
-            (Tint::Nested, site.schema.message(id).uorb.as_ref().map_or(0, |layout| layout.size))
+            (Tint::Nested, schema.message(id).uorb.as_ref().map_or(0, |layout| layout.size))
         }
         Some(Element::String { .. }) => (Tint::Padding, 0),
     };

@@ -1,0 +1,55 @@
+//! Formatting of documents.
+
+use lsp_types::TextEdit;
+
+use super::lines::Lines;
+use super::snapshot::Document;
+use crate::format::format;
+
+/// The edits that format a document. None, if it contains errors.
+pub(super) fn edits(document: &Document<'_>) -> Option<Vec<TextEdit>> {
+    let formatted = format(&document.snapshot.loaded.sources, document.id, document.package?.form).ok()?;
+    Some(replacement(&document.lines, &formatted.text))
+}
+
+/// The edits that replace a text: of its lines from the first to the last one that differ.
+pub(super) fn replacement(lines: &Lines<'_>, new: &str) -> Vec<TextEdit> {
+    let old: Vec<&str> = lines.text().split_inclusive('\n').collect();
+    let new: Vec<&str> = new.split_inclusive('\n').collect();
+    let first = old.iter().zip(&new).take_while(|(old, new)| old == new).count();
+    let rest = (&old[first..], &new[first..]);
+    let last = rest.0.iter().rev().zip(rest.1.iter().rev()).take_while(|(old, new)| old == new).count();
+    let (old_end, new_end) = (old.len() - last, new.len() - last);
+    if first == old_end && first == new_end {
+        return Vec::new();
+    }
+    let range = lines.range(lines.start(first)..lines.start(old_end));
+    vec![TextEdit { range, new_text: new[first..new_end].concat() }]
+}
+
+#[cfg(test)]
+mod tests {
+    use lsp_types::{Position, Range};
+
+    use super::*;
+    use crate::lsp::lines::Encoding;
+
+    #[test]
+    fn only_lines_that_differ_are_replaced() {
+        let lines = Lines::new("a\nb\nc\nd", Encoding::Utf16);
+        let edit = |first, last, text: &str| {
+            let at = |line| Position { line, character: 0 };
+            vec![TextEdit { range: Range { start: at(first), end: at(last) }, new_text: text.to_owned() }]
+        };
+        assert_eq!(replacement(&lines, "a\nb\nc\nd"), []);
+        assert_eq!(replacement(&lines, "a\nB\nc\nd"), edit(1, 2, "B\n"));
+        assert_eq!(replacement(&lines, "a\nd"), edit(1, 3, ""));
+        assert_eq!(replacement(&lines, "a\nb\nx\nc\nd"), edit(2, 2, "x\n"));
+        let end = Position { line: 3, character: 1 };
+        let last = TextEdit {
+            range: Range { start: Position { line: 3, character: 0 }, end },
+            new_text: "d\n".to_owned(),
+        };
+        assert_eq!(replacement(&lines, "a\nb\nc\nd\n"), [last]);
+    }
+}

@@ -1,0 +1,137 @@
+//! A set of packages that are read together, and their current snapshot.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::discovery;
+use super::lines::Encoding;
+use super::snapshot::Snapshot;
+use crate::failure::Failure;
+use crate::load::{Config, Loaded, Plan, load_with_catalogues};
+use crate::source::SourceId;
+
+/// The packages of a configuration file, or of a folder without one.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Root {
+    Config(PathBuf),
+    Folder(PathBuf),
+}
+
+impl Root {
+    /// The root of a folder: its configuration file, if it has one.
+    pub(super) fn of_folder(folder: &Path) -> Self {
+        Config::in_folder(folder).map_or_else(|| Self::Folder(folder.to_path_buf()), Self::Config)
+    }
+
+    /// The folder that contains the definitions.
+    pub(super) fn folder(&self) -> &Path {
+        match self {
+            Self::Config(file) => file.parent().unwrap_or(Path::new("")),
+            Self::Folder(folder) => folder,
+        }
+    }
+
+    fn plan(&self, open: &BTreeMap<PathBuf, String>) -> Result<Plan, Failure> {
+        let plan = match self {
+            Self::Config(file) => match open.get(file) {
+                Some(text) => Config::parse(file, text.clone())?.plan()?,
+                None => Config::read(file)?.plan()?,
+            },
+            Self::Folder(folder) => discovery::plan(folder, open),
+        };
+        Ok(Plan { open: open.clone(), ..plan })
+    }
+}
+
+/// The changes since the last snapshot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Change {
+    None,
+    /// The text of open documents.
+    Texts,
+    /// The set of files, or files that aren't open.
+    Files,
+}
+
+/// A project.
+pub(super) struct Project {
+    pub(super) root: Root,
+    change: Change,
+    plan: Plan,
+    snapshot: Option<Snapshot>,
+    /// The reason why the definitions can't be read.
+    failure: Option<Failure>,
+}
+
+impl Project {
+    pub(super) fn new(root: Root) -> Self {
+        let plan = Plan::of_packages(Vec::new());
+        Self { root, change: Change::Files, plan, snapshot: None, failure: None }
+    }
+
+    /// The snapshot, unless the definitions can't be read.
+    pub(super) fn snapshot(&self) -> Option<&Snapshot> {
+        self.snapshot.as_ref()
+    }
+
+    /// The reason why the definitions can't be read.
+    pub(super) fn failure(&self) -> Option<&Failure> {
+        self.failure.as_ref()
+    }
+
+    /// True if the project reads this file.
+    pub(super) fn contains(&self, path: &Path) -> bool {
+        matches!(&self.root, Root::Config(file) if file == path)
+            || self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some())
+    }
+
+    /// Notes that the text of an open document changed.
+    pub(super) fn edit(&mut self, path: &Path) {
+        let is_definition = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some());
+        self.change = self.change.max(if is_definition { Change::Texts } else { Change::Files });
+    }
+
+    /// Notes that files changed.
+    pub(super) fn reload(&mut self) {
+        self.change = Change::Files;
+    }
+
+    /// Reads the definitions again, if they changed. Returns true if they did.
+    pub(super) fn refresh(&mut self, open: &BTreeMap<PathBuf, String>, encoding: Encoding) -> bool {
+        let lacks_package = self.snapshot.as_ref().is_some_and(Snapshot::lacks_package);
+        let loaded = match std::mem::replace(&mut self.change, Change::None) {
+            Change::None => return false,
+            Change::Texts if !lacks_package => self.snapshot.take().map(|snapshot| {
+                let mut loaded = snapshot.loaded;
+                loaded.sources = loaded.sources.with_texts(&changed(&loaded, open));
+                loaded
+            }),
+            Change::Texts | Change::Files => None,
+        };
+        let loaded = loaded.map_or_else(|| self.load(open), Ok);
+        let is_whole = matches!(self.root, Root::Config(_));
+        match loaded {
+            Ok(loaded) => {
+                let settings = self.plan.lint.settings(&loaded);
+                self.snapshot = Some(Snapshot::new(loaded, &settings, is_whole, encoding));
+                self.failure = None;
+            }
+            Err(failure) => (self.snapshot, self.failure) = (None, Some(failure)),
+        }
+        true
+    }
+
+    fn load(&mut self, open: &BTreeMap<PathBuf, String>) -> Result<Loaded, Failure> {
+        self.plan = self.root.plan(open)?;
+        load_with_catalogues(&self.plan)
+    }
+}
+
+/// The new texts of open documents.
+fn changed(loaded: &Loaded, open: &BTreeMap<PathBuf, String>) -> BTreeMap<SourceId, String> {
+    let texts = loaded.paths.iter().filter_map(|(id, path)| Some((*id, open.get(path)?)));
+    texts
+        .filter(|(id, text)| loaded.sources.text(*id) != *text)
+        .map(|(id, text)| (id, text.clone()))
+        .collect()
+}

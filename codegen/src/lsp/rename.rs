@@ -1,0 +1,254 @@
+//! Renames messages, fields, constants and types everywhere they are written.
+//!
+//! The definitions are read again with the new name. The rename is refused if it would cause an error, or if it would
+//! change a versioned message.
+
+use std::collections::BTreeMap;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use lsp_types::{
+    DocumentChange, Edit, OptionalVersionedTextDocumentIdentifier, PrepareRenamePlaceholder, RenameFile,
+    TextDocumentEdit, TextDocumentIdentifier, TextEdit, WorkspaceEdit,
+};
+
+use super::snapshot::{Document, Snapshot};
+use super::symbol::{self, Occurrence, Symbol};
+use super::uri;
+use crate::breaking::{Between, breaking};
+use crate::diagnostic::{Diagnostic, Level};
+use crate::msg::Kind;
+use crate::read::{PackageInput, read};
+use crate::schema::{MessageId, Schema};
+use crate::source::{SourceId, SourceMap, Span};
+
+/// The rule that a change of a versioned message violates.
+const VERSION: &str = "message-version";
+
+/// The name under the cursor, if it can be renamed.
+pub(super) fn prepare(document: &Document<'_>, offset: usize) -> Result<PrepareRenamePlaceholder, String> {
+    let found = symbol::at(document, offset).ok_or("there is no name here")?;
+    check_kind(&found.symbol)?;
+    let placeholder = document.text(found.span).to_owned();
+    Ok(PrepareRenamePlaceholder { range: document.range(found.span), placeholder })
+}
+
+/// The edits that rename the symbol at a byte offset, or the reason why it can't be renamed. `can_rename_files` is true
+/// if the editor can.
+pub(super) fn rename(
+    document: &Document<'_>,
+    offset: usize,
+    name: &str,
+    can_rename_files: bool,
+) -> Result<WorkspaceEdit, String> {
+    let found = symbol::at(document, offset).ok_or("there is no name here")?;
+    check_kind(&found.symbol)?;
+    let snapshot = document.snapshot;
+    let old = document.text(found.span);
+    if old == name {
+        return Ok(WorkspaceEdit::default());
+    }
+    let renaming = Renaming { snapshot, symbol: &found.symbol, old, name };
+    let file = match &found.symbol {
+        Symbol::Message(id) => Some(renaming.file(*id)?),
+        _ => None,
+    };
+    if file.is_some() && !can_rename_files {
+        return Err("this editor can't rename files, and a message is named after its file".to_owned());
+    }
+    let edits = renaming.edits();
+    renaming.check(&edits, file.as_ref())?;
+    Ok(renaming.workspace_edit(&edits, file))
+}
+
+fn check_kind(symbol: &Symbol) -> Result<(), String> {
+    match symbol {
+        Symbol::Prefix(..) => Err("a prefix stands for several constants; rename each constant".to_owned()),
+        Symbol::ErrorCode(..) => Err("an error code has a permanent number; it can't be renamed".to_owned()),
+        _ => Ok(()),
+    }
+}
+
+/// A file and its new path.
+type MovedFile = (SourceId, PathBuf, PathBuf);
+
+struct Renaming<'a> {
+    snapshot: &'a Snapshot,
+    symbol: &'a Symbol,
+    old: &'a str,
+    name: &'a str,
+}
+
+impl Renaming<'_> {
+    /// The file of a message, and its new path.
+    fn file(&self, id: MessageId) -> Result<MovedFile, String> {
+        let message = self.snapshot.schema.message(id);
+        if message.kind != Kind::Message {
+            return Err("the parts of services and actions are named after their file".to_owned());
+        }
+        let source = self.snapshot.loaded.sources.source_of(message.span);
+        let path = self.snapshot.path(source).ok_or("the file of the message is unknown")?;
+        let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default();
+        let new = path.with_file_name(format!("{}.{extension}", self.name));
+        Ok((source, path.to_path_buf(), new))
+    }
+
+    /// The places where the name is written, by source.
+    fn edits(&self) -> BTreeMap<SourceId, Vec<Span>> {
+        let mut edits: BTreeMap<SourceId, Vec<Span>> = BTreeMap::new();
+        let sources = &self.snapshot.loaded.sources;
+        let occurrences = self.snapshot.documents().flat_map(|document| symbol::occurrences(&document));
+        let is_written = |occurrence: &Occurrence| {
+            occurrence.symbol == *self.symbol && sources.slice(occurrence.span) == self.old
+        };
+        let places = occurrences.filter(is_written).map(|occurrence| occurrence.span);
+        for span in places.chain(self.selections()) {
+            edits.entry(sources.source_of(span)).or_default().push(span);
+        }
+        for spans in edits.values_mut() {
+            spans.sort();
+            spans.dedup();
+        }
+        edits
+    }
+
+    /// The places in the configuration file that select the message.
+    fn selections(&self) -> Vec<Span> {
+        let Symbol::Message(id) = self.symbol else { return Vec::new() };
+        let schema = &self.snapshot.schema;
+        let package = &schema.packages[schema.message(*id).package].name;
+        let inputs = self.snapshot.loaded.packages.iter().filter(|input| input.name == *package);
+        let selected = inputs.flat_map(|input| input.select.iter().flatten());
+        let named = selected.filter(|(name, _)| name == self.old).map(|(_, span)| *span);
+        // The quotes are part of the span.
+        let inner = |span: Span| {
+            let at = self.snapshot.loaded.sources.slice(span).find(self.old).unwrap_or(0);
+            span.part(at..at + self.old.len())
+        };
+        named.map(inner).collect()
+    }
+
+    /// Checks the definitions with the new name.
+    fn check(&self, edits: &BTreeMap<SourceId, Vec<Span>>, file: Option<&MovedFile>) -> Result<(), String> {
+        let loaded = &self.snapshot.loaded;
+        // Both versions are in one source map, so that a comparison can refer to both.
+        let mut sources = SourceMap::default();
+        for id in loaded.sources.ids() {
+            let _ = sources.add(loaded.sources.path(id), loaded.sources.text(id).as_bytes().to_vec());
+        }
+        let new_input = |input: &PackageInput, sources: &mut SourceMap| {
+            let ids = input.sources.iter().filter_map(|id| {
+                let path = match file {
+                    Some((moved, _, new)) if moved == id => new.to_string_lossy().into_owned(),
+                    _ => loaded.sources.path(*id).to_owned(),
+                };
+                sources.add(path, self.new_text(*id, edits).into_bytes()).ok()
+            });
+            let sources = ids.collect();
+            let select = input.select.as_ref().map(|select| {
+                let renamed = |(name, span): &(String, Span)| {
+                    let is_meant = file.is_some() && name == self.old;
+                    (if is_meant { self.name.to_owned() } else { name.clone() }, *span)
+                };
+                select.iter().map(renamed).collect()
+            });
+            PackageInput { sources, select, ..input.clone() }
+        };
+        let packages: Vec<PackageInput> =
+            loaded.packages.iter().map(|input| new_input(input, &mut sources)).collect();
+        if let Some((_, old, new)) = file
+            && loaded.paths.values().any(|path| path != old && is_same_file(path, new))
+        {
+            return Err(format!("the file {} exists", new.display()));
+        }
+        let (old_schema, before) = read(&sources, &loaded.packages);
+        let (new_schema, after) = read(&sources, &packages);
+        let is_error = |diagnostic: &&Diagnostic| diagnostic.level() == Level::Error;
+        let key = |diagnostic: &Diagnostic| diagnostic.problem.code();
+        let mut known: Vec<&str> = before.iter().filter(is_error).map(key).collect();
+        for diagnostic in after.iter().filter(is_error) {
+            match known.iter().position(|code| *code == key(diagnostic)) {
+                Some(at) => drop(known.swap_remove(at)),
+                None => return Err(diagnostic.problem.to_string().replace('`', "")),
+            }
+        }
+        self.check_enums(&new_schema)?;
+        let findings = breaking(&sources, &old_schema, &new_schema, Between::Commits);
+        match findings.iter().find(|finding| finding.rule == VERSION) {
+            Some(finding) => Err(format!("{}: {}", finding.message, finding.help).replace('`', "")),
+            None => Ok(()),
+        }
+    }
+
+    /// Checks that a constant stays in its enums.
+    fn check_enums(&self, new: &Schema) -> Result<(), String> {
+        let Symbol::Constant(id, at) = self.symbol else { return Ok(()) };
+        let users = |schema: &Schema| -> usize {
+            let message = schema.message(*id);
+            let members = message.enums.iter().flat_map(|found| &found.members);
+            members.filter(|member| member.constant == *at).count()
+        };
+        if users(&self.snapshot.schema) == users(new) {
+            return Ok(());
+        }
+        Err(format!("{} would no longer belong to the same enums; keep its prefix", self.name))
+    }
+
+    /// The text of a source with the new name.
+    fn new_text(&self, id: SourceId, edits: &BTreeMap<SourceId, Vec<Span>>) -> String {
+        let text = self.snapshot.loaded.sources.text(id);
+        let mut new = String::with_capacity(text.len());
+        let mut copied = 0;
+        for span in edits.get(&id).into_iter().flatten() {
+            let range = self.snapshot.offsets(id, *span);
+            new.push_str(&text[copied..range.start]);
+            new.push_str(self.name);
+            copied = range.end;
+        }
+        new.push_str(&text[copied..]);
+        new
+    }
+
+    fn workspace_edit(
+        &self,
+        edits: &BTreeMap<SourceId, Vec<Span>>,
+        file: Option<MovedFile>,
+    ) -> WorkspaceEdit {
+        let config = self.snapshot.loaded.config.map(|span| self.snapshot.loaded.sources.source_of(span));
+        let change = |(id, spans): (&SourceId, &Vec<Span>)| {
+            let path = match self.snapshot.path(*id) {
+                Some(path) => path,
+                None if config == Some(*id) => Path::new(self.snapshot.loaded.sources.path(*id)),
+                None => return None,
+            };
+            let lines = self.snapshot.lines(*id);
+            let edit = |span: &Span| {
+                let range = lines.range(self.snapshot.offsets(*id, *span));
+                Edit::TextEdit(TextEdit { range, new_text: self.name.to_owned() })
+            };
+            let text_document_identifier = TextDocumentIdentifier { uri: uri::from_path(path) };
+            Some(DocumentChange::TextDocumentEdit(TextDocumentEdit {
+                text_document: OptionalVersionedTextDocumentIdentifier {
+                    version: None,
+                    text_document_identifier,
+                },
+                edits: spans.iter().map(edit).collect(),
+            }))
+        };
+        let mut changes: Vec<DocumentChange> = edits.iter().filter_map(change).collect();
+        changes.extend(file.map(|(_, old, new)| {
+            DocumentChange::RenameFile(RenameFile {
+                old_uri: uri::from_path(&old),
+                new_uri: uri::from_path(&new),
+                options: None,
+                annotation_id: None,
+            })
+        }));
+        WorkspaceEdit { document_changes: Some(changes), ..WorkspaceEdit::default() }
+    }
+}
+
+/// True if two paths are the same on file systems that ignore case.
+fn is_same_file(left: &Path, right: &Path) -> bool {
+    left.to_string_lossy().to_lowercase() == right.to_string_lossy().to_lowercase()
+}

@@ -1,0 +1,350 @@
+//! The event loop: reads the messages of the editor, answers requests, and publishes diagnostics.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
+use lsp_types::{
+    CodeActionKind, CodeActionOptions, CodeActionParams, CodeActionProvider, CompletionOptions,
+    DefinitionProvider, Diagnostic, DidChangeTextDocumentParams, DidChangeWorkspaceFoldersParams,
+    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DocumentFormattingProvider,
+    DocumentHighlightProvider, DocumentSymbolProvider, FoldingRangeProvider, Full, HoverProvider,
+    InitializeParams, InlayHintParams, InlayHintProvider, LspNotificationMethod, LspRequestMethod, Position,
+    PublishDiagnosticsParams, ReferenceParams, ReferencesProvider, RenameOptions, RenameParams,
+    RenameProvider, ResourceOperationKind, SemanticTokens, SemanticTokensOptions, SemanticTokensProvider,
+    ServerCapabilities, TextDocumentIdentifier, TextDocumentSync, TextDocumentSyncKind,
+    TextDocumentSyncOptions, Uri, WorkspaceFolders, WorkspaceFoldersServerCapabilities, WorkspaceOptions,
+    WorkspaceSymbolParams, WorkspaceSymbolProvider,
+};
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+
+use super::lines::Encoding;
+use super::project::{Project, Root};
+use super::snapshot::{Document, Snapshot};
+use super::workspace::Workspace;
+use super::{
+    History, completion, diagnostics, fixes, format, hover, layout, navigation, outline, rename, tokens, uri,
+};
+
+/// The request for pictures of memory layouts, which isn't part of the protocol.
+const LAYOUT: &str = "uavspec/layout";
+
+/// The files whose changes the editor reports.
+const WATCHED: &str = "**/{*.msg,*.srv,*.action,*.md,*.adoc,*.po,uavspec.toml}";
+
+/// A failed request: the code of the protocol, and a message for the user.
+type Failed = (ErrorCode, String);
+
+/// The server of one editor.
+pub(super) struct Server<'c> {
+    connection: &'c Connection,
+    history: &'c dyn History,
+    workspace: Workspace,
+    /// True if the editor can rename files as part of an edit.
+    can_rename_files: bool,
+    /// True if the editor can report changes of files.
+    can_watch_files: bool,
+    published: BTreeMap<PathBuf, Vec<Diagnostic>>,
+}
+
+/// The document and the position of a request.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Place {
+    text_document: TextDocumentIdentifier,
+    #[serde(default)]
+    position: Position,
+}
+
+impl<'c> Server<'c> {
+    /// Creates the server for the parameters of the editor's `initialize` request.
+    #[allow(deprecated)] // editors without workspace folders send `rootUri`
+    pub(super) fn new(
+        connection: &'c Connection,
+        history: &'c dyn History,
+        parameters: Value,
+    ) -> Result<Self, serde_json::Error> {
+        let parameters: InitializeParams = serde_json::from_value(parameters)?;
+        let general = parameters.capabilities.general.unwrap_or_default();
+        let encoding = Encoding::choose(&general.position_encodings.unwrap_or_default());
+        let folders = match parameters.workspace_folders_initialize_params.workspace_folders {
+            Some(WorkspaceFolders::WorkspaceFolderList(folders)) => {
+                folders.into_iter().map(|folder| folder.uri).collect()
+            }
+            Some(WorkspaceFolders::Null) | None => Vec::from_iter(parameters.root_uri),
+        };
+        let folders: Vec<PathBuf> = folders.iter().filter_map(uri::to_path).collect();
+        let client = parameters.capabilities.workspace.unwrap_or_default();
+        let operations = client.workspace_edit.and_then(|edit| edit.resource_operations).unwrap_or_default();
+        let watching = client.did_change_watched_files.and_then(|watching| watching.dynamic_registration);
+        Ok(Self {
+            connection,
+            history,
+            workspace: Workspace::new(&folders, encoding),
+            can_rename_files: operations.contains(&ResourceOperationKind::Rename),
+            can_watch_files: watching == Some(true),
+            published: BTreeMap::new(),
+        })
+    }
+
+    /// The answer to the `initialize` request.
+    pub(super) fn initialize_result(&self) -> Value {
+        let server = json!({ "name": "uavspec", "version": env!("CARGO_PKG_VERSION") });
+        json!({ "capabilities": capabilities(self.workspace.encoding), "serverInfo": server })
+    }
+
+    /// Serves the editor until it ends the session.
+    pub(super) fn run(mut self) -> Result<(), ProtocolError> {
+        if self.can_watch_files {
+            self.watch_files();
+        }
+        self.publish();
+        while let Ok(message) = self.connection.receiver.recv() {
+            let waiting = self.connection.receiver.try_iter();
+            for message in std::iter::once(message).chain(waiting) {
+                match message {
+                    Message::Request(request) => {
+                        if self.connection.handle_shutdown(&request)? {
+                            return Ok(());
+                        }
+                        self.workspace.refresh();
+                        let response = self.respond(request);
+                        self.send(response.into());
+                    }
+                    Message::Notification(notification) => self.note(notification),
+                    Message::Response(_) => {}
+                }
+            }
+            self.publish();
+        }
+        Ok(())
+    }
+
+    /// Sends a message. If the editor has gone, the loop ends with the next message.
+    fn send(&self, message: Message) {
+        let _ = self.connection.sender.send(message);
+    }
+
+    /// Asks the editor to report changes of files.
+    fn watch_files(&self) {
+        let method = LspNotificationMethod::WorkspaceDidChangeWatchedFiles.as_str();
+        let options = json!({ "watchers": [{ "globPattern": WATCHED }] });
+        let registration = json!({ "id": "files", "method": method, "registerOptions": options });
+        let request = Request {
+            id: 0.into(),
+            method: LspRequestMethod::ClientRegisterCapability.as_str().to_owned(),
+            params: json!({ "registrations": [registration] }),
+        };
+        self.send(request.into());
+    }
+
+    fn note(&mut self, notification: Notification) {
+        let result = self.try_note(notification);
+        if let Err(error) = result {
+            let message = format!("uavspec: an invalid notification: {error}");
+            let params = json!({ "type": 1, "message": message });
+            let method = LspNotificationMethod::WindowLogMessage.as_str().to_owned();
+            self.send(Notification { method, params }.into());
+        }
+    }
+
+    fn try_note(&mut self, notification: Notification) -> Result<(), serde_json::Error> {
+        use LspNotificationMethod as Method;
+        let Notification { method, params } = notification;
+        match Method::from(method.as_str()) {
+            Method::TextDocumentDidOpen => {
+                let opened: DidOpenTextDocumentParams = serde_json::from_value(params)?;
+                if let Some(path) = uri::to_path(&opened.text_document.uri) {
+                    self.workspace.open(&path, opened.text_document.text);
+                }
+            }
+            Method::TextDocumentDidChange => {
+                let changed: DidChangeTextDocumentParams = serde_json::from_value(params)?;
+                if let Some(path) = uri::to_path(&changed.text_document.text_document_identifier.uri) {
+                    self.workspace.edit(&path, changed.content_changes);
+                }
+            }
+            Method::TextDocumentDidClose => {
+                let closed: DidCloseTextDocumentParams = serde_json::from_value(params)?;
+                if let Some(path) = uri::to_path(&closed.text_document.uri) {
+                    self.workspace.close(&path);
+                }
+            }
+            Method::TextDocumentDidSave | Method::WorkspaceDidChangeWatchedFiles => self.workspace.reload(),
+            Method::WorkspaceDidChangeWorkspaceFolders => {
+                let changed: DidChangeWorkspaceFoldersParams = serde_json::from_value(params)?;
+                let path = |uri: &Uri| uri::to_path(uri);
+                let removed = changed.event.removed.iter().filter_map(|folder| path(&folder.uri));
+                removed.for_each(|folder| self.workspace.remove_folder(&folder));
+                let added = changed.event.added.iter().filter_map(|folder| path(&folder.uri));
+                added.for_each(|folder| self.workspace.add_folder(&folder));
+            }
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn respond(&self, request: Request) -> Response {
+        match self.answer(&request.method, request.params) {
+            Ok(result) => Response::new_ok(request.id, result),
+            Err((code, message)) => Response::new_err(request.id, code as i32, message),
+        }
+    }
+
+    /// The answer to a request. The answer about a file that isn't a definition is null.
+    fn answer(&self, method: &str, params: Value) -> Result<Value, Failed> {
+        use LspRequestMethod as Method;
+        let known = Method::from(method);
+        if known == Method::WorkspaceSymbol {
+            let params: WorkspaceSymbolParams = read(params)?;
+            let snapshots = self.workspace.projects.iter().filter_map(Project::snapshot);
+            let found = snapshots.flat_map(|snapshot: &Snapshot| outline::search(snapshot, &params.query));
+            return Ok(json!(found.collect::<Vec<_>>()));
+        }
+        let is_known = method == LAYOUT || !matches!(known, Method::Custom(_));
+        let place: Place = match read(params.clone()) {
+            Ok(place) => place,
+            Err(error) if is_known => return Err(error),
+            Err(_) => return Err(unknown(method)),
+        };
+        let path = uri::to_path(&place.text_document.uri);
+        let Some(document) = path.and_then(|path| self.workspace.document(&path)) else {
+            return if is_known { Ok(Value::Null) } else { Err(unknown(method)) };
+        };
+        self.answer_about(&document, known, place.position, params)
+    }
+
+    /// The answer to a request about a document.
+    fn answer_about(
+        &self,
+        document: &Document<'_>,
+        method: LspRequestMethod<'_>,
+        position: Position,
+        params: Value,
+    ) -> Result<Value, Failed> {
+        use LspRequestMethod as Method;
+        let offset = document.lines.offset(position);
+        let refused = |reason: String| (ErrorCode::RequestFailed, reason);
+        Ok(match method {
+            Method::TextDocumentHover => json!(hover::hover(document, self.history, offset)),
+            Method::TextDocumentDefinition => json!(navigation::definition(document, offset)),
+            Method::TextDocumentReferences => {
+                let params: ReferenceParams = read(params)?;
+                json!(navigation::references(document, offset, params.context.include_declaration))
+            }
+            Method::TextDocumentDocumentHighlight => json!(navigation::highlights(document, offset)),
+            Method::TextDocumentCompletion => json!(completion::complete(document, offset)),
+            Method::TextDocumentDocumentSymbol => json!(outline::symbols(document)),
+            Method::TextDocumentFoldingRange => json!(outline::folds(document)),
+            Method::TextDocumentSemanticTokensFull => {
+                json!(SemanticTokens { result_id: None, data: tokens::tokens(document) })
+            }
+            Method::TextDocumentInlayHint => {
+                let params: InlayHintParams = read(params)?;
+                json!(layout::hints(document, params.range))
+            }
+            Method::TextDocumentCodeAction => {
+                let params: CodeActionParams = read(params)?;
+                json!(fixes::actions(document, params.range, params.context.only.as_deref()))
+            }
+            Method::TextDocumentFormatting => json!(format::edits(document)),
+            Method::TextDocumentPrepareRename => json!(rename::prepare(document, offset).map_err(refused)?),
+            Method::TextDocumentRename => {
+                let params: RenameParams = read(params)?;
+                let edit = rename::rename(document, offset, &params.new_name, self.can_rename_files);
+                json!(edit.map_err(refused)?)
+            }
+            Method::Custom(LAYOUT) => json!(layout::pictures(document)),
+            other => return Err(unknown(other.as_str())),
+        })
+    }
+
+    /// Publishes the diagnostics that changed.
+    fn publish(&mut self) {
+        if !self.workspace.refresh() && !self.published.is_empty() {
+            return;
+        }
+        let mut current: BTreeMap<PathBuf, Vec<Diagnostic>> = BTreeMap::new();
+        let (configured, others): (Vec<&Project>, Vec<&Project>) =
+            self.workspace.projects.iter().partition(|project| matches!(project.root, Root::Config(_)));
+        for project in configured.into_iter().chain(others) {
+            for (path, found) in diagnostics::of_project(project) {
+                current.entry(path).or_insert(found);
+            }
+        }
+        for (path, found) in &current {
+            if self.published.get(path) != Some(found) {
+                self.publish_file(path.clone(), found.clone());
+            }
+        }
+        for path in self.published.keys().filter(|path| !current.contains_key(*path)) {
+            self.publish_file(path.clone(), Vec::new());
+        }
+        self.published = current;
+    }
+
+    fn publish_file(&self, path: PathBuf, diagnostics: Vec<Diagnostic>) {
+        let params = PublishDiagnosticsParams { uri: uri::from_path(&path), version: None, diagnostics };
+        let method = LspNotificationMethod::TextDocumentPublishDiagnostics.as_str().to_owned();
+        self.send(Notification { method, params: json!(params) }.into());
+    }
+}
+
+fn read<T: DeserializeOwned>(params: Value) -> Result<T, Failed> {
+    serde_json::from_value(params).map_err(|error| (ErrorCode::InvalidParams, error.to_string()))
+}
+
+fn unknown(method: &str) -> Failed {
+    (ErrorCode::MethodNotFound, format!("unknown request `{method}`"))
+}
+
+/// The features of the server.
+fn capabilities(encoding: Encoding) -> ServerCapabilities {
+    ServerCapabilities {
+        position_encoding: Some(encoding.kind()),
+        text_document_sync: Some(TextDocumentSync::Options(TextDocumentSyncOptions {
+            open_close: Some(true),
+            change: Some(TextDocumentSyncKind::Incremental),
+            save: Some(true.into()),
+            ..TextDocumentSyncOptions::default()
+        })),
+        hover_provider: Some(HoverProvider::Bool(true)),
+        definition_provider: Some(DefinitionProvider::Bool(true)),
+        references_provider: Some(ReferencesProvider::Bool(true)),
+        document_highlight_provider: Some(DocumentHighlightProvider::Bool(true)),
+        document_symbol_provider: Some(DocumentSymbolProvider::Bool(true)),
+        workspace_symbol_provider: Some(WorkspaceSymbolProvider::Bool(true)),
+        document_formatting_provider: Some(DocumentFormattingProvider::Bool(true)),
+        folding_range_provider: Some(FoldingRangeProvider::Bool(true)),
+        inlay_hint_provider: Some(InlayHintProvider::Bool(true)),
+        rename_provider: Some(RenameProvider::RenameOptions(RenameOptions {
+            prepare_provider: Some(true),
+            ..RenameOptions::default()
+        })),
+        completion_provider: Some(CompletionOptions {
+            trigger_characters: Some(completion::TRIGGERS.map(str::to_owned).into()),
+            ..CompletionOptions::default()
+        }),
+        code_action_provider: Some(CodeActionProvider::CodeActionOptions(CodeActionOptions {
+            code_action_kinds: Some(vec![CodeActionKind::QuickFix, fixes::fix_all()]),
+            ..CodeActionOptions::default()
+        })),
+        semantic_tokens_provider: Some(SemanticTokensProvider::SemanticTokensOptions(
+            SemanticTokensOptions {
+                legend: tokens::legend(),
+                full: Some(Full::Bool(true)),
+                ..SemanticTokensOptions::default()
+            },
+        )),
+        workspace: Some(WorkspaceOptions {
+            workspace_folders: Some(WorkspaceFoldersServerCapabilities {
+                supported: Some(true),
+                change_notifications: Some(true.into()),
+            }),
+            ..WorkspaceOptions::default()
+        }),
+        ..ServerCapabilities::default()
+    }
+}

@@ -1,0 +1,160 @@
+//! The definitions of a project at one moment, and what was found in them.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use lsp_types::Location;
+
+use super::lines::{Encoding, Lines};
+use super::uri;
+use crate::diagnostic::Level;
+use crate::finding::Finding;
+use crate::lint::{Settings, read_and_lint};
+use crate::load::Loaded;
+use crate::msg::ast::Definition;
+use crate::msg::{self, Dialect, Kind};
+use crate::read::PackageInput;
+use crate::schema::{Form, Message, MessageId, Schema};
+use crate::source::{SourceId, Span};
+
+/// The rule of a reference to a package that the workspace doesn't contain.
+const UNKNOWN_PACKAGE: &str = "unknown-package";
+
+/// Definitions with the texts of open documents.
+pub(super) struct Snapshot {
+    /// The sources and packages.
+    pub(super) loaded: Loaded,
+    /// The schema. It is incomplete if the definitions contain errors.
+    pub(super) schema: Schema,
+    /// The findings of the parser and of `lint`.
+    pub(super) findings: Vec<Finding>,
+    ids: BTreeMap<PathBuf, SourceId>,
+    encoding: Encoding,
+}
+
+impl Snapshot {
+    /// Reads and checks definitions. `is_whole` is true if the project contains all packages that it refers to.
+    pub(super) fn new(loaded: Loaded, settings: &Settings, is_whole: bool, encoding: Encoding) -> Self {
+        let (schema, mut findings) =
+            read_and_lint(&loaded.sources, &loaded.packages, &loaded.catalogues, settings);
+        findings.extend(loaded.diagnostics.iter().map(Finding::from));
+        if !is_whole {
+            for finding in findings.iter_mut().filter(|finding| finding.rule == UNKNOWN_PACKAGE) {
+                finding.level = Level::Note;
+            }
+        }
+        let ids = loaded.paths.iter().map(|(id, path)| (path.clone(), *id)).collect();
+        Self { loaded, schema, findings, ids, encoding }
+    }
+
+    /// True if a definition refers to an unknown package. Its files may have been added since.
+    pub(super) fn lacks_package(&self) -> bool {
+        self.findings.iter().any(|finding| finding.rule == UNKNOWN_PACKAGE)
+    }
+
+    /// The document at a path.
+    pub(super) fn document(&self, path: &Path) -> Option<Document<'_>> {
+        let id = *self.ids.get(path)?;
+        let package = self.loaded.packages.iter().find(|package| package.sources.contains(&id));
+        Some(Document { snapshot: self, id, package, lines: self.lines(id) })
+    }
+
+    /// All documents that contain definitions.
+    pub(super) fn documents(&self) -> impl Iterator<Item = Document<'_>> {
+        self.loaded.packages.iter().flat_map(move |package| {
+            package.sources.iter().map(move |id| Document {
+                snapshot: self,
+                id: *id,
+                package: Some(package),
+                lines: self.lines(*id),
+            })
+        })
+    }
+
+    /// The path of a source, or `None` for the configuration file, which isn't a definition.
+    pub(super) fn path(&self, id: SourceId) -> Option<&Path> {
+        self.loaded.paths.get(&id).map(PathBuf::as_path)
+    }
+
+    pub(super) fn lines(&self, id: SourceId) -> Lines<'_> {
+        Lines::new(self.loaded.sources.text(id), self.encoding)
+    }
+
+    /// The location of a span.
+    pub(super) fn location(&self, span: Span) -> Option<Location> {
+        let id = self.loaded.sources.source_of(span);
+        let uri = uri::from_path(self.path(id)?);
+        Some(Location { uri, range: self.lines(id).range(self.offsets(id, span)) })
+    }
+
+    /// The byte offsets of a span in its source.
+    pub(super) fn offsets(&self, id: SourceId, span: Span) -> Range<usize> {
+        let start = self.loaded.sources.span(id).start;
+        span.start.saturating_sub(start) as usize..span.end.saturating_sub(start) as usize
+    }
+}
+
+/// A document of a snapshot.
+pub(super) struct Document<'s> {
+    pub(super) snapshot: &'s Snapshot,
+    pub(super) id: SourceId,
+    /// The package of the definitions, or `None` for catalogues and hints.
+    pub(super) package: Option<&'s PackageInput>,
+    pub(super) lines: Lines<'s>,
+}
+
+impl<'s> Document<'s> {
+    /// The range of a span in this document.
+    pub(super) fn range(&self, span: Span) -> lsp_types::Range {
+        self.lines.range(self.snapshot.offsets(self.id, span))
+    }
+
+    /// The span between two byte offsets.
+    pub(super) fn span(&self, range: Range<usize>) -> Span {
+        self.whole().part(range)
+    }
+
+    /// The span of the document.
+    pub(super) fn whole(&self) -> Span {
+        self.snapshot.loaded.sources.span(self.id)
+    }
+
+    /// The text within a span.
+    pub(super) fn text(&self, span: Span) -> &'s str {
+        self.snapshot.loaded.sources.slice(span)
+    }
+
+    /// The dialect of a `.msg`, `.srv` or `.action` file.
+    pub(super) fn dialect(&self) -> Option<Dialect> {
+        match self.package?.form {
+            Form::Msg(dialect) => Some(dialect),
+            Form::Table => None,
+        }
+    }
+
+    /// The index of the package in the schema.
+    pub(super) fn package_index(&self) -> Option<usize> {
+        let name = &self.package?.name;
+        self.snapshot.schema.packages.iter().position(|package| package.name == *name)
+    }
+
+    /// The syntax tree of a `.msg`, `.srv` or `.action` file.
+    pub(super) fn tree(&self) -> Option<Definition<'s>> {
+        let sources = &self.snapshot.loaded.sources;
+        let kind = Kind::of(sources.path(self.id))?;
+        Some(msg::parse(sources, self.id, kind, self.dialect()?).0)
+    }
+
+    /// The messages that the file defines, by location.
+    pub(super) fn messages(&self) -> Vec<MessageId> {
+        let whole = self.whole();
+        let is_here = |message: &Message| whole.start <= message.span.start && message.span.end <= whole.end;
+        let messages = self.snapshot.schema.messages.iter().enumerate();
+        let found = messages.filter(|(_, message)| is_here(message));
+        let mut found: Vec<MessageId> =
+            found.map(|(at, _)| MessageId(u32::try_from(at).unwrap_or(u32::MAX))).collect();
+        found.sort_by_key(|id| self.snapshot.schema.message(*id).span);
+        found
+    }
+}

@@ -1,0 +1,216 @@
+//! The named things in definitions, and the places where they are written.
+
+mod page;
+
+use std::ops::Range;
+
+use super::snapshot::{Document, Snapshot};
+use crate::msg::annotation::Note;
+use crate::msg::ast::{Element, Field, Item, Line};
+use crate::msg::statement::{Prefix, Statement};
+use crate::schema::{self, JsonMessageId, JsonTypeId, MessageId};
+use crate::source::Span;
+
+/// A named thing.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Symbol {
+    /// A message.
+    Message(MessageId),
+    /// A field of a message, by index.
+    Field(MessageId, usize),
+    /// A constant of a message, by index.
+    Constant(MessageId, usize),
+    /// The constants of a message that start with a prefix.
+    Prefix(MessageId, String),
+    /// An error code of a package, which is given by its index.
+    ErrorCode(usize, u32),
+    /// A type on a page.
+    JsonType(JsonTypeId),
+    /// A message on a page.
+    JsonMessage(JsonMessageId),
+}
+
+/// A place where a symbol is written.
+#[derive(Clone, Debug)]
+pub(super) struct Occurrence {
+    pub(super) symbol: Symbol,
+    /// The location of the name.
+    pub(super) span: Span,
+    /// True if the symbol is defined here.
+    pub(super) is_definition: bool,
+}
+
+/// All occurrences in a document, by location.
+pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {
+    let mut found = match document.tree() {
+        Some(tree) => {
+            let mut finder = Finder { document, found: Vec::new() };
+            let lines = tree.parts.iter().flat_map(|part| &part.lines);
+            let messages = document.messages();
+            for line in lines {
+                // The parts of a service follow each other.
+                let message = messages
+                    .iter()
+                    .rfind(|id| document.snapshot.schema.message(**id).span.start <= line.span.start);
+                if let Some(message) = message {
+                    finder.line(*message, line);
+                }
+            }
+            finder.found
+        }
+        None => page::occurrences(document),
+    };
+    found.sort_by_key(|occurrence| occurrence.span);
+    found
+}
+
+/// The occurrence at a byte offset of a document.
+pub(super) fn at(document: &Document<'_>, offset: usize) -> Option<Occurrence> {
+    let place = document.span(offset..offset).start;
+    occurrences(document).into_iter().find(|found| found.span.start <= place && place <= found.span.end)
+}
+
+/// The place where a symbol is defined. A message is defined by its file.
+pub(super) fn definition(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
+    let schema = &snapshot.schema;
+    let start = |span: Span| Span { start: span.start, end: span.start };
+    Some(match symbol {
+        Symbol::Message(id) => start(schema.message(*id).span),
+        Symbol::Field(id, at) => schema.message(*id).fields.get(*at)?.span,
+        Symbol::Constant(id, at) => schema.message(*id).constants.get(*at)?.span,
+        Symbol::Prefix(id, prefix) => {
+            let constants = &schema.message(*id).constants;
+            constants.iter().find(|constant| has_prefix(&constant.name, prefix))?.span
+        }
+        Symbol::ErrorCode(package, code) => {
+            let tables = schema.packages.get(*package)?.error_tables.iter();
+            tables.flat_map(|table| &table.codes).find(|found| found.code == *code)?.span
+        }
+        Symbol::JsonType(id) => schema.json_type(*id).span,
+        Symbol::JsonMessage(id) => schema.json_message(*id).span,
+    })
+}
+
+/// True if a constant belongs to a prefix.
+pub(super) fn has_prefix(constant: &str, prefix: &str) -> bool {
+    constant.strip_prefix(prefix).is_some_and(|rest| rest.starts_with('_'))
+}
+
+struct Finder<'d, 's> {
+    document: &'d Document<'s>,
+    found: Vec<Occurrence>,
+}
+
+impl Finder<'_, '_> {
+    fn line(&mut self, id: MessageId, line: &Line<'_>) {
+        let message = self.document.snapshot.schema.message(id);
+        let note = line.comment.as_ref().and_then(|comment| comment.note.as_ref());
+        match line.item.as_deref() {
+            Some(Item::Field(field)) => {
+                let span = field.ty.span.to(field.name.span);
+                let Some(at) = message.fields.iter().position(|known| known.span == span) else { return };
+                self.define(Symbol::Field(id, at), field.name.span);
+                self.reference(field, &message.fields[at]);
+                if let Some(note) = note {
+                    self.note(id, note);
+                }
+            }
+            Some(Item::Constant(constant)) => {
+                let span = constant.name.span.to(constant.value_span);
+                let Some(at) = message.constants.iter().position(|known| known.span == span) else { return };
+                self.define(Symbol::Constant(id, at), constant.name.span);
+                for note in note.iter().flat_map(|note| &note.parameters) {
+                    self.note(id, note);
+                }
+            }
+            None => {}
+        }
+    }
+
+    /// The message that a field's type names.
+    fn reference(&mut self, field: &Field<'_>, resolved: &schema::Field) {
+        let (Element::Message { name, .. }, schema::Element::Message(id)) =
+            (field.ty.element, resolved.ty.element)
+        else {
+            return;
+        };
+        let text = self.document.text(field.ty.span);
+        if let Some(at) = text.find(name) {
+            // The package precedes the name, and may contain it.
+            let at = text.rfind('/').map_or(at, |slash| slash + 1);
+            self.push(Symbol::Message(id), field.ty.span.part(at..at + name.len()));
+        }
+    }
+
+    /// The constants and fields that annotations name.
+    fn note(&mut self, id: MessageId, note: &Note<'_>) {
+        let schema = &self.document.snapshot.schema;
+        for annotation in &note.annotations {
+            let text = self.document.text(annotation.span);
+            match &annotation.statement {
+                Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
+                    let mut from = 0;
+                    for prefix in prefixes {
+                        let Some((owner, name, range)) = self.prefix(id, prefix, text, from) else {
+                            continue;
+                        };
+                        from = range.end;
+                        self.push(
+                            Symbol::Prefix(owner, prefix.prefix.to_owned()),
+                            annotation.span.part(range),
+                        );
+                        if let Some(range) = name {
+                            self.push(Symbol::Message(owner), annotation.span.part(range));
+                        }
+                    }
+                }
+                Statement::Count(name) => {
+                    let fields = &schema.message(id).fields;
+                    let at = fields.iter().position(|field| field.name == *name);
+                    if let Some((at, range)) = at.zip(word(text, name, "@count".len())) {
+                        self.push(Symbol::Field(id, at), annotation.span.part(range));
+                    }
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// The message that defines the constants of a prefix, and the ranges of its name and of the prefix in the
+    /// annotation's text.
+    fn prefix(
+        &self,
+        id: MessageId,
+        prefix: &Prefix<'_>,
+        text: &str,
+        from: usize,
+    ) -> Option<(MessageId, Option<Range<usize>>, Range<usize>)> {
+        let Some(name) = prefix.message else {
+            return Some((id, None, word(text, prefix.prefix, from)?));
+        };
+        let schema = &self.document.snapshot.schema;
+        let package = &schema.packages[schema.message(id).package];
+        let owner = package.messages.iter().find(|id| schema.message(**id).name == *name)?;
+        let written = word(text, name, from)?;
+        let start = written.end + 1;
+        Some((*owner, Some(written), start..start + prefix.prefix.len()))
+    }
+
+    fn define(&mut self, symbol: Symbol, span: Span) {
+        self.found.push(Occurrence { symbol, span, is_definition: true });
+    }
+
+    fn push(&mut self, symbol: Symbol, span: Span) {
+        self.found.push(Occurrence { symbol, span, is_definition: false });
+    }
+}
+
+/// The range of a whole word in a text, after a byte offset.
+fn word(text: &str, word: &str, from: usize) -> Option<Range<usize>> {
+    let is_part = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let found = text.get(from..)?.match_indices(word).map(|(at, _)| from + at..from + at + word.len());
+    // A `_` or `*` may follow a prefix.
+    found.into_iter().find(|range| {
+        !text[..range.start].ends_with(is_part) && !text[range.end..].starts_with(char::is_alphanumeric)
+    })
+}

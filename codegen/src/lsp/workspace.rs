@@ -1,0 +1,110 @@
+//! The folders and documents that are open in the editor.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use lsp_types::TextDocumentContentChangeEvent as Change;
+
+use super::discovery::package_folder;
+use super::lines::{Encoding, Lines};
+use super::project::{Project, Root};
+use super::snapshot::Document;
+use crate::load::Config;
+
+/// All projects, and the texts of open documents.
+pub(super) struct Workspace {
+    pub(super) encoding: Encoding,
+    pub(super) projects: Vec<Project>,
+    open: BTreeMap<PathBuf, String>,
+}
+
+impl Workspace {
+    pub(super) fn new(folders: &[PathBuf], encoding: Encoding) -> Self {
+        let mut workspace = Self { encoding, projects: Vec::new(), open: BTreeMap::new() };
+        folders.iter().for_each(|folder| workspace.add_folder(folder));
+        workspace
+    }
+
+    /// Adds the project of a folder.
+    pub(super) fn add_folder(&mut self, folder: &Path) {
+        self.add(Root::of_folder(folder));
+    }
+
+    /// Removes the projects in a folder, except those of other folders.
+    pub(super) fn remove_folder(&mut self, folder: &Path) {
+        self.projects.retain(|project| !project.root.folder().starts_with(folder));
+    }
+
+    fn add(&mut self, root: Root) {
+        if self.projects.iter().all(|project| project.root != root) {
+            self.projects.push(Project::new(root));
+        }
+    }
+
+    /// Opens a document. A document outside all projects opens the project of its configuration file or its folder.
+    pub(super) fn open(&mut self, path: &Path, text: String) {
+        self.open.insert(path.to_path_buf(), text);
+        self.reload();
+        self.refresh();
+        if self.project_of(path).is_none() {
+            let config = path.ancestors().skip(1).find_map(Config::in_folder);
+            let roots =
+                config.map(Root::Config).into_iter().chain([Root::Folder(package_folder(path).into())]);
+            for root in roots {
+                self.add(root);
+                self.refresh();
+                if self.project_of(path).is_some() {
+                    return;
+                }
+                self.projects.pop();
+            }
+        }
+    }
+
+    /// Closes a document. From now on, its file is read.
+    pub(super) fn close(&mut self, path: &Path) {
+        self.open.remove(path);
+        self.reload();
+    }
+
+    /// Applies changes to an open document.
+    pub(super) fn edit(&mut self, path: &Path, changes: Vec<Change>) {
+        let Some(text) = self.open.get_mut(path) else { return };
+        for change in changes {
+            match change {
+                Change::TextDocumentContentChangeWholeDocument(change) => *text = change.text,
+                Change::TextDocumentContentChangePartial(change) => {
+                    let range = Lines::new(text, self.encoding).offsets(change.range);
+                    text.replace_range(range, &change.text);
+                }
+            }
+        }
+        self.projects
+            .iter_mut()
+            .filter(|project| project.contains(path))
+            .for_each(|project| project.edit(path));
+    }
+
+    /// Notes that files changed.
+    pub(super) fn reload(&mut self) {
+        self.projects.iter_mut().for_each(Project::reload);
+    }
+
+    /// Reads the definitions that changed. Returns true if there are any.
+    pub(super) fn refresh(&mut self) -> bool {
+        let (open, encoding) = (&self.open, self.encoding);
+        let changed = self.projects.iter_mut().map(|project| project.refresh(open, encoding));
+        changed.fold(false, |any, is_changed| any || is_changed)
+    }
+
+    /// The document at a path.
+    pub(super) fn document(&self, path: &Path) -> Option<Document<'_>> {
+        self.project_of(path)?.snapshot()?.document(path)
+    }
+
+    /// The project that reads a file. A configuration file takes precedence over a folder without one.
+    fn project_of(&self, path: &Path) -> Option<&Project> {
+        let projects = self.projects.iter().filter(|project| project.contains(path));
+        projects.min_by_key(|project| matches!(project.root, Root::Folder(_)))
+    }
+}
