@@ -21,6 +21,8 @@ mod navigation;
 mod outline;
 mod project;
 mod rename;
+#[cfg(any(fuzzing, test))]
+mod replay;
 mod server;
 mod snapshot;
 mod symbol;
@@ -30,6 +32,8 @@ mod workspace;
 
 use lsp_server::Connection;
 
+#[cfg(any(fuzzing, test))]
+pub(crate) use self::replay::{Edit, replay};
 use self::server::Server;
 use crate::failure::Failure;
 

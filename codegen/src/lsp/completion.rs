@@ -38,8 +38,9 @@ impl Item {
     }
 }
 
-/// The items at a byte offset. Each item replaces the text between the returned start and the cursor.
-pub(super) fn complete(document: &Document<'_>, offset: usize) -> Vec<CompletionItem> {
+/// The items at a byte offset.
+/// `with_snippets` is true if the editor supports placeholders.
+pub(super) fn complete(document: &Document<'_>, offset: usize, with_snippets: bool) -> Vec<CompletionItem> {
     let line = document.lines.line_of(offset);
     let start = document.lines.start(line);
     let before = &document.lines.text()[start..offset];
@@ -53,10 +54,14 @@ pub(super) fn complete(document: &Document<'_>, offset: usize) -> Vec<Completion
         kind: Some(item.kind),
         detail: Some(item.detail).filter(|detail| !detail.is_empty()),
         filter_text: Some(item.label.clone()),
-        insert_text_format: item.snippet.as_ref().map(|_| InsertTextFormat::Snippet),
+        insert_text_format: item
+            .snippet
+            .as_ref()
+            .filter(|_| with_snippets)
+            .map(|_| InsertTextFormat::Snippet),
         text_edit: Some(CompletionItemTextEdit::TextEdit(TextEdit {
             range,
-            new_text: item.snippet.unwrap_or_else(|| item.label.clone()),
+            new_text: item.snippet.filter(|_| with_snippets).unwrap_or_else(|| item.label.clone()),
         })),
         label: item.label,
         ..CompletionItem::default()
@@ -249,8 +254,6 @@ fn arrays(document: &Document<'_>, offset: usize) -> Vec<Item> {
 
 /// The message, or the part of a service or action, at a byte offset.
 fn message_at<'d>(document: &'d Document<'_>, offset: usize) -> Option<&'d Message> {
-    let at = document.span(offset..offset).start;
-    let messages = document.messages();
-    let schema = &document.snapshot.schema;
-    messages.into_iter().map(|id| schema.message(id)).rfind(|message| message.span.start <= at)
+    let id = document.message_at(document.span(offset..offset))?;
+    Some(document.snapshot.schema.message(id))
 }

@@ -85,10 +85,17 @@ impl Project {
             || self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some())
     }
 
-    /// Notes that the text of an open document changed.
-    pub(super) fn edit(&mut self, path: &Path) {
-        let is_definition = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some());
-        self.change = self.change.max(if is_definition { Change::Texts } else { Change::Files });
+    /// Notes the new text of an open document.
+    pub(super) fn edit(&mut self, path: &Path, text: &str) {
+        let is_read = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some());
+        let change = match &self.root {
+            Root::Config(file) if file == path => Change::Files,
+            // A page without definitions is no page of the project.
+            Root::Folder(folder) if is_read != discovery::is_read(folder, path, text) => Change::Files,
+            _ if is_read => Change::Texts,
+            _ => Change::None,
+        };
+        self.change = self.change.max(change);
     }
 
     /// Notes that files changed.

@@ -45,16 +45,8 @@ pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {
     let mut found = match document.tree() {
         Some(tree) => {
             let mut finder = Finder { document, found: Vec::new() };
-            let lines = tree.parts.iter().flat_map(|part| &part.lines);
-            let messages = document.messages();
-            for line in lines {
-                // The parts of a service follow each other.
-                let message = messages
-                    .iter()
-                    .rfind(|id| document.snapshot.schema.message(**id).span.start <= line.span.start);
-                if let Some(message) = message {
-                    finder.line(*message, line);
-                }
+            for (part, (message, _)) in tree.parts.iter().zip(document.messages()) {
+                part.lines.iter().for_each(|line| finder.line(message, line));
             }
             finder.found
         }
@@ -70,8 +62,17 @@ pub(super) fn at(document: &Document<'_>, offset: usize) -> Option<Occurrence> {
     occurrences(document).into_iter().find(|found| found.span.start <= place && place <= found.span.end)
 }
 
-/// The place where a symbol is defined. A message is defined by its file.
+/// The name of a symbol where it is defined. A message is defined by its file, so its place is the start of the file.
 pub(super) fn definition(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
+    let declaration = declaration(snapshot, symbol)?;
+    let path = snapshot.path(snapshot.loaded.sources.source_of(declaration))?;
+    let written = snapshot.document(path).into_iter().flat_map(|document| occurrences(&document));
+    let mut names = written.filter(|found| found.is_definition && found.symbol == *symbol);
+    Some(names.next().map_or(declaration, |name| name.span))
+}
+
+/// The place where a symbol is declared.
+fn declaration(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
     let schema = &snapshot.schema;
     let start = |span: Span| Span { start: span.start, end: span.start };
     Some(match symbol {
