@@ -1,7 +1,8 @@
 //! Python modules. Each package is a module with the JSON types of its messages (`TypedDict`), its constants, enums and
 //! error codes. The modules require Python 3.9 or later, and `typing_extensions` before Python 3.11.
 //!
-//! The names match those of [`super::typescript`]. Properties that Python types can't express, such as ranges, units and lengths, are in
+//! The names match those of [`super::typescript`]. No class or module has the name of a Python builtin, and no field hides
+//! a name that its class uses. Properties that Python types can't express, such as ranges, units and lengths, are in
 //! docstrings. The JSON Schemas check these properties.
 //!
 //! # Values

@@ -158,9 +158,14 @@ fn typescript_of_any_definitions_type_checks() {
     check_typescript(&into);
 }
 
-/// Checks all modules below a folder with both type checkers, and evaluates all
+/// Checks all modules below a folder with both type checkers, finds names that hide built-in names, and evaluates all
 /// declarations.
-fn check_python(folder: &Path) {
+pub(super) fn check_python(folder: &Path) {
+    run(
+        python_with_tools(),
+        &["-m", "ruff", "check", "--isolated", "--no-cache", "--select", "A", "."],
+        folder,
+    );
     run(python_with_tools(), &["-m", "mypy", "--strict", "."], folder);
     run("node", &[&node_tool("pyright/index.js"), "--warnings", "."], folder);
     let script = repository().join("xtask/tests/packages/import_all.py").display().to_string();
