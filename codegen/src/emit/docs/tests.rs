@@ -658,9 +658,9 @@ fn message_pages_show_the_history_in_the_releases() {
         let definition = |(kind, text): &(&str, &str)| format!("{}\n{kind}/{text}", "=".repeat(80));
         ReleaseText { name: name.to_owned(), text: definitions.iter().map(definition).collect() }
     };
-    let old = ("MSG: px4_msgs/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\n");
-    let new = ("MSG: px4_msgs/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\nbool is_moored\n");
-    let tow = ("SRV: px4_msgs/srv", "Tow\nuint64 timestamp\n---\nuint64 timestamp\n");
+    let old = ("MSG: boats/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\n");
+    let new = ("MSG: boats/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\nbool is_moored\n");
+    let tow = ("SRV: boats/srv", "Tow\nuint64 timestamp\n---\nuint64 timestamp\n");
     let releases = vec![release("1.9", &[old]), release("1.10", &[new, tow]), release("main", &[new, tow])];
     let options =
         Options { releases: Releases::from([("boats".to_owned(), releases)]), ..Options::default() };
