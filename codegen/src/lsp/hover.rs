@@ -8,7 +8,7 @@ use lsp_types::{Contents, Hover, MarkupContent, MarkupKind};
 use uavspec_runtime::Number;
 
 use self::markup::Markup;
-use super::History;
+use super::history::History;
 use super::snapshot::Document;
 use super::symbol::{self, Symbol, has_prefix};
 use crate::directive;

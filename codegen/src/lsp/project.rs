@@ -7,7 +7,7 @@ use super::discovery;
 use super::lines::Encoding;
 use super::snapshot::Snapshot;
 use crate::failure::Failure;
-use crate::load::{Config, Loaded, Plan, load_with_catalogues};
+use crate::load::{Config, Loaded, Plan, lint_settings, load_with_catalogues};
 use crate::source::SourceId;
 
 /// The packages of a configuration file, or of a folder without one.
@@ -119,7 +119,7 @@ impl Project {
         let is_whole = matches!(self.root, Root::Config(_));
         match loaded {
             Ok(loaded) => {
-                let settings = self.plan.lint.settings(&loaded);
+                let settings = lint_settings(&self.plan, &loaded);
                 self.snapshot = Some(Snapshot::new(loaded, &settings, is_whole, encoding));
                 self.failure = None;
             }

@@ -6,8 +6,9 @@ use lsp_server::Connection;
 use lsp_types::Position;
 use serde_json::{Value, json};
 
+use super::history::History;
 use super::server::Server;
-use super::{History, uri};
+use super::uri;
 
 /// The requests about a position.
 const REQUESTS: [&str; 6] =

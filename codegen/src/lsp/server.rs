@@ -20,12 +20,13 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
+use super::history::History;
 use super::lines::Encoding;
 use super::project::{Project, Root};
 use super::snapshot::{Document, Snapshot};
 use super::workspace::Workspace;
 use super::{
-    History, completion, diagnostics, fixes, format, hover, layout, navigation, outline, rename, tokens, uri,
+    completion, diagnostics, fixes, format, hover, layout, navigation, outline, rename, tokens, uri,
 };
 
 /// The request for pictures of memory layouts, which isn't part of the protocol.

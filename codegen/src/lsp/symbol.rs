@@ -1,44 +1,17 @@
 //! The named things in definitions, and the places where they are written.
 
+mod occurrence;
 mod page;
 
 use std::ops::Range;
 
+pub(super) use self::occurrence::{Occurrence, Symbol};
 use super::snapshot::{Document, Snapshot};
 use crate::msg::annotation::Note;
 use crate::msg::ast::{Element, Field, Item, Line};
 use crate::msg::statement::{Prefix, Statement};
-use crate::schema::{self, JsonMessageId, JsonTypeId, MessageId};
+use crate::schema::{self, MessageId};
 use crate::source::Span;
-
-/// A named thing.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Symbol {
-    /// A message.
-    Message(MessageId),
-    /// A field of a message, by index.
-    Field(MessageId, usize),
-    /// A constant of a message, by index.
-    Constant(MessageId, usize),
-    /// The constants of a message that start with a prefix.
-    Prefix(MessageId, String),
-    /// An error code of a package, which is given by its index.
-    ErrorCode(usize, u32),
-    /// A type on a page.
-    JsonType(JsonTypeId),
-    /// A message on a page.
-    JsonMessage(JsonMessageId),
-}
-
-/// A place where a symbol is written.
-#[derive(Clone, Debug)]
-pub(super) struct Occurrence {
-    pub(super) symbol: Symbol,
-    /// The location of the name.
-    pub(super) span: Span,
-    /// True if the symbol is defined here.
-    pub(super) is_definition: bool,
-}
 
 /// All occurrences in a document, by location.
 pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {

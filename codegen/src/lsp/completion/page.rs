@@ -2,7 +2,7 @@
 
 use lsp_types::CompletionItemKind;
 
-use super::{Item, annotations_of_pages, open_bracket, units, word_start};
+use super::item::{Item, annotations_of_pages, open_bracket, units, word_start};
 use crate::lsp::snapshot::Document;
 
 /// The built-in types of pages and the words of type expressions.
