@@ -74,8 +74,9 @@ impl<'r> Links<'r> {
         let has_index = self.repository.join(path).join("README.md").is_file();
         let page = match (is_folder, has_index) {
             (true, true) => format!("{}/README.md", below.trim_end_matches('/')),
+            _ if folder == "schemas" => below.replace(".schema.json", ".schema.md"),
             // Browsers show a list of files for a local folder.
-            _ => below.replace(".schema.json", ".schema.md"),
+            _ => below.to_owned(),
         };
         GENERATED.contains(&folder).then_some(page)
     }
