@@ -289,7 +289,10 @@ fn includes_rule_pages_only_on_request() {
     assert!(boats().iter().all(|file| !file.path.starts_with("rules/") && !file.text.contains("rules/")));
     let files = rules();
     let overview = text_of(&files, "README.md");
-    assert!(overview.contains("\n## Rules\n\n[All rules](rules/README.md)"), "{overview}");
+    assert!(
+        overview.contains("\n## Rules of lint and breaking\n\n[All rules](rules/README.md)"),
+        "{overview}"
+    );
     let paths: BTreeSet<String> = files.iter().map(|file| file.path.to_lowercase()).collect();
     assert_eq!(paths.len(), files.len(), "two rules share a page");
 }
