@@ -140,7 +140,7 @@ fn texts_describe_the_item_under_the_cursor() {
                 "unit: m (metres)",
                 "range: 0 to 9000",
                 "offset 8, 4 of 16 bytes",
-                "since 1.0: px4_msgs/msg/Mark height",
+                "since 1.0: glide/msg/Mark height",
             ][..],
         ),
         (
