@@ -7,5 +7,7 @@
 mod archives;
 mod declarations;
 mod labels;
+#[cfg(unix)]
+mod launcher;
 mod readme;
 pub(crate) mod tools;

@@ -7,6 +7,7 @@ use uavspec_codegen::emit::{OutputFile, json_schema, python, typescript, vectors
 use uavspec_codegen::load::read_definitions_translated;
 
 use super::metadata::VERSION;
+use crate::archive::File;
 use crate::message_of;
 
 /// File name endings. The manifest lists names without these endings.
@@ -17,22 +18,8 @@ const VECTORS: &str = ".vectors.json";
 /// The schema of vector files, in the same folder.
 const VECTORS_SCHEMA: &str = "vectors.schema.json";
 
-/// A file in a package, with its path.
-#[derive(Clone)]
-pub(super) struct File {
-    pub(super) path: String,
-    pub(super) text: String,
-}
-
-impl File {
-    /// Creates a file with LF line endings, even if the checkout has others.
-    pub(super) fn new(path: impl Into<String>, text: &str) -> Self {
-        Self { path: path.into(), text: text.replace("\r\n", "\n") }
-    }
-}
-
 /// The common content of both packages.
-pub(super) struct Content {
+pub(crate) struct Content {
     /// JavaScript modules and their types.
     pub(super) javascript: Vec<File>,
     /// Python modules.
@@ -45,7 +32,7 @@ pub(super) struct Content {
 
 impl Content {
     /// Generates the content from the definitions in the repository at `root`.
-    pub(super) fn of(root: &Path) -> Result<Self, String> {
+    pub(crate) fn of(root: &Path) -> Result<Self, String> {
         let (_, schema, translations) = read_definitions_translated(root.join("definitions/uavspec.toml"))
             .map_err(|failure| message_of(&failure))?;
         let schemas = json_schema::emit(&schema, &json_schema::Options::default());
@@ -61,12 +48,17 @@ impl Content {
             javascript: files(&typescript::emit(&schema, &translations, &options)),
             python: files(&python::emit(&schema, &translations)),
             data,
-            licences: vec![
-                File::new("LICENSE-APACHE", include_str!("../../../LICENSE-APACHE")),
-                File::new("LICENSE-MIT", include_str!("../../../LICENSE-MIT")),
-            ],
+            licences: licences(),
         })
     }
+}
+
+/// The licences of the project.
+pub(crate) fn licences() -> Vec<File> {
+    vec![
+        File::new("LICENSE-APACHE", include_str!("../../../LICENSE-APACHE")),
+        File::new("LICENSE-MIT", include_str!("../../../LICENSE-MIT")),
+    ]
 }
 
 fn files(emitted: &[OutputFile]) -> Vec<File> {
