@@ -23,6 +23,7 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
         "Guide: definitions",
         &[
             chapter("Introduction", "README.md", "guide/introduction.md"),
+            chapter("Install", "xtask/site/guide/install.md", "guide/install.md"),
             chapter("The .msg language", "xtask/site/guide/msg-language.md", "guide/msg-language.md"),
             chapter("Pages with tables", "definitions/README.md", "guide/tables.md"),
             chapter("Wire formats", "xtask/site/guide/wire-formats.md", "guide/wire-formats.md"),
