@@ -17,7 +17,9 @@ mod located;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-pub(crate) use self::config::{Config, Inputs, Plan, PlannedPackage};
+#[cfg(feature = "lsp")]
+pub(crate) use self::config::PlannedPackage;
+pub(crate) use self::config::{Config, Inputs, Plan};
 pub(crate) use self::dialect::detected;
 use self::files::definitions_at;
 pub(crate) use self::files::{

@@ -3,13 +3,16 @@
 //! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed; 4 an
 //! outdated list of known findings.
 
+mod archive;
 mod bench;
+mod dist;
 mod docs;
 mod fuzz;
 mod import;
 mod interop;
 mod package;
 mod paths;
+mod platform;
 mod sbom;
 
 use std::env;
@@ -56,6 +59,8 @@ enum Command {
     Docs(docs::Arguments),
     /// Build the packages for npm and pip
     Package(package::Arguments),
+    /// Build the program for distribution, with archives and packages
+    Dist(dist::Arguments),
     /// Write the software bill of materials of `uavspec`
     #[command(after_help = "Examples:
   cargo xtask sbom
@@ -109,6 +114,7 @@ fn main() -> ExitCode {
         Command::Conformance { arguments } => return conformance(arguments),
         Command::Docs(arguments) => docs::run(arguments),
         Command::Package(arguments) => package::run(arguments),
+        Command::Dist(arguments) => dist::run(arguments),
         Command::Interop(arguments) => interop::run(&arguments),
         Command::Import(arguments) => import::run(&arguments),
         Command::Fuzz(arguments) => fuzz::run(&arguments),

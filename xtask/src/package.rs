@@ -3,7 +3,6 @@
 //! The content is generated from the definitions in memory, so that a stale `generated/` doesn't affect packages.
 //! The times, owners, modes and order of files are fixed, so that archives are reproducible on all machines.
 
-mod archive;
 mod content;
 mod metadata;
 mod npm;
@@ -14,8 +13,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use self::content::Content;
+pub(crate) use self::content::{Content, licences};
 use crate::paths::{repository, shown};
+use crate::platform::Program;
 
 /// Arguments of `package`.
 #[derive(Args)]
@@ -34,30 +34,35 @@ pub(crate) struct Arguments {
 }
 
 /// An archive.
-struct Package {
-    file_name: String,
+pub(crate) struct Package {
+    pub(crate) file_name: String,
     /// The number of files.
-    count: usize,
-    bytes: Vec<u8>,
+    pub(crate) count: usize,
+    pub(crate) bytes: Vec<u8>,
 }
 
 /// Builds the packages and prints a summary.
 pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let out = arguments.out.unwrap_or_else(|| repository().join("target/package"));
-    let summary = write(&make(repository())?, &out)?;
+    let summary = write("package", &for_all_platforms(&Content::of(repository())?)?, &out)?;
     eprintln!("{summary}");
     Ok(true)
 }
 
-fn make(root: &Path) -> Result<Vec<Package>, String> {
-    let content = Content::of(root)?;
-    let mut packages = vec![npm::package(&content)?];
-    packages.extend(pypi::packages(&content)?);
+/// Builds the packages without programs.
+pub(crate) fn for_all_platforms(content: &Content) -> Result<Vec<Package>, String> {
+    let mut packages = vec![npm::package(content)?];
+    packages.extend(pypi::packages(content)?);
     Ok(packages)
 }
 
-/// Writes the packages, and returns a summary.
-fn write(packages: &[Package], out: &Path) -> Result<String, String> {
+/// Builds the packages with a program.
+pub(crate) fn for_platform(content: &Content, program: &Program) -> Result<[Package; 2], String> {
+    Ok([npm::platform_package(program)?, pypi::platform_wheel(content, program)?])
+}
+
+/// Writes the packages, and returns a summary with the name of the command.
+pub(crate) fn write(command: &str, packages: &[Package], out: &Path) -> Result<String, String> {
     fs::create_dir_all(out)
         .map_err(|error| format!("{}: {error}\n  help: choose another folder with --out", out.display()))?;
     let shown = shown(out);
@@ -68,7 +73,7 @@ fn write(packages: &[Package], out: &Path) -> Result<String, String> {
             format!("{}: {error}\n  help: choose another folder with --out", path.display())
         })?;
         lines.push(format!(
-            "package: {} ({} files, {} KiB)",
+            "{command}: {} ({} files, {} KiB)",
             shown.join(&package.file_name).display(),
             package.count,
             package.bytes.len().div_ceil(1024)
@@ -82,7 +87,7 @@ mod tests {
     use super::*;
 
     fn packages() -> Vec<Package> {
-        make(repository()).expect("packages")
+        for_all_platforms(&Content::of(repository()).expect("the content")).expect("packages")
     }
 
     #[test]

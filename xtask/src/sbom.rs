@@ -13,7 +13,8 @@ use clap::Args;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 
-use self::crates::{Crate, Crates};
+use self::crates::Crate;
+pub(crate) use self::crates::Crates;
 use crate::paths::{repository, shown};
 
 /// Arguments of `sbom`.

@@ -7,6 +7,8 @@
 mod archives;
 mod declarations;
 mod labels;
+#[cfg(unix)]
+mod launcher;
 mod readme;
 mod shadowing;
 pub(crate) mod tools;

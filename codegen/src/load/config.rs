@@ -157,6 +157,7 @@ pub(crate) enum Inputs {
     /// Files, and folders to search.
     Paths(Vec<PathBuf>),
     /// Files that were found.
+    #[cfg(feature = "lsp")]
     Files(Vec<PathBuf>),
 }
 

@@ -8,6 +8,7 @@ use uavspec_codegen::emit::{OutputFile, json_schema, python, typescript, vectors
 use uavspec_codegen::load::read_definitions_translated;
 
 use super::metadata::VERSION;
+use crate::archive::File;
 use crate::message_of;
 
 /// File name endings. The manifest lists names without these endings.
@@ -18,22 +19,8 @@ const VECTORS: &str = ".vectors.json";
 /// The schema of vector files, in the same folder.
 const VECTORS_SCHEMA: &str = "vectors.schema.json";
 
-/// A file in a package, with its path.
-#[derive(Clone)]
-pub(super) struct File {
-    pub(super) path: String,
-    pub(super) text: String,
-}
-
-impl File {
-    /// Creates a file with LF line endings, even if the checkout has others.
-    pub(super) fn new(path: impl Into<String>, text: &str) -> Self {
-        Self { path: path.into(), text: text.replace("\r\n", "\n") }
-    }
-}
-
 /// The common content of both packages.
-pub(super) struct Content {
+pub(crate) struct Content {
     /// JavaScript modules and their types.
     pub(super) javascript: Vec<File>,
     /// Python modules.
@@ -46,7 +33,7 @@ pub(super) struct Content {
 
 impl Content {
     /// Generates the content from the definitions in the repository at `root`.
-    pub(super) fn of(root: &Path) -> Result<Self, String> {
+    pub(crate) fn of(root: &Path) -> Result<Self, String> {
         let config = root.join("definitions/uavspec.toml");
         let (_, schema, translations) =
             read_definitions_translated(&config).map_err(|failure| message_of(&failure))?;
@@ -64,10 +51,7 @@ impl Content {
             javascript: files(&typescript::emit(&schema, &translations, &options)),
             python: files(&python::emit(&schema, &translations)),
             data,
-            licences: vec![
-                File::new("LICENSE-APACHE", include_str!("../../../LICENSE-APACHE")),
-                File::new("LICENSE-MIT", include_str!("../../../LICENSE-MIT")),
-            ],
+            licences: licences(),
         })
     }
 }
@@ -79,6 +63,14 @@ fn schema_base(config: &Path) -> Result<String, String> {
     let table: toml::Table = text.parse().map_err(|error: toml::de::Error| at(error.to_string()))?;
     let base = table.get("output").and_then(|output| output.get("json_schema")?.get("base")?.as_str());
     base.map(str::to_owned).ok_or_else(|| at("`output.json_schema.base` is not set".to_owned()))
+}
+
+/// The licences of the project.
+pub(crate) fn licences() -> Vec<File> {
+    vec![
+        File::new("LICENSE-APACHE", include_str!("../../../LICENSE-APACHE")),
+        File::new("LICENSE-MIT", include_str!("../../../LICENSE-MIT")),
+    ]
 }
 
 fn files(emitted: &[OutputFile]) -> Vec<File> {

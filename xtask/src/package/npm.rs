@@ -1,12 +1,13 @@
-//! Builds the npm package: ECMAScript and `CommonJS` modules with their types. Data is in separate files, so bundlers
-//! include only the required data.
+//! Builds the npm packages: ECMAScript and `CommonJS` modules with their types, and one package with the program for each
+//! platform. Data is in separate files, so bundlers include only the required data.
 
 use serde_json::{Map, Value, json};
 
 use super::Package;
-use super::archive::tar_gz;
-use super::content::{Content, File, pretty};
-use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, VERSION};
+use super::content::{Content, pretty};
+use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, TIME, VERSION};
+use crate::archive::{File, tar_gz};
+use crate::platform::{PLATFORMS, Program};
 
 /// The root folder of npm archives.
 const FOLDER: &str = "package";
@@ -14,7 +15,13 @@ const FOLDER: &str = "package";
 /// The entry point of the package.
 const INDEX: &str = "index";
 
-/// Builds the package.
+/// The script that runs the program of the package for the current platform.
+const LAUNCHER: &str = "bin/uavspec.cjs";
+
+/// The program in the packages for platforms. The launcher has the same path.
+const PROGRAM: &str = "bin/uavspec";
+
+/// Builds the package of the modules and the launcher.
 pub(super) fn package(content: &Content) -> Result<Package, String> {
     let mut files = content.javascript.clone();
     files.extend([
@@ -23,14 +30,45 @@ pub(super) fn package(content: &Content) -> Result<Package, String> {
         File::new("data.d.ts", include_str!("npm/data.d.ts")),
         File::new("data.d.cts", include_str!("npm/data.d.cts")),
         File::new("README.md", include_str!("npm/README.md")),
+        File::new(LAUNCHER, include_str!("npm/launcher.cjs")).executable(),
     ]);
     files.extend(content.data.iter().chain(&content.licences).cloned());
     files.push(File::new("package.json", &pretty(&package_json(&files))?));
+    archive(NAME, &files)
+}
+
+/// Builds the package of a program. npm installs it only on its platform.
+pub(super) fn platform_package(program: &Program) -> Result<Package, String> {
+    let name = program.platform.npm_package();
+    let mut files = program.licences.clone();
+    files.push(program.file(PROGRAM));
+    files.push(File::new("README.md", include_str!("npm/program.md")));
+    let (system, processor) = program.platform.node;
+    let mut manifest = manifest(&name, &format!("The uavspec program for {system}-{processor}"));
+    manifest["os"] = json!([system]);
+    manifest["cpu"] = json!([processor]);
+    files.push(File::new("package.json", &pretty(&manifest)?));
+    archive(&name.trim_start_matches('@').replace('/', "-"), &files)
+}
+
+fn archive(name: &str, files: &[File]) -> Result<Package, String> {
+    let mut files: Vec<File> = files.iter().map(|file| file.below(FOLDER)).collect();
     files.sort_by(|left, right| left.path.cmp(&right.path));
-    for file in &mut files {
-        file.path = format!("{FOLDER}/{}", file.path);
+    Ok(Package {
+        file_name: format!("{name}-{VERSION}.tgz"),
+        count: files.len(),
+        bytes: tar_gz(&files, TIME)?,
+    })
+}
+
+/// The common part of all manifests.
+fn manifest(name: &str, description: &str) -> Value {
+    let mut manifest =
+        json!({ "name": name, "version": VERSION, "description": description, "license": LICENSE });
+    if !REPOSITORY.is_empty() {
+        manifest["repository"] = json!({ "type": "git", "url": format!("git+{REPOSITORY}") });
     }
-    Ok(Package { file_name: format!("{NAME}-{VERSION}.tgz"), count: files.len(), bytes: tar_gz(&files)? })
+    manifest
 }
 
 fn package_json(files: &[File]) -> Value {
@@ -42,16 +80,8 @@ fn package_json(files: &[File]) -> Value {
     for data in ["schemas/*", "vectors/*", "manifest.json", "package.json"] {
         exports.insert(format!("./{data}"), format!("./{data}").into());
     }
-    let mut manifest = json!({
-        "name": NAME,
-        "version": VERSION,
-        "description": DESCRIPTION,
-        "keywords": KEYWORDS,
-        "license": LICENSE,
-    });
-    if !REPOSITORY.is_empty() {
-        manifest["repository"] = json!({ "type": "git", "url": format!("git+{REPOSITORY}") });
-    }
+    let mut manifest = manifest(NAME, DESCRIPTION);
+    manifest["keywords"] = json!(KEYWORDS);
     manifest["type"] = "module".into();
     manifest["sideEffects"] = false.into();
     manifest["engines"] = json!({ "node": ">=18" });
@@ -59,6 +89,9 @@ fn package_json(files: &[File]) -> Value {
     manifest["main"] = format!("./{INDEX}.cjs").into();
     manifest["types"] = format!("./{INDEX}.d.cts").into();
     manifest["exports"] = Value::Object(exports);
+    manifest["bin"] = json!({ NAME: LAUNCHER });
+    let platforms = PLATFORMS.iter().map(|platform| (platform.npm_package(), VERSION.into()));
+    manifest["optionalDependencies"] = Value::Object(platforms.collect());
     manifest
 }
 

@@ -1,13 +1,15 @@
-//! Builds the packages for `PyPI`: a wheel, and a source distribution from which flit builds the same wheel.
+//! Builds the packages for `PyPI`: a wheel, a source distribution from which flit builds the same wheel, and for each
+//! platform a wheel that also contains the program.
 
 use data_encoding::BASE64URL_NOPAD;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use super::Package;
-use super::archive::{tar_gz, zip};
-use super::content::{Content, File};
-use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, VERSION};
+use super::content::Content;
+use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, TIME, VERSION};
+use crate::archive::{File, tar_gz, zip};
+use crate::platform::Program;
 
 /// The minimum version of Python. Earlier versions don't support `list[int]` in expressions.
 const REQUIRES_PYTHON: &str = ">=3.9";
@@ -29,58 +31,72 @@ const CLASSIFIERS: [&str; 6] = [
 
 const README: &str = include_str!("pypi/README.md");
 
-/// Builds the wheel and the source distribution.
+/// Builds the wheel for all platforms, and the source distribution.
 pub(super) fn packages(content: &Content) -> Result<[Package; 2], String> {
     let version = python_version(VERSION)?;
-    let mut modules = content.python.clone();
-    modules.push(File::new("data.py", include_str!("pypi/data.py")));
-    modules.extend(content.data.iter().cloned());
-    for file in &mut modules {
-        file.path = format!("{NAME}/{}", file.path);
-    }
-    modules.sort_by(|left, right| left.path.cmp(&right.path));
-    Ok([wheel(content, &modules, &version)?, source_distribution(content, &modules, &version)?])
+    Ok([wheel(content, &version, None)?, source_distribution(content, &version)?])
 }
 
-fn wheel(content: &Content, modules: &[File], version: &str) -> Result<Package, String> {
+/// Builds the wheel for the platform of a program.
+pub(super) fn platform_wheel(content: &Content, program: &Program) -> Result<Package, String> {
+    wheel(content, &python_version(VERSION)?, Some(program))
+}
+
+/// The modules and their data, sorted by path.
+fn modules(content: &Content) -> Vec<File> {
+    let data = File::new("data.py", include_str!("pypi/data.py"));
+    let files = content.python.iter().chain(&content.data).chain([&data]);
+    let mut modules: Vec<File> = files.map(|file| file.below(NAME)).collect();
+    modules.sort_by(|left, right| left.path.cmp(&right.path));
+    modules
+}
+
+fn wheel(content: &Content, version: &str, program: Option<&Program>) -> Result<Package, String> {
     let information = format!("{NAME}-{version}.dist-info");
-    let mut files = modules.to_vec();
-    files.push(File::new(format!("{information}/METADATA"), &metadata(content, version)));
-    files.push(File::new(
-        format!("{information}/WHEEL"),
-        &format!(
-            "Wheel-Version: 1.0\nGenerator: {NAME} {VERSION}\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
-        ),
-    ));
-    let licences = content.licences.iter();
-    files.extend(licences.map(|file| File::new(format!("{information}/licenses/{}", file.path), &file.text)));
+    let mut files = modules(content);
+    let (platforms, licences) = match program {
+        Some(program) => (program.platform.wheel, &program.licences),
+        None => ("any", &content.licences),
+    };
+    if let Some(program) = program {
+        files.push(program.file(&format!("{NAME}-{version}.data/scripts/{NAME}")));
+    }
+    files.push(File::new(format!("{information}/METADATA"), &metadata(licences, version)));
+    files.push(File::new(format!("{information}/WHEEL"), &wheel_metadata(platforms)));
+    files.extend(licences.iter().map(|file| file.below(&format!("{information}/licenses"))));
     let path = format!("{information}/RECORD");
     files.push(File::new(path.clone(), &record(&files, &path)));
     Ok(Package {
-        file_name: format!("{NAME}-{version}-py3-none-any.whl"),
+        file_name: format!("{NAME}-{version}-py3-none-{platforms}.whl"),
         count: files.len(),
         bytes: zip(&files)?,
     })
 }
 
-fn source_distribution(content: &Content, modules: &[File], version: &str) -> Result<Package, String> {
-    let mut files = modules.to_vec();
+/// The content of the file `WHEEL`. `platforms` contains the platform tags, separated by dots.
+fn wheel_metadata(platforms: &str) -> String {
+    let tags: String = platforms.split('.').map(|platform| format!("Tag: py3-none-{platform}\n")).collect();
+    let is_pure = platforms == "any";
+    format!("Wheel-Version: 1.0\nGenerator: {NAME} {VERSION}\nRoot-Is-Purelib: {is_pure}\n{tags}")
+}
+
+fn source_distribution(content: &Content, version: &str) -> Result<Package, String> {
+    let mut files = modules(content);
     files.extend(content.licences.iter().cloned());
-    files.push(File::new("PKG-INFO", &metadata(content, version)));
+    files.push(File::new("PKG-INFO", &metadata(&content.licences, version)));
     files.push(File::new("README.md", README));
     files.push(File::new("pyproject.toml", &pyproject(version)));
+    let folder = format!("{NAME}-{version}");
+    let mut files: Vec<File> = files.iter().map(|file| file.below(&folder)).collect();
     files.sort_by(|left, right| left.path.cmp(&right.path));
-    for file in &mut files {
-        file.path = format!("{NAME}-{version}/{}", file.path);
-    }
-    Ok(Package { file_name: format!("{NAME}-{version}.tar.gz"), count: files.len(), bytes: tar_gz(&files)? })
+    Ok(Package { file_name: format!("{folder}.tar.gz"), count: files.len(), bytes: tar_gz(&files, TIME)? })
 }
 
 /// The content of the wheel's `RECORD` file: the checksums of all other files.
 fn record(files: &[File], own_path: &str) -> String {
     let line = |file: &File| {
-        let checksum = BASE64URL_NOPAD.encode(&Sha256::digest(file.text.as_bytes()));
-        format!("{},sha256={checksum},{}\n", csv(&file.path), file.text.len())
+        let checksum = BASE64URL_NOPAD.encode(&Sha256::digest(&file.bytes));
+        format!("{},sha256={checksum},{}\n", csv(&file.path), file.bytes.len())
     };
     files.iter().map(line).collect::<String>() + &csv(own_path) + ",,\n"
 }
@@ -91,7 +107,7 @@ fn csv(cell: &str) -> String {
 }
 
 /// The core metadata, version 2.4.
-fn metadata(content: &Content, version: &str) -> String {
+fn metadata(licences: &[File], version: &str) -> String {
     let mut lines = vec![
         "Metadata-Version: 2.4".to_owned(),
         format!("Name: {NAME}"),
@@ -100,7 +116,7 @@ fn metadata(content: &Content, version: &str) -> String {
         format!("Keywords: {}", KEYWORDS.join(",")),
         format!("License-Expression: {LICENSE}"),
     ];
-    lines.extend(content.licences.iter().map(|file| format!("License-File: {}", file.path)));
+    lines.extend(licences.iter().map(|file| format!("License-File: {}", file.path)));
     lines.extend(CLASSIFIERS.map(|classifier| format!("Classifier: {classifier}")));
     lines.push(format!("Requires-Python: {REQUIRES_PYTHON}"));
     lines.push(format!("Requires-Dist: {DEPENDENCY}"));

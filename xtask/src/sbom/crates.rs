@@ -16,31 +16,31 @@ const FORMAT: &str = "{p}\t{l}\t{r}";
 
 /// A crate.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Crate {
-    pub(super) name: String,
-    pub(super) version: String,
+pub(crate) struct Crate {
+    pub(crate) name: String,
+    pub(crate) version: String,
     /// The licence, as an SPDX expression.
-    pub(super) license: String,
-    pub(super) repository: Option<String>,
+    pub(crate) license: String,
+    pub(crate) repository: Option<String>,
     /// The SHA-256 checksum of the published archive.
-    pub(super) checksum: Option<String>,
+    pub(crate) checksum: Option<String>,
     /// The package URLs of the direct dependencies.
     pub(super) uses: BTreeSet<String>,
 }
 
 impl Crate {
     /// The package URL.
-    pub(super) fn purl(&self) -> String {
+    pub(crate) fn purl(&self) -> String {
         format!("pkg:cargo/{}@{}", self.name, self.version)
     }
 }
 
-/// A program and all crates that are necessary to compile it, on all systems and with all features.
+/// A program and its crates.
 #[derive(Debug)]
-pub(super) struct Crates {
+pub(crate) struct Crates {
     pub(super) program: Crate,
     /// Sorted by package URL.
-    pub(super) dependencies: Vec<Crate>,
+    pub(crate) dependencies: Vec<Crate>,
 }
 
 /// The content of `Cargo.lock`.
@@ -57,9 +57,18 @@ struct LockedPackage {
 }
 
 impl Crates {
-    /// Reads the crates of the repository at `root`.
+    /// Reads the crates that are necessary to compile the program, on all systems and with all features.
     pub(super) fn read(root: &Path) -> Result<Self, String> {
-        let (program, mut crates) = parse(&tree(root)?)?;
+        Self::parse(root, &["--edges", "normal,build", "--target", "all", "--all-features"])
+    }
+
+    /// Reads the crates that are linked into the program for a target of the compiler.
+    pub(crate) fn linked(root: &Path, target: &str) -> Result<Self, String> {
+        Self::parse(root, &["--edges", "normal,no-proc-macro", "--target", target])
+    }
+
+    fn parse(root: &Path, selection: &[&str]) -> Result<Self, String> {
+        let (program, mut crates) = parse(&tree(root, selection)?)?;
         let lock = root.join("Cargo.lock");
         let text = std::fs::read_to_string(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
         let lock: Lock = toml::from_str(&text).map_err(|error| format!("{}: {error}", lock.display()))?;
@@ -118,10 +127,10 @@ fn expression(license: &str) -> String {
 }
 
 /// Runs `cargo tree`.
-fn tree(root: &Path) -> Result<String, String> {
+fn tree(root: &Path, selection: &[&str]) -> Result<String, String> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
-    command.args(["tree", "--locked", "--edges", "normal,build", "--target", "all", "--all-features"]);
+    command.args(["tree", "--locked"]).args(selection);
     command.args(["--prefix", "depth", "--format", FORMAT, "--package", PROGRAM, "--manifest-path"]);
     let output = command
         .arg(root.join("Cargo.toml"))

@@ -1,0 +1,145 @@
+//! Builds the program for all platforms, and the archives and packages that contain it.
+//!
+//! The programs contain no paths of the machine, and all times in archives are that of the commit, so that the same
+//! commit and toolchain lead to the same bytes.
+
+mod build;
+mod command;
+mod debian;
+mod documents;
+mod notices;
+mod test;
+#[cfg(test)]
+mod tests;
+
+use std::env;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+use sha2::{Digest as _, Sha256};
+
+use self::build::Built;
+use self::documents::Documents;
+use crate::archive::{File, tar_gz};
+use crate::package::{self, Content, Package, licences};
+use crate::paths::repository;
+use crate::platform::{PLATFORMS, Platform, Program};
+
+/// The version of the workspace.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The file with the checksums of all archives.
+const CHECKSUMS: &str = "SHA256SUMS";
+
+/// The folder of the compiled code, in the repository. `target/dist` contains only archives and packages.
+const BUILD: &str = "target/dist-build";
+
+/// Arguments of `dist`.
+#[derive(Args)]
+#[command(after_help = "Examples:
+  cargo xtask dist
+  cargo xtask dist --target aarch64-unknown-linux-musl
+  cargo xtask dist --test    install the packages in empty Debian systems, and run the program
+
+Requires a C compiler and musl's headers for each target. Targets without these are skipped, unless --target names \
+them. --test requires root privileges, debootstrap, npm, and qemu-user-static for other processors.")]
+pub(crate) struct Arguments {
+    /// Target to build for (repeatable) [default: all that can be built here]
+    #[arg(long, value_name = "TARGET", value_parser = PossibleValuesParser::new(PLATFORMS.iter().map(|it| it.target)))]
+    target: Vec<String>,
+    /// Folder for the archives and packages [default: target/dist]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Also install and run each package in an empty system
+    #[arg(long)]
+    test: bool,
+}
+
+/// Builds the archives and packages, and prints a summary. Returns false if a package fails its test.
+pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
+    let root = repository();
+    let out = arguments.out.unwrap_or_else(|| root.join("target/dist"));
+    let platforms = platforms(&arguments.target)?;
+    let time = time(root)?;
+    let content = Content::of(root)?;
+    let build = |platform: &&'static Platform| build::build(root, platform, &root.join(BUILD), time);
+    let programs: Vec<Built> = platforms.iter().map(build).collect::<Result<_, _>>()?;
+    let documents = Documents::of(root, &programs)?;
+    let mut packages = package::for_all_platforms(&content)?;
+    for Built { platform, path } in programs {
+        let bytes = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let licences = [licences(), notices::third_party(root, platform.target)?].concat();
+        let program = Program { platform, bytes, licences };
+        packages.extend([archive(&program, &documents, time)?, debian::package(&program, &documents, time)?]);
+        packages.extend(package::for_platform(&content, &program)?);
+    }
+    packages.push(checksums(&packages));
+    eprintln!("{}", package::write("dist", &packages, &out)?);
+    if arguments.test { test::run(&out, &platforms) } else { Ok(true) }
+}
+
+/// The platforms to build for.
+fn platforms(targets: &[String]) -> Result<Vec<&'static Platform>, String> {
+    let mut platforms = Vec::new();
+    for platform in &PLATFORMS {
+        let is_named = targets.iter().any(|target| target == platform.target);
+        if !is_named && !targets.is_empty() {
+            continue;
+        }
+        match build::obstacle(platform) {
+            None => platforms.push(platform),
+            Some(obstacle) if is_named => return Err(format!("{}: {obstacle}", platform.target)),
+            Some(obstacle) => eprintln!("dist: skipped {}: {obstacle}", platform.target),
+        }
+    }
+    if platforms.is_empty() {
+        return Err("no target can be built on this machine".to_owned());
+    }
+    if targets.is_empty() {
+        eprintln!("dist: skipped Windows and macOS: run `cargo install --path conformance` there");
+    }
+    Ok(platforms)
+}
+
+/// The time of the commit in seconds since 1970, or the value of `SOURCE_DATE_EPOCH`.
+fn time(root: &Path) -> Result<u64, String> {
+    let (text, origin) = if let Ok(text) = env::var("SOURCE_DATE_EPOCH") {
+        (text, "SOURCE_DATE_EPOCH")
+    } else {
+        let mut git = Command::new("git");
+        git.arg("-C").arg(root).args(["log", "-1", "--format=%ct"]);
+        let text = command::output(&mut git).map_err(|error| {
+            format!("the time of the commit is unknown: {error}\n  help: set SOURCE_DATE_EPOCH")
+        })?;
+        (text, "git")
+    };
+    text.parse().map_err(|_| format!("{origin}: expected seconds since 1970, found {text:?}"))
+}
+
+/// The archive with the program and its documents.
+fn archive(program: &Program, documents: &Documents, time: u64) -> Result<Package, String> {
+    let folder = format!("uavspec-{VERSION}-{}", program.platform.target);
+    let mut files = program.licences.clone();
+    files.push(program.file("uavspec"));
+    files.push(File::new("README.md", include_str!("dist/README.md")));
+    files.push(documents.changes.at("CHANGELOG.md"));
+    files.extend(documents.completions.iter().map(|file| file.below("completions")));
+    files.extend(documents.man_pages.iter().map(|file| file.below("man/man1")));
+    files.sort_by(|left, right| left.path.cmp(&right.path));
+    let files: Vec<File> = files.iter().map(|file| file.below(&folder)).collect();
+    Ok(Package { file_name: format!("{folder}.tar.gz"), count: files.len(), bytes: tar_gz(&files, time)? })
+}
+
+/// The checksums in the format of `sha256sum`.
+fn checksums(packages: &[Package]) -> Package {
+    let mut text = String::new();
+    for package in packages {
+        let checksum = data_encoding::HEXLOWER.encode(&Sha256::digest(&package.bytes));
+        let _ = writeln!(text, "{checksum}  {}", package.file_name);
+    }
+    Package { file_name: CHECKSUMS.to_owned(), count: 1, bytes: text.into_bytes() }
+}

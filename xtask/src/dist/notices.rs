@@ -1,0 +1,206 @@
+//! The licences of all code that is linked into the program: crates, their C code, and the libraries of Rust and C.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::Deserialize;
+
+use super::command::{cargo, output};
+use crate::archive::File;
+use crate::sbom::Crates;
+
+/// The files with the licences of crates and C code, and with those of Rust's standard library.
+pub(super) const FILES: [&str; 2] = ["THIRD-PARTY-LICENSES.txt", "RUST-LIBRARY-LICENSES.html"];
+
+/// Libraries that are no crates, with their licence, origin and copyright. Each program contains them.
+const LIBRARIES: [[&str; 4]; 2] = [
+    ["musl", "MIT", "https://musl.libc.org", "Copyright © 2005-2020 Rich Felker, et al."],
+    ["libunwind", "Apache-2.0 WITH LLVM-exception", "https://llvm.org", "The LLVM project"],
+];
+
+/// The start of the names of files with licences, in lower case.
+const NAMES: [&str; 6] = ["licence", "license", "copying", "copyright", "notice", "unlicense"];
+
+const RULE: &str = "--------------------------------------------------------------------------------";
+
+/// A licensed part of the program.
+struct Part {
+    name: String,
+    licence: String,
+    origin: Option<String>,
+    /// The texts of its licences, and notices.
+    texts: Vec<String>,
+}
+
+/// The part of the output of `cargo metadata` that names the folders of crates.
+#[derive(Deserialize)]
+struct Metadata {
+    packages: Vec<Package>,
+}
+
+#[derive(Deserialize)]
+struct Package {
+    name: String,
+    version: String,
+    authors: Vec<String>,
+    manifest_path: PathBuf,
+}
+
+/// The files with the licences of third-party code in the program for a target of the compiler.
+pub(super) fn third_party(root: &Path, target: &str) -> Result<Vec<File>, String> {
+    let documents =
+        PathBuf::from(output(Command::new("rustc").args(["--print", "sysroot"]))?).join("share/doc/rust");
+    let standard = Standard { folder: documents.join("licenses") };
+    let libraries = LIBRARIES.map(|library| standard.part(library));
+    let mut parts = libraries.into_iter().collect::<Result<Vec<Part>, _>>()?;
+    parts.extend(crates(root, target, &standard)?);
+    let rust = read(&documents.join("COPYRIGHT-library.html"))?;
+    Ok(FILES.iter().zip([document(&parts), rust]).map(|(path, text)| File::new(*path, &text)).collect())
+}
+
+/// The crates, except those of this project.
+fn crates(root: &Path, target: &str, standard: &Standard) -> Result<Vec<Part>, String> {
+    let mut command = Command::new(cargo());
+    command
+        .args(["metadata", "--locked", "--format-version", "1", "--manifest-path"])
+        .arg(root.join("Cargo.toml"));
+    let metadata: Metadata =
+        serde_json::from_str(&output(&mut command)?).map_err(|error| error.to_string())?;
+    let packages: BTreeMap<(&str, &str), &Package> =
+        metadata.packages.iter().map(|found| ((&*found.name, &*found.version), found)).collect();
+    let dependencies = Crates::linked(root, target)?.dependencies;
+    let published = dependencies.into_iter().filter(|found| found.checksum.is_some());
+    published
+        .map(|found| {
+            let name = format!("{} {}", found.name, found.version);
+            let package = packages
+                .get(&(&*found.name, &*found.version))
+                .ok_or_else(|| format!("cargo metadata does not list {name}"))?;
+            let mut texts = texts(package.manifest_path.parent().unwrap_or(root))?;
+            if texts.is_empty() {
+                texts.push(standard.text(&name, &found.license, &package.authors.join(", "))?);
+            }
+            Ok(Part { name, licence: found.license, origin: found.repository, texts })
+        })
+        .collect()
+}
+
+/// The texts of the licences in the folder of a crate.
+fn texts(folder: &Path) -> Result<Vec<String>, String> {
+    let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let name = entry.file_name().to_string_lossy().to_lowercase();
+        let is_file = entry.file_type().map_err(failed)?.is_file();
+        if is_file && NAMES.iter().any(|start| name.starts_with(start)) {
+            paths.push(entry.path());
+        }
+    }
+    paths.sort();
+    paths.iter().map(|path| read(path)).collect()
+}
+
+fn read(path: &Path) -> Result<String, String> {
+    let bytes = fs::read(path).map_err(|error| {
+        format!(
+            "{}: {error}\n  help: install the Rust toolchain with rustup, and run cargo fetch",
+            path.display()
+        )
+    })?;
+    Ok(String::from_utf8_lossy(&bytes).replace("\r\n", "\n"))
+}
+
+/// The standard texts of licences, in the documentation of the Rust toolchain.
+struct Standard {
+    folder: PathBuf,
+}
+
+impl Standard {
+    /// A library with its name, licence, origin and copyright.
+    fn part(&self, [name, licence, origin, copyright]: [&str; 4]) -> Result<Part, String> {
+        let texts = vec![self.text(name, licence, copyright)?];
+        let origin = Some(origin.to_owned());
+        Ok(Part { name: name.to_owned(), licence: licence.to_owned(), origin, texts })
+    }
+
+    /// The texts for an SPDX expression, for code that is distributed without a text.
+    fn text(&self, name: &str, licence: &str, copyright: &str) -> Result<String, String> {
+        let words = licence.split([' ', '(', ')']);
+        let is_licence = |word: &&str| !matches!(*word, "" | "AND" | "OR" | "WITH");
+        let texts: Result<Vec<String>, String> =
+            words.filter(is_licence).map(|id| read(&self.folder.join(format!("{id}.txt")))).collect();
+        Ok(format!("{name}: {copyright}\n\n{}", texts?.join("\n\n")))
+    }
+}
+
+/// The document: a list of all parts, and each different text once, with the parts that it applies to.
+fn document(parts: &[Part]) -> String {
+    let mut text = "The uavspec program contains the following third-party code.\n\n".to_owned();
+    let mut by_text: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for part in parts {
+        let origin = part.origin.as_deref().map_or(String::new(), |origin| format!(", {origin}"));
+        let _ = writeln!(text, "{}: {}{origin}", part.name, part.licence);
+        for found in &part.texts {
+            by_text.entry(found.trim()).or_default().push(&part.name);
+        }
+    }
+    let mut texts: Vec<(Vec<&str>, &str)> = by_text.into_iter().map(|(text, names)| (names, text)).collect();
+    texts.sort();
+    for (names, found) in texts {
+        let _ = write!(text, "\n{RULE}\n{}\n{RULE}\n\n{found}\n", names.join("\n"));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::paths::repository;
+
+    #[test]
+    fn lists_each_text_once() {
+        let part = |name: &str, texts: &[&str]| Part {
+            name: name.to_owned(),
+            licence: "MIT".to_owned(),
+            origin: None,
+            texts: texts.iter().map(|text| (*text).to_owned()).collect(),
+        };
+        let text =
+            document(&[part("glider 1.0.0", &["Text A\n"]), part("wing 2.0.0", &["Text B", "Text A"])]);
+        assert!(text.contains("\nglider 1.0.0: MIT\nwing 2.0.0: MIT\n"), "{text}");
+        assert!(text.contains(&format!("{RULE}\nglider 1.0.0\nwing 2.0.0\n{RULE}\n\nText A\n")), "{text}");
+        assert_eq!(text.matches("Text A").count(), 1, "{text}");
+    }
+
+    #[test]
+    fn lists_the_code_in_the_program() {
+        let [crates, rust] =
+            &third_party(repository(), "x86_64-unknown-linux-musl").expect("the licences")[..]
+        else {
+            panic!("expected two files")
+        };
+        let text = String::from_utf8_lossy(&crates.bytes);
+        let list: Vec<&str> = text.lines().skip(2).take_while(|line| !line.is_empty()).collect();
+        for name in ["libsqlite3-sys ", "mcap ", "musl:", "ring "] {
+            assert!(list.iter().any(|line| line.starts_with(name)), "{name} is missing");
+        }
+        for name in ["cc ", "proptest ", "serde_derive ", "uavspec", "windows-sys "] {
+            assert!(!list.iter().any(|line| line.starts_with(name)), "{name} is not part of the program");
+        }
+        assert!(text.contains("Rich Felker") && text.contains("THE SOFTWARE IS PROVIDED"));
+        assert!(!rust.bytes.is_empty());
+    }
+
+    #[test]
+    fn finds_the_licences_of_a_crate() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, text) in [("LICENSE-MIT", "MIT\r\n"), ("COPYING", "Copying\n"), ("README.md", "Read me")] {
+            fs::write(folder.path().join(name), text).expect("a file");
+        }
+        assert_eq!(texts(folder.path()), Ok(vec!["Copying\n".to_owned(), "MIT\n".to_owned()]));
+    }
+}
