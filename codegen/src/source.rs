@@ -34,7 +34,7 @@ pub struct Position {
     pub column: usize,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Source {
     path: String,
     text: String,
@@ -55,7 +55,7 @@ impl Source {
 }
 
 /// All sources of a run, in the order in which they were added.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct SourceMap {
     sources: Vec<Source>,
 }
@@ -107,6 +107,15 @@ impl SourceMap {
             let text = texts.get(&SourceId(offset(at))).unwrap_or(&source.text);
             // Add invalid text as well, to preserve the ids.
             let _ = sources.add(source.path.clone(), text.clone().into_bytes());
+        }
+        sources
+    }
+
+    /// A copy with other paths for some of the sources.
+    pub(crate) fn with_paths(&self, paths: impl Iterator<Item = (SourceId, String)>) -> Self {
+        let mut sources = self.clone();
+        for (SourceId(index), path) in paths {
+            sources.sources[index as usize].path = path;
         }
         sources
     }

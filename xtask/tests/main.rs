@@ -7,6 +7,7 @@ mod cli;
 mod compile;
 mod conversions;
 mod downstream;
+mod files;
 mod lint;
 mod modules;
 mod outputs;
