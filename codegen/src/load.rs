@@ -10,6 +10,7 @@
 
 mod config;
 mod dialect;
+mod discovery;
 mod files;
 mod lint;
 mod located;
@@ -19,6 +20,7 @@ use std::path::{Path, PathBuf};
 
 pub(crate) use self::config::{Config, Inputs, Plan};
 use self::dialect::detected;
+pub use self::discovery::{FoundPackage, find_packages, package_name};
 use self::files::definitions_at;
 pub(crate) use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,

@@ -4,6 +4,7 @@ mod cli;
 mod convert;
 mod explain;
 mod imports;
+mod init;
 mod known;
 mod outputs;
 mod probe;

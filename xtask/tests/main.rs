@@ -6,7 +6,6 @@ mod breaking;
 mod cli;
 mod compile;
 mod conversions;
-mod downstream;
 mod files;
 mod lint;
 mod modules;
