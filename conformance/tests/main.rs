@@ -1,5 +1,7 @@
 //! Tests of the program `uavspec` and of the public API, one module per file. Tests of internals are in `src/tests/`.
 
+#[cfg(unix)]
+mod ci;
 mod cli;
 mod convert;
 mod explain;

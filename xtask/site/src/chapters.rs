@@ -50,6 +50,7 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
             chapter("lint", "xtask/site/guide/lint.md", "guide/lint.md"),
             chapter("translate", "xtask/site/guide/translate.md", "guide/translate.md"),
             chapter("breaking", "xtask/site/guide/breaking.md", "guide/breaking.md"),
+            chapter("Run uavspec in CI", "xtask/site/guide/ci.md", "guide/ci.md"),
         ],
     ),
     (
