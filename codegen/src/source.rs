@@ -112,6 +112,7 @@ impl SourceMap {
     }
 
     /// A copy with other paths for some of the sources.
+    #[cfg(feature = "cli")]
     pub(crate) fn with_paths(&self, paths: impl Iterator<Item = (SourceId, String)>) -> Self {
         let mut sources = self.clone();
         for (SourceId(index), path) in paths {

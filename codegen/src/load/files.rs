@@ -46,6 +46,7 @@ pub(crate) struct Loaded {
     pub(crate) config: Option<Span>,
 }
 
+#[cfg(feature = "cli")]
 impl Loaded {
     /// The files that were read, and the configuration file of the plan.
     pub(crate) fn inputs<'i>(&'i self, plan: &'i Plan) -> impl Iterator<Item = &'i Path> {
