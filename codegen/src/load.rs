@@ -10,6 +10,7 @@
 
 mod config;
 mod dialect;
+mod discovery;
 mod files;
 mod lint;
 mod located;
@@ -21,6 +22,9 @@ use std::path::{Path, PathBuf};
 pub(crate) use self::config::PlannedPackage;
 pub(crate) use self::config::{Config, Inputs, Plan};
 pub(crate) use self::dialect::detected;
+pub use self::discovery::{FoundPackage, find_packages, package_name};
+#[cfg(feature = "lsp")]
+pub(crate) use self::discovery::{by_package, entries, is_msg_file, manifest_name, msg_file};
 use self::files::definitions_at;
 pub(crate) use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,

@@ -16,6 +16,8 @@
 //! assert_eq!((entry.place.path.as_str(), entry.url), ("Wind.msg", rule_url("unit-missing")));
 //! ```
 
+pub mod codequality;
+mod fingerprint;
 mod github;
 mod json;
 #[cfg(feature = "junit")]
@@ -39,7 +41,7 @@ impl Report {
         self.write(format, None)
     }
 
-    /// Like [`to_text`](Self::to_text), with the totals of the run if the format has a place for them. A JSON list and
+    /// Like [`to_text`](Self::to_text), with the totals of the run if the format has a place for them. JSON lists and
     /// `JUnit` XML have none.
     pub fn to_text_with_totals(&self, format: Format, totals: &Totals) -> String {
         self.write(format, Some(totals))
@@ -50,6 +52,7 @@ impl Report {
             Format::Json => json::write(self),
             Format::Github => github::write(self, totals),
             Format::Sarif => sarif::write(self, totals),
+            Format::Codequality => codequality::write(self),
             #[cfg(feature = "junit")]
             Format::Junit => junit::of_findings(self),
         }
@@ -57,12 +60,13 @@ impl Report {
 }
 
 impl Totals {
-    /// The totals without findings, in a format. SARIF and `JUnit` reports contain findings, so they have no such form.
+    /// The totals without findings, in a format. SARIF, `JUnit` and Code Quality reports contain findings, so they have no
+    /// such form.
     pub fn to_summary(&self, format: Format) -> Option<String> {
         match format {
             Format::Json => Some(json_text::pretty(&self.to_json())),
             Format::Github => Some(github::summary(self)),
-            Format::Sarif => None,
+            Format::Sarif | Format::Codequality => None,
             #[cfg(feature = "junit")]
             Format::Junit => None,
         }

@@ -34,7 +34,7 @@ pub struct Position {
     pub column: usize,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Source {
     path: String,
     text: String,
@@ -55,7 +55,7 @@ impl Source {
 }
 
 /// All sources of a run, in the order in which they were added.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct SourceMap {
     sources: Vec<Source>,
 }
@@ -115,6 +115,16 @@ impl SourceMap {
     #[cfg(feature = "lsp")]
     pub(crate) fn ids(&self) -> impl Iterator<Item = SourceId> {
         (0..self.sources.len()).map(|at| SourceId(offset(at)))
+    }
+
+    /// A copy with other paths for some of the sources.
+    #[cfg(feature = "cli")]
+    pub(crate) fn with_paths(&self, paths: impl Iterator<Item = (SourceId, String)>) -> Self {
+        let mut sources = self.clone();
+        for (SourceId(index), path) in paths {
+            sources.sources[index as usize].path = path;
+        }
+        sources
     }
 
     /// The text of a source.

@@ -436,7 +436,12 @@ fn outlines_folds_and_tokens_follow_the_structure() {
 
 #[test]
 fn folders_without_a_configuration_are_searched() {
-    let px4 = [("msg/Mark.msg", MARK), ("msg/versioned/Tow.msg", TOW), ("build/msg/Tow.msg", "uint8 copy\n")];
+    let px4 = [
+        ("msg/Mark.msg", MARK),
+        ("msg/versioned/Tow.msg", TOW),
+        ("build/CMakeCache.txt", ""),
+        ("build/msg/Tow.msg", "uint8 copy\n"),
+    ];
     let mut editor = Editor::new(&px4);
     editor.open("msg/versioned/Tow.msg");
     editor.expect_codes("msg/versioned/Tow.msg", &[]);

@@ -21,6 +21,7 @@ mod check;
 mod completions;
 mod convert;
 mod explain;
+mod init;
 mod interrupt;
 mod known;
 mod lsp;
@@ -57,6 +58,7 @@ use crate::text::{command_line, similar, terminal};
 const PROGRAM: &str = "uavspec";
 
 const EXAMPLES: &str = "Examples:
+  uavspec init --rust
   uavspec check flight.ulg
   uavspec lint --package my_msgs --dialect px4 --input msg
   uavspec test -- ./my-codec --stdio
@@ -101,6 +103,13 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Create a workspace for definitions.
+    ///
+    /// If the folder contains .msg, .srv or .action files, uavspec.toml lists them with their package and dialect.
+    /// Otherwise, an example is added.
+    ///
+    /// By default, the outputs are JSON Schemas, documentation, and TypeScript and Python types.
+    Init(init::InitArgs),
     #[command(flatten)]
     Definitions(cli::Command),
     /// Check logs, bags, messages and recorded sessions.
@@ -237,6 +246,7 @@ impl From<&Outcome> for Status {
 pub fn main() -> ExitCode {
     let status = match terminal::parse_as::<Cli>(interface()).command {
         Command::Definitions(command) => return command.run(),
+        Command::Init(args) => init::run(&args),
         Command::Check(args) => check::check(&args),
         Command::Convert(args) => convert::run(&args),
         Command::Explain(args) => explain::explain(&args),

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //!  results of `check`    ──capture─┐
-//!                                  ├──▶ Report ──▶ text, JSON, JUnit, SARIF, HTML, Markdown
+//!                                  ├──▶ Report ──▶ text, JSON, JUnit, SARIF, Code Quality, HTML, Markdown
 //!  outcome of `test` ─────testee───┘
 //! ```
 //!
@@ -36,6 +36,8 @@
 
 mod by_rule;
 mod capture;
+mod codequality;
+mod entries;
 mod format;
 mod html;
 mod json;

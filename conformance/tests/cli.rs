@@ -389,7 +389,10 @@ fn writes_several_reports_in_one_run() {
 fn rejects_invalid_report_arguments() {
     let here = Path::new(".");
     for (arguments, wanted) in [
-        (&["--report", "pdf=a.pdf"][..], "expected one of text, short, json, junit, sarif, html, markdown"),
+        (
+            &["--report", "pdf=a.pdf"][..],
+            "expected one of text, short, json, junit, sarif, codequality, html, markdown",
+        ),
         (&["--report", "html"], "KIND=PATH"),
         (&["--report", "html=-,json=-"], "only one report can be printed to standard output"),
         (&["--report", "html=-", "--format", "json"], "only one report can be printed to standard output"),

@@ -1,9 +1,12 @@
 //! Tests of the program `uavspec` and of the public API, one module per file. Tests of internals are in `src/tests/`.
 
+#[cfg(unix)]
+mod ci;
 mod cli;
 mod convert;
 mod explain;
 mod imports;
+mod init;
 mod known;
 mod outputs;
 mod probe;

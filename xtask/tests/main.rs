@@ -6,7 +6,7 @@ mod breaking;
 mod cli;
 mod compile;
 mod conversions;
-mod downstream;
+mod files;
 mod lint;
 mod modules;
 mod outputs;

@@ -1,13 +1,17 @@
 //! Arguments shared by several commands.
 
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
 use crate::emit::Emitter;
 use crate::failure::Failure;
-use crate::load::{Config, Plan};
+use crate::load::{Config, Loaded, Plan};
 use crate::schema::Form;
+use crate::source::SourceId;
+use crate::terminal;
 
 /// The definitions that a command reads.
 #[derive(Args, Debug)]
@@ -27,6 +31,41 @@ impl DefinitionsArgs {
             None => Config::find(self.config.as_deref())?.plan(),
         }
     }
+}
+
+/// Files to which a command is limited. It still reads the whole packages, because definitions refer to each other.
+#[derive(Args, Clone, Debug)]
+pub(super) struct FilesArgs {
+    /// Only these files of the packages [default: all files]
+    #[arg(value_name = "FILE")]
+    files: Vec<PathBuf>,
+}
+
+impl FilesArgs {
+    /// The sources of the files; `None` for all sources. Prints a warning for each file that is in no package, because
+    /// tools such as pre-commit pass all files of a repository.
+    pub(super) fn sources(&self, loaded: &Loaded) -> Result<Option<BTreeSet<SourceId>>, Failure> {
+        if self.files.is_empty() {
+            return Ok(None);
+        }
+        let mut known: BTreeMap<PathBuf, Vec<SourceId>> = BTreeMap::new();
+        for (source, path) in &loaded.paths {
+            known.entry(real_path(path)?).or_default().push(*source);
+        }
+        let mut selected = BTreeSet::new();
+        for file in &self.files {
+            match known.get(&real_path(file)?) {
+                Some(sources) => selected.extend(sources),
+                None => terminal::eprintln!("warning: {} is in no package; skipped", terminal::path(file)),
+            }
+        }
+        Ok(Some(selected))
+    }
+}
+
+/// The path of a file, with links resolved.
+fn real_path(path: &Path) -> Result<PathBuf, Failure> {
+    fs::canonicalize(path).map_err(|error| Failure::new(format!("{}: {error}", terminal::path(path))))
 }
 
 /// A package given on the command line instead of a configuration file.

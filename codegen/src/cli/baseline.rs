@@ -68,6 +68,11 @@ pub(super) struct Compared {
 }
 
 impl BaselineArgs {
+    /// The list that is read or written.
+    pub(super) fn file(&self) -> Option<&Path> {
+        self.write_baseline.as_deref().or(self.baseline.as_deref())
+    }
+
     /// Removes the known findings, and prints the outdated entries. Only entries of rules for which `is_applied` is
     /// true can be outdated.
     pub(super) fn compare(
@@ -77,7 +82,7 @@ impl BaselineArgs {
         subjects: Subjects<'_>,
         is_applied: &dyn Fn(&str) -> bool,
     ) -> Result<Compared, Failure> {
-        let Some(path) = self.write_baseline.as_ref().or(self.baseline.as_ref()) else {
+        let Some(path) = self.file() else {
             return Ok(Compared::default());
         };
         let found = Found::new(findings, subjects);

@@ -110,6 +110,8 @@ pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     let sources = std::mem::take(&mut old.sources);
     let new = load_into(&new_plan, sources)?;
     let sources = &new.sources;
+    let inputs = new.inputs(&new_plan).chain(old.inputs(&old_plan)).chain(args.baseline.file());
+    args.report.protect(inputs)?;
     let ((old_schema, mut old_diagnostics), (new_schema, mut new_diagnostics)) = thread::scope(|scope| {
         let old = scope.spawn(|| read(sources, &old.packages));
         let new = read(sources, &new.packages);
@@ -132,14 +134,14 @@ pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     let selection = args.selection();
     let is_applied = |id: &str| !has_errors && selection.has_rule(id) && rule(id).is_some();
     let compared = args.baseline.compare("breaking", &mut findings, subjects, &is_applied)?;
-    let hidden = selection.apply(|id| rule(id).is_some(), &mut findings);
+    let hidden = selection.apply(|id| rule(id).is_some(), sources, &mut findings);
     let totals = Totals {
         known: compared.known,
         hidden,
         ..Totals::of("breaking", &findings, sources, new.files.len())
     };
     let rules = RULES.iter().filter(|rule| selection.has_rule(rule.id)).map(|rule| rule_info(rule)).collect();
-    args.report.show(Results { rules, findings: &findings, totals: &totals }, sources);
+    args.report.show(&Results { rules, findings: &findings, totals: &totals }, &new.sources_from_here())?;
     let files = plural(new.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
     terminal::eprintln!("breaking: {files} compared with {} ({elapsed} ms)", old.files.len());

@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::Args;
 use similar::TextDiff;
 
-use super::arguments::DefinitionsArgs;
+use super::arguments::{DefinitionsArgs, FilesArgs};
 use super::print::{plural, report};
 use crate::failure::Failure;
 use crate::format::{self, Formatted};
@@ -24,6 +24,7 @@ use crate::terminal;
 #[command(after_help = "Examples:
   cargo xtask fmt            format all files that uavspec.toml lists
   cargo xtask fmt --check    print the changes as a patch; fail if there are any
+  cargo xtask fmt msg/Wind.msg
   cargo xtask fmt --package px4 --dialect px4 --input msg srv/Arm.srv
 
 Formatting changes white space, the order and spelling of annotations, and the columns of tables. Formatting never \
@@ -34,12 +35,14 @@ pub struct FmtArgs {
     check: bool,
     #[command(flatten)]
     definitions: DefinitionsArgs,
+    #[command(flatten)]
+    files: FilesArgs,
 }
 
 pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     let started = Instant::now();
     let plan = args.definitions.plan()?;
-    let (changes, loaded) = changes(&plan)?;
+    let (changes, loaded) = changes(&plan, &args.files)?;
     report("fmt", &loaded, &loaded.diagnostics, "these files stay unchanged");
     let result = if args.check {
         print(&changes);
@@ -54,13 +57,17 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     Ok(loaded.diagnostics.is_empty() && (changes.is_empty() || !args.check))
 }
 
-/// Formats the files in memory. Adds the diagnostics of files with errors to the returned `Loaded`.
-fn changes(plan: &Plan) -> Result<(Vec<Change>, Loaded), Failure> {
+/// Formats the selected files in memory. Adds the diagnostics of files with errors to the returned `Loaded`.
+fn changes(plan: &Plan, files: &FilesArgs) -> Result<(Vec<Change>, Loaded), Failure> {
     let mut loaded = load::load_named(plan)?;
+    let selected = files.sources(&loaded)?;
+    let is_selected = |id: &SourceId| selected.as_ref().is_none_or(|selected| selected.contains(id));
+    let sources = &loaded.sources;
+    loaded.diagnostics.retain(|diagnostic| is_selected(&sources.source_of(diagnostic.span)));
     let mut changes = Vec::new();
     let mut seen = BTreeSet::new();
     for package in &loaded.packages {
-        for id in &package.sources {
+        for id in package.sources.iter().filter(|id| is_selected(id)) {
             let Some(path) = loaded.paths.get(id) else { continue };
             let shown = loaded.sources.path(*id);
             // A linked file is formatted once, even if several links lead to it.

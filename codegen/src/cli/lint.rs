@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::arguments::DefinitionsArgs;
+use super::arguments::{DefinitionsArgs, FilesArgs};
 use super::baseline::{BaselineArgs, Subjects};
 use super::print::plural;
 use super::report::{LevelName, ReportArgs, Results, Selection, rule_ids};
@@ -34,7 +34,9 @@ const MAX_PASSES: usize = 10;
   cargo xtask lint --level warning --format json | jq length
   cargo xtask lint --preset strict --deny note
   cargo xtask lint --fix        apply all automatic fixes
-  cargo xtask lint --package px4 --dialect px4 --input msg --format sarif
+  cargo xtask lint msg/Wind.msg
+  cargo xtask lint --report sarif=lint.sarif,junit=lint.xml
+  cargo xtask lint --package px4 --dialect px4 --input msg
 
 Report only new findings:
   cargo xtask lint --write-baseline known.toml
@@ -73,6 +75,8 @@ pub struct LintArgs {
     /// List all rules with their levels instead of checking
     #[arg(long)]
     rules: bool,
+    #[command(flatten)]
+    files: FilesArgs,
 }
 
 pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
@@ -84,18 +88,19 @@ pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
     let started = Instant::now();
     let plan = args.definitions.plan()?;
     let mut loaded = load::load_with_catalogues(&plan)?;
+    args.report.protect(loaded.inputs(&plan).chain(args.baseline.file()))?;
+    let selection = args.selection(&loaded)?;
     let settings = settings(&plan, &loaded, args);
     let mut findings = check(&loaded, &settings);
-    let fixed = if args.fix { fix(&mut loaded, &mut findings, &settings, &args.selection())? } else { 0 };
+    let fixed = if args.fix { fix(&mut loaded, &mut findings, &settings, &selection)? } else { 0 };
     let subjects = Subjects::new(&loaded.sources, &loaded.packages);
     // The other findings are incomplete if a definition has errors.
     let has_errors = findings.iter().any(|finding| rule(finding.rule).is_none());
-    let selection = args.selection();
     let is_applied = |id: &str| {
         !has_errors && selection.has_rule(id) && rule(id).is_some_and(|rule| settings.level(rule).is_some())
     };
     let compared = args.baseline.compare("lint", &mut findings, subjects, &is_applied)?;
-    let hidden = selection.apply(|id| rule(id).is_some(), &mut findings);
+    let hidden = selection.apply(|id| rule(id).is_some(), &loaded.sources, &mut findings);
     let totals = Totals {
         known: compared.known,
         hidden,
@@ -105,8 +110,8 @@ pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
         let level = settings.level(rule)?;
         Some(RuleInfo::new(rule.id, rule.purpose(), level))
     });
-    args.report
-        .show(Results { rules: rules.collect(), findings: &findings, totals: &totals }, &loaded.sources);
+    let results = Results { rules: rules.collect(), findings: &findings, totals: &totals };
+    args.report.show(&results, &loaded.sources_from_here())?;
     let read = plural(loaded.files.len(), "file");
     let elapsed = started.elapsed().as_millis();
     terminal::eprintln!("lint: {read} read ({elapsed} ms){}", fix_summary(fixed, totals.fixable()));
@@ -123,9 +128,10 @@ fn fix_summary(fixed: usize, fixable: usize) -> String {
 }
 
 impl LintArgs {
-    fn selection(&self) -> Selection {
+    fn selection(&self, loaded: &Loaded) -> Result<Selection, Failure> {
         let level = self.level.map(LevelName::level);
-        Selection { rules: self.rule.clone(), level, ..Selection::default() }
+        let files = self.files.sources(loaded)?;
+        Ok(Selection { rules: self.rule.clone(), level, files, ..Selection::default() })
     }
 }
 
@@ -174,7 +180,7 @@ fn fix(
             }
         }
         let mut selected = findings.clone();
-        selection.apply(|id| rule(id).is_some(), &mut selected);
+        selection.apply(|id| rule(id).is_some(), &loaded.sources, &mut selected);
         let new = apply(&selected, &loaded.sources);
         if new.is_empty() {
             break;

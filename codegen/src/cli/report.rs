@@ -1,20 +1,25 @@
-//! Output of findings, to the terminal or to another program.
+//! Output of findings, to the terminal, to files or to another program.
+
+mod target;
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 
+use self::target::{FormatName, Target};
 use super::print::{print_report, print_results};
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::finding::Finding;
 use crate::render;
-use crate::report::{Entry, Format, Report, RuleInfo, Totals};
-use crate::source::SourceMap;
+use crate::report::{Entry, Report, RuleInfo, Totals};
+use crate::source::{SourceId, SourceMap};
+use crate::terminal::guarded;
 
-/// The report format, and the lowest level of finding that makes a command fail.
-#[derive(Args, Clone, Copy, Debug)]
+/// The reports, and the lowest level of finding that makes a command fail.
+#[derive(Args, Clone, Debug)]
 pub(super) struct ReportArgs {
     /// Print only the totals for each rule; requires --format text, json or github
     #[arg(long)]
@@ -25,6 +30,9 @@ pub(super) struct ReportArgs {
     /// Report format
     #[arg(long, default_value = "text")]
     format: FormatName,
+    /// Also write a report to a file, such as sarif=lint.sarif (repeatable)
+    #[arg(long, value_name = "FORMAT=PATH", value_delimiter = ',')]
+    report: Vec<Target>,
 }
 
 /// A level of findings.
@@ -48,34 +56,6 @@ impl LevelName {
     }
 }
 
-/// A format of reports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum FormatName {
-    /// Readable text that quotes the line of each finding
-    Text,
-    /// A JSON list; with --summary, a JSON object
-    Json,
-    /// GitHub workflow annotations
-    Github,
-    /// SARIF 2.1.0, for code scanning
-    Sarif,
-    /// Test results as XML, for CI systems
-    Junit,
-}
-
-impl FormatName {
-    /// The machine-readable format, or `None` for text.
-    fn format(self) -> Option<Format> {
-        match self {
-            Self::Text => None,
-            Self::Json => Some(Format::Json),
-            Self::Github => Some(Format::Github),
-            Self::Sarif => Some(Format::Sarif),
-            Self::Junit => Some(Format::Junit),
-        }
-    }
-}
-
 /// Accepts the ids of rules. For other values, clap reports the known ids and a similar one.
 pub(super) fn rule_ids(ids: impl IntoIterator<Item = &'static str>) -> PossibleValuesParser {
     PossibleValuesParser::new(ids)
@@ -90,6 +70,8 @@ pub(super) struct Selection {
     pub(super) categories: BTreeSet<&'static str>,
     /// The lowest level.
     pub(super) level: Option<Level>,
+    /// The selected files; `None` for all files.
+    pub(super) files: Option<BTreeSet<SourceId>>,
 }
 
 impl Selection {
@@ -99,7 +81,12 @@ impl Selection {
     }
 
     /// Removes the findings that are not selected. Returns the number of removed findings.
-    pub(super) fn apply(&self, is_rule: impl Fn(&str) -> bool, findings: &mut Vec<Finding>) -> usize {
+    pub(super) fn apply(
+        &self,
+        is_rule: impl Fn(&str) -> bool,
+        sources: &SourceMap,
+        findings: &mut Vec<Finding>,
+    ) -> usize {
         let count = |findings: &[Finding]| findings.chunk_by(Finding::is_same_change).count();
         let before = count(findings);
         findings.retain(|finding| {
@@ -107,6 +94,10 @@ impl Selection {
             !is_rule(finding.rule)
                 || self.has_rule(finding.rule)
                     && (self.categories.is_empty() || has_category)
+                    && self
+                        .files
+                        .as_ref()
+                        .is_none_or(|files| files.contains(&sources.source_of(finding.span)))
                     && self.level.is_none_or(|level| finding.level >= level)
         });
         before - count(findings)
@@ -121,47 +112,72 @@ pub(super) struct Results<'r> {
     pub(super) totals: &'r Totals,
 }
 
+impl Results<'_> {
+    fn to_text(&self, format: FormatName, sources: &SourceMap, styled: bool) -> String {
+        let Some(format) = format.format() else {
+            let text = render::findings(self.findings, sources, styled);
+            let gap = if text.is_empty() { "" } else { "\n" };
+            return match self.totals.rules.len() {
+                // The table would repeat the last line.
+                0 | 1 => format!("{text}{gap}{}\n", self.totals.headline()),
+                _ => format!("{text}{gap}{}", self.totals.to_text()),
+            };
+        };
+        let entries = self.findings.iter().map(|finding| Entry::of(finding, sources)).collect();
+        let report = Report { command: self.totals.command, rules: self.rules.clone(), entries };
+        report.to_text_with_totals(format, self.totals)
+    }
+
+    fn to_summary(&self, format: FormatName) -> String {
+        match format.format() {
+            Some(format) => self.totals.to_summary(format).unwrap_or_default(),
+            None => self.totals.to_text(),
+        }
+    }
+}
+
 impl ReportArgs {
     /// Checks that the options can be combined.
-    pub(super) fn check(self) -> Result<(), Failure> {
+    pub(super) fn check(&self) -> Result<(), Failure> {
         let has_totals = matches!(self.format, FormatName::Text | FormatName::Json | FormatName::Github);
         if self.summary && !has_totals {
             // Code scanning would close the alert of each finding that is not in the report.
-            let message = "a SARIF or JUnit report without findings would look like a successful run";
+            let message = "a report in this format without findings would look like a successful run";
             return Err(Failure::new(message)
                 .with_hint("use --summary with --format text, json or github, or remove --summary"));
         }
-        Ok(())
+        target::check_distinct(&self.report)
     }
 
-    /// Prints the results to standard output.
-    pub(super) fn show(self, results: Results<'_>, sources: &SourceMap) {
-        let Results { rules, findings, totals } = results;
-        let Some(format) = self.format.format() else {
-            return print_results(|styled| {
-                if self.summary {
-                    return totals.to_text();
-                }
-                let text = render::findings(findings, sources, styled);
-                let gap = if text.is_empty() { "" } else { "\n" };
-                match totals.rules.len() {
-                    // The table would repeat the last line.
-                    0 | 1 => format!("{text}{gap}{}\n", totals.headline()),
-                    _ => format!("{text}{gap}{}", totals.to_text()),
-                }
-            });
+    /// Fails if a report would replace an input.
+    pub(super) fn protect<'i>(&self, mut inputs: impl Iterator<Item = &'i Path>) -> Result<(), Failure> {
+        inputs.try_for_each(|input| self.report.iter().try_for_each(|target| target.protect(input)))
+    }
+
+    /// Prints the results to standard output, and writes the report files.
+    pub(super) fn show(&self, results: &Results<'_>, sources: &SourceMap) -> Result<(), Failure> {
+        let text = |styled| {
+            if self.summary {
+                results.to_summary(self.format)
+            } else {
+                results.to_text(self.format, sources, styled)
+            }
         };
-        let text = if self.summary {
-            totals.to_summary(format).unwrap_or_default()
-        } else {
-            let entries = findings.iter().map(|finding| Entry::of(finding, sources)).collect();
-            Report { command: totals.command, rules, entries }.to_text_with_totals(format, totals)
-        };
-        print_report(&text);
+        match self.format {
+            FormatName::Text => print_results(text),
+            _ => print_report(&text(false)),
+        }
+        self.report.iter().try_for_each(|target| {
+            let text = results.to_text(target.format, sources, false);
+            match target.format {
+                FormatName::Text => target.write(&guarded(&text)),
+                _ => target.write(&text),
+            }
+        })
     }
 
     /// True if no finding is at the denied level or above.
-    pub(super) fn is_success(self, findings: &[Finding]) -> bool {
+    pub(super) fn is_success(&self, findings: &[Finding]) -> bool {
         findings.iter().all(|finding| finding.level < self.deny.level())
     }
 }

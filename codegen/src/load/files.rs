@@ -46,6 +46,21 @@ pub(crate) struct Loaded {
     pub(crate) config: Option<Span>,
 }
 
+#[cfg(feature = "cli")]
+impl Loaded {
+    /// The files that were read, and the configuration file of the plan.
+    pub(crate) fn inputs<'i>(&'i self, plan: &'i Plan) -> impl Iterator<Item = &'i Path> {
+        let config = plan.config.iter().map(|(path, _)| Path::new(path));
+        self.files.iter().map(PathBuf::as_path).chain(config)
+    }
+
+    /// The sources with paths relative to the current folder, as CI systems expect them, instead of the plan's root.
+    pub(crate) fn sources_from_here(&self) -> SourceMap {
+        let relative = self.paths.iter().filter(|(_, path)| path.is_relative());
+        self.sources.with_paths(relative.map(|(id, path)| (*id, shown(path, Path::new("")))))
+    }
+}
+
 /// Reads all sources of `plan`, and the referenced ROS 2 packages in neighbouring folders.
 pub(crate) fn load(plan: &Plan) -> Result<Loaded, Failure> {
     load_into(plan, SourceMap::default())

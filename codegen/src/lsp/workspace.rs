@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 
 use lsp_types::TextDocumentContentChangeEvent as Change;
 
-use super::discovery::package_folder;
 use super::lines::{Encoding, Lines};
 use super::project::{Project, Root};
 use super::snapshot::Document;
@@ -52,9 +51,9 @@ impl Workspace {
         self.reload();
         self.refresh();
         if self.project_of(path).is_none() {
+            let folder = path.parent().unwrap_or(path);
             let config = path.ancestors().skip(1).find_map(Config::in_folder);
-            let roots =
-                config.map(Root::Config).into_iter().chain([Root::Folder(package_folder(path).into())]);
+            let roots = config.map(Root::Config).into_iter().chain([Root::Folder(folder.to_path_buf())]);
             for root in roots {
                 let known = self.projects.len();
                 self.add(root);

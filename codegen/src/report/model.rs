@@ -140,6 +140,8 @@ pub enum Format {
     Github,
     /// SARIF 2.1.0, for code scanning.
     Sarif,
+    /// The Code Quality format of GitLab.
+    Codequality,
     /// `JUnit` XML, for CI systems.
     #[cfg(feature = "junit")]
     Junit,

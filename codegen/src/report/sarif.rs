@@ -7,13 +7,12 @@
 //! Format: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>. GitHub's subset:
 //! <https://docs.github.com/en/code-security/reference/code-scanning/sarif-files/sarif-support>.
 
-use std::collections::{BTreeMap, HashMap};
-use std::fmt::Write as _;
+use std::collections::BTreeMap;
 use std::io::{self, BufRead};
 
 use serde_json::{Map, Value, json};
-use sha2::{Digest as _, Sha256};
 
+use super::fingerprint::Fingerprints;
 use super::model::{Entry, PROJECT_URL, Place, Region, Report, RuleInfo};
 use super::totals::Totals;
 use crate::diagnostic::Level;
@@ -32,30 +31,19 @@ const MAX_TITLE: usize = 200;
 /// already contains `primaryLocationLineHash`, the action warns.
 const FINGERPRINT: &str = "uavspecFinding/v1";
 
-/// The number of bytes of the hash in a fingerprint.
-const FINGERPRINT_LEN: usize = 16;
-
 /// The member that lists the results, in a log without results.
 const RESULTS: &str = "\n      \"results\": []";
 
 /// Creates the results of a run, which may be written one at a time.
 #[derive(Debug, Default)]
 pub struct Results {
-    /// The number of results with each fingerprint.
-    seen: HashMap<[u8; FINGERPRINT_LEN], u32>,
+    fingerprints: Fingerprints,
 }
 
 impl Results {
     /// The result for an entry, as a line of JSON without the index of its rule.
     pub fn line(&mut self, entry: &Entry) -> String {
-        let fingerprint = fingerprint(entry);
-        let count = self.seen.entry(fingerprint).and_modify(|count| *count += 1).or_insert(1);
-        let hash = fingerprint.iter().fold(String::new(), |mut text, byte| {
-            // Writing to a `String` can't fail.
-            let _ = write!(text, "{byte:02x}");
-            text
-        });
-        format!("{}\n", result(entry, &format!("{hash}:{count}")))
+        format!("{}\n", result(entry, &self.fingerprints.of(entry)))
     }
 }
 
@@ -223,16 +211,4 @@ fn uri(path: &str) -> String {
 /// Inserts a space into `](`, because `[text](address)` is a link even in plain messages.
 fn message(text: &str) -> String {
     text.replace("](", "] (")
-}
-
-/// The identity of a finding, independent of its line.
-fn fingerprint(entry: &Entry) -> [u8; FINGERPRINT_LEN] {
-    let mut hash = Sha256::new();
-    for part in [&*entry.rule, entry.category.unwrap_or_default(), &entry.place.path, &entry.message] {
-        // Include the lengths, so that different lists of parts never produce the same bytes.
-        hash.update((part.len() as u64).to_le_bytes());
-        hash.update(part);
-    }
-    let hash = hash.finalize();
-    std::array::from_fn(|at| hash.get(at).copied().unwrap_or_default())
 }

@@ -174,6 +174,35 @@ fn fingerprints_survive_moves_and_distinguish_findings() {
 }
 
 #[test]
+fn code_quality_contains_all_findings() {
+    let byte = Entry {
+        place: Place { path: "./logs/a.ulg".to_owned(), region: Region::Byte(77) },
+        ..entry("odd", Level::Error, "odd value")
+    };
+    let mut report = hostile();
+    report.entries.extend([byte.clone(), byte]);
+    let issues: Vec<Value> = serde_json::from_str(&report.to_text(Format::Codequality)).expect("a JSON list");
+    assert_eq!(issues.len(), report.entries.len());
+    assert_eq!(
+        [&issues[0]["description"], &issues[0]["check_name"], &issues[0]["severity"]],
+        [&json!(format!("unit-missing: {HOSTILE} (wire)")), &json!("unit-missing"), &json!("minor")]
+    );
+    assert_eq!(issues[0]["location"], json!({ "path": PATH, "lines": { "begin": 3 } }));
+    assert_eq!([&issues[1]["severity"], &issues[2]["severity"]], ["major", "info"]);
+    assert_eq!(issues[3]["description"], "odd: odd value (byte 77)");
+    assert_eq!(issues[3]["location"], json!({ "path": "logs/a.ulg", "lines": { "begin": 1 } }));
+    let mut fingerprints: Vec<&Value> = issues.iter().map(|issue| &issue["fingerprint"]).collect();
+    fingerprints.sort_by_key(|fingerprint| fingerprint.to_string());
+    fingerprints.dedup();
+    assert_eq!(
+        fingerprints.len(),
+        issues.len(),
+        "GitLab ignores an issue with the fingerprint of another one"
+    );
+    assert_eq!(self::report(Vec::new()).to_text(Format::Codequality), "[]\n");
+}
+
+#[test]
 fn absolute_paths_become_file_urls() {
     for (path, expected) in [
         ("/a b/c.msg", "file:///a%20b/c.msg"),

@@ -23,8 +23,8 @@ const STANDARD_OUTPUT: &str = "-";
 pub(super) struct ReportArgs {
     /// Format of the report (default: text).
     ///
-    /// The report is printed to standard output. The formats are text, json, junit (XML for CI systems), sarif (for
-    /// editors and code scanning), html (a self-contained page) and markdown (for pull requests and CI summaries).
+    /// The report is printed to standard output. The formats are text, short (one line for each finding), json,
+    /// junit (XML for CI systems), sarif (for editors and code scanning), codequality (for GitLab), html (a self-contained page) and markdown (for pull requests and CI summaries).
     #[arg(long, value_name = "KIND", hide_possible_values = true)]
     format: Option<Kind>,
     /// Write a report to a file (repeatable).
@@ -238,7 +238,10 @@ mod tests {
         assert_eq!(target("html=a=b.html"), Ok(Target { kind: Kind::Html, path: "a=b.html".into() }));
         for wrong in ["html", "html=", "pdf=a", "=a", ""] {
             let error = target(wrong).expect_err(wrong);
-            assert!(error.contains("text, short, json, junit, sarif, html, markdown"), "{error}");
+            assert!(
+                error.contains("text, short, json, junit, sarif, codequality, html, markdown"),
+                "{error}"
+            );
         }
     }
 

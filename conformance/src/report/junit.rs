@@ -10,8 +10,8 @@ use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
 use uavspec_codegen::report::{Place, Region};
 use uavspec_codegen::terminal::guarded;
 
+use super::entries::region;
 use super::format::{Format, Run};
-use super::sarif::region;
 use super::spool::Spool;
 use super::{
     About, Action, Case, CaseVerdict, Finding, Report, RuleVerdict, Subject, Testee, Unreadable, Verdict,

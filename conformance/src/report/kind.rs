@@ -2,6 +2,7 @@
 
 use clap::ValueEnum;
 
+use super::codequality::CodeQuality;
 use super::format::Format;
 use super::html::Html;
 use super::json::Json;
@@ -25,6 +26,8 @@ pub enum Kind {
     Junit,
     /// SARIF 2.1.0 for editors and code scanning.
     Sarif,
+    /// Code Quality report of GitLab.
+    Codequality,
     /// A self-contained HTML page.
     Html,
     /// Markdown for pull requests and CI summaries.
@@ -43,6 +46,7 @@ impl Kind {
             Self::Json => Box::new(Json::new(spool)),
             Self::Junit => Box::new(Junit::new(spool)),
             Self::Sarif => Box::new(Sarif::new(spool)),
+            Self::Codequality => Box::new(CodeQuality::new(spool)),
             Self::Html => Box::<Html>::default(),
             Self::Markdown => Box::<Markdown>::default(),
         }

@@ -280,6 +280,29 @@ fn sarif_has_rules_with_help_and_locations() {
     assert!(location["region"]["startLine"].as_u64() > Some(0), "{location}");
 }
 
+#[test]
+fn code_quality_has_the_findings_of_sarif() {
+    for report in reports() {
+        let log: Value = serde_json::from_str(&report.to_text(Kind::Sarif)).expect("JSON");
+        let results = log["runs"][0]["results"].as_array().expect("results");
+        let issues: Vec<Value> =
+            serde_json::from_str(&report.to_text(Kind::Codequality)).expect("a JSON list");
+        assert!(!issues.is_empty());
+        assert_eq!(issues.len(), results.len());
+        for (issue, result) in issues.iter().zip(results) {
+            assert_eq!(issue["check_name"], result["ruleId"]);
+            let severity = match result["level"].as_str() {
+                Some("error") => "major",
+                Some("warning") => "minor",
+                _ => "info",
+            };
+            assert_eq!(issue["severity"], severity);
+            assert!(issue["location"]["path"].as_str().is_some_and(|path| !path.is_empty()), "{issue}");
+            assert!(issue["location"]["lines"]["begin"].as_u64() > Some(0), "{issue}");
+        }
+    }
+}
+
 /// The location in the record, the value found, and the command to reproduce the finding are in every format.
 #[test]
 fn each_format_reports_the_path_and_the_value_found() {

@@ -84,8 +84,16 @@ const FRAGMENTS: [&str; 62] = [
 ];
 
 /// The formats, with colours in text.
-const KINDS: [Kind; 7] =
-    [Kind::Text, Kind::Short, Kind::Json, Kind::Junit, Kind::Sarif, Kind::Html, Kind::Markdown];
+const KINDS: &[Kind] = &[
+    Kind::Text,
+    Kind::Short,
+    Kind::Json,
+    Kind::Junit,
+    Kind::Sarif,
+    Kind::Codequality,
+    Kind::Html,
+    Kind::Markdown,
+];
 
 /// The structure of each report with harmless text.
 fn expected() -> &'static [Vec<Vec<String>>] {
@@ -94,14 +102,14 @@ fn expected() -> &'static [Vec<Vec<String>>] {
 }
 
 fn structures(report: &Report) -> Vec<Vec<String>> {
-    KINDS.into_iter().map(|kind| structure(kind, &report.to_text(kind))).collect()
+    KINDS.iter().map(|kind| structure(*kind, &report.to_text(*kind))).collect()
 }
 
 /// The elements of a document, without its text. Fails if the document isn't well-formed.
 fn structure(kind: Kind, text: &str) -> Vec<String> {
     match kind {
         Kind::Text | Kind::Short => Vec::new(),
-        Kind::Json | Kind::Sarif => {
+        Kind::Json | Kind::Sarif | Kind::Codequality => {
             let value: Value = serde_json::from_str(text).expect("JSON");
             vec![shape(&value)]
         }
@@ -236,7 +244,7 @@ fn check(text: &str) {
     // A text without visible characters would be omitted.
     let text = &format!("{text}z");
     for (report, structures) in poison::reports(text).iter().zip(expected()) {
-        for (kind, expected) in KINDS.into_iter().zip(structures) {
+        for (kind, expected) in KINDS.iter().copied().zip(structures) {
             let document = rendered(report, kind);
             assert!(structure(kind, &document) == *expected, "{kind:?} with {text:?}\n{document}");
         }

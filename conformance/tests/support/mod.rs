@@ -3,6 +3,7 @@
 pub(crate) mod proxy;
 pub(crate) mod server;
 
+use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -36,6 +37,29 @@ pub(crate) fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
 /// The first value if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise the second value.
 pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
+}
+
+/// Writes a file in a folder, and creates the folders of its path.
+pub(crate) fn write(folder: &Path, path: &str, text: impl AsRef<[u8]>) {
+    let path = folder.join(path);
+    fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+    fs::write(path, text).expect("a file");
+}
+
+/// The files that a chapter of the guide shows: each is a line with a path in backticks, followed by a fenced block.
+pub(crate) fn files_of_guide(chapter: &str) -> Vec<(String, String)> {
+    let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/site/guide").join(chapter);
+    let page = fs::read_to_string(page).expect("the chapter");
+    let mut files = Vec::new();
+    let mut lines = page.lines();
+    while let Some(line) = lines.next() {
+        let path = line.strip_prefix('`').and_then(|rest| rest.strip_suffix('`'));
+        let Some(path) = path.filter(|path| !path.contains('`')) else { continue };
+        let fenced = lines.by_ref().skip_while(|line| !line.starts_with("```")).skip(1);
+        let text: Vec<&str> = fenced.take_while(|line| *line != "```").collect();
+        files.push((path.to_owned(), text.join("\n") + "\n"));
+    }
+    files
 }
 
 /// Writes `ULog` files.

@@ -12,6 +12,7 @@
 //! | `schemars` | JSON Schemas, using the schemars crate: module `schema` |
 //! | `json` | types for JSON messages that specification pages define: module `json_type`; enables `serde` and `std` |
 //! | `serde` | JSON and other serde formats: module `json` |
+//! | `sources` | the source files of this crate, for programs that copy it: module `sources` |
 //! | `views` | access to single fields of a uORB payload without decoding the others: module `view` |
 //!
 //! # Performance
@@ -79,6 +80,8 @@ mod scalar;
 #[cfg(feature = "schemars")]
 pub mod schema;
 mod severity;
+#[cfg(feature = "sources")]
+pub mod sources;
 #[cfg(feature = "proptest")]
 pub mod strategy;
 mod text;

@@ -87,6 +87,7 @@ const PARTS: [(&str, &[Chapter]); 5] = [
             chapter("List and explain rules (rules)", "xtask/site/guide/rules.md", "guide/rules.md"),
             chapter("Reports", "xtask/site/guide/reports.md", "guide/reports.md"),
             chapter("Known failures", "xtask/site/guide/known-failures.md", "guide/known-failures.md"),
+            chapter("Run uavspec in CI", "xtask/site/guide/ci.md", "guide/ci.md"),
             chapter("Self-test", "xtask/site/guide/self-test.md", "guide/self-test.md"),
         ],
     ),

@@ -1,0 +1,130 @@
+//! Formats of reports, and report files.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use clap::ValueEnum;
+use same_file::is_same_file;
+
+use crate::failure::Failure;
+use crate::report::Format;
+use crate::stage::replace;
+use crate::terminal;
+
+/// A format of reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum FormatName {
+    /// Readable text that quotes the line of each finding
+    Text,
+    /// A JSON list; with --summary, a JSON object
+    Json,
+    /// GitHub workflow annotations
+    Github,
+    /// SARIF 2.1.0, for code scanning
+    Sarif,
+    /// Test results as XML, for CI systems
+    Junit,
+    /// Code Quality report of GitLab
+    Codequality,
+}
+
+impl FormatName {
+    /// The machine-readable format, or `None` for text.
+    pub(super) fn format(self) -> Option<Format> {
+        match self {
+            Self::Text => None,
+            Self::Json => Some(Format::Json),
+            Self::Github => Some(Format::Github),
+            Self::Sarif => Some(Format::Sarif),
+            Self::Junit => Some(Format::Junit),
+            Self::Codequality => Some(Format::Codequality),
+        }
+    }
+}
+
+/// A value of `--report`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Target {
+    pub(super) format: FormatName,
+    path: PathBuf,
+}
+
+impl FromStr for Target {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, path) = text
+            .split_once('=')
+            .filter(|(_, path)| !path.is_empty())
+            .ok_or("expected FORMAT=PATH, such as sarif=lint.sarif")?;
+        let format = FormatName::from_str(name, false).map_err(|_| {
+            format!("unknown format `{}`; expected one of {}", terminal::shown(name), formats())
+        })?;
+        Ok(Self { format, path: path.into() })
+    }
+}
+
+fn formats() -> String {
+    let values = FormatName::value_variants().iter().filter_map(FormatName::to_possible_value);
+    values.map(|value| value.get_name().to_owned()).collect::<Vec<_>>().join(", ")
+}
+
+/// Fails if two reports have the same path.
+pub(super) fn check_distinct(targets: &[Target]) -> Result<(), Failure> {
+    let repeated = targets
+        .iter()
+        .enumerate()
+        .find(|(at, target)| targets[..*at].iter().any(|other| other.path == target.path));
+    repeated.map_or(Ok(()), |(_, target)| {
+        let message = format!("two reports have the path {}", terminal::path(&target.path));
+        Err(Failure::new(message).with_hint("choose another file for one of them"))
+    })
+}
+
+impl Target {
+    /// Fails if the report would replace an input.
+    pub(super) fn protect(&self, input: &Path) -> Result<(), Failure> {
+        if self.path != input && !is_same_file(&self.path, input).unwrap_or(false) {
+            return Ok(());
+        }
+        let message = format!("the report would overwrite the input {}", terminal::path(input));
+        Err(Failure::new(message).with_hint("choose another file for the report"))
+    }
+
+    /// Writes the report in one step.
+    pub(super) fn write(&self, text: &str) -> Result<(), Failure> {
+        let written = match fs::metadata(&self.path) {
+            // If the path is a link, its target is replaced.
+            Ok(metadata) if metadata.is_file() => {
+                fs::canonicalize(&self.path).and_then(|path| replace(&path, |staged| fs::write(staged, text)))
+            }
+            // A pipe or a device can't be replaced.
+            Ok(_) => fs::write(&self.path, text),
+            Err(_) => replace(&self.path, |staged| fs::write(staged, text)),
+        };
+        written.map_err(|error: io::Error| {
+            Failure::new(format!("{}: can't write the report: {error}", terminal::path(&self.path)))
+                .with_hint("check that the folder exists and is writable")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parses_formats_and_paths_and_lists_the_formats_in_errors() {
+        let target = |text: &str| text.parse::<Target>();
+        assert_eq!(
+            target("sarif=a=b.sarif"),
+            Ok(Target { format: FormatName::Sarif, path: "a=b.sarif".into() })
+        );
+        for wrong in ["sarif", "sarif=", "pdf=a", "=a", ""] {
+            let error = target(wrong).expect_err(wrong);
+            assert!(error.contains("FORMAT=PATH") || error.contains("text, json, github, sarif"), "{error}");
+        }
+    }
+}

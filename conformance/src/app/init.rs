@@ -1,0 +1,154 @@
+//! `uavspec init`.
+
+mod files;
+mod write;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use uavspec_codegen::Failure;
+use uavspec_codegen::load::{FoundPackage, find_packages, package_name};
+use uavspec_codegen::msg::Dialect;
+
+use self::files::{Files, RUNTIME};
+use super::Status;
+use crate::text::{command_line, terminal};
+
+const EXAMPLES: &str = "Examples:
+  uavspec init                  for the definitions in the current folder
+  uavspec init --rust wind      with a crate for the generated code
+
+Nothing is written if one of the files exists.";
+
+/// Arguments of `init`.
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct InitArgs {
+    /// Folder of the workspace. It is created if necessary.
+    #[arg(value_name = "FOLDER", default_value = ".")]
+    folder: PathBuf,
+    /// Add a Cargo workspace with a crate for the generated code.
+    #[arg(long)]
+    rust: bool,
+    /// Generate only JSON Schemas.
+    #[arg(long, conflicts_with = "rust")]
+    schemas_only: bool,
+}
+
+/// Runs `uavspec init`.
+pub(super) fn run(args: &InitArgs) -> Status {
+    let failure = match init(args) {
+        Ok(()) => return Status::Conforms,
+        Err(failure) => failure,
+    };
+    terminal::eprintln!("{failure}");
+    Status::Usage
+}
+
+fn init(args: &InitArgs) -> Result<(), Failure> {
+    let folder = &args.folder;
+    let found = if folder.is_dir() { find_packages(folder)? } else { Vec::new() };
+    let files = files(args, &found);
+    check_absent(folder, &files)?;
+    write::write(folder, &files).map_err(|error| {
+        Failure::new(format!("{}: {error}; nothing was written", terminal::path(folder)))
+            .with_hint("check that the folder is writable")
+    })?;
+    report(args, &found, &files);
+    Ok(())
+}
+
+/// The files of a workspace for the packages, or for an example.
+fn files(args: &InitArgs, found: &[FoundPackage]) -> Files {
+    let mut files = Files::default();
+    let example = || FoundPackage {
+        name: package_name(&args.folder),
+        dialect: Dialect::Px4,
+        include: vec!["msg/*.msg".to_owned()],
+    };
+    if found.is_empty() {
+        files.add_example();
+        files.add_configuration(args.outputs(), &[example()]);
+    } else {
+        files.add_configuration(args.outputs(), found);
+    }
+    if args.rust {
+        files.add_crate();
+    }
+    files
+}
+
+impl InitArgs {
+    /// The outputs, as lines of the configuration.
+    fn outputs(&self) -> &'static [&'static str] {
+        match self {
+            Self { rust: true, .. } => &[
+                r#"rust = "messages/src/generated""#,
+                r#"json_schema = "generated/schemas""#,
+                r#"docs = "generated/docs""#,
+            ],
+            Self { schemas_only: true, .. } => &[r#"json_schema = "generated/schemas""#],
+            _ => &[
+                r#"json_schema = "generated/schemas""#,
+                r#"docs = "generated/docs""#,
+                r#"typescript = "generated/typescript""#,
+                r#"python = "generated/python""#,
+            ],
+        }
+    }
+}
+
+/// Fails if one of the files exists, a file with the name of a folder, or the folder of the copy. The failure lists all
+/// of them.
+fn check_absent(folder: &Path, files: &Files) -> Result<(), Failure> {
+    let obstacle = |file: &Path| {
+        let mut parents = file.ancestors().skip(1).filter(|parent| !parent.as_os_str().is_empty());
+        let parent = parents.find(|parent| {
+            let path = folder.join(parent);
+            path.exists() && (*parent == Path::new(RUNTIME) || !path.is_dir())
+        });
+        let exists = fs::symlink_metadata(folder.join(file)).is_ok();
+        parent.or(exists.then_some(file)).map(|path| shown(folder, path))
+    };
+    let mut existing: Vec<String> = files.paths().filter_map(obstacle).collect();
+    existing.dedup();
+    if existing.is_empty() {
+        return Ok(());
+    }
+    let message = format!("nothing was written, because these files exist:\n  {}", existing.join("\n  "));
+    Err(Failure::new(message).with_hint("choose another folder, or move the files"))
+}
+
+/// The displayed path of a file.
+fn shown(folder: &Path, path: &Path) -> String {
+    terminal::path(folder.strip_prefix(".").unwrap_or(folder).join(path))
+}
+
+/// Prints the packages, the files, and the next commands.
+fn report(args: &InitArgs, found: &[FoundPackage], files: &Files) {
+    for FoundPackage { name, dialect, include } in found {
+        terminal::println!("found package {name} ({dialect}): {}", terminal::shown(&include.join(", ")));
+    }
+    let shown = |path: &Path| shown(&args.folder, path);
+    let (copied, written): (Vec<&Path>, Vec<&Path>) =
+        files.paths().partition(|path| path.starts_with(RUNTIME));
+    for path in written {
+        terminal::println!("wrote {}", shown(path));
+    }
+    if !copied.is_empty() {
+        let count = copied.len();
+        terminal::println!(
+            "wrote {}: a copy of the crate that generated code requires ({count} files)",
+            shown(Path::new(RUNTIME))
+        );
+    }
+    terminal::println!("\nNext:");
+    if args.folder != Path::new(".") {
+        terminal::println!("  {}", command_line(["cd", &terminal::path(&args.folder)]));
+    }
+    terminal::println!("  uavspec codegen");
+    if args.rust {
+        terminal::println!("  cargo check");
+    }
+}

@@ -1,0 +1,84 @@
+//! Runs the hooks with pre-commit.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::{GUST, Project, commit, example, git, path_with_uavspec, repository};
+use crate::support::write;
+
+/// The version of pre-commit.
+const VERSION: &str = "pre-commit==4.7.0";
+
+/// Installs pre-commit in the target folder.
+fn program() -> PathBuf {
+    let environment = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pre-commit");
+    let run = |program: &Path, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).output().expect("this test requires Python");
+        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    };
+    let path = environment.join("bin/pre-commit");
+    if !path.exists() {
+        run(Path::new("python3"), &["-m", "venv", environment.to_str().expect("UTF-8")]);
+        run(&environment.join("bin/python"), &["-m", "pip", "install", "--quiet", VERSION]);
+    }
+    path
+}
+
+/// A repository with the hooks of this repository. Returns its revision.
+fn hooks(folder: &Path) -> String {
+    fs::create_dir(folder).expect("a folder");
+    let own = repository().join(".pre-commit-hooks.yaml");
+    fs::copy(own, folder.join(".pre-commit-hooks.yaml")).expect("the hooks");
+    git(folder, &["init", "--quiet"]);
+    commit(folder);
+    git(folder, &["rev-parse", "HEAD"])
+}
+
+#[test]
+#[ignore = "requires Python and the network"]
+fn the_hooks_format_and_check_changed_definitions() {
+    let pre_commit = program();
+    let temporary = tempfile::tempdir().expect("a folder");
+    let hooks_folder = temporary.path().join("hooks");
+    let revision = hooks(&hooks_folder);
+    let project = Project::clean();
+    let folder = project.path();
+    let config = example(".pre-commit-config.yaml");
+    let config = config.replace("REPOSITORY", &hooks_folder.to_string_lossy()).replace("REVISION", &revision);
+    write(folder, ".pre-commit-config.yaml", config);
+    let run = |arguments: &[&str]| {
+        git(folder, &["add", "."]);
+        let output = Command::new(&pre_commit)
+            .args(["run", "--color=never"])
+            .args(arguments)
+            .current_dir(folder)
+            .env("PATH", path_with_uavspec())
+            .env("PRE_COMMIT_HOME", temporary.path().join("cache"))
+            .output()
+            .expect("pre-commit runs");
+        (output.status.success(), String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let read = |path: &str| fs::read_to_string(folder.join(path)).expect("a file");
+
+    assert!(run(&["--all-files"]).0, "there are no findings yet");
+    // A file that is in no package.
+    write(folder, "other/Odd.msg", "uint8   odd\n");
+    commit(folder);
+    let formatted = read("msg/Wind.msg");
+    write(folder, "msg/Wind.msg", formatted.replace("float32 speed     #", "float32   speed #"));
+    let (is_success, log) = run(&["--all-files"]);
+    assert!(!is_success && log.contains("files were modified by this hook"), "{log}");
+    assert_eq!(read("msg/Wind.msg"), formatted);
+    assert_eq!(read("other/Odd.msg"), "uint8   odd\n");
+    let (is_success, log) = run(&["--all-files"]);
+    assert!(is_success, "{log}");
+
+    // The message refers to another one, which is not passed to the hook.
+    write(folder, "msg/Gust.msg", GUST);
+    let (is_success, log) = run(&[]);
+    assert!(!is_success && log.contains("unit-missing") && !log.contains("unknown-type"), "{log}");
+    write(folder, "msg/Gust.msg", GUST.replace("# Duration", "# [s] Duration"));
+    let (is_success, log) = run(&[]);
+    assert!(is_success, "{log}");
+}
