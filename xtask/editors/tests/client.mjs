@@ -38,10 +38,21 @@ export function workspace(files) {
   return folder;
 }
 
+/** Starts a client in a new workspace for a test, and ends the session. */
+export async function session(files, options, body) {
+  const client = await Client.start(workspace(files), options);
+  try {
+    await body(client);
+    assert.equal(await client.stop(), 0, "the exit status of the server");
+  } finally {
+    client.process.kill();
+    fs.rmSync(client.folder, { recursive: true });
+  }
+}
+
 /** A client with open documents in one folder. */
 export class Client {
   documents = new Map();
-  registrations = [];
   #published = new Map();
   #listeners = new Set();
 
@@ -55,11 +66,11 @@ export class Client {
     const connection = createProtocolConnection(new StreamMessageReader(stdout), new StreamMessageWriter(stdin));
     client.connection = connection;
     connection.onNotification(PublishDiagnosticsNotification.type, ({ uri, diagnostics }) => {
-      client.#published.set(uri, diagnostics); if(process.env.SHOW)console.log(uri,JSON.stringify(diagnostics));
+      client.#published.set(uri, diagnostics);
       client.#listeners.forEach((listener) => listener());
     });
-    connection.onRequest(RegistrationRequest.type, ({ registrations }) => {
-      client.registrations.push(...registrations);
+    client.registration = new Promise((resolve) => {
+      connection.onRequest(RegistrationRequest.type, ({ registrations }) => resolve(registrations[0]));
     });
     connection.listen();
     const answer = await connection.sendRequest(InitializeRequest.type, {
@@ -81,6 +92,7 @@ export class Client {
 
   /** Ends the session. Returns the exit status of the server. */
   async stop() {
+    await this.registration;
     await this.connection.sendRequest(ShutdownRequest.type);
     await this.connection.sendNotification(ExitNotification.type);
     const status = await this.exit;
