@@ -25,7 +25,7 @@ export const repository = path.resolve(path.dirname(fileURLToPath(import.meta.ur
 export const program = path.resolve(process.env.UAVSPEC ?? path.join(repository, "target/debug/uavspec"));
 
 /** The time limit for an expected message, in milliseconds. It ends tests that fail. */
-const LIMIT = 60_000;
+const LIMIT = 30_000;
 
 /** Writes files into a new folder. The keys are paths. */
 export function workspace(files) {
@@ -169,17 +169,28 @@ export class Client {
     return this.documents.get(name).getText(range);
   }
 
+  /** Waits for the next publication about a document. */
+  async nextDiagnostics(name) {
+    const before = this.#published.get(this.uri(name));
+    await this.#until(() => this.#published.get(this.uri(name)) !== before, () => `${name}: no diagnostics`);
+  }
+
   /** Waits until the published diagnostics of a document have these codes. Returns them. */
   async diagnostics(name, ...codes) {
     const uri = this.uri(name);
     const current = () => this.#published.get(uri);
     const found = () => current()?.map((diagnostic) => diagnostic.code ?? "");
     const isExpected = () => JSON.stringify(found()?.sort()) === JSON.stringify([...codes].sort());
+    await this.#until(isExpected, () => `${name}: expected [${codes}], found [${found()}]`);
+    return current();
+  }
+
+  /** Waits until a condition about the published diagnostics holds. */
+  async #until(condition, message) {
     await new Promise((resolve, reject) => {
-      const fail = () => reject(new Error(`${name}: expected [${codes}], found [${found()}]`));
-      const timer = setTimeout(fail, LIMIT);
+      const timer = setTimeout(() => reject(new Error(message())), LIMIT);
       const listener = () => {
-        if (isExpected()) {
+        if (condition()) {
           this.#listeners.delete(listener);
           clearTimeout(timer);
           resolve();
@@ -188,6 +199,5 @@ export class Client {
       this.#listeners.add(listener);
       listener();
     });
-    return current();
   }
 }

@@ -1,4 +1,4 @@
-// The panel beside the editor that shows the memory layout of a document's messages.
+// The panel next to the editor that shows the memory layout of a document's messages.
 
 import { randomBytes } from "node:crypto";
 import * as vscode from "vscode";
