@@ -25,6 +25,7 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
             chapter("Introduction", "README.md", "guide/introduction.md"),
             chapter("The .msg language", "xtask/site/guide/msg-language.md", "guide/msg-language.md"),
             chapter("Pages with tables", "definitions/README.md", "guide/tables.md"),
+            chapter("Editors", "xtask/site/guide/editors.md", "guide/editors.md"),
             chapter("Wire formats", "xtask/site/guide/wire-formats.md", "guide/wire-formats.md"),
         ],
     ),
