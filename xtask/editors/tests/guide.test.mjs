@@ -36,7 +36,8 @@ for (const [name, configuration, reason] of CONFIGURATIONS) {
     const folder = workspace({ ...CONFIGURED, "init.lua": configuration });
     const PATH = [path.dirname(program), process.env.PATH].join(path.delimiter);
     const options = ["--headless", "--clean", "-u", "init.lua", "-c", `luafile ${driver}`];
-    const { status, stdout } = spawnSync(nvim, options, { cwd: folder, encoding: "utf8", env: { ...process.env, PATH } });
+    const env = { ...process.env, PATH };
+    const { status, stdout } = spawnSync(nvim, options, { cwd: folder, encoding: "utf8", env });
     console.log(stdout);
     fs.rmSync(folder, { recursive: true });
     assert.equal(status, 0, stdout);

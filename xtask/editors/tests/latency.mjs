@@ -30,4 +30,5 @@ await client.stop();
 times.sort((left, right) => left - right);
 const shown = (time) => `${time.toFixed(1)} ms`;
 const median = times[Math.floor(times.length / 2)];
-console.log(`opened after ${shown(opened)}; ${times.length} edits: median ${shown(median)}, maximum ${shown(times.at(-1))}`);
+console.log(`opened after ${shown(opened)}`);
+console.log(`${times.length} edits: median ${shown(median)}, maximum ${shown(times.at(-1))}`);

@@ -100,8 +100,10 @@ configured("the server reads files that changed", async (client) => {
   const registration = await client.registration;
   assert.equal(registration.method, "workspace/didChangeWatchedFiles");
   assert.match(registration.registerOptions.watchers[0].globPattern, /\*\.msg.*uavspec\.toml/);
-  const notify = (name, type) =>
-    client.connection.sendNotification("workspace/didChangeWatchedFiles", { changes: [{ uri: client.uri(name), type }] });
+  const notify = (name, type) => {
+    const changes = [{ uri: client.uri(name), type }];
+    return client.connection.sendNotification("workspace/didChangeWatchedFiles", { changes });
+  };
   const file = path.join(client.folder, WIND);
   fs.renameSync(file, `${file}.old`);
   await notify(WIND, 3);
@@ -179,7 +181,8 @@ configured("a quick fix corrects one finding, and the fix of all corrects all", 
   await client.open(GLIDER, broken);
   await client.diagnostics(GLIDER, "annotation-near-miss", "repeated-white-space");
   const fixes = await actions(client, GLIDER, ["quickfix"]);
-  assert.deepEqual(fixes.map((fix) => fix.diagnostics[0].code).sort(), ["annotation-near-miss", "repeated-white-space"]);
+  const codes = fixes.map((fix) => fix.diagnostics[0].code).sort();
+  assert.deepEqual(codes, ["annotation-near-miss", "repeated-white-space"]);
   const fix = fixes.find((fix) => fix.title.includes("annotation-near-miss"));
   const text = client.edited(GLIDER, fix.edit.changes[client.uri(GLIDER)]);
   assert.equal(text, broken.replace("[enum PHASE]", "[@enum PHASE]"));
@@ -376,13 +379,14 @@ function applyRename(client, { documentChanges }) {
 }
 
 configured("a field is renamed, with the names in annotations", async (client) => {
-  const text = "# Flaps\n\nuint64 timestamp  # [us] Time\nuint8 used  # [@count angles] Used entries\nfloat32[4] angles  # [rad] Angles\n";
-  fs.writeFileSync(path.join(client.folder, "msg/Flaps.msg"), text);
-  await client.open("msg/Flaps.msg");
-  const { range, placeholder } = await client.ask("prepareRename", "msg/Flaps.msg", "ang|les  #");
-  assert.deepEqual([client.slice("msg/Flaps.msg", range), placeholder], ["angles", "angles"]);
-  const read = applyRename(client, await client.ask("rename", "msg/Flaps.msg", "ang|les  #", { newName: "deflections" }));
-  assert.equal(read("msg/Flaps.msg"), text.replace("@count angles", "@count deflections").replace("] angles", "] deflections"));
+  const name = "msg/Flaps.msg";
+  const fields = (array) => `uint8 used  # [@count ${array}] Used entries\nfloat32[4] ${array}  # [rad] Angles\n`;
+  fs.writeFileSync(path.join(client.folder, name), `# Flaps\n\n${fields("angles")}`);
+  await client.open(name);
+  const { range, placeholder } = await client.ask("prepareRename", name, "ang|les  #");
+  assert.deepEqual([client.slice(name, range), placeholder], ["angles", "angles"]);
+  const edit = await client.ask("rename", name, "ang|les  #", { newName: "deflections" });
+  assert.equal(applyRename(client, edit)(name), `# Flaps\n\n${fields("deflections")}`);
 });
 
 configured("a constant is renamed", async (client) => {
@@ -436,7 +440,8 @@ withClient("a folder of PX4 messages requires no configuration file", PX4, async
   await client.diagnostics(GLIDER, "unknown-type");
 });
 
-withClient("an open page with error codes requires no configuration file", { ...PX4, [CODES]: CONFIGURED[CODES] }, async (client) => {
+const PAGE = { ...PX4, [CODES]: CONFIGURED[CODES] };
+withClient("an open page with error codes requires no configuration file", PAGE, async (client) => {
   await client.open(CODES);
   assert.match((await client.ask("hover", CODES, "code 13|0")).contents.value, /Battery critical/);
 });
@@ -485,7 +490,8 @@ withClient("a message is renamed in all packages, messages and services", ROS2, 
 // The protocol
 
 configured("an unknown or malformed request is an error, and the session continues", async (client) => {
-  const code = async (method, params) => (await client.connection.sendRequest(method, params).catch((error) => error)).code;
+  const answer = (method, params) => client.connection.sendRequest(method, params).catch((error) => error);
+  const code = async (method, params) => (await answer(method, params)).code;
   assert.equal(await code("uavspec/unknown", {}), -32601);
   assert.equal(await code("textDocument/hover", { textDocument: 1 }), -32602);
   await client.connection.sendNotification("textDocument/didOpen", { textDocument: {} });

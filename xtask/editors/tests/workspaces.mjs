@@ -53,6 +53,19 @@ dialect = "table"
 include = ["pages/*.md"]
 `;
 
+const PLANE = `# A plane
+
+wing_msgs/Flap[<=4] flaps  # Flaps, from left to right
+string name "α"            # Name
+`;
+
+const TRIM = `# Trims a plane
+
+wing_msgs/Flap flap  # The flap to move
+---
+bool success         # True if it moved
+`;
+
 export const PX4 = { "msg/Glider.msg": GLIDER, "msg/Tow.msg": TOW, "msg/Wind.msg": WIND };
 
 export const CONFIGURED = { ...PX4, "pages/codes.md": CODES, "uavspec.toml": CONFIGURATION };
@@ -61,6 +74,6 @@ export const ROS2 = {
   "src/wing_msgs/package.xml": "<package format='3'><name>wing_msgs</name></package>\n",
   "src/wing_msgs/msg/Flap.msg": "# A flap\n\nfloat32 angle  # [rad] Deflection\n",
   "src/plane_msgs/package.xml": "<package format='3'><name>plane_msgs</name></package>\n",
-  "src/plane_msgs/msg/Plane.msg": "# A plane\n\nwing_msgs/Flap[<=4] flaps  # Flaps, from left to right\nstring name \"α\"            # Name\n",
-  "src/plane_msgs/srv/Trim.srv": "# Trims a plane\n\nwing_msgs/Flap flap  # The flap to move\n---\nbool success         # True if it moved\n",
+  "src/plane_msgs/msg/Plane.msg": PLANE,
+  "src/plane_msgs/srv/Trim.srv": TRIM,
 };
