@@ -41,7 +41,8 @@ async function start(): Promise<void> {
     documentSelector: SELECTOR.map((pattern) => ({ scheme: "file", pattern })),
   };
   client = new LanguageClient("uavspec", "uavspec", { command: program, args: SERVER }, options);
-  await client.start();
+  // The client shows the reason if it can't start, and the command to restart it remains available.
+  await client.start().catch(() => undefined);
 }
 
 async function stop(): Promise<void> {

@@ -15,6 +15,7 @@ export class LayoutPanel implements vscode.Disposable {
   private readonly panel: vscode.WebviewPanel;
   private readonly subscriptions: vscode.Disposable[];
   private timer: NodeJS.Timeout | undefined;
+  private isOpen = true;
 
   constructor(
     readonly document: vscode.Uri,
@@ -46,13 +47,17 @@ export class LayoutPanel implements vscode.Disposable {
   async update(): Promise<void> {
     try {
       const pictures = await this.request(this.document);
-      this.panel.webview.html = page(pictures, randomBytes(16).toString("hex"));
+      // The user may have closed the panel since the request.
+      if (this.isOpen) {
+        this.panel.webview.html = page(pictures, randomBytes(16).toString("hex"));
+      }
     } catch (error) {
       void vscode.window.showErrorMessage(`The memory layout can't be shown: ${error}`);
     }
   }
 
   dispose(): void {
+    this.isOpen = false;
     clearTimeout(this.timer);
     this.subscriptions.forEach((subscription) => subscription.dispose());
     this.panel.dispose();
