@@ -49,7 +49,7 @@ pub const EMITTERS: &[Emitter] = &[
     Emitter::new::<json_schema::Options>(
         "json_schema",
         "JSON Schemas",
-        &[("base", "the URL prefix of every `$id`")],
+        &[("base", "the URL prefix of every `$id`; default: `https://schemas.invalid/`")],
     ),
     Emitter::new::<vectors::Options>(
         "vectors",

@@ -3,10 +3,15 @@
 
 use std::path::Path;
 
+#[cfg(feature = "lsp")]
+use lsp_types::Position;
+
 use crate::cli;
 use crate::conversion::{Conversions, Request, answer};
 use crate::dynamic::Types;
 use crate::load::Config;
+#[cfg(feature = "lsp")]
+use crate::lsp::{Edit, replay};
 use crate::msg::Dialect;
 use crate::read::{PackageInput, read};
 use crate::schema::{Form, Schema};
@@ -112,6 +117,68 @@ fn convert(schema: &Schema, conversions: &[Conversions]) {
         let read = target.from_json(&converted).map(|_| ());
         assert!(!found.is_decided() || read.is_ok(), "{read:?}: {converted}");
     }
+}
+
+/// Texts that an editor inserts. The byte of an edit selects one, so a few bytes cover much of the language.
+#[cfg(feature = "lsp")]
+const INSERTED: [&str; 24] = [
+    "",
+    "#",
+    "[",
+    "]",
+    "[@",
+    "[@enum ",
+    "[@range 0, ",
+    "@count marks]",
+    "\n",
+    " ",
+    "uint8",
+    "Mark",
+    "Mark[3]",
+    "MODE_A = 1",
+    "=",
+    "/",
+    ".",
+    "é𝄞",
+    "---",
+    "| 64 | A | code 66 |",
+    "# TOPICS ",
+    "uavspec:ignore unit-missing",
+    "string<=3",
+    "\r\n",
+];
+
+/// The documents that fuzzed edits change.
+#[cfg(feature = "lsp")]
+const EDITED: [(&str, &str); 4] = [
+    ("msg/Mark.msg", "# A mark\n\nuint64 timestamp  # [us] Time\nfloat32 height  # [m] Height\n"),
+    (
+        "msg/Tow.msg",
+        "uint8 MODE_A = 0  # A\nuint8 MODE_B = 1  # B\nuint8 mode  # [@enum MODE] Mode\nMark[3] marks\nuint8 num  # [@count marks]\n",
+    ),
+    ("srv/Start.srv", "Mark mark\n---\nbool ok\n"),
+    (
+        "page.md",
+        "# Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n|-|-|-|\n| 64 | A | Use code 66 |\n| 66 | B | B |\n",
+    ),
+];
+
+/// Replays edits of documents in the language server. Four bytes are an edit: the document and the text, the line, the
+/// column, and the length of the replaced text.
+#[cfg(feature = "lsp")]
+pub fn edits(data: &[u8]) {
+    let position = |line: u8, character: u8| Position { line: line.into(), character: character.into() };
+    let edit = |bytes: &[u8]| Edit {
+        document: usize::from(bytes[0] >> 6),
+        range: [
+            position(bytes[1], bytes[2]),
+            position(bytes[1].saturating_add(bytes[3] >> 5), bytes[2].saturating_add(bytes[3] & 31)),
+        ],
+        text: INSERTED[usize::from(bytes[0] & 63) % INSERTED.len()],
+    };
+    // An edit reads all documents, so a few are enough.
+    let edits: Vec<Edit<'_>> = data.chunks_exact(4).take(32).map(edit).collect();
+    replay(&EDITED, &edits);
 }
 
 /// A span must be within its source, and must not split a character.
@@ -225,6 +292,17 @@ mod tests {
         #[test]
         fn random_hints_cause_no_panic_and_no_invalid_code(lines in prop::collection::vec(line(), 1..6)) {
             hints(format!("[[hint]]\nmessage = \"Glider\"\n{}\n", lines.join("\n")).as_bytes());
+        }
+    }
+
+    #[cfg(feature = "lsp")]
+    proptest! {
+        // Each edit is followed by all requests.
+        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
+
+        #[test]
+        fn random_edits_cause_no_panic(data in prop::collection::vec(any::<[u8; 4]>(), 1..8)) {
+            super::edits(&data.concat());
         }
     }
 

@@ -26,6 +26,7 @@ pub(crate) use self::files::{
 pub(crate) use self::lint::PresetName;
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::failure::Failure;
+use crate::lint::{Ignore, Preset, Settings};
 use crate::msg::Dialect;
 use crate::render;
 use crate::schema::{Form, Schema};
@@ -139,6 +140,25 @@ fn fail_on_errors(diagnostics: &[Diagnostic], sources: &SourceMap) -> Result<(),
     }
     let rendered = render::render(diagnostics, sources, false);
     Err(Failure::new(format!("the definitions contain errors\n{rendered}")))
+}
+
+/// The settings of a lint run.
+pub(crate) fn lint_settings(plan: &Plan, loaded: &Loaded) -> Settings {
+    let ignores = plan.lint.ignores.iter().map(|ignore| Ignore {
+        rule: ignore.rule.clone(),
+        sources: ignore.files.as_ref().map(|files| {
+            let matching = loaded.paths.iter().filter(|(_, path)| files.is_match(path));
+            matching.map(|(source, _)| *source).collect::<BTreeSet<SourceId>>()
+        }),
+        reason: ignore.reason.clone(),
+        span: loaded.config.unwrap_or_default().part(ignore.range.clone()),
+    });
+    Settings {
+        preset: plan.lint.preset.map_or_else(Preset::default, Preset::from),
+        levels: plan.lint.levels.clone(),
+        ignores: ignores.collect(),
+        conversions: loaded.conversions.clone(),
+    }
 }
 
 pub(crate) fn read(plan: &Plan) -> Result<(Loaded, Schema, Vec<Diagnostic>), Failure> {

@@ -14,6 +14,7 @@ mod diagnostics;
 mod discovery;
 mod fixes;
 mod format;
+mod history;
 mod hover;
 mod layout;
 mod lines;
@@ -21,6 +22,8 @@ mod navigation;
 mod outline;
 mod project;
 mod rename;
+#[cfg(any(fuzzing, test))]
+mod replay;
 mod server;
 mod snapshot;
 mod symbol;
@@ -30,15 +33,11 @@ mod workspace;
 
 use lsp_server::Connection;
 
+pub use self::history::History;
+#[cfg(any(fuzzing, test))]
+pub(crate) use self::replay::{Edit, replay};
 use self::server::Server;
 use crate::failure::Failure;
-
-/// The history of messages in published releases, for hover texts.
-pub trait History {
-    /// The releases that contain a message, or one of its fields or constants, and the changes, as lines of text. The
-    /// name of the message is its full ROS name, such as `px4_msgs/msg/VehicleStatus`.
-    fn lines(&self, message: &str, item: Option<&str>) -> Vec<String>;
-}
 
 /// Serves an editor on standard input and output until the editor ends the session.
 pub fn run(history: &dyn History) -> Result<(), Failure> {

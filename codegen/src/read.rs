@@ -14,7 +14,8 @@ pub struct PackageInput {
     pub name: String,
     /// The form of the sources.
     pub form: Form,
-    /// The name of the ROS package. The default is the package name, or `px4_msgs` for PX4.
+    /// The name of the ROS package. The default is the package name, or `px4_msgs` for the package `px4` in the PX4
+    /// dialect, which contains PX4's own messages.
     pub ros_package: Option<String>,
     /// The origin of the definitions.
     pub origin: Option<String>,
@@ -43,7 +44,7 @@ impl PackageInput {
 }
 
 /// The ROS 2 package of PX4's messages.
-const PX4_ROS_PACKAGE: &str = "px4_msgs";
+pub(crate) const PX4_ROS_PACKAGE: &str = "px4_msgs";
 
 /// Reads packages into a schema.
 ///
@@ -115,16 +116,22 @@ fn parse<'s>(
             }
         }
     }
-    let default_ros_package =
-        if package.form == Form::Msg(msg::Dialect::Px4) { PX4_ROS_PACKAGE } else { &package.name };
     PackageSource {
         name: package.name.clone(),
         form: package.form,
-        ros_package: package.ros_package.clone().unwrap_or_else(|| default_ros_package.to_owned()),
+        ros_package: package.ros_package.as_deref().unwrap_or(default_ros_package(package)).to_owned(),
         origin: package.origin.clone(),
         revision: package.revision.clone(),
         select: package.select.clone(),
         files,
         pages,
+    }
+}
+
+/// The ROS package of a package that configures none.
+fn default_ros_package(package: &PackageInput) -> &str {
+    match package.form {
+        Form::Msg(dialect @ msg::Dialect::Px4) if package.name == dialect.name() => PX4_ROS_PACKAGE,
+        Form::Msg(_) | Form::Table => &package.name,
     }
 }

@@ -73,11 +73,15 @@ fn declares_fields_with_their_json_types() {
     has(module, "NONE: NaN,");
     let modules = python::emit(&schema, &NONE);
     let module = text(&modules, "demo.py");
-    for line in
-        ["\"speed\": list[Union[float, None]],", "\"kind\": int,", "\"name\": str,", "\"lambda\": int,"]
-    {
+    for line in [
+        "\"speed\": list[Union[float, None]],",
+        "\"kind\": Union[\"WindKind\", int],",
+        "\"name\": str,",
+        "\"lambda\": int,",
+    ] {
         has(module, &format!("\n        {line}\n"));
     }
+    has(module, "\n- kind: What it does\n  Type: uint8; values: WindKind.\n");
     has(module, "class WindKind(OpenIntEnum):");
     has(module, "GREATEST: Final = 18446744073709551615\n");
     has(module, "NONE: Final = float(\"nan\")\n");

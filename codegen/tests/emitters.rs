@@ -77,6 +77,73 @@ fn errors_in_outputs_are_shown_with_their_location() {
     }
 }
 
+/// Definitions in each dialect, with a translation and an earlier release.
+const OWN: &[(&str, &str)] = &[
+    (
+        "my_msgs/Wind.msg",
+        "# Wind\n\nuint8 KIND_GUST=1 # Gust\nuint64 timestamp # [us] Time\nuint8 kind # [@enum KIND] Kind\n",
+    ),
+    ("my_msgs/Mast.msg", "# Mast\n\nuint64 timestamp # [us] Time\nWind[2] winds # Winds\n"),
+    ("my_msgs/Reef.srv", "# Reef\nuint8 sail # Sail\n---\nbool is_done # True if done\n"),
+    ("newer/Wind.msg", "# Wind\n\nuint64 timestamp # [us] Time\nfloat32 speed # [m/s] Speed\n"),
+    ("my_ros/msg/Boat.msg", "# Boat\nstring name # Name\nmy_ros/Sail[] sails # Sails\n"),
+    ("my_ros/msg/Sail.msg", "# Sail\nfloat64 area # [m^2] Area\n"),
+    (
+        "my_ros/action/Tack.action",
+        "# Tack\nbool to_port\n---\nbool is_done\n---\nfloat32 angle # [rad] Angle\n",
+    ),
+    (
+        "codes.md",
+        "# Errors\n\n## Warnings (64-127)\n\n| Code | Abbreviation | Description |\n|---|---|---|\n| 66 | WINCH | Rope slack |\n",
+    ),
+    (
+        "uk.po",
+        "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\nmsgctxt \"my_msgs/Wind\"\nmsgid \"Wind\"\n\
+         msgstr \"Вітер\"\n",
+    ),
+    (
+        "releases/1.0.msg",
+        "========================================\nMSG: my_msgs/msg/Wind\nuint64 timestamp\n",
+    ),
+];
+
+/// The packages of [`OWN`].
+const OWN_PACKAGES: &str = "[[package]]\nname = \"my_msgs\"\ndialect = \"px4\"\ninclude = [\"my_msgs/*\"]\nreleases = \"releases\"\n\
+    [[package]]\nname = \"newer\"\ndialect = \"px4\"\ninclude = [\"newer/*\"]\n\
+    [[package]]\nname = \"my_ros\"\ndialect = \"ros2\"\ninclude = [\"my_ros/**/*\"]\n\
+    [[package]]\nname = \"codes\"\ndialect = \"table\"\ninclude = [\"codes.md\"]\n\
+    [[conversion]]\nfrom = \"my_msgs\"\nto = \"newer\"\n\
+    [translations]\ninclude = [\"*.po\"]\n";
+
+#[test]
+fn own_packages_carry_their_own_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (path, text) in OWN {
+        let path = folder.path().join(path);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        fs::write(path, text).expect("a file");
+    }
+    let config = folder.path().join("uavspec.toml");
+    let outputs: String =
+        EMITTERS.iter().map(|emitter| format!("{0}.path = \"out/{0}\"\n", emitter.name)).collect();
+    for form in ["source", "compiled"] {
+        fs::write(&config, format!("[output]\n{outputs}typescript.form = \"{form}\"\n{OWN_PACKAGES}"))
+            .expect("a file");
+        generate(&config).expect("output");
+        let files = walkdir::WalkDir::new(folder.path().join("out")).into_iter();
+        let files = files.filter_map(|entry| fs::read_to_string(entry.ok()?.path()).ok());
+        let text = files.collect::<String>();
+        for foreign in ["px4_msgs", "uavspec.dev"] {
+            let found: Vec<&str> = text.lines().filter(|line| line.contains(foreign)).collect();
+            assert!(found.is_empty(), "{form}: {found:?}");
+        }
+        for own in ["my_msgs/msg/Wind", "my_msgs/srv/Reef", "my_ros/msg/Boat", "codes/ErrorCode.schema.json"]
+        {
+            assert!(text.contains(own), "{form}: {own}");
+        }
+    }
+}
+
 /// Documentation comments start with `//` as well.
 #[test]
 fn constants_may_contain_slashes_before_any_character() {

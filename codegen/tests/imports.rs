@@ -9,7 +9,7 @@ use graph::Imports;
 /// The modules in layers, from top to bottom. Each module may import only modules in lower layers.
 const LAYERS: &[&[&str]] = &[
     &["fuzzing"],
-    &["cli"],
+    &["cli", "lsp"],
     &["generate"],
     &["load", "rewrite"],
     &["emit"],

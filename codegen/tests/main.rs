@@ -16,6 +16,8 @@ mod imports;
 mod json_schema;
 mod json_types;
 mod lint;
+#[cfg(feature = "lsp")]
+mod lsp;
 mod names;
 mod oracle;
 mod origin;

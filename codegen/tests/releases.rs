@@ -107,7 +107,7 @@ fn configured(dialect: &str, releases: &str) -> TempDir {
     );
     write("Wind.msg", "# Wind\n\nuint64 timestamp  # [us] Time\nfloat32 speed  # [m/s] Speed\n");
     write("empty/README.md", "Nothing yet\n");
-    let heading = format!("{}\nMSG: px4_msgs/msg/Wind\nuint64 timestamp\n", "=".repeat(80));
+    let heading = format!("{}\nMSG: sky/msg/Wind\nuint64 timestamp\n", "=".repeat(80));
     write("releases/1.9.msg", &heading);
     write("releases/1.10.msg", &format!("{heading}float32 speed\n"));
     write("releases/README.md", "Facts\n");

@@ -12,7 +12,8 @@ class OpenIntEnum(IntEnum):
     def _missing_(cls, value: object) -> Any:
         if not isinstance(value, int):
             return None
-        found = int.__new__(cls, value)
-        found._name_ = f"UNKNOWN_{value}"
-        found._value_ = value
+        number = int(value)
+        found = int.__new__(cls, number)
+        found._name_ = f"UNKNOWN_{number}"
+        found._value_ = number
         return found

@@ -490,7 +490,10 @@ class CommandResponse(TypedDict):
     """
 
     type: "CommandResponseType"
-    """Display format."""
+    """Display format.
+
+    Values: CommandResponseType.
+    """
 
     data: Any
     """Content of the response."""
@@ -519,10 +522,16 @@ class ConnectionInfo(TypedDict):
     """Id of the connection."""
 
     purpose: "ConnectionPurpose"
-    """Purpose of the connection."""
+    """Purpose of the connection.
+
+    Values: ConnectionPurpose.
+    """
 
     status: "ConnectionStatus"
-    """State of the connection."""
+    """State of the connection.
+
+    Values: ConnectionStatus.
+    """
 
     description: NotRequired[str]
     """Human-readable description."""
@@ -589,23 +598,28 @@ Disputed: only the JSON Schema includes rangefinder and sprayer.
 DeviceTreeNode = TypedDict(
     "DeviceTreeNode",
     {
-        # Type of the node.
         "type": "DeviceTreeNodeType",
-        # Channels only: type of the values.
         "subType": NotRequired["ChannelType"],
-        # Devices only: class of the device.
         "class": NotRequired["DeviceClass"],
-        # Child nodes, by name.
         "children": NotRequired[dict[str, "DeviceTreeNode"]],
-        # Channels only: supported operations.
         "operations": NotRequired[list["ChannelOperation"]],
-        # Channels only: unit of the values.
         "unit": NotRequired[str],
     },
 )
 """Node of the device tree, including its subtree. A channel has subType and operations; no other node has these or unit. Only a device has class.
 
 The object is closed.
+
+- type: Type of the node.
+  Values: DeviceTreeNodeType.
+- subType: Channels only: type of the values.
+  Values: ChannelType.
+- class: Devices only: class of the device.
+  Values: DeviceClass.
+- children: Child nodes, by name.
+- operations: Channels only: supported operations.
+  Values: ChannelOperation.
+- unit: Channels only: unit of the values.
 """
 
 
@@ -648,7 +662,10 @@ class DroneLightsConfiguration(TypedDict):
     """
 
     effect: NotRequired["LightEffect"]
-    """Light effect."""
+    """Light effect.
+
+    Values: LightEffect.
+    """
 
     color: NotRequired[list["ColorComponent"]]
     """Colour of the effect: red, green, blue."""
@@ -682,15 +699,10 @@ ECEFCoordinate: TypeAlias = list[float]
 Envelope = TypedDict(
     "Envelope",
     {
-        # Version of the protocol that the message follows. This field identifies a Flockwave message.
         "$fw.version": "Version",
-        # Message id. On one connection, the server never reuses an id; a client does not reuse an id before the request is answered.
         "id": "MessageId",
-        # In a response: id of the request that it answers.
         "refs": NotRequired["MessageId"],
-        # Message body.
         "body": NotRequired["MessageBody"],
-        # Error, in place of a body.
         "error": NotRequired["EnvelopeError"],
     },
 )
@@ -699,6 +711,12 @@ Envelope = TypedDict(
 Not stated: the version number in messages of specification 2.10. All examples use 1.0.
 
 Disputed: in the specification text, body is an object; the JSON Schema also allows null. This definition requires an object.
+
+- $fw.version: Version of the protocol that the message follows. This field identifies a Flockwave message.
+- id: Message id. On one connection, the server never reuses an id; a client does not reuse an id before the request is answered.
+- refs: In a response: id of the request that it answers.
+- body: Message body.
+- error: Error, in place of a body.
 """
 
 
@@ -936,7 +954,10 @@ class LicenseRestriction(TypedDict):
     """Restriction of a licence."""
 
     type: "LicenseRestrictionType"
-    """Type of the restriction."""
+    """Type of the restriction.
+
+    Values: LicenseRestrictionType.
+    """
 
     label: NotRequired[str]
     """Human-readable label, without the parameters."""
@@ -974,7 +995,10 @@ class LogMessage(TypedDict):
     """Text of the message."""
 
     severity: NotRequired["LogSeverity"]
-    """Severity. Defaults to info."""
+    """Severity. Defaults to info.
+
+    Values: LogSeverity.
+    """
 
     sender: NotRequired["ObjectId"]
     """Object that sent the message. If omitted, the server sent it."""
@@ -1090,7 +1114,10 @@ class PreflightCheckInfo(TypedDict):
     """Preflight checks of one UAV."""
 
     result: "PreflightCheckResult"
-    """Combined result of all checks."""
+    """Combined result of all checks.
+
+    Values: PreflightCheckResult.
+    """
 
     items: list["PreflightCheckItem"]
     """Individual checks."""
@@ -1106,7 +1133,10 @@ class PreflightCheckItem(TypedDict):
     """Id of the check. It has the same format as an object id, but names no object."""
 
     result: "PreflightCheckResult"
-    """Result of the check."""
+    """Result of the check.
+
+    Values: PreflightCheckResult.
+    """
 
     label: NotRequired[str]
     """Display name of the check."""
@@ -1175,13 +1205,19 @@ class RTKConfigurationPreset(TypedDict):
     """Display name."""
 
     format: "RTKMessageFormat"
-    """Format of the corrections."""
+    """Format of the corrections.
+
+    Values: RTKMessageFormat.
+    """
 
     sources: list["RTKSource"]
     """Connections that provide the corrections."""
 
     type: NotRequired["RTKPresetType"]
-    """Origin of the preset."""
+    """Origin of the preset.
+
+    Values: RTKPresetType.
+    """
 
 
 RTKMessageFormat: TypeAlias = Literal["auto", "rtcm2", "rtcm3", "ubx"]
@@ -1253,13 +1289,19 @@ class RTKSurveySettings(TypedDict):
     """
 
     messageSet: NotRequired["RTKMessageSet"]
-    """Set of messages to send."""
+    """Set of messages to send.
+
+    Values: RTKMessageSet.
+    """
 
     position: NotRequired["ECEFCoordinate"]
     """Position of the antenna."""
 
     gnssTypes: NotRequired[list["GNSSType"]]
-    """Satellite systems to use."""
+    """Satellite systems to use.
+
+    Values: GNSSType.
+    """
 
 
 class RTKSurveyStatus(TypedDict):
@@ -1315,13 +1357,19 @@ class StartConditions(TypedDict):
     """Start time."""
 
     method: "StartMethod"
-    """Trigger of the start."""
+    """Trigger of the start.
+
+    Values: StartMethod.
+    """
 
     uavIds: list["ObjectId"]
     """UAVs that start automatically."""
 
     authorizationScope: NotRequired["AuthorizationScope"]
-    """Scope of the authorisation. Defaults to live if the start is authorised, and to none if not."""
+    """Scope of the authorisation. Defaults to live if the start is authorised, and to none if not.
+
+    Values: AuthorizationScope.
+    """
 
 
 StartMethod: TypeAlias = Literal["auto", "rc"]
@@ -1356,7 +1404,10 @@ class TimeAxisScheduleSegment(TypedDict):
     """
 
     type: "TimeAxisSegmentType"
-    """Type of the segment."""
+    """Type of the segment.
+
+    Values: TimeAxisSegmentType.
+    """
 
     startMs: int
     """Start of the segment."""
@@ -1388,7 +1439,10 @@ class TimeSyncSnapshot(TypedDict):
     """
 
     state: "TimeSyncState"
-    """State of the synchronisation."""
+    """State of the synchronisation.
+
+    Values: TimeSyncState.
+    """
 
     offset: Union[float, None]
     """Clock offset; null if unknown.
@@ -1459,7 +1513,10 @@ class UAVStatusInfo(TypedDict):
     """Time when the server last received the state of the UAV."""
 
     mode: NotRequired["FlightMode"]
-    """Flight mode."""
+    """Flight mode.
+
+    Values: FlightMode.
+    """
 
     position: NotRequired["GPSCoordinate"]
     """Geographic position."""
@@ -1491,8 +1548,11 @@ class UAVStatusInfo(TypedDict):
     rssi: NotRequired[list["Rssi"]]
     """Signal strength of each channel."""
 
-    errors: NotRequired[list[int]]
-    """Current error codes. Defaults to an empty list: no errors."""
+    errors: NotRequired[list[Union["ErrorCode", int]]]
+    """Current error codes. Defaults to an empty list: no errors.
+
+    Values: ErrorCode.
+    """
 
     debug: NotRequired["Base64"]
     """Debugging data from the UAV's algorithm."""
@@ -1806,7 +1866,10 @@ class AuthInfResponse(TypedDict):
     """The type of the message."""
 
     methods: list["AuthenticationMethod"]
-    """Supported authentication methods."""
+    """Supported authentication methods.
+
+    Values: AuthenticationMethod.
+    """
 
     required: bool
     """True if authentication is required."""
@@ -1826,7 +1889,10 @@ class AuthReqRequest(TypedDict):
     """The type of the message."""
 
     method: "AuthenticationMethod"
-    """Authentication method."""
+    """Authentication method.
+
+    Values: AuthenticationMethod.
+    """
 
     data: str
     """Data for this step of the method."""
@@ -3011,7 +3077,7 @@ class ObjListRequest(TypedDict):
     filter: NotRequired[list["ObjectType"]]
     """Types to filter by: only objects of these types are listed. If omitted, all objects are listed.
 
-    Elements are unique.
+    Values: ObjectType; elements are unique.
     """
 
 
@@ -3774,7 +3840,10 @@ class UavCalibRequest(TypedDict):
     """
 
     component: NotRequired["CalibrationComponent"]
-    """Component to calibrate."""
+    """Component to calibrate.
+
+    Values: CalibrationComponent.
+    """
 
     parameters: NotRequired[dict[str, Any]]
     """Parameters, depending on the component."""
@@ -4286,7 +4355,10 @@ class UavSignalRequest(TypedDict):
     """
 
     signals: NotRequired[list["UAVSignal"]]
-    """Kinds of signal. A UAV should ignore kinds that it does not know."""
+    """Kinds of signal. A UAV should ignore kinds that it does not know.
+
+    Values: UAVSignal.
+    """
 
     duration: NotRequired[float]
     """Duration of the signal. A UAV may use a fixed duration instead.
@@ -4429,7 +4501,10 @@ class UavTestRequest(TypedDict):
     """
 
     component: NotRequired["TestComponent"]
-    """Component to test."""
+    """Component to test.
+
+    Values: TestComponent.
+    """
 
     parameters: NotRequired[dict[str, Any]]
     """Parameters, depending on the component."""

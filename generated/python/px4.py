@@ -73,10 +73,10 @@ class ArmingCheckReply(TypedDict):
     Type: uint8.
     """
 
-    health_component_index: int
+    health_component_index: Union["ArmingCheckReplyHealthComponentIndex", int]
     """Health component that the next three fields describe
 
-    Type: uint8.
+    Type: uint8; values: ArmingCheckReplyHealthComponentIndex.
     """
 
     health_component_is_present: bool
@@ -324,10 +324,10 @@ class BatteryStatus(TypedDict):
     Type: uint8; group: Readings and estimates; no data: 0.
     """
 
-    source: int
+    source: Union["BatteryStatusBatterySource", int]
     """Source of the battery data
 
-    Type: uint8; group: Pack.
+    Type: uint8; values: BatteryStatusBatterySource; group: Pack.
     """
 
     priority: int
@@ -414,10 +414,10 @@ class BatteryStatus(TypedDict):
     Type: bool; group: Operation.
     """
 
-    faults: int
+    faults: Union["BatteryStatusBatteryFault", int]
     """Fault bits: bit N is set for the fault with value N
 
-    Type: uint16; group: Warnings and faults.
+    Type: uint16; values: BatteryStatusBatteryFault; group: Warnings and faults.
     """
 
     custom_faults: int
@@ -426,16 +426,16 @@ class BatteryStatus(TypedDict):
     Type: uint32; group: Warnings and faults.
     """
 
-    warning: int
+    warning: Union["BatteryStatusBatteryWarning", int]
     """Battery warning or state
 
-    Type: uint8; group: Warnings and faults.
+    Type: uint8; values: BatteryStatusBatteryWarning; group: Warnings and faults.
     """
 
-    mode: int
+    mode: Union["BatteryStatusBatteryMode", int]
     """Special operating mode of the battery
 
-    Type: uint8; group: Warnings and faults.
+    Type: uint8; values: BatteryStatusBatteryMode; group: Warnings and faults.
     """
 
     average_power: Union[float, None]
@@ -880,10 +880,10 @@ class FailsafeFlags(TypedDict):
     Type: bool; group: Control links.
     """
 
-    battery_warning: int
+    battery_warning: Union["BatteryStatusBatteryWarning", int]
     """Most severe battery warning
 
-    Type: uint8; group: Battery.
+    Type: uint8; values: BatteryStatusBatteryWarning; group: Battery.
     """
 
     battery_low_remaining_time: bool

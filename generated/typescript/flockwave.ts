@@ -196,7 +196,11 @@ export type ColorRGB565 = number;
  * The object is closed.
  */
 export interface CommandResponse {
-  /** Display format. */
+  /**
+   * Display format.
+   *
+   * Values: CommandResponseType.
+   */
   type: CommandResponseType;
   /** Content of the response. */
   data: unknown;
@@ -222,9 +226,17 @@ export type ConnectionId = string;
 export interface ConnectionInfo {
   /** Id of the connection. */
   id: ConnectionId;
-  /** Purpose of the connection. */
+  /**
+   * Purpose of the connection.
+   *
+   * Values: ConnectionPurpose.
+   */
   purpose: ConnectionPurpose;
-  /** State of the connection. */
+  /**
+   * State of the connection.
+   *
+   * Values: ConnectionStatus.
+   */
   status: ConnectionStatus;
   /** Human-readable description. */
   description?: string;
@@ -293,15 +305,31 @@ export type DeviceClass = "accelerometer" | "actuator" | "altimeter" | "battery"
  * The object is closed.
  */
 export interface DeviceTreeNode {
-  /** Type of the node. */
+  /**
+   * Type of the node.
+   *
+   * Values: DeviceTreeNodeType.
+   */
   type: DeviceTreeNodeType;
-  /** Channels only: type of the values. */
+  /**
+   * Channels only: type of the values.
+   *
+   * Values: ChannelType.
+   */
   subType?: ChannelType;
-  /** Devices only: class of the device. */
+  /**
+   * Devices only: class of the device.
+   *
+   * Values: DeviceClass.
+   */
   class?: DeviceClass;
   /** Child nodes, by name. */
   children?: { [key: string]: DeviceTreeNode };
-  /** Channels only: supported operations. */
+  /**
+   * Channels only: supported operations.
+   *
+   * Values: ChannelOperation.
+   */
   operations?: ChannelOperation[];
   /** Channels only: unit of the values. */
   unit?: string;
@@ -342,7 +370,11 @@ export interface DockStatusInfo {
  * Not stated: the required number of colour components.
  */
 export interface DroneLightsConfiguration {
-  /** Light effect. */
+  /**
+   * Light effect.
+   *
+   * Values: LightEffect.
+   */
   effect?: LightEffect;
   /** Colour of the effect: red, green, blue. */
   color?: ColorComponent[];
@@ -600,7 +632,11 @@ export interface LicenseFeature {
 
 /** Restriction of a licence. */
 export interface LicenseRestriction {
-  /** Type of the restriction. */
+  /**
+   * Type of the restriction.
+   *
+   * Values: LicenseRestrictionType.
+   */
   type: LicenseRestrictionType;
   /** Human-readable label, without the parameters. */
   label?: string;
@@ -633,7 +669,11 @@ export type LightEffect = "off" | "solid" | (string & {});
 export interface LogMessage {
   /** Text of the message. */
   message: string;
-  /** Severity. Defaults to info. */
+  /**
+   * Severity. Defaults to info.
+   *
+   * Values: LogSeverity.
+   */
   severity?: LogSeverity;
   /** Object that sent the message. If omitted, the server sent it. */
   sender?: ObjectId;
@@ -744,7 +784,11 @@ export type PositionXYZ = [x: number, y: number, z: number];
 
 /** Preflight checks of one UAV. */
 export interface PreflightCheckInfo {
-  /** Combined result of all checks. */
+  /**
+   * Combined result of all checks.
+   *
+   * Values: PreflightCheckResult.
+   */
   result: PreflightCheckResult;
   /** Individual checks. */
   items: PreflightCheckItem[];
@@ -756,7 +800,11 @@ export interface PreflightCheckInfo {
 export interface PreflightCheckItem {
   /** Id of the check. It has the same format as an object id, but names no object. */
   id: ObjectId;
-  /** Result of the check. */
+  /**
+   * Result of the check.
+   *
+   * Values: PreflightCheckResult.
+   */
   result: PreflightCheckResult;
   /** Display name of the check. */
   label?: string;
@@ -815,11 +863,19 @@ export interface RTKAntennaInfo {
 export interface RTKConfigurationPreset {
   /** Display name. */
   title: string;
-  /** Format of the corrections. */
+  /**
+   * Format of the corrections.
+   *
+   * Values: RTKMessageFormat.
+   */
   format: RTKMessageFormat;
   /** Connections that provide the corrections. */
   sources: RTKSource[];
-  /** Origin of the preset. */
+  /**
+   * Origin of the preset.
+   *
+   * Values: RTKPresetType.
+   */
   type?: RTKPresetType;
 }
 
@@ -890,11 +946,19 @@ export interface RTKSurveySettings {
    * Unit: m (metres).
    */
   accuracy: number;
-  /** Set of messages to send. */
+  /**
+   * Set of messages to send.
+   *
+   * Values: RTKMessageSet.
+   */
   messageSet?: RTKMessageSet;
   /** Position of the antenna. */
   position?: ECEFCoordinate;
-  /** Satellite systems to use. */
+  /**
+   * Satellite systems to use.
+   *
+   * Values: GNSSType.
+   */
   gnssTypes?: GNSSType[];
 }
 
@@ -947,11 +1011,19 @@ export interface StartConditions {
   clock: ClockId | null;
   /** Start time. */
   time: number | null;
-  /** Trigger of the start. */
+  /**
+   * Trigger of the start.
+   *
+   * Values: StartMethod.
+   */
   method: StartMethod;
   /** UAVs that start automatically. */
   uavIds: ObjectId[];
-  /** Scope of the authorisation. Defaults to live if the start is authorised, and to none if not. */
+  /**
+   * Scope of the authorisation. Defaults to live if the start is authorised, and to none if not.
+   *
+   * Values: AuthorizationScope.
+   */
   authorizationScope?: AuthorizationScope;
 }
 
@@ -986,7 +1058,11 @@ export type TestComponent = "led" | "motor" | (string & {});
  * Disputed: the times are milliseconds in the JSON Schema, as their names suggest, and seconds in the specification text. Both count from 1970; one example counts from the start of the show.
  */
 export interface TimeAxisScheduleSegment {
-  /** Type of the segment. */
+  /**
+   * Type of the segment.
+   *
+   * Values: TimeAxisSegmentType.
+   */
   type: TimeAxisSegmentType;
   /** Start of the segment. */
   startMs: number;
@@ -1015,7 +1091,11 @@ export type TimeAxisSegmentType = "preparation" | "rth" | "show" | "slowdown" | 
  * Not stated: the sign of the offset and the unit of jitter.
  */
 export interface TimeSyncSnapshot {
-  /** State of the synchronisation. */
+  /**
+   * State of the synchronisation.
+   *
+   * Values: TimeSyncState.
+   */
   state: TimeSyncState;
   /**
    * Clock offset; null if unknown.
@@ -1080,7 +1160,11 @@ export interface UAVStatusInfo {
   id: ObjectId;
   /** Time when the server last received the state of the UAV. */
   timestamp: Timestamp;
-  /** Flight mode. */
+  /**
+   * Flight mode.
+   *
+   * Values: FlightMode.
+   */
   mode?: FlightMode;
   /** Geographic position. */
   position?: GPSCoordinate;
@@ -1102,7 +1186,11 @@ export interface UAVStatusInfo {
   light?: ColorRGB565;
   /** Signal strength of each channel. */
   rssi?: Rssi[];
-  /** Current error codes. Defaults to an empty list: no errors. */
+  /**
+   * Current error codes. Defaults to an empty list: no errors.
+   *
+   * Values: ErrorCode.
+   */
   errors?: ErrorCode[];
   /** Debugging data from the UAV's algorithm. */
   debug?: Base64;
@@ -1393,7 +1481,11 @@ export interface AuthInfRequest {
 export interface AuthInfResponse {
   /** The type of the message. */
   type: "AUTH-INF";
-  /** Supported authentication methods. */
+  /**
+   * Supported authentication methods.
+   *
+   * Values: AuthenticationMethod.
+   */
   methods: AuthenticationMethod[];
   /** True if authentication is required. */
   required: boolean;
@@ -1411,7 +1503,11 @@ export interface AuthInfResponse {
 export interface AuthReqRequest {
   /** The type of the message. */
   type: "AUTH-REQ";
-  /** Authentication method. */
+  /**
+   * Authentication method.
+   *
+   * Values: AuthenticationMethod.
+   */
   method: AuthenticationMethod;
   /** Data for this step of the method. */
   data: string;
@@ -2524,7 +2620,7 @@ export interface ObjListRequest {
   /**
    * Types to filter by: only objects of these types are listed. If omitted, all objects are listed.
    *
-   * Elements are unique.
+   * Values: ObjectType; elements are unique.
    */
   filter?: ObjectType[];
 }
@@ -3245,7 +3341,11 @@ export interface UavCalibRequest {
    * Elements are unique.
    */
   ids: ObjectId[];
-  /** Component to calibrate. */
+  /**
+   * Component to calibrate.
+   *
+   * Values: CalibrationComponent.
+   */
   component?: CalibrationComponent;
   /** Parameters, depending on the component. */
   parameters?: { [key: string]: unknown };
@@ -3715,7 +3815,11 @@ export interface UavSignalRequest {
    * Elements are unique.
    */
   ids: ObjectId[];
-  /** Kinds of signal. A UAV should ignore kinds that it does not know. */
+  /**
+   * Kinds of signal. A UAV should ignore kinds that it does not know.
+   *
+   * Values: UAVSignal.
+   */
   signals?: UAVSignal[];
   /**
    * Duration of the signal. A UAV may use a fixed duration instead.
@@ -3845,7 +3949,11 @@ export interface UavTestRequest {
    * Elements are unique.
    */
   ids: ObjectId[];
-  /** Component to test. */
+  /**
+   * Component to test.
+   *
+   * Values: TestComponent.
+   */
   component?: TestComponent;
   /** Parameters, depending on the component. */
   parameters?: { [key: string]: unknown };

@@ -34,7 +34,7 @@ export interface ArmingCheckReply {
   /**
    * Health component that the next three fields describe
    *
-   * Type: uint8.
+   * Type: uint8; values: ArmingCheckReplyHealthComponentIndex.
    */
   health_component_index: ArmingCheckReplyHealthComponentIndex;
   /**
@@ -285,7 +285,7 @@ export interface BatteryStatus {
   /**
    * Source of the battery data
    *
-   * Type: uint8; group: Pack.
+   * Type: uint8; values: BatteryStatusBatterySource; group: Pack.
    */
   source: BatteryStatusBatterySource;
   /**
@@ -375,7 +375,7 @@ export interface BatteryStatus {
   /**
    * Fault bits: bit N is set for the fault with value N
    *
-   * Type: uint16; group: Warnings and faults.
+   * Type: uint16; values: BatteryStatusBatteryFault; group: Warnings and faults.
    */
   faults: BatteryStatusBatteryFault;
   /**
@@ -387,13 +387,13 @@ export interface BatteryStatus {
   /**
    * Battery warning or state
    *
-   * Type: uint8; group: Warnings and faults.
+   * Type: uint8; values: BatteryStatusBatteryWarning; group: Warnings and faults.
    */
   warning: BatteryStatusBatteryWarning;
   /**
    * Special operating mode of the battery
    *
-   * Type: uint8; group: Warnings and faults.
+   * Type: uint8; values: BatteryStatusBatteryMode; group: Warnings and faults.
    */
   mode: BatteryStatusBatteryMode;
   /**
@@ -802,7 +802,7 @@ export interface FailsafeFlags {
   /**
    * Most severe battery warning
    *
-   * Type: uint8; group: Battery.
+   * Type: uint8; values: BatteryStatusBatteryWarning; group: Battery.
    */
   battery_warning: BatteryStatusBatteryWarning;
   /**

@@ -8,4 +8,5 @@ mod archives;
 mod declarations;
 mod labels;
 mod readme;
+mod shadowing;
 pub(crate) mod tools;

@@ -138,7 +138,7 @@ fn list_rules() {
 }
 
 fn settings(plan: &Plan, loaded: &Loaded, args: &LintArgs) -> Settings {
-    let mut settings = plan.lint.settings(loaded);
+    let mut settings = load::lint_settings(plan, loaded);
     if let Some(preset) = args.preset {
         settings.preset = preset.into();
     }

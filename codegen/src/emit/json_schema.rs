@@ -73,8 +73,9 @@ use crate::failure::Failure;
 use crate::schema::json_type::Direction;
 use crate::schema::{Element, JsonMessageId, MessageId, Package, Schema};
 
-/// Default value of [`Options::base`].
-pub const DEFAULT_BASE: &str = "https://uavspec.dev/schemas/";
+/// Default value of [`Options::base`]. RFC 6761 reserves `.invalid`, so the domain belongs to nobody. Validators resolve
+/// relative references against such a URL. Many of them fail if `$id` is a relative reference or a URN.
+pub const DEFAULT_BASE: &str = "https://schemas.invalid/";
 
 /// The JSON Schema draft of all files.
 pub(super) const DRAFT: &str = "https://json-schema.org/draft/2020-12/schema";

@@ -1,8 +1,9 @@
 //! Python modules. Each package is a module with the JSON types of its messages (`TypedDict`), its constants, enums and
 //! error codes. The modules require Python 3.9 or later, and `typing_extensions` before Python 3.11.
 //!
-//! The names match those of [`super::typescript`]. Properties that Python types can't express, such as ranges, units
-//! and lengths, are in docstrings. The JSON Schemas check these properties.
+//! The names match those of [`super::typescript`]. No class or module has the name of a Python builtin, and no field hides
+//! a name that its class uses. Properties that Python types can't express, such as ranges, units and lengths, are in
+//! docstrings. The JSON Schemas check these properties.
 //!
 //! # Values
 //!
@@ -13,8 +14,9 @@
 //!
 //! # Open sets
 //!
-//! A field with an enum is an `int`. The enum class names the known values and accepts all others:
-//! `FlightMode(message["mode"])` never fails.
+//! A field with an enum has the type `Union["FlightMode", int]`. A message may contain the members of the enum or any
+//! other integer. The result of `json.loads` contains an `int`, which compares equal to its member. The enum class
+//! names the known values and accepts all others: `FlightMode(message["mode"])` never fails.
 //!
 //! # Labels
 //!
@@ -164,9 +166,10 @@ class OpenIntEnum(IntEnum):
     def _missing_(cls, value: object) -> Any:
         if not isinstance(value, int):
             return None
-        found = int.__new__(cls, value)
-        found._name_ = f"UNKNOWN_{value}"
-        found._value_ = value
+        number = int(value)
+        found = int.__new__(cls, number)
+        found._name_ = f"UNKNOWN_{number}"
+        found._value_ = number
         return found
 "#
 }

@@ -156,6 +156,8 @@ pub(crate) enum Inputs {
     Patterns { folder: PathBuf, patterns: Vec<String> },
     /// Files, and folders to search.
     Paths(Vec<PathBuf>),
+    /// Files that were found.
+    Files(Vec<PathBuf>),
 }
 
 /// An emitter and its output folder.

@@ -338,6 +338,7 @@ fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
             files
         }
         Inputs::Patterns { folder, patterns } => files_matching(folder, patterns, package)?,
+        Inputs::Files(files) => files.clone(),
     };
     files.sort();
     files.dedup();

@@ -1,19 +1,17 @@
 //! The configuration of `lint` in `uavspec.toml`.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use globset::{GlobBuilder, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::files::Loaded;
 use super::located::failure_at;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
-use crate::lint::{self, Ignore, Preset, Settings};
+use crate::lint::{self, Preset};
 use crate::path::normalise;
-use crate::source::SourceId;
 
 /// The table `lint`.
 #[derive(Debug, Default, Deserialize)]
@@ -93,27 +91,6 @@ pub(crate) struct PlannedIgnore {
     pub(crate) reason: String,
     /// The location in the configuration file.
     pub(crate) range: std::ops::Range<usize>,
-}
-
-impl PlannedLint {
-    /// The settings for a lint run.
-    pub(crate) fn settings(&self, loaded: &Loaded) -> Settings {
-        let ignores = self.ignores.iter().map(|ignore| Ignore {
-            rule: ignore.rule.clone(),
-            sources: ignore.files.as_ref().map(|files| {
-                let matching = loaded.paths.iter().filter(|(_, path)| files.is_match(path));
-                matching.map(|(source, _)| *source).collect::<BTreeSet<SourceId>>()
-            }),
-            reason: ignore.reason.clone(),
-            span: loaded.config.unwrap_or_default().part(ignore.range.clone()),
-        });
-        Settings {
-            preset: self.preset.map_or_else(Preset::default, Preset::from),
-            levels: self.levels.clone(),
-            ignores: ignores.collect(),
-            conversions: loaded.conversions.clone(),
-        }
-    }
 }
 
 impl Lint {

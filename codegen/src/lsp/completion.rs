@@ -2,6 +2,7 @@
 //!
 //! The text before the cursor alone selects the kind of items, because a line that is being typed often can't be parsed.
 
+mod item;
 mod page;
 
 use std::collections::BTreeMap;
@@ -9,37 +10,22 @@ use std::collections::BTreeMap;
 use lsp_types::{CompletionItem, CompletionItemKind, CompletionItemTextEdit, InsertTextFormat, TextEdit};
 use uavspec_runtime::Scalar;
 
+use self::item::{Item, annotations, open_bracket, units, word_start};
 use super::snapshot::Document;
 use crate::directive;
 use crate::lint::RULES;
 use crate::msg::attribute::ATTRIBUTES;
-use crate::msg::constraint::CONSTRAINTS;
 use crate::msg::{Dialect, Kind};
 use crate::resolve::default_topic;
 use crate::schema::{Message, Shape};
 use crate::source::stem;
-use crate::unit::UNITS;
 
 /// Characters after which editors ask for items.
 pub(super) const TRIGGERS: [&str; 5] = ["[", "@", "/", ".", " "];
 
-/// An item: its label, its kind, a short text and what it inserts.
-struct Item {
-    label: String,
-    kind: CompletionItemKind,
-    detail: String,
-    /// A snippet, if it isn't the label.
-    snippet: Option<String>,
-}
-
-impl Item {
-    fn new(label: impl Into<String>, kind: CompletionItemKind, detail: impl Into<String>) -> Self {
-        Self { label: label.into(), kind, detail: detail.into(), snippet: None }
-    }
-}
-
-/// The items at a byte offset. Each item replaces the text between the returned start and the cursor.
-pub(super) fn complete(document: &Document<'_>, offset: usize) -> Vec<CompletionItem> {
+/// The items at a byte offset.
+/// `with_snippets` is true if the editor supports placeholders.
+pub(super) fn complete(document: &Document<'_>, offset: usize, with_snippets: bool) -> Vec<CompletionItem> {
     let line = document.lines.line_of(offset);
     let start = document.lines.start(line);
     let before = &document.lines.text()[start..offset];
@@ -53,10 +39,14 @@ pub(super) fn complete(document: &Document<'_>, offset: usize) -> Vec<Completion
         kind: Some(item.kind),
         detail: Some(item.detail).filter(|detail| !detail.is_empty()),
         filter_text: Some(item.label.clone()),
-        insert_text_format: item.snippet.as_ref().map(|_| InsertTextFormat::Snippet),
+        insert_text_format: item
+            .snippet
+            .as_ref()
+            .filter(|_| with_snippets)
+            .map(|_| InsertTextFormat::Snippet),
         text_edit: Some(CompletionItemTextEdit::TextEdit(TextEdit {
             range,
-            new_text: item.snippet.unwrap_or_else(|| item.label.clone()),
+            new_text: item.snippet.filter(|_| with_snippets).unwrap_or_else(|| item.label.clone()),
         })),
         label: item.label,
         ..CompletionItem::default()
@@ -98,17 +88,6 @@ fn of_definition(
         }
         None => (before.len(), Vec::new()),
     }
-}
-
-/// The position after the last bracket that isn't closed.
-fn open_bracket(text: &str) -> Option<usize> {
-    let open = text.rfind('[')?;
-    (!text[open..].contains(']')).then_some(open + 1)
-}
-
-/// The start of the last word of a text.
-fn word_start(text: &str) -> usize {
-    text.rfind(|c: char| c.is_whitespace() || c == ',').map_or(0, |at| at + 1)
 }
 
 /// The built-in types, the messages of the package and, for ROS 2, those of other packages.
@@ -164,52 +143,6 @@ fn in_brackets(document: &Document<'_>, offset: usize, content: &str) -> (usize,
     }
 }
 
-fn units() -> impl Iterator<Item = Item> {
-    UNITS.iter().map(|unit| Item::new(unit.symbol, CompletionItemKind::Unit, unit.name))
-}
-
-/// The annotations, with placeholders for their arguments.
-fn annotations() -> Vec<Item> {
-    let own = [
-        ("enum", "${1:PREFIX}", "One of the constants with a prefix"),
-        ("flags", "${1:PREFIX}", "A mask of the constants with a prefix"),
-        ("count", "${1:array}", "The number of used elements of an array"),
-    ];
-    let constraints = CONSTRAINTS.iter().map(|kind| (kind.name, argument(kind.form), kind.words));
-    let attributes = ATTRIBUTES.iter().map(|kind| (kind.name, argument(kind.form), kind.words));
-    let own = own.into_iter().map(|(name, argument, words)| (name, argument.to_owned(), words));
-    own.chain(constraints)
-        .chain(attributes)
-        .map(|(name, argument, words)| annotation(name, &argument, words))
-        .collect()
-}
-
-/// The annotations in the descriptions of pages.
-fn annotations_of_pages() -> impl Iterator<Item = Item> {
-    let items = [
-        ("range", "${1:low}, ${2:high}", "The bounds of numbers"),
-        ("length", "${1:least}, ${2:most}", "The length of a string or list"),
-        ("unique", "", "The elements of a list are distinct"),
-        ("pattern", "${1:REGEX}", "A regular expression that strings must match"),
-        ("format", "${1:base64}", "The encoding of strings"),
-    ];
-    items.into_iter().map(|(name, argument, words)| annotation(name, argument, words))
-}
-
-fn annotation(name: &str, argument: &str, words: &str) -> Item {
-    Item {
-        snippet: Some(format!("@{name} {argument}").trim_end().to_owned()),
-        ..Item::new(format!("@{name}"), CompletionItemKind::Keyword, words)
-    }
-}
-
-/// The arguments in the form of an annotation, as placeholders: `[@range low, high]`.
-fn argument(form: &str) -> String {
-    let words = form.trim_matches(['[', ']']).split_once(' ').map_or("", |(_, words)| words);
-    let placeholder = |(at, word): (usize, &str)| format!("${{{}:{word}}}", at + 1);
-    words.split(", ").enumerate().map(placeholder).collect::<Vec<_>>().join(", ")
-}
-
 /// The prefixes of constants in this message or in `owner`, and the other messages that define constants.
 fn prefixes(document: &Document<'_>, offset: usize, owner: Option<&str>) -> Vec<Item> {
     let schema = &document.snapshot.schema;
@@ -249,8 +182,6 @@ fn arrays(document: &Document<'_>, offset: usize) -> Vec<Item> {
 
 /// The message, or the part of a service or action, at a byte offset.
 fn message_at<'d>(document: &'d Document<'_>, offset: usize) -> Option<&'d Message> {
-    let at = document.span(offset..offset).start;
-    let messages = document.messages();
-    let schema = &document.snapshot.schema;
-    messages.into_iter().map(|id| schema.message(id)).rfind(|message| message.span.start <= at)
+    let id = document.message_at(document.span(offset..offset))?;
+    Some(document.snapshot.schema.message(id))
 }

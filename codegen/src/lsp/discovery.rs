@@ -1,6 +1,6 @@
 //! Finds the packages in a folder that has no configuration file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -27,11 +27,12 @@ const PAGES: &str = "pages";
 
 /// Plans the packages below a folder: those of all definitions, and one of the open pages that contain definitions.
 pub(super) fn plan(folder: &Path, open: &BTreeMap<PathBuf, String>) -> Plan {
-    let is_msg = |path: &Path| is_definition(path, Form::Msg(Dialect::Px4));
     let found = WalkDir::new(folder).into_iter().filter_entry(is_searched).take(MAX_ENTRIES);
     let files = found.filter_map(Result::ok).filter(|entry| entry.file_type().is_file());
-    let mut files: Vec<PathBuf> = files.map(DirEntry::into_path).filter(|path| is_msg(path)).collect();
-    files.sort();
+    let files = files.map(DirEntry::into_path).filter(|path| is_msg_file(path));
+    // An open document may not have been saved yet.
+    let unsaved = open.keys().filter(|path| path.starts_with(folder) && is_msg_file(path)).cloned();
+    let files: BTreeSet<PathBuf> = files.chain(unsaved).collect();
     let mut by_folder: BTreeMap<&Path, Vec<PathBuf>> = BTreeMap::new();
     for file in &files {
         by_folder.entry(package_folder(file)).or_default().push(file.clone());
@@ -39,17 +40,32 @@ pub(super) fn plan(folder: &Path, open: &BTreeMap<PathBuf, String>) -> Plan {
     let mut packages: Vec<PlannedPackage> = Vec::new();
     for (folder, files) in by_folder {
         let (dialect, detected) = detected(&files);
-        let name = folder.file_name().and_then(OsStr::to_str).unwrap_or_default();
-        let name = if package_problem(name).is_none() { name } else { &detected };
+        let name = ros_package(folder).unwrap_or(&detected);
         let name = unique(name, &packages);
-        packages.push(PlannedPackage::new(&name, Form::Msg(dialect), Inputs::Paths(files)));
+        packages.push(PlannedPackage::new(&name, Form::Msg(dialect), Inputs::Files(files)));
     }
     let pages = open.iter().filter(|(path, text)| path.starts_with(folder) && is_page(path, text));
     let pages: Vec<PathBuf> = pages.map(|(path, _)| path.clone()).collect();
     if !pages.is_empty() {
-        packages.push(PlannedPackage::new(&unique(PAGES, &packages), Form::Table, Inputs::Paths(pages)));
+        packages.push(PlannedPackage::new(&unique(PAGES, &packages), Form::Table, Inputs::Files(pages)));
     }
     Plan::of_packages(packages)
+}
+
+/// The name of a ROS package, by its folder.
+fn ros_package(folder: &Path) -> Option<&str> {
+    let name = folder.file_name()?.to_str()?;
+    (folder.join("package.xml").is_file() && package_problem(name).is_none()).then_some(name)
+}
+
+/// True if the text of an open document belongs to the packages below a folder.
+pub(super) fn is_read(folder: &Path, path: &Path, text: &str) -> bool {
+    path.starts_with(folder) && (is_msg_file(path) || is_page(path, text))
+}
+
+/// True for `.msg`, `.srv` and `.action` files.
+fn is_msg_file(path: &Path) -> bool {
+    is_definition(path, Form::Msg(Dialect::Px4))
 }
 
 /// The folder of the package that contains a definition: the parent of the nearest folder `msg`, `srv` or `action`, or

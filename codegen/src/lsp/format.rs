@@ -1,6 +1,7 @@
 //! Formatting of documents.
 
 use lsp_types::TextEdit;
+use similar::{DiffTag, TextDiff};
 
 use super::lines::Lines;
 use super::snapshot::Document;
@@ -12,19 +13,19 @@ pub(super) fn edits(document: &Document<'_>) -> Option<Vec<TextEdit>> {
     Some(replacement(&document.lines, &formatted.text))
 }
 
-/// The edits that replace a text: of its lines from the first to the last one that differ.
+/// The edits that replace a text. Lines that stay the same are not part of an edit.
 pub(super) fn replacement(lines: &Lines<'_>, new: &str) -> Vec<TextEdit> {
     let old: Vec<&str> = lines.text().split_inclusive('\n').collect();
     let new: Vec<&str> = new.split_inclusive('\n').collect();
-    let first = old.iter().zip(&new).take_while(|(old, new)| old == new).count();
-    let rest = (&old[first..], &new[first..]);
-    let last = rest.0.iter().rev().zip(rest.1.iter().rev()).take_while(|(old, new)| old == new).count();
-    let (old_end, new_end) = (old.len() - last, new.len() - last);
-    if first == old_end && first == new_end {
-        return Vec::new();
-    }
-    let range = lines.range(lines.start(first)..lines.start(old_end));
-    vec![TextEdit { range, new_text: new[first..new_end].concat() }]
+    let difference = TextDiff::from_slices(&old, &new);
+    let changes = difference.ops().iter().filter(|change| change.tag() != DiffTag::Equal);
+    changes
+        .map(|change| {
+            let old = change.old_range();
+            let range = lines.range(lines.start(old.start)..lines.start(old.end));
+            TextEdit { range, new_text: new[change.new_range()].concat() }
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -5,9 +5,10 @@ mod markup;
 use std::ops::Range;
 
 use lsp_types::{Contents, Hover, MarkupContent, MarkupKind};
+use uavspec_runtime::Number;
 
 use self::markup::Markup;
-use super::History;
+use super::history::History;
 use super::snapshot::Document;
 use super::symbol::{self, Symbol, has_prefix};
 use crate::directive;
@@ -67,7 +68,6 @@ fn of_annotation(document: &Document<'_>, offset: usize) -> Option<(Range<usize>
             .collect()
     };
     let mut found = notes
-        .filter(|note| note.annotations.first().is_some() || !note.parameters.is_empty())
         .flat_map(with_parameters)
         .map(|(span, text)| (document.snapshot.offsets(document.id, span), text));
     found.find(|(range, _)| range.contains(&offset))
@@ -124,7 +124,7 @@ impl Describer<'_> {
                 self.error_code(*package, codes.into_iter().find(|found| found.code == *code)?)
             }
             Symbol::JsonType(id) => self.json_type(schema.json_type(*id)),
-            Symbol::JsonMessage(id) => self.json_message(schema.json_message(*id)),
+            Symbol::JsonMessage(id) => about_json_message(schema.json_message(*id)),
         };
         Some(text.finish())
     }
@@ -181,29 +181,20 @@ impl Describer<'_> {
         text.fact("uORB memory", slot);
         if let Some(reference) = field.enumeration {
             let owner = self.schema.message(reference.message);
-            self.members(&mut text, owner, self.schema.enumeration(reference));
+            add_members(&mut text, owner, self.schema.enumeration(reference));
         }
         self.add_history(&mut text, message, Some(&field.name));
         text
-    }
-
-    fn members(&self, text: &mut Markup, owner: &Message, found: &Enum) {
-        let constants = found.members.iter().map(|member| (&owner.constants[member.constant], member.value));
-        let shown = |(constant, value): (&Constant, i128)| {
-            let value = if found.is_flags { format!("{value:#x}") } else { value.to_string() };
-            (constant.name.clone(), value, constant.description.clone())
-        };
-        text.table(constants.map(shown), MAX_MEMBERS);
     }
 
     fn constant(&self, id: MessageId, constant: &Constant) -> Markup {
         let message = self.schema.message(id);
         let mut text = Markup::new(&format!("{} = {}", constant.name, constant.value));
         text.paragraph(&constant.description);
-        let number = constant.value.number().and_then(|number| match number {
-            uavspec_runtime::Number::Int(value) if value > 9 => Some(format!("{value:#x}")),
+        let number = match constant.value.number() {
+            Some(Number::Int(value)) if value > 9 => Some(format!("{value:#x}")),
             _ => None,
-        });
+        };
         text.fact("hexadecimal", number);
         let is_user = |field: &&Field| {
             field
@@ -223,7 +214,7 @@ impl Describer<'_> {
                 parameter.description.clone(),
             )
         });
-        text.table(rows, MAX_MEMBERS);
+        text.table("parameters", rows, MAX_MEMBERS);
         self.add_history(&mut text, message, Some(&constant.name));
         text
     }
@@ -235,7 +226,7 @@ impl Describer<'_> {
         let row = |constant: &Constant| {
             (constant.name.clone(), constant.value.to_string(), constant.description.clone())
         };
-        text.table(constants.map(row), MAX_MEMBERS);
+        text.table("constants", constants.map(row), MAX_MEMBERS);
         text
     }
 
@@ -251,7 +242,7 @@ impl Describer<'_> {
             let name = other.abbreviation.clone().unwrap_or_default();
             (format!("{} {name}", other.code), other.severity().to_string(), other.description.clone())
         });
-        text.table(alternatives, MAX_MEMBERS);
+        text.table("alternatives", alternatives, MAX_MEMBERS);
         text
     }
 
@@ -271,21 +262,13 @@ impl Describer<'_> {
         text
     }
 
-    fn json_message(&self, message: &JsonMessage) -> Markup {
-        let mut text = Markup::new(&message.name);
-        text.paragraph(&message.docs.text());
-        let directions: Vec<String> = message.parts.iter().map(|part| part.direction.to_string()).collect();
-        text.fact_list("directions", &directions);
-        text
-    }
-
     fn json_members(&self, text: &mut Markup, members: &[JsonMember]) {
         let row = |member: &JsonMember| {
             let optional = if member.is_required { "" } else { ", optional" };
             let ty = self.schema.expression_text(&member.typed.ty, &str::to_owned);
             (member.name.clone(), format!("{ty}{optional}"), member.description.clone())
         };
-        text.table(members.iter().map(row), MAX_MEMBERS);
+        text.table("fields", members.iter().map(row), MAX_MEMBERS);
     }
 
     fn add_history(&self, text: &mut Markup, message: &Message, item: Option<&str>) {
@@ -296,6 +279,24 @@ impl Describer<'_> {
     fn is_px4(&self, message: &Message) -> bool {
         self.schema.package_of(message).form == Form::Msg(Dialect::Px4)
     }
+}
+
+/// Adds the constants of an enum.
+fn add_members(text: &mut Markup, owner: &Message, found: &Enum) {
+    let constants = found.members.iter().map(|member| (&owner.constants[member.constant], member.value));
+    let shown = |(constant, value): (&Constant, i128)| {
+        let value = if found.is_flags { format!("{value:#x}") } else { value.to_string() };
+        (constant.name.clone(), value, constant.description.clone())
+    };
+    text.table(if found.is_flags { "flags" } else { "values" }, constants.map(shown), MAX_MEMBERS);
+}
+
+fn about_json_message(message: &JsonMessage) -> Markup {
+    let mut text = Markup::new(&message.name);
+    text.paragraph(&message.docs.text());
+    let directions: Vec<String> = message.parts.iter().map(|part| part.direction.to_string()).collect();
+    text.fact_list("directions", &directions);
+    text
 }
 
 /// The symbol of a unit and its name.

@@ -17,7 +17,7 @@ pub(super) fn hints(document: &Document<'_>, range: Range) -> Vec<InlayHint> {
     let wanted = document.lines.offsets(range);
     let schema = &document.snapshot.schema;
     let mut hints = Vec::new();
-    for message in document.messages().into_iter().map(|id| schema.message(id)) {
+    for message in document.messages().into_iter().map(|(id, _)| schema.message(id)) {
         let Some(layout) = &message.uorb else { continue };
         for (at, slot) in layout.slots.iter().enumerate() {
             let Some(field) = slot.field.and_then(|field| message.fields.get(field)) else { continue };
@@ -69,7 +69,7 @@ pub(super) fn pictures(document: &Document<'_>) -> Vec<Picture> {
         return Vec::new();
     }
     let schema = &document.snapshot.schema;
-    let messages = document.messages().into_iter().map(|id| schema.message(id));
+    let messages = document.messages().into_iter().map(|(id, _)| schema.message(id));
     let picture = |message: &Message| {
         let svg = picture::draw(schema, message, message.uorb.as_ref()?);
         Some(Picture { name: message.name.clone(), svg })

@@ -17,7 +17,7 @@ const MAX_SYMBOLS: usize = 1_000;
 /// The symbols of a document: messages with their constants and fields, or headings with their error codes.
 pub(super) fn symbols(document: &Document<'_>) -> Vec<DocumentSymbol> {
     if document.dialect().is_some() {
-        document.messages().into_iter().map(|id| message(document, id)).collect()
+        document.messages().into_iter().map(|(id, span)| message(document, id, span)).collect()
     } else if document.package.is_some() {
         headings(document)
     } else {
@@ -25,7 +25,7 @@ pub(super) fn symbols(document: &Document<'_>) -> Vec<DocumentSymbol> {
     }
 }
 
-fn message(document: &Document<'_>, id: MessageId) -> DocumentSymbol {
+fn message(document: &Document<'_>, id: MessageId, span: Span) -> DocumentSymbol {
     let schema = &document.snapshot.schema;
     let message = schema.message(id);
     let constants = message.constants.iter().map(|constant| {
@@ -39,9 +39,9 @@ fn message(document: &Document<'_>, id: MessageId) -> DocumentSymbol {
     });
     let mut children: Vec<DocumentSymbol> = constants.chain(fields).collect();
     children.sort_by_key(|child| child.range);
-    let start = Span { start: message.span.start, end: message.span.start };
+    let start = Span { start: span.start, end: span.start };
     let detail = message.docs.summary.clone();
-    let own = symbol(document, &message.name, SymbolKind::Struct, detail, message.span, start);
+    let own = symbol(document, &message.name, SymbolKind::Struct, detail, span, start);
     DocumentSymbol { children: Some(children), ..own }
 }
 

@@ -7,7 +7,7 @@ use super::discovery;
 use super::lines::Encoding;
 use super::snapshot::Snapshot;
 use crate::failure::Failure;
-use crate::load::{Config, Loaded, Plan, load_with_catalogues};
+use crate::load::{Config, Loaded, Plan, lint_settings, load_with_catalogues};
 use crate::source::SourceId;
 
 /// The packages of a configuration file, or of a folder without one.
@@ -85,10 +85,17 @@ impl Project {
             || self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some())
     }
 
-    /// Notes that the text of an open document changed.
-    pub(super) fn edit(&mut self, path: &Path) {
-        let is_definition = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some());
-        self.change = self.change.max(if is_definition { Change::Texts } else { Change::Files });
+    /// Notes the new text of an open document.
+    pub(super) fn edit(&mut self, path: &Path, text: &str) {
+        let is_read = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some());
+        let change = match &self.root {
+            Root::Config(file) if file == path => Change::Files,
+            // A page without definitions is no page of the project.
+            Root::Folder(folder) if is_read != discovery::is_read(folder, path, text) => Change::Files,
+            _ if is_read => Change::Texts,
+            _ => Change::None,
+        };
+        self.change = self.change.max(change);
     }
 
     /// Notes that files changed.
@@ -112,7 +119,7 @@ impl Project {
         let is_whole = matches!(self.root, Root::Config(_));
         match loaded {
             Ok(loaded) => {
-                let settings = self.plan.lint.settings(&loaded);
+                let settings = lint_settings(&self.plan, &loaded);
                 self.snapshot = Some(Snapshot::new(loaded, &settings, is_whole, encoding));
                 self.failure = None;
             }

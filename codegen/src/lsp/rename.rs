@@ -18,9 +18,12 @@ use super::uri;
 use crate::breaking::{Between, breaking};
 use crate::diagnostic::{Diagnostic, Level};
 use crate::msg::Kind;
+use crate::name::is_identifier;
 use crate::read::{PackageInput, read};
 use crate::schema::{MessageId, Schema};
 use crate::source::{SourceId, SourceMap, Span};
+use crate::table::type_table::is_type_name;
+use crate::terminal::{path, shown};
 
 /// The rule that a change of a versioned message violates.
 const VERSION: &str = "message-version";
@@ -43,6 +46,7 @@ pub(super) fn rename(
 ) -> Result<WorkspaceEdit, String> {
     let found = symbol::at(document, offset).ok_or("there is no name here")?;
     check_kind(&found.symbol)?;
+    check_name(&found.symbol, name)?;
     let snapshot = document.snapshot;
     let old = document.text(found.span);
     if old == name {
@@ -67,6 +71,17 @@ fn check_kind(symbol: &Symbol) -> Result<(), String> {
         Symbol::ErrorCode(..) => Err("an error code has a permanent number; it can't be renamed".to_owned()),
         _ => Ok(()),
     }
+}
+
+fn check_name(symbol: &Symbol, name: &str) -> Result<(), String> {
+    let (is_valid, form) = match symbol {
+        Symbol::JsonType(_) => (is_type_name(name), "letters and digits, starting with an upper-case letter"),
+        Symbol::JsonMessage(_) => {
+            (is_identifier(&name.replace('-', "_")), "letters, digits and `-`, starting with a letter")
+        }
+        _ => (is_identifier(name), "letters, digits and `_`, starting with a letter"),
+    };
+    if is_valid { Ok(()) } else { Err(format!("`{}` is not a valid name; use {form}", shown(name))) }
 }
 
 /// A file and its new path.
@@ -152,14 +167,14 @@ impl Renaming<'_> {
                 };
                 select.iter().map(renamed).collect()
             });
-            PackageInput { sources, select, ..input.clone() }
+            PackageInput { select, sources, ..input.clone() }
         };
         let packages: Vec<PackageInput> =
             loaded.packages.iter().map(|input| new_input(input, &mut sources)).collect();
         if let Some((_, old, new)) = file
-            && loaded.paths.values().any(|path| path != old && is_same_file(path, new))
+            && loaded.paths.values().any(|other| other != old && is_same_file(other, new))
         {
-            return Err(format!("the file {} exists", new.display()));
+            return Err(format!("the file {} exists", path(new)));
         }
         let (old_schema, before) = read(&sources, &loaded.packages);
         let (new_schema, after) = read(&sources, &packages);

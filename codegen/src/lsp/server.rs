@@ -1,7 +1,7 @@
 //! The event loop: reads the messages of the editor, answers requests, and publishes diagnostics.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
 use lsp_types::{
@@ -20,12 +20,13 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
+use super::history::History;
 use super::lines::Encoding;
 use super::project::{Project, Root};
 use super::snapshot::{Document, Snapshot};
 use super::workspace::Workspace;
 use super::{
-    History, completion, diagnostics, fixes, format, hover, layout, navigation, outline, rename, tokens, uri,
+    completion, diagnostics, fixes, format, hover, layout, navigation, outline, rename, tokens, uri,
 };
 
 /// The request for pictures of memory layouts, which isn't part of the protocol.
@@ -35,7 +36,7 @@ const LAYOUT: &str = "uavspec/layout";
 const WATCHED: &str = "**/{*.msg,*.srv,*.action,*.md,*.adoc,*.po,uavspec.toml}";
 
 /// A failed request: the code of the protocol, and a message for the user.
-type Failed = (ErrorCode, String);
+pub(super) type Failed = (ErrorCode, String);
 
 /// The server of one editor.
 pub(super) struct Server<'c> {
@@ -44,6 +45,8 @@ pub(super) struct Server<'c> {
     workspace: Workspace,
     /// True if the editor can rename files as part of an edit.
     can_rename_files: bool,
+    /// True if the editor supports snippets, whose placeholders the user fills in.
+    has_snippets: bool,
     /// True if the editor can report changes of files.
     can_watch_files: bool,
     published: BTreeMap<PathBuf, Vec<Diagnostic>>,
@@ -78,12 +81,15 @@ impl<'c> Server<'c> {
         let folders: Vec<PathBuf> = folders.iter().filter_map(uri::to_path).collect();
         let client = parameters.capabilities.workspace.unwrap_or_default();
         let operations = client.workspace_edit.and_then(|edit| edit.resource_operations).unwrap_or_default();
+        let documents = parameters.capabilities.text_document.unwrap_or_default();
+        let items = documents.completion.and_then(|completion| completion.completion_item);
         let watching = client.did_change_watched_files.and_then(|watching| watching.dynamic_registration);
         Ok(Self {
             connection,
             history,
             workspace: Workspace::new(&folders, encoding),
             can_rename_files: operations.contains(&ResourceOperationKind::Rename),
+            has_snippets: items.and_then(|items| items.snippet_support) == Some(true),
             can_watch_files: watching == Some(true),
             published: BTreeMap::new(),
         })
@@ -109,8 +115,10 @@ impl<'c> Server<'c> {
                         if self.connection.handle_shutdown(&request)? {
                             return Ok(());
                         }
-                        self.workspace.refresh();
-                        let response = self.respond(request);
+                        let response = match self.answer(&request.method, request.params) {
+                            Ok(result) => Response::new_ok(request.id, result),
+                            Err((code, message)) => Response::new_err(request.id, code as i32, message),
+                        };
                         self.send(response.into());
                     }
                     Message::Notification(notification) => self.note(notification),
@@ -186,16 +194,10 @@ impl<'c> Server<'c> {
         Ok(())
     }
 
-    fn respond(&self, request: Request) -> Response {
-        match self.answer(&request.method, request.params) {
-            Ok(result) => Response::new_ok(request.id, result),
-            Err((code, message)) => Response::new_err(request.id, code as i32, message),
-        }
-    }
-
     /// The answer to a request. The answer about a file that isn't a definition is null.
-    fn answer(&self, method: &str, params: Value) -> Result<Value, Failed> {
+    fn answer(&mut self, method: &str, params: Value) -> Result<Value, Failed> {
         use LspRequestMethod as Method;
+        self.workspace.refresh();
         let known = Method::from(method);
         if known == Method::WorkspaceSymbol {
             let params: WorkspaceSymbolParams = read(params)?;
@@ -235,7 +237,9 @@ impl<'c> Server<'c> {
                 json!(navigation::references(document, offset, params.context.include_declaration))
             }
             Method::TextDocumentDocumentHighlight => json!(navigation::highlights(document, offset)),
-            Method::TextDocumentCompletion => json!(completion::complete(document, offset)),
+            Method::TextDocumentCompletion => {
+                json!(completion::complete(document, offset, self.has_snippets))
+            }
             Method::TextDocumentDocumentSymbol => json!(outline::symbols(document)),
             Method::TextDocumentFoldingRange => json!(outline::folds(document)),
             Method::TextDocumentSemanticTokensFull => {
@@ -263,9 +267,24 @@ impl<'c> Server<'c> {
 
     /// Publishes the diagnostics that changed.
     fn publish(&mut self) {
-        if !self.workspace.refresh() && !self.published.is_empty() {
+        self.workspace.refresh();
+        if !self.workspace.take_changed() {
             return;
         }
+        let current = self.diagnostics();
+        for (path, found) in &current {
+            if self.published.get(path) != Some(found) {
+                self.publish_file(path, found.clone());
+            }
+        }
+        for path in self.published.keys().filter(|path| !current.contains_key(*path)) {
+            self.publish_file(path, Vec::new());
+        }
+        self.published = current;
+    }
+
+    /// The diagnostics of all files that have any.
+    fn diagnostics(&self) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
         let mut current: BTreeMap<PathBuf, Vec<Diagnostic>> = BTreeMap::new();
         let (configured, others): (Vec<&Project>, Vec<&Project>) =
             self.workspace.projects.iter().partition(|project| matches!(project.root, Root::Config(_)));
@@ -274,21 +293,38 @@ impl<'c> Server<'c> {
                 current.entry(path).or_insert(found);
             }
         }
-        for (path, found) in &current {
-            if self.published.get(path) != Some(found) {
-                self.publish_file(path.clone(), found.clone());
-            }
-        }
-        for path in self.published.keys().filter(|path| !current.contains_key(*path)) {
-            self.publish_file(path.clone(), Vec::new());
-        }
-        self.published = current;
+        current
     }
 
-    fn publish_file(&self, path: PathBuf, diagnostics: Vec<Diagnostic>) {
-        let params = PublishDiagnosticsParams { uri: uri::from_path(&path), version: None, diagnostics };
+    fn publish_file(&self, path: &Path, diagnostics: Vec<Diagnostic>) {
+        let params = PublishDiagnosticsParams { uri: uri::from_path(path), version: None, diagnostics };
         let method = LspNotificationMethod::TextDocumentPublishDiagnostics.as_str().to_owned();
         self.send(Notification { method, params: json!(params) }.into());
+    }
+}
+
+#[cfg(any(fuzzing, test))]
+impl Server<'_> {
+    /// Receives a notification.
+    pub(super) fn receive(&mut self, method: &str, params: Value) {
+        self.try_note(Notification { method: method.to_owned(), params }).expect("valid parameters");
+    }
+
+    /// Answers a request.
+    pub(super) fn request(&mut self, method: &str, params: Value) -> Result<Value, Failed> {
+        self.answer(method, params)
+    }
+
+    /// The text of an open document.
+    pub(super) fn text(&self, uri: &str) -> String {
+        let path = uri::to_path(&Uri(uri.to_owned())).expect("a file");
+        self.workspace.text(&path).expect("an open document").to_owned()
+    }
+
+    /// The current diagnostics of all files.
+    pub(super) fn current(&mut self) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
+        self.workspace.refresh();
+        self.diagnostics()
     }
 }
 

@@ -12,11 +12,12 @@ use crate::diagnostic::Level;
 use crate::finding::Finding;
 use crate::lint::{Settings, read_and_lint};
 use crate::load::Loaded;
-use crate::msg::ast::Definition;
+use crate::msg::ast::{Definition, Part};
 use crate::msg::{self, Dialect, Kind};
 use crate::read::PackageInput;
 use crate::schema::{Form, Message, MessageId, Schema};
-use crate::source::{SourceId, Span};
+use crate::source::{SourceId, Span, stem};
+use crate::span::offset;
 
 /// The rule of a reference to a package that the workspace doesn't contain.
 const UNKNOWN_PACKAGE: &str = "unknown-package";
@@ -146,15 +147,32 @@ impl<'s> Document<'s> {
         Some(msg::parse(sources, self.id, kind, self.dialect()?).0)
     }
 
-    /// The messages that the file defines, by location.
-    pub(super) fn messages(&self) -> Vec<MessageId> {
+    /// The messages that the file defines, and their locations: one message, or the parts of a service or action.
+    pub(super) fn messages(&self) -> Vec<(MessageId, Span)> {
+        let (Some(tree), Some(package)) = (self.tree(), self.package_index()) else { return Vec::new() };
+        let path = self.snapshot.loaded.sources.path(self.id);
+        let suffixes = Kind::of(path).map_or(&[][..], Kind::part_suffixes);
+        let schema = &self.snapshot.schema;
         let whole = self.whole();
-        let is_here = |message: &Message| whole.start <= message.span.start && message.span.end <= whole.end;
-        let messages = self.snapshot.schema.messages.iter().enumerate();
-        let found = messages.filter(|(_, message)| is_here(message));
-        let mut found: Vec<MessageId> =
-            found.map(|(at, _)| MessageId(u32::try_from(at).unwrap_or(u32::MAX))).collect();
-        found.sort_by_key(|id| self.snapshot.schema.message(*id).span);
-        found
+        let message = |(part, suffix): (&Part<'_>, &&str)| {
+            let name = format!("{}{suffix}", stem(path));
+            let is_meant = |message: &Message| {
+                message.package == package && message.name == name && message.span == whole
+            };
+            let id = MessageId(offset(schema.messages.iter().position(is_meant)?));
+            let span = match part.lines.as_slice() {
+                [first, .., last] => first.span.to(last.span),
+                [only] => only.span,
+                [] => whole,
+            };
+            Some((id, span))
+        };
+        tree.parts.iter().zip(suffixes).filter_map(message).collect()
+    }
+
+    /// The message, or the part of a service or action, at a location.
+    pub(super) fn message_at(&self, at: Span) -> Option<MessageId> {
+        let messages = self.messages().into_iter();
+        messages.rev().find(|(_, span)| span.start <= at.start).map(|(id, _)| id)
     }
 }

@@ -1,60 +1,25 @@
 //! The named things in definitions, and the places where they are written.
 
+mod occurrence;
 mod page;
 
 use std::ops::Range;
 
+pub(super) use self::occurrence::{Occurrence, Symbol};
 use super::snapshot::{Document, Snapshot};
 use crate::msg::annotation::Note;
 use crate::msg::ast::{Element, Field, Item, Line};
 use crate::msg::statement::{Prefix, Statement};
-use crate::schema::{self, JsonMessageId, JsonTypeId, MessageId};
+use crate::schema::{self, MessageId};
 use crate::source::Span;
-
-/// A named thing.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Symbol {
-    /// A message.
-    Message(MessageId),
-    /// A field of a message, by index.
-    Field(MessageId, usize),
-    /// A constant of a message, by index.
-    Constant(MessageId, usize),
-    /// The constants of a message that start with a prefix.
-    Prefix(MessageId, String),
-    /// An error code of a package, which is given by its index.
-    ErrorCode(usize, u32),
-    /// A type on a page.
-    JsonType(JsonTypeId),
-    /// A message on a page.
-    JsonMessage(JsonMessageId),
-}
-
-/// A place where a symbol is written.
-#[derive(Clone, Debug)]
-pub(super) struct Occurrence {
-    pub(super) symbol: Symbol,
-    /// The location of the name.
-    pub(super) span: Span,
-    /// True if the symbol is defined here.
-    pub(super) is_definition: bool,
-}
 
 /// All occurrences in a document, by location.
 pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {
     let mut found = match document.tree() {
         Some(tree) => {
             let mut finder = Finder { document, found: Vec::new() };
-            let lines = tree.parts.iter().flat_map(|part| &part.lines);
-            let messages = document.messages();
-            for line in lines {
-                // The parts of a service follow each other.
-                let message = messages
-                    .iter()
-                    .rfind(|id| document.snapshot.schema.message(**id).span.start <= line.span.start);
-                if let Some(message) = message {
-                    finder.line(*message, line);
-                }
+            for (part, (message, _)) in tree.parts.iter().zip(document.messages()) {
+                part.lines.iter().for_each(|line| finder.line(message, line));
             }
             finder.found
         }
@@ -70,8 +35,17 @@ pub(super) fn at(document: &Document<'_>, offset: usize) -> Option<Occurrence> {
     occurrences(document).into_iter().find(|found| found.span.start <= place && place <= found.span.end)
 }
 
-/// The place where a symbol is defined. A message is defined by its file.
+/// The name of a symbol where it is defined. A message is defined by its file, so its place is the start of the file.
 pub(super) fn definition(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
+    let declaration = declaration(snapshot, symbol)?;
+    let path = snapshot.path(snapshot.loaded.sources.source_of(declaration))?;
+    let written = snapshot.document(path).into_iter().flat_map(|document| occurrences(&document));
+    let mut names = written.filter(|found| found.is_definition && found.symbol == *symbol);
+    Some(names.next().map_or(declaration, |name| name.span))
+}
+
+/// The place where a symbol is declared.
+fn declaration(snapshot: &Snapshot, symbol: &Symbol) -> Option<Span> {
     let schema = &snapshot.schema;
     let start = |span: Span| Span { start: span.start, end: span.start };
     Some(match symbol {

@@ -16,12 +16,16 @@ pub(super) struct Workspace {
     pub(super) encoding: Encoding,
     pub(super) projects: Vec<Project>,
     open: BTreeMap<PathBuf, String>,
+    /// True if definitions were read since the diagnostics were published, or if a project was removed.
+    is_changed: bool,
 }
 
 impl Workspace {
     pub(super) fn new(folders: &[PathBuf], encoding: Encoding) -> Self {
-        let mut workspace = Self { encoding, projects: Vec::new(), open: BTreeMap::new() };
-        folders.iter().for_each(|folder| workspace.add_folder(folder));
+        let mut workspace = Self { encoding, projects: Vec::new(), open: BTreeMap::new(), is_changed: true };
+        for folder in folders {
+            workspace.add_folder(folder);
+        }
         workspace
     }
 
@@ -33,6 +37,7 @@ impl Workspace {
     /// Removes the projects in a folder, except those of other folders.
     pub(super) fn remove_folder(&mut self, folder: &Path) {
         self.projects.retain(|project| !project.root.folder().starts_with(folder));
+        self.is_changed = true;
     }
 
     fn add(&mut self, root: Root) {
@@ -51,12 +56,13 @@ impl Workspace {
             let roots =
                 config.map(Root::Config).into_iter().chain([Root::Folder(package_folder(path).into())]);
             for root in roots {
+                let known = self.projects.len();
                 self.add(root);
                 self.refresh();
                 if self.project_of(path).is_some() {
                     return;
                 }
-                self.projects.pop();
+                self.projects.truncate(known);
             }
         }
     }
@@ -79,10 +85,9 @@ impl Workspace {
                 }
             }
         }
-        self.projects
-            .iter_mut()
-            .filter(|project| project.contains(path))
-            .for_each(|project| project.edit(path));
+        for project in &mut self.projects {
+            project.edit(path, text);
+        }
     }
 
     /// Notes that files changed.
@@ -90,11 +95,22 @@ impl Workspace {
         self.projects.iter_mut().for_each(Project::reload);
     }
 
-    /// Reads the definitions that changed. Returns true if there are any.
-    pub(super) fn refresh(&mut self) -> bool {
-        let (open, encoding) = (&self.open, self.encoding);
-        let changed = self.projects.iter_mut().map(|project| project.refresh(open, encoding));
-        changed.fold(false, |any, is_changed| any || is_changed)
+    /// Reads the definitions that changed.
+    pub(super) fn refresh(&mut self) {
+        for project in &mut self.projects {
+            self.is_changed |= project.refresh(&self.open, self.encoding);
+        }
+    }
+
+    /// True if definitions were read since the last call.
+    pub(super) fn take_changed(&mut self) -> bool {
+        std::mem::take(&mut self.is_changed)
+    }
+
+    /// The text of an open document.
+    #[cfg(any(fuzzing, test))]
+    pub(super) fn text(&self, path: &Path) -> Option<&str> {
+        self.open.get(path).map(String::as_str)
     }
 
     /// The document at a path.

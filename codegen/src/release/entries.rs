@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::msg::{Dialect, Kind};
-use crate::read::PackageInput;
+use crate::read::{PX4_ROS_PACKAGE, PackageInput};
 use crate::schema::Form;
 use crate::source::SourceMap;
 
@@ -45,7 +45,10 @@ pub fn packages(text: &str, dialect: Dialect, folder: &str, sources: &mut Source
         let path = format!("{folder}{package}/{name}.{}", kind.name());
         let Ok(source) = sources.add(path, text.into()) else { continue };
         let input = packages.entry(package).or_insert_with(|| {
-            let own_name = if dialect == Dialect::Px4 { dialect.name() } else { package };
+            let own_name = match (dialect, package) {
+                (Dialect::Px4, "" | PX4_ROS_PACKAGE) => dialect.name(),
+                _ => package,
+            };
             PackageInput::new(own_name, Form::Msg(dialect), Vec::new())
         });
         input.sources.push(source);

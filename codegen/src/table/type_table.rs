@@ -17,6 +17,8 @@ mod note;
 mod reader;
 
 pub(crate) use self::expression::is_number;
+#[cfg(feature = "lsp")]
+pub(crate) use self::expression::is_type_name;
 pub(crate) use self::expression::{Expression, ExpressionKind};
 pub use self::message::Direction;
 pub(crate) use self::message::{MessageDefinition, PartDefinition};

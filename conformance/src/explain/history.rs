@@ -28,7 +28,9 @@ impl lsp::History for History<'_> {
                 presence::of_definition(catalogue, catalogue.family(release), &catalogue.history(&definition))
             }
         };
-        let since = presence.since.map(|release| format!("since {release}"));
+        let is_in_history = |release: &String| presence.history.iter().any(|entry| entry.release == *release);
+        let since = presence.since.as_ref().filter(|release| !is_in_history(release));
+        let since = since.map(|release| format!("since {release}"));
         let changes = presence.history.into_iter().flat_map(|entry| {
             entry.changes.into_iter().map(move |change| format!("{}: {change}", entry.release))
         });

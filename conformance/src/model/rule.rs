@@ -54,6 +54,8 @@ impl fmt::Display for Status {
 pub struct Rule {
     /// The id. The meaning of an id never changes, and ids are never reused.
     pub id: &'static str,
+    /// A short unique name in words, for tables of contents.
+    pub name: &'static str,
     /// The level.
     pub level: Level,
     /// The authority.

@@ -26,6 +26,7 @@ const OWN_TARGETS: &[Target] = &[
     Target { name: "tables", check: definitions::tables, seeds: seeds::tables },
     Target { name: "format", check: definitions::format, seeds: seeds::files },
     Target { name: "fixes", check: definitions::fixes, seeds: seeds::files },
+    Target { name: "edits", check: fuzzing::edits, seeds: seeds::edits },
     Target { name: "configuration", check: fuzzing::configuration, seeds: seeds::configurations },
     Target { name: "hints", check: fuzzing::hints, seeds: seeds::hints },
     Target { name: "translations", check: fuzzing::translations, seeds: seeds::translations },

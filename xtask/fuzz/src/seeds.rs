@@ -57,6 +57,13 @@ pub(crate) fn json() -> Vec<Vec<u8>> {
     vec![point, reply, b"\x00{\"flag\":null}".to_vec()]
 }
 
+/// Edits of documents. Four bytes are an edit.
+pub(crate) fn edits() -> Vec<Vec<u8>> {
+    let steps = (0..4_u8)
+        .flat_map(|document| (0..24_u8).map(move |text| [document << 6 | text, text % 6, text, text % 64]));
+    steps.collect::<Vec<_>>().chunks(16).map(<[[u8; 4]]>::concat).collect()
+}
+
 /// Files of `uavspec.toml`.
 pub(crate) fn configurations() -> Vec<Vec<u8>> {
     let own = include_bytes!("../../../definitions/uavspec.toml").to_vec();

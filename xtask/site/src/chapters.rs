@@ -1,38 +1,72 @@
 //! The documents of the site, in the order of its table of contents.
 
-/// A handwritten document.
+use std::collections::BTreeSet;
+
+/// A handwritten document, or a section of one.
 pub(crate) struct Chapter {
     /// The title in the table of contents.
     pub(crate) title: &'static str,
     /// The path of the file in the repository.
     pub(crate) source: &'static str,
+    /// The second-level heading of the section, or an empty string for the whole document.
+    pub(crate) section: &'static str,
     /// The path of the page on the site.
     pub(crate) page: &'static str,
 }
 
 const fn chapter(title: &'static str, source: &'static str, page: &'static str) -> Chapter {
-    Chapter { title, source, page }
+    Chapter { title, source, section: "", page }
 }
 
-/// The start page.
-pub(crate) const START: Chapter = chapter("Start here", "xtask/site/guide/index.md", "index.md");
+/// A section of the README. The README is too long for one page.
+const fn section(title: &'static str, section: &'static str, page: &'static str) -> Chapter {
+    Chapter { title, source: README, section, page }
+}
 
-/// The parts of the guide and their chapters. The reference precedes them.
-pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
+/// The document of which the site shows only sections. The start page replaces its first lines.
+pub(crate) const README: &str = "README.md";
+
+/// The start page.
+pub(crate) const START: Chapter = chapter("Home", "xtask/site/guide/index.md", "index.md");
+
+/// The sections of the README that are not on the site: its list of chapters.
+#[cfg(test)]
+const OMITTED: [&str; 1] = ["Guide"];
+
+/// The part of the guide that precedes the reference.
+const FIRST_STEPS: (&str, &[Chapter]) = (
+    "Get started",
+    &[
+        section("Install", "Install", "start/install.md"),
+        section("Generate types from definitions", "Generate types from definitions", "start/generate.md"),
+        section("Check a log", "Check a log", "start/check.md"),
+        section("Probe a server", "Probe a server", "start/probe.md"),
+        chapter("Glossary", "xtask/site/guide/glossary.md", "guide/glossary.md"),
+    ],
+);
+
+/// The parts of the guide that follow the reference. Titles contain the command in parentheses.
+const PARTS: [(&str, &[Chapter]); 5] = [
     (
-        "Guide: definitions",
+        "Write definitions",
         &[
-            chapter("Introduction", "README.md", "guide/introduction.md"),
             chapter("The .msg language", "xtask/site/guide/msg-language.md", "guide/msg-language.md"),
             chapter("Pages with tables", "definitions/README.md", "guide/tables.md"),
             chapter("Editors", "xtask/site/guide/editors.md", "guide/editors.md"),
             chapter("Wire formats", "xtask/site/guide/wire-formats.md", "guide/wire-formats.md"),
+            chapter("Find mistakes (lint)", "xtask/site/guide/lint.md", "guide/lint.md"),
+            chapter(
+                "Translate descriptions (translate)",
+                "xtask/site/guide/translate.md",
+                "guide/translate.md",
+            ),
+            chapter("Find breaking changes (breaking)", "xtask/site/guide/breaking.md", "guide/breaking.md"),
         ],
     ),
     (
-        "Guide: generate",
+        "Generate code",
         &[
-            chapter("codegen, fmt, inspect", "xtask/site/guide/codegen.md", "guide/codegen.md"),
+            chapter("Generate and format (codegen, fmt)", "xtask/site/guide/codegen.md", "guide/codegen.md"),
             chapter("Use it in your build", "xtask/site/guide/your-build.md", "guide/your-build.md"),
             chapter("Convert between releases", "xtask/site/guide/conversions.md", "guide/conversions.md"),
             chapter("Rust", "generated/README.md", "guide/rust.md"),
@@ -46,71 +80,93 @@ pub(crate) const CHAPTERS: [(&str, &[Chapter]); 6] = [
         ],
     ),
     (
-        "Guide: maintain definitions",
-        &[
-            chapter("lint", "xtask/site/guide/lint.md", "guide/lint.md"),
-            chapter("translate", "xtask/site/guide/translate.md", "guide/translate.md"),
-            chapter("breaking", "xtask/site/guide/breaking.md", "guide/breaking.md"),
-        ],
-    ),
-    (
-        "Guide: check",
+        "Check captures",
         &[
             chapter("How checking works", "xtask/site/guide/conformance.md", "guide/conformance.md"),
-            chapter("uavspec check", "xtask/site/guide/check.md", "guide/check.md"),
-            chapter("uavspec explain", "xtask/site/guide/explain.md", "guide/explain.md"),
-            chapter("uavspec rules", "xtask/site/guide/rules.md", "guide/rules.md"),
-            chapter("uavspec test", "xtask/site/guide/test.md", "guide/test.md"),
-            chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),
-            chapter("uavspec probe", "xtask/site/guide/probe.md", "guide/probe.md"),
-            chapter("uavspec serve", "xtask/site/guide/serve.md", "guide/serve.md"),
-            chapter("uavspec watch", "xtask/site/guide/watch.md", "guide/watch.md"),
+            chapter("Check files (check)", "xtask/site/guide/check.md", "guide/check.md"),
+            chapter("Look up a word (explain)", "xtask/site/guide/explain.md", "guide/explain.md"),
+            chapter("List and explain rules (rules)", "xtask/site/guide/rules.md", "guide/rules.md"),
             chapter("Reports", "xtask/site/guide/reports.md", "guide/reports.md"),
             chapter("Known failures", "xtask/site/guide/known-failures.md", "guide/known-failures.md"),
             chapter("Self-test", "xtask/site/guide/self-test.md", "guide/self-test.md"),
         ],
     ),
-    ("Terms", &[chapter("Glossary", "xtask/site/guide/glossary.md", "guide/glossary.md")]),
     (
-        "Project",
+        "Test codecs and servers",
+        &[
+            chapter("Test a codec (test)", "xtask/site/guide/test.md", "guide/test.md"),
+            chapter("Testees", "conformance/testees/README.md", "guide/testees.md"),
+            chapter("Test a live server (probe)", "xtask/site/guide/probe.md", "guide/probe.md"),
+            chapter("Run a reference server (serve)", "xtask/site/guide/serve.md", "guide/serve.md"),
+            chapter("Watch a server (watch)", "xtask/site/guide/watch.md", "guide/watch.md"),
+        ],
+    ),
+    (
+        "About the project",
         &[
             chapter("Documentation site", "xtask/site/guide/site.md", "guide/site.md"),
             chapter("Changes", "CHANGELOG.md", "project/changes.md"),
             chapter("Architecture", "ARCHITECTURE.md", "project/architecture.md"),
+            section("Folders", "Layout", "project/folders.md"),
             chapter("Contributing", "CONTRIBUTING.md", "project/contributing.md"),
             chapter("Security", "SECURITY.md", "project/security.md"),
+            section("Licence", "Licence", "project/licence.md"),
         ],
     ),
 ];
 
+/// The title of the part that contains the reference.
+const REFERENCE: &str = "Look up";
+
+/// Titles of the reference on the site, where they replace the names of packages.
+const TITLES: [(&str, &str); 4] = [
+    ("flockwave", "Flockwave protocol"),
+    ("flockwave messages", "Flockwave messages"),
+    ("flockwave types", "Flockwave types"),
+    ("px4", "PX4 messages"),
+];
+
 /// All handwritten documents.
 pub(crate) fn by_hand() -> impl Iterator<Item = &'static Chapter> {
-    [&START].into_iter().chain(CHAPTERS.iter().flat_map(|(_, chapters)| chapters.iter()))
+    let parts = [&FIRST_STEPS].into_iter().chain(&PARTS);
+    [&START].into_iter().chain(parts.flat_map(|(_, chapters)| chapters.iter()))
 }
 
 /// The folders of `generated/` that are copied to the site unchanged.
 pub(crate) const GENERATED: [&str; 3] = ["docs", "schemas", "vectors"];
 
-/// Returns the table of contents. `reference` is the table of contents of the generated documentation.
-pub(crate) fn summary(reference: &str) -> String {
-    let mut text = format!("# Summary\n\n[{}]({})\n\n# Look up\n\n", START.title, START.page);
-    text.push_str(&below_docs(reference));
-    text.extend(CHAPTERS.iter().map(|(part, chapters)| format!("\n# {part}\n\n{}", items(chapters))));
-    text
+/// Returns the table of contents. `reference` is the table of contents of the generated documentation, and `schemas`
+/// contains the entries of the JSON Schemas.
+pub(crate) fn summary(reference: &str, schemas: &str) -> String {
+    let start = format!("# Summary\n\n[{}]({})\n\n", START.title, START.page);
+    let reference = format!("# {REFERENCE}\n\n{}{schemas}\n", below_docs(reference));
+    [start, part(&FIRST_STEPS), reference].into_iter().chain(PARTS.iter().map(part)).collect()
 }
 
-fn items(chapters: &[Chapter]) -> String {
-    chapters.iter().map(|Chapter { title, page, .. }| format!("- [{title}]({page})\n")).collect()
+/// Returns the titles that occur more than once in a table of contents. Readers can't tell such chapters apart.
+pub(crate) fn repeated_titles(summary: &str) -> Vec<&str> {
+    let titles = summary.lines().filter_map(|line| Some(line.split_once('[')?.1.split_once("](")?.0));
+    let mut known = BTreeSet::new();
+    titles.filter(|title| !known.insert(*title)).collect()
 }
 
-/// Converts the lines of a table of contents to list items that link to pages in the folder `docs`.
+fn part((title, chapters): &(&str, &[Chapter])) -> String {
+    let items: String =
+        chapters.iter().map(|Chapter { title, page, .. }| format!("- [{title}]({page})\n")).collect();
+    format!("# {title}\n\n{items}\n")
+}
+
+/// Converts the list items of a table of contents to items that link to pages in the folder `docs`. The overview of all
+/// packages is not an item: each package has a page.
 fn below_docs(contents: &str) -> String {
-    let lines = contents.lines().filter(|line| line.contains("]("));
-    let item = |line: &str| {
-        let line = line.replacen("](", "](docs/", 1);
-        if line.starts_with('[') { format!("- {line}\n") } else { format!("{line}\n") }
-    };
-    lines.map(item).collect()
+    let items = contents.lines().filter_map(|line| {
+        let (indent, item) = line.split_once("- [")?;
+        let (title, path) = item.split_once("](")?;
+        let title = TITLES.iter().find(|(name, _)| *name == title).map_or(title, |(_, title)| title);
+        let folder = if path == ")" { "" } else { "docs/" };
+        Some(format!("{indent}- [{title}]({folder}{path}\n"))
+    });
+    items.collect()
 }
 
 #[cfg(test)]
@@ -123,7 +179,7 @@ mod tests {
     #[test]
     fn the_contents_and_the_readme_list_each_page_of_the_guide() {
         let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let readme = fs::read_to_string(repository.join("README.md")).expect("the README");
+        let readme = fs::read_to_string(repository.join(README)).expect("the README");
         for entry in fs::read_dir(repository.join("xtask/site/guide")).expect("the guide") {
             let name = entry.expect("a file").file_name().into_string().expect("UTF-8");
             let path = format!("xtask/site/guide/{name}");
@@ -134,11 +190,27 @@ mod tests {
     }
 
     #[test]
+    fn the_site_contains_each_section_of_the_readme() {
+        let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+        let readme = fs::read_to_string(repository.join(README)).expect("the README");
+        for heading in readme.lines().filter_map(|line| line.strip_prefix("## ")) {
+            let is_chapter = by_hand().any(|chapter| chapter.source == README && chapter.section == heading);
+            assert!(is_chapter != OMITTED.contains(&heading), "{heading}");
+        }
+    }
+
+    #[test]
     fn moves_the_contents_of_the_reference_into_its_folder() {
-        let contents = "<!-- made by -->\n\n# Summary\n\n[Overview](README.md)\n\n- [px4](px4/README.md)\n  - [Event](px4/Event.md)\n";
+        let contents = "<!-- made by -->\n\n# Summary\n\n[Overview](README.md)\n\n- [px4](px4/README.md)\n  - [Event](px4/Event.md)\n- [Units]()\n";
         assert_eq!(
             below_docs(contents),
-            "- [Overview](docs/README.md)\n- [px4](docs/px4/README.md)\n  - [Event](docs/px4/Event.md)\n"
+            "- [PX4 messages](docs/px4/README.md)\n  - [Event](docs/px4/Event.md)\n- [Units]()\n"
         );
+    }
+
+    #[test]
+    fn finds_repeated_titles() {
+        let summary = "# Summary\n\n[Home](index.md)\n\n- [Units]()\n  - [Home](docs/home.md)\n";
+        assert_eq!(repeated_titles(summary), ["Home"]);
     }
 }

@@ -6,12 +6,16 @@ use std::path::Path;
 
 use walkdir::WalkDir;
 
-use crate::chapters::{GENERATED, by_hand, summary};
+use crate::chapters::{GENERATED, by_hand, repeated_titles, summary};
 use crate::links::Links;
+use crate::{schemas, sections};
 
-/// The style sheet and script that the site adds to a book.
-const ADDITIONS: [(&str, &str); 2] =
-    [("site.css", include_str!("../site.css")), ("site.js", include_str!("../site.js"))];
+/// The files that the site adds to a book. A test of `uavspec-conformance` writes the report, which the start page shows.
+const ADDITIONS: [(&str, &str); 3] = [
+    ("site.css", include_str!("../site.css")),
+    ("site.js", include_str!("../site.js")),
+    ("report.html", include_str!("../report.html")),
+];
 
 /// The collected pages.
 pub(crate) struct Gathered {
@@ -24,13 +28,18 @@ pub(crate) struct Gathered {
 /// Fills the empty folder `to` from the repository. An error lists all broken links.
 pub(crate) fn gather(repository: &Path, to: &Path) -> Result<Gathered, Vec<String>> {
     let failed = |error: io::Error| vec![format!("{}: {error}", to.display())];
+    let generated = repository.join("generated");
     for folder in GENERATED {
-        copy(&repository.join("generated").join(folder), &to.join(folder))?;
+        copy(&generated.join(folder), &to.join(folder))?;
+    }
+    let schemas = schemas::pages(&generated).map_err(|error| vec![error])?;
+    for (path, text) in &schemas.pages {
+        write(&to.join(path), text).map_err(failed)?;
     }
     let mut errors = Vec::new();
     let links = Links::of(repository);
     for chapter in by_hand() {
-        match read(&repository.join(chapter.source)) {
+        match read(&repository.join(chapter.source)).and_then(|text| sections::of(&text, chapter)) {
             Ok(text) => {
                 let text = links.moved(&text, chapter, &mut errors);
                 write(&to.join(chapter.page), &text).map_err(failed)?;
@@ -42,12 +51,15 @@ pub(crate) fn gather(repository: &Path, to: &Path) -> Result<Gathered, Vec<Strin
         write(&to.join(name), text).map_err(failed)?;
     }
     let reference = read(&repository.join("generated/docs/SUMMARY.md")).map_err(|error| vec![error])?;
-    let summary = summary(&reference);
+    let summary = summary(&reference, &schemas.contents);
+    errors.extend(
+        repeated_titles(&summary).iter().map(|title| format!("two chapters have the title `{title}`")),
+    );
     write(&to.join("SUMMARY.md"), &summary).map_err(failed)?;
     if !errors.is_empty() {
         return Err(errors);
     }
-    let pages: Vec<&str> = summary.lines().filter_map(page).collect();
+    let pages: Vec<&str> = summary.lines().filter_map(page).filter(|page| !page.is_empty()).collect();
     let is_translated = |page: &&&str| read(&to.join(page)).is_ok_and(|text| text.contains(TRANSLATED));
     let translated = pages.iter().filter(is_translated).map(|page| (*page).to_owned()).collect();
     Ok(Gathered { count: pages.len(), translated })
@@ -69,11 +81,19 @@ fn copy(from: &Path, to: &Path) -> Result<(), Vec<String>> {
         let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
         if entry.file_type().is_file() && !is_hidden {
             let target = to.join(relative);
-            let copied = parent(&target).and_then(|()| fs::copy(entry.path(), &target).map(drop));
+            let copied = parent(&target).and_then(|()| copy_file(entry.path(), &target));
             copied.map_err(|error| vec![format!("{}: {error}", target.display())])?;
         }
     }
     Ok(())
+}
+
+/// Copies a file. Links of pages to schema files lead to the pages that show these schemas.
+fn copy_file(from: &Path, to: &Path) -> io::Result<()> {
+    if from.extension().is_some_and(|ending| ending == "md") {
+        return fs::write(to, fs::read_to_string(from)?.replace(".schema.json)", ".schema.md)"));
+    }
+    fs::copy(from, to).map(drop)
 }
 
 fn read(path: &Path) -> Result<String, String> {

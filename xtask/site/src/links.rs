@@ -5,18 +5,23 @@ use std::path::{Path, PathBuf};
 
 use pulldown_cmark::{CowStr, Event, Options, Parser, Tag};
 
-use crate::chapters::{Chapter, GENERATED, by_hand};
+use crate::chapters::{Chapter, GENERATED, README, START, by_hand};
 
 /// Maps files of the repository to pages of the site.
 pub(crate) struct Links<'r> {
     repository: &'r Path,
-    /// Pages by file of the repository.
-    pages: BTreeMap<&'static str, &'static str>,
+    /// Pages by file of the repository, or by file and section, such as `README.md#install`.
+    pages: BTreeMap<String, &'static str>,
 }
 
 impl<'r> Links<'r> {
     pub(crate) fn of(repository: &'r Path) -> Self {
-        Self { repository, pages: by_hand().map(|chapter| (chapter.source, chapter.page)).collect() }
+        let address = |chapter: &Chapter| match chapter.section {
+            "" => chapter.source.to_owned(),
+            section => format!("{}#{}", chapter.source, section.to_lowercase().replace(' ', "-")),
+        };
+        let pages = by_hand().map(|chapter| (address(chapter), chapter.page));
+        Self { repository, pages: pages.chain([(README.to_owned(), START.page)]).collect() }
     }
 
     /// Returns a document whose links are adjusted for the site. A link to a file that isn't on the site becomes plain
@@ -43,9 +48,10 @@ impl<'r> Links<'r> {
                 continue;
             }
             moved.push_str(&text[end..range.start]);
-            match self.page(&path) {
-                Some(page) => {
-                    let place = target.find('#').map_or("", |place| &target[place..]);
+            let place = target.find('#').map_or("", |place| &target[place..]);
+            let section = self.pages.get(&format!("{path}{place}")).map(|page| ((*page).to_owned(), ""));
+            match section.or_else(|| Some((self.page(&path)?, place))) {
+                Some((page, place)) => {
                     let page = seen_from(chapter.page, &page);
                     moved.extend([&whole[..at], &page, place, &whole[at + dest_url.len()..]]);
                 }
@@ -68,6 +74,7 @@ impl<'r> Links<'r> {
         let has_index = self.repository.join(path).join("README.md").is_file();
         let page = match (is_folder, has_index) {
             (true, true) => format!("{}/README.md", below.trim_end_matches('/')),
+            _ if folder == "schemas" => below.replace(".schema.json", ".schema.md"),
             // Browsers show a list of files for a local folder.
             _ => below.to_owned(),
         };
@@ -105,13 +112,12 @@ fn seen_from(from: &str, to: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chapters::CHAPTERS;
 
     fn moved(text: &str) -> (String, Vec<String>) {
         let repository = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut errors = Vec::new();
-        let introduction = &CHAPTERS[0].1[0];
-        (Links::of(&repository).moved(text, introduction, &mut errors), errors)
+        let readme = by_hand().find(|chapter| chapter.source == README).expect("a section of the README");
+        (Links::of(&repository).moved(text, readme, &mut errors), errors)
     }
 
     #[test]

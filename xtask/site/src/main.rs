@@ -6,6 +6,8 @@
 mod chapters;
 mod gather;
 mod links;
+mod schemas;
+mod sections;
 
 use std::fs;
 use std::io;

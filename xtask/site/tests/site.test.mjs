@@ -40,9 +40,11 @@ function filesBelow(folder, ending) {
 
 const address = (page) => pathToFileURL(path.join(site, page)).href;
 const messages = filesBelow(path.join(site, "vectors/px4"), ".vectors.json").map((file) => file.split(".")[0]);
+const ALL_PAGES = filesBelow(site, ".html").filter((page) => page !== "toc.html");
+const SCHEMAS = filesBelow(path.join(site, "schemas"), ".schema.json").map((file) => `schemas/${file}`);
 const PAGES = [
   "index.html",
-  ...filesBelow(path.join(site, "guide"), ".html").map((file) => `guide/${file}`),
+  ...ALL_PAGES.filter((page) => /^(guide|start|project)\//.test(page)),
   "docs/conformance/README.html",
   "docs/flockwave/README.html",
   "docs/flockwave/error-codes.html",
@@ -53,6 +55,8 @@ const PAGES = [
   "docs/interop/README.html",
   "docs/px4/FailsafeFlags.uk.html",
   "docs/rules/PX-RANGE-01.html",
+  "schemas/flockwave/BatteryInfo.schema.html",
+  "schemas/uavspec/report.schema.html",
   ...messages.map((message) => `docs/px4/${message}.html`),
 ];
 
@@ -63,6 +67,8 @@ const ACCESSIBLE_PAGES = [
   "docs/px4/ArmingCheckReply.html",
   "docs/px4/FailsafeFlags.html",
   "docs/px4/FailsafeFlags.uk.html",
+  "guide/lint.html",
+  "schemas/px4/Event.schema.html",
 ];
 
 let browser;
@@ -115,15 +121,38 @@ describe("pages", () => {
     }
   }
 
+  // Loading each page would take minutes, so their contents are shown one after the other.
+  test("have contents that fit a phone", async () => {
+    await open(360);
+    await page.goto(address("index.html"));
+    assert.ok(ALL_PAGES.length > 700, `${ALL_PAGES.length} pages`);
+    for (const name of ALL_PAGES.filter((one) => one !== "report.html")) {
+      const [, content] = fs.readFileSync(path.join(site, name), "utf8").match(/<main>(.*)<\/main>/s);
+      const width = await page.evaluate((html) => {
+        const main = document.querySelector("main");
+        main.innerHTML = html.replaceAll("<img ", "<img hidden ");
+        main.querySelectorAll("table").forEach((table) => table.classList.add("stacked"));
+        return document.documentElement.scrollWidth;
+      }, content);
+      assert.ok(width <= 360, `${name}: ${width} pixels`);
+    }
+  });
+
   test("pass the accessibility rules of axe", async () => {
-    for (const scheme of ["light", "dark"]) {
-      await open(1440, scheme);
-      for (const name of ACCESSIBLE_PAGES) {
+    for (const [width, scheme] of [[1440, "light"], [1440, "dark"], [360, "light"]]) {
+      await open(width, scheme);
+      for (const name of ACCESSIBLE_PAGES.slice(0, width === 360 ? 1 : undefined)) {
         await page.goto(address(name));
         await page.evaluate(axe);
-        const { violations } = await page.evaluate(() => globalThis.axe.run("main"));
+        // axe doesn't check the contrast of text on a gradient.
+        await page.addStyleTag({ content: ".table-wrapper, pre, pre > code { background-image: none !important; }" });
+        // The sidebar and the menu are the same on all pages.
+        const { violations } = await page.evaluate(
+          (isWhole) => globalThis.axe.run(isWhole ? document : "main", { iframes: false }),
+          name === "index.html",
+        );
         const found = violations.map(({ id, nodes }) => `${id}: ${nodes.slice(0, 3).map((node) => node.html).join(" ")}`);
-        assert.deepEqual(found, [], `${name}, ${scheme}`);
+        assert.deepEqual(found, [], `${name}, ${width}, ${scheme}`);
       }
     }
   });
@@ -170,6 +199,112 @@ describe("pages", () => {
   });
 });
 
+describe("the start page", () => {
+  test("shows three tasks with a command each, and a report", async () => {
+    await open();
+    await page.goto(address("index.html"));
+    const tasks = page.locator(".tasks > section");
+    assert.equal(await tasks.count(), 3);
+    for (const task of await tasks.all()) {
+      assert.match(await task.locator("pre").textContent(), /^\$ (cargo xtask|uavspec) /);
+      assert.ok(await task.locator("> p > a").last().getAttribute("href"));
+    }
+    await page.frameLocator(".picture iframe").getByRole("heading", { name: "Does not conform" }).waitFor({ state: "attached" });
+    assert.deepEqual(complaints, []);
+  });
+});
+
+describe("the table of contents", () => {
+  const titles = () =>
+    page.locator("#mdbook-sidebar .chapter-link-wrapper > :first-child").evaluateAll((all) =>
+      all.filter((one) => !one.matches(".header-in-summary")).map((one) => one.textContent.trim()),
+    );
+
+  test("has unique titles, and words for each rule", async () => {
+    await open();
+    await page.goto(address("index.html"));
+    const all = await titles();
+    assert.ok(all.length > 700, `${all.length} titles`);
+    assert.deepEqual(all.filter((title, at) => all.indexOf(title) !== at), []);
+    const rules = all.filter((title) => /\b(FW-UST-[A-Z]+|(FW|PX)-[A-Z-]+-\d+[A-Z]?)$/.test(title));
+    assert.ok(rules.length > 150, `${rules.length} rules`);
+    assert.deepEqual(rules.filter((title) => !/^[A-Z]\w*.* (FW|PX)-/.test(title)), ["PX-FSF-01", "PX-FSF-02"]);
+  });
+
+  test("is operated by keyboard", async () => {
+    await open();
+    await page.goto(address("index.html"));
+    const group = page.getByRole("button", { name: "Chapters below Message envelope" });
+    const rule = page.getByRole("link", { name: "Messages are objects FW-ENV-01" });
+    await page.getByRole("button", { name: "Chapters below Rules of check" }).press("Enter");
+    assert.equal(await rule.isVisible(), false);
+    await group.press("Space");
+    assert.equal(await group.getAttribute("aria-expanded"), "true");
+    await page.locator("#mdbook-sidebar .group", { hasText: "Message envelope" }).click();
+    assert.equal(await rule.isVisible(), false);
+    await group.press("Enter");
+    await rule.press("Enter");
+    await page.waitForURL(/FW-ENV-01\.html$/);
+    assert.ok(await rule.isVisible(), "the current chapter is visible");
+  });
+
+  test("opens on a phone", async () => {
+    await open(360);
+    await page.goto(address("index.html"));
+    const install = page.locator("#mdbook-sidebar").getByRole("link", { name: "Install", exact: true });
+    assert.equal(await install.isVisible(), false);
+    await page.getByRole("button", { name: "Table of contents" }).press("Enter");
+    await install.click();
+    await page.getByRole("heading", { level: 1, name: "Install" }).waitFor();
+    assert.deepEqual(complaints, []);
+  });
+});
+
+describe("schemas", () => {
+  const text = (name) => fs.readFileSync(path.join(site, name), "utf8");
+
+  test("have a page with each field, unit and value, and a link to the file", () => {
+    assert.ok(SCHEMAS.length > 250, `${SCHEMAS.length} schemas`);
+    for (const name of SCHEMAS.filter((one) => !one.includes(".bundle."))) {
+      const html = text(name.replace(/json$/, "html"));
+      const schema = JSON.parse(text(name));
+      assert.ok(html.includes(`href="${path.basename(name)}"`), name);
+      for (const [field, { $defs }] of Object.entries(schema.properties ?? {})) {
+        const row = html.split(`<tr><td><code>${field}</code></td>`)[1]?.split("</tr>")[0];
+        assert.ok(row, `${name}: ${field}`);
+        const required = schema.required?.includes(field) ? "yes" : "no";
+        assert.ok(row.includes(`<td>${required}</td>`), `${name}: ${field} is required: ${required}`);
+        const unit = $defs?.annotations?.["x-unit"];
+        assert.ok(!unit || row.includes(`<td>${unit}</td>`), `${name}: ${field} has the unit ${unit}`);
+      }
+      for (const { const: value } of schema.anyOf ?? []) {
+        const escaped = JSON.stringify(value)?.replaceAll("&", "&amp;");
+        assert.ok(value === undefined || html.includes(`<code>${escaped}</code>`), `${name}: ${value}`);
+      }
+    }
+  });
+
+  test("have an example that is a test vector", async () => {
+    await open(360);
+    for (const name of ["schemas/px4/BatteryStatus", "schemas/flockwave/UAV-INF.notification"]) {
+      await page.goto(address(`${name}.schema.html`));
+      const example = await page.locator("#example ~ pre").first().textContent();
+      const { cases } = JSON.parse(text(`${name.replace("schemas", "vectors")}.vectors.json`));
+      const valid = cases.filter((one) => one.valid).map((one) => JSON.stringify(one.json));
+      assert.ok(valid.includes(JSON.stringify(JSON.parse(example))), name);
+    }
+  });
+
+  test("are reached from the page of the message", async () => {
+    await open();
+    await page.goto(address("docs/px4/FailsafeFlags.html"));
+    await page.getByRole("link", { name: "FailsafeFlags.schema.json" }).click();
+    await page.getByRole("heading", { name: "FailsafeFlags (JSON Schema)" }).waitFor();
+    await page.getByRole("cell", { name: "FailsafeFlags", exact: true }).getByRole("link").click();
+    await page.waitForURL(/docs\/px4\/FailsafeFlags\.html$/);
+  });
+});
+
 describe("the search", () => {
   beforeEach(() => open());
 
@@ -203,7 +338,7 @@ describe("error codes", () => {
   });
 
   const shown = () =>
-    page.locator(".error-code-filter ~ * tbody tr:visible").evaluateAll((rows) => rows.map((row) => row.cells[0].textContent.trim()));
+    page.locator(".error-code-filter + * tbody tr:visible").evaluateAll((rows) => rows.map((row) => row.cells[0].textContent.trim()));
 
   test("are found by number, with their alternatives", async () => {
     await page.getByLabel("Find a code").fill("134");
@@ -238,6 +373,23 @@ describe("error codes", () => {
     assert.deepEqual(await shown(), ["64", "128"]);
     await page.getByRole("checkbox", { name: "warning (1)" }).uncheck();
     assert.deepEqual(await shown(), ["128"]);
+  });
+
+  test("show code, meaning and alternatives on a phone", async () => {
+    await open(360);
+    await page.goto(address("docs/flockwave/error-codes.html"));
+    const search = page.getByLabel("Find a code");
+    assert.ok((await search.boundingBox()).y < 400, "the search is near the top");
+    await search.fill("134");
+    assert.deepEqual(await shown(), ["66", "134", "199"]);
+    const row = page.getByRole("row").filter({ has: page.getByRole("link", { name: "134", exact: true }).first() }).nth(1);
+    for (const cell of await row.getByRole("cell").all()) {
+      const { x, width } = await cell.boundingBox();
+      assert.ok(x >= 0 && x + width <= 360, "a cell is within the screen");
+    }
+    assert.match(await row.innerText(), /^134\nLOWBAT\n.*error\nBattery charge is too low.*\n.*66.*199$/s);
+    const label = await row.getByRole("cell").last().evaluate((cell) => getComputedStyle(cell, "::before").content);
+    assert.match(label, /Alternatives/);
   });
 
   test("link to their alternatives", async () => {

@@ -1,5 +1,6 @@
 //! The common content of the packages: generated files, licences and a manifest.
 
+use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json};
@@ -46,10 +47,12 @@ pub(super) struct Content {
 impl Content {
     /// Generates the content from the definitions in the repository at `root`.
     pub(super) fn of(root: &Path) -> Result<Self, String> {
-        let (_, schema, translations) = read_definitions_translated(root.join("definitions/uavspec.toml"))
-            .map_err(|failure| message_of(&failure))?;
-        let schemas = json_schema::emit(&schema, &json_schema::Options::default());
-        let vectors = vectors::emit(&schema, &vectors::Options::default());
+        let config = root.join("definitions/uavspec.toml");
+        let (_, schema, translations) =
+            read_definitions_translated(&config).map_err(|failure| message_of(&failure))?;
+        let base = schema_base(&config)?;
+        let schemas = json_schema::emit(&schema, &json_schema::Options { base: base.clone() });
+        let vectors = vectors::emit(&schema, &vectors::Options { base: Some(base) });
         // Omit the files in the format of the JSON Schema Test Suite, which contain the same cases.
         let is_own = |file: &&OutputFile| file.path.ends_with(VECTORS) || file.path == VECTORS_SCHEMA;
         let vectors: Vec<&OutputFile> = vectors.iter().filter(is_own).collect();
@@ -67,6 +70,15 @@ impl Content {
             ],
         })
     }
+}
+
+/// The URL prefix of the schemas, which the configuration sets.
+fn schema_base(config: &Path) -> Result<String, String> {
+    let at = |message: String| format!("{}: {message}", config.display());
+    let text = fs::read_to_string(config).map_err(|error| at(error.to_string()))?;
+    let table: toml::Table = text.parse().map_err(|error: toml::de::Error| at(error.to_string()))?;
+    let base = table.get("output").and_then(|output| output.get("json_schema")?.get("base")?.as_str());
+    base.map(str::to_owned).ok_or_else(|| at("`output.json_schema.base` is not set".to_owned()))
 }
 
 fn files(emitted: &[OutputFile]) -> Vec<File> {

@@ -28,6 +28,25 @@ const ODD: [(&str, &str); 3] = [
     ),
 ];
 
+/// A Python program that uses the types of enums and flags. Type checkers report an unused `type: ignore`.
+const USES_OF_ENUMS: &str = r#"import json
+from typing import Union, cast, get_type_hints
+
+from translated.gliders import Glider, GliderMark, GliderMode, Tow
+
+glider: Glider = {"timestamp": 1, "mode": GliderMode.DIVE, "marks": GliderMark.FIRST | 8, "import": 0}
+numbers = [1, 77]
+tow: Tow = {"timestamp": 1, "mode": numbers}
+wrong: Tow = {"timestamp": 1, "mode": ["dive"]}  # type: ignore
+
+received = cast(Glider, json.loads(json.dumps(glider)))
+assert received == glider and type(received["mode"]) is int
+assert received["mode"] == GliderMode.DIVE and GliderMark(received["marks"]) & GliderMark.FIRST
+assert [GliderMode(mode).name for mode in tow["mode"]] == ["SOAR", "UNKNOWN_77"]
+assert get_type_hints(Glider)["marks"] == Union[GliderMark, int]
+assert get_type_hints(Tow)["mode"] == list[Union[GliderMode, int]]
+"#;
+
 /// Folders with definitions: name, dialect and path.
 fn definitions(own: &Path) -> Vec<(String, &'static str, PathBuf)> {
     for (name, text) in ODD {
@@ -139,20 +158,30 @@ fn typescript_of_any_definitions_type_checks() {
     check_typescript(&into);
 }
 
+/// Checks all modules below a folder with both type checkers, finds names that hide built-in names, and evaluates all
+/// declarations.
+pub(super) fn check_python(folder: &Path) {
+    run(
+        python_with_tools(),
+        &["-m", "ruff", "check", "--isolated", "--no-cache", "--select", "A", "."],
+        folder,
+    );
+    run(python_with_tools(), &["-m", "mypy", "--strict", "."], folder);
+    run("node", &[&node_tool("pyright/index.js"), "--warnings", "."], folder);
+    let script = repository().join("xtask/tests/packages/import_all.py").display().to_string();
+    let code = "import sys; sys.path.insert(0, ''); exec(open(sys.argv[1]).read())";
+    let resolved = run(python_with_tools(), &["-c", code, &script], folder);
+    assert!(resolved.lines().count() > 30, "{resolved}");
+}
+
 #[test]
 #[ignore = "requires Python, Node, npm and the network"]
 fn python_of_any_definitions_type_checks_and_runs() {
     let folder = tempfile::tempdir().expect("a folder");
     let into = folder.path().join("python");
     emit("python", &into, &folder.path().join("odd"));
-    run(python_with_tools(), &["-m", "mypy", "--strict", "."], &into);
-    run("node", &[&node_tool("pyright/index.js"), "--warnings", "."], &into);
-    // Declarations are evaluated when a module is imported.
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/packages/import_all.py");
-    write(&folder.path().join("import_all.py"), &fs::read_to_string(script).expect("a script"));
-    let code = "import sys; sys.path.insert(0, ''); exec(open('../import_all.py').read())";
-    let resolved = run(python_with_tools(), &["-c", code], &into);
-    assert!(resolved.lines().count() > 30, "{resolved}");
+    write(&into.join("uses_of_enums.py"), USES_OF_ENUMS);
+    check_python(&into);
     let odd = "from odd.odd import Message2, MessageMask, None_Kind, None_Constants\n\
                kinds = [None_Kind.NONE, None_Kind(1), None_Kind(77)]\n\
                print(*(kind.name for kind in kinds), int(kinds[2]), None_Constants.GREATEST, MessageMask(5))\n";
@@ -200,10 +229,10 @@ fn cases() -> Vec<Case> {
 /// The name of a type in TypeScript and in Python.
 fn type_names(package: &str, name: &str) -> [String; 2] {
     if name == "ErrorList" {
-        return ["flockwave.ErrorCode[]".to_owned(), "list[int]".to_owned()];
+        return ["flockwave.ErrorCode[]".to_owned(), "list[flockwave.ErrorCode | int]".to_owned()];
     }
     if name == "ErrorCode" {
-        return ["flockwave.ErrorCode".to_owned(), "int".to_owned()];
+        return ["flockwave.ErrorCode".to_owned(), "flockwave.ErrorCode | int".to_owned()];
     }
     let Some((message, direction)) = name.split_once('.') else {
         let same = format!("{package}.{name}");

@@ -83,6 +83,8 @@ pub(in crate::emit) enum Type {
         module: Option<String>,
         name: String,
     },
+    /// A reference to the declaration of a set of strings or integers in the same package.
+    Set(String),
     /// A reference to an enumeration, which is an integer in JSON.
     Enumeration {
         module: Option<String>,

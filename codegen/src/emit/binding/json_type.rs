@@ -57,11 +57,16 @@ fn record(declarer: &Declarer<'_>, package: usize, object: &Object) -> Kind {
 }
 
 fn properties(declarer: &Declarer<'_>, package: usize, members: &[Member]) -> Vec<Property> {
-    let property = |member: &Member| Property {
-        key: member.name.clone(),
-        is_required: member.is_required,
-        ty: expression(declarer, package, &member.typed.ty),
-        text: text::with_facts(&member.description, &text::limits(&member.typed.limits)),
+    let property = |member: &Member| {
+        let ty = expression(declarer, package, &member.typed.ty);
+        let mut facts: Vec<String> = text::values(&ty).into_iter().collect();
+        facts.extend(text::limits(&member.typed.limits));
+        Property {
+            key: member.name.clone(),
+            is_required: member.is_required,
+            text: text::with_facts(&member.description, &facts),
+            ty,
+        }
     };
     members.iter().map(property).collect()
 }
@@ -95,7 +100,13 @@ fn expression(declarer: &Declarer<'_>, package: usize, found: &Expression) -> Ty
         Expression::String => Type::String,
         Expression::ErrorCode => error_code(declarer, package),
         Expression::ErrorList => Type::List(Box::new(error_code(declarer, package))),
-        Expression::Named(id) => Type::Named { module: None, name: declarer.names.json_type(*id).to_owned() },
+        Expression::Named(id) => {
+            let name = declarer.names.json_type(*id).to_owned();
+            match declarer.schema.json_type(*id).definition {
+                Definition::Set(_) => Type::Set(name),
+                _ => Type::Named { module: None, name },
+            }
+        }
         Expression::List(element) => Type::List(Box::new(inner(element))),
         Expression::Map(value) => Type::Map(Box::new(inner(value))),
         Expression::Either(alternatives) => Type::Either(alternatives.iter().map(inner).collect()),

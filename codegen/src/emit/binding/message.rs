@@ -12,11 +12,14 @@ use crate::value::Value;
 pub(super) fn declare(declarer: &mut Declarer<'_>, id: MessageId) -> Vec<Declaration> {
     let message = declarer.schema.message(id);
     let names = declarer.names;
-    let fields = message.fields.iter().map(|field| Property {
-        key: field.name.clone(),
-        is_required: true,
-        ty: field_type(declarer, message, field),
-        text: text::field(declarer.schema, message, field),
+    let fields = message.fields.iter().map(|field| {
+        let ty = field_type(declarer, message, field);
+        Property {
+            key: field.name.clone(),
+            is_required: true,
+            text: text::field(declarer.schema, message, field, &ty),
+            ty,
+        }
     });
     let mut declarations = vec![Declaration {
         name: names.message(id).to_owned(),

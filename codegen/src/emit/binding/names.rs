@@ -61,6 +61,9 @@ const TYPESCRIPT: [&str; 43] = [
     "void",
 ];
 
+/// The names in Python's module `builtins`, one per line.
+const BUILTINS: &str = include_str!("builtins.txt");
+
 /// Names that are used by the generated code.
 const USED: [&str; 25] = [
     "Any",
@@ -121,6 +124,12 @@ pub(in crate::emit) fn identifier(name: &str) -> String {
     if is_reserved { plain + "_" } else { plain }
 }
 
+/// Like [`identifier`], for modules and declarations. In Python, these names would hide builtins.
+fn top_level(name: &str) -> String {
+    let name = identifier(name);
+    if BUILTINS.lines().any(|builtin| builtin == name) { name + "_" } else { name }
+}
+
 /// True if `word` is a Python keyword.
 pub(in crate::emit) fn is_python_keyword(word: &str) -> bool {
     PYTHON.contains(&word)
@@ -144,7 +153,7 @@ impl Names {
             modules.unique(reserved);
         }
         for package in &schema.packages {
-            names.modules.push(modules.unique(&identifier(&snake_case(&package.name))));
+            names.modules.push(modules.unique(&top_level(&snake_case(&package.name))));
             let scope = names.package(schema, package);
             names.scopes.push(scope);
         }
@@ -175,18 +184,18 @@ impl Names {
         let messages: Vec<MessageId> = package.messages.iter().chain(parts).copied().collect();
         // Types come first, so a name derived from one type never takes the name of another type.
         for id in &messages {
-            let name = identifier(&type_name(&schema.message(*id).name));
+            let name = top_level(&type_name(&schema.message(*id).name));
             self.messages[id.0 as usize] = scope.unique_type(&name);
         }
         for id in &package.json_types {
-            let name = identifier(&type_name(&schema.json_type(*id).name));
+            let name = top_level(&type_name(&schema.json_type(*id).name));
             self.json_types[id.0 as usize] = scope.unique_type(&name);
         }
         for id in &package.json_messages {
             let message = schema.json_message(*id);
             for part in &message.parts {
                 let name = format!("{}{}", pascal_case(&message.name), part.direction.title());
-                self.parts.insert((*id, part.direction), scope.unique_type(&identifier(&name)));
+                self.parts.insert((*id, part.direction), scope.unique_type(&top_level(&name)));
             }
         }
         for id in messages {
@@ -194,7 +203,7 @@ impl Names {
             self.constants[id.0 as usize] = scope.unique_type(&format!("{name}Constants"));
             let enums = schema.message(id).enums.iter().map(|found| {
                 let prefix = found.prefixes.first().map_or("Value", String::as_str);
-                scope.unique_type(&format!("{name}{}", pascal_case(prefix)))
+                scope.unique_type(&top_level(&format!("{name}{}", pascal_case(prefix))))
             });
             self.enums[id.0 as usize] = enums.collect();
         }
@@ -219,6 +228,14 @@ mod tests {
             ("Wind", "Wind"),
         ] {
             assert_eq!(identifier(name), expected);
+        }
+    }
+
+    #[test]
+    fn top_level_names_are_not_those_of_builtins() {
+        for (name, expected) in [("Warning", "Warning_"), ("id", "id_"), ("list", "list_"), ("Wind", "Wind")]
+        {
+            assert_eq!(top_level(name), expected);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Documentation of declarations as plain text.
 
+use super::declaration::Type;
 use crate::schema::json_type::Limits;
 use crate::schema::{Constant, Constraint, Docs, Element, Field, Message, Package, Range, Schema};
 use crate::unit;
@@ -45,9 +46,10 @@ pub(super) fn message(message: &Message) -> String {
     with_facts(&documentation(&message.docs, default), &facts)
 }
 
-/// The documentation of a field of a message.
-pub(super) fn field(schema: &Schema, message: &Message, field: &Field) -> String {
+/// The documentation of a field of a message. `ty` is the type in the declaration.
+pub(super) fn field(schema: &Schema, message: &Message, field: &Field, ty: &Type) -> String {
     let mut facts = vec![format!("type: {}", schema.type_text(message, field.ty))];
+    facts.extend(values(ty));
     let group = field.group.and_then(|group| message.groups.get(group));
     facts.extend(group.map(|group| format!("group: {}", group.summary)));
     facts.extend(unit(field.unit.as_deref()));
@@ -58,6 +60,24 @@ pub(super) fn field(schema: &Schema, message: &Message, field: &Field) -> String
     let is_float = matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
     facts.extend(is_float.then(|| "null represents NaN".to_owned()));
     with_facts(&field.description, &facts)
+}
+
+/// The declarations that name the values of a type: enums, sets and error codes. Editors show the documentation of a
+/// field, but not always its type.
+pub(super) fn values(ty: &Type) -> Option<String> {
+    let names = named_values(ty);
+    (!names.is_empty()).then(|| format!("values: {}", names.join(", ")))
+}
+
+fn named_values(ty: &Type) -> Vec<String> {
+    match ty {
+        Type::Enumeration { module: Some(module), name } => vec![format!("{module}.{name}")],
+        Type::Enumeration { module: None, name } | Type::Set(name) => vec![name.clone()],
+        Type::List(inner) | Type::Map(inner) => named_values(inner),
+        Type::Tuple(elements) => elements.iter().flat_map(|(_, _, element)| named_values(element)).collect(),
+        Type::Either(alternatives) => alternatives.iter().flat_map(named_values).collect(),
+        _ => Vec::new(),
+    }
 }
 
 /// The documentation of a constant.

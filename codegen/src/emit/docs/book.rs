@@ -90,7 +90,9 @@ pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>, more: &str) -> Out
     let mut item = |depth: usize, name: &str, path: &str| {
         text.push_str(&"  ".repeat(depth));
         text.push_str("- ");
-        text.push_str(&link(&inline(name), &href(SUMMARY, path, "")));
+        // An entry without a page is the title of the entries below it.
+        let target = if path.is_empty() { String::new() } else { href(SUMMARY, path, "") };
+        text.push_str(&link(&inline(name), &target));
         text.push('\n');
     };
     for package in site.packages() {
@@ -99,7 +101,7 @@ pub(super) fn summary(site: &Site<'_>, rules: Option<&Rules>, more: &str) -> Out
     }
     if let Some(rules) = rules {
         item(0, rules::TITLE, rules::OVERVIEW);
-        rules.contents().iter().for_each(|(name, path)| item(1, name, path));
+        rules.contents(|depth, name, path| item(depth + 1, name, path));
     }
     text.push_str(more);
     OutputFile { path: SUMMARY.to_owned(), text }
@@ -124,8 +126,11 @@ fn contents(site: &Site<'_>, package: &Package, mut item: impl FnMut(usize, &str
             item(depth, &name, &path);
         }
     }
-    for (name, path) in Json::of(site, package).contents() {
-        item(0, name, path);
+    for (kind, pages) in Json::of(site, package).contents().iter().filter(|(_, pages)| !pages.is_empty()) {
+        item(0, &format!("{} {kind}", package.name), "");
+        for (name, path) in pages {
+            item(1, name, path);
+        }
     }
 }
 

@@ -168,13 +168,6 @@ impl<'p, 's> Codes<'p, 's> {
         let path = self.site.path_of(&english, &self.unit);
         let heading_of_page = Heading { text: words.get(words::ERROR_CODES), english: TITLE };
         let mut page = language::page(self.site, &self.unit, &english, &heading_of_page);
-        page.block(words.get(words::SEVERITY_MEANS));
-        page.table(&list(self.site, &path, self.package));
-        let packages = &self.site.schema.packages;
-        if let Some(index) = packages.iter().position(|package| package.name == self.package.name) {
-            page.block(&self.site.line_of_files(&path, Target::ErrorCode(index)));
-        }
-        heading(&mut page, words, 2, words::ALL_CODES);
         // A script fills this element. Without the script, the table that follows shows the same data.
         let words_of_script = json!({
             "title": words.get(words::ERROR_CODES),
@@ -206,6 +199,13 @@ impl<'p, 's> Codes<'p, 's> {
             ]);
         }
         page.table(&table);
+        heading(&mut page, words, 2, words::SEVERITY);
+        page.block(words.get(words::SEVERITY_MEANS));
+        page.table(&list(self.site, &path, self.package));
+        let packages = &self.site.schema.packages;
+        if let Some(index) = packages.iter().position(|package| package.name == self.package.name) {
+            page.block(&self.site.line_of_files(&path, Target::ErrorCode(index)));
+        }
         page.finish()
     }
 

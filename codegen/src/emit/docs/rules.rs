@@ -13,7 +13,7 @@ use super::markdown::{Page, href, inline, link};
 use crate::emit::file::OutputFile;
 
 /// Heading of the overview.
-pub(super) const TITLE: &str = "Rules";
+pub(super) const TITLE: &str = "Rules of lint and breaking";
 
 /// The rules of all commands.
 pub(super) struct Rules {
@@ -30,10 +30,17 @@ impl Rules {
         self.chapters.iter().flat_map(|chapter| &chapter.pages)
     }
 
-    /// The names and paths of all pages below the overview, in order.
-    pub(super) fn contents(&self) -> Vec<(&'static str, String)> {
-        let rules = self.rule_pages().map(|page| (page.id, rule_path(page.id)));
-        std::iter::once((reading::TITLE, reading::path())).chain(rules).collect()
+    /// Adds the entries below the overview to the table of contents. The entries of topics have no page.
+    pub(super) fn contents(&self, mut item: impl FnMut(usize, &str, &str)) {
+        item(0, reading::TITLE, &reading::path());
+        for chapter in &self.chapters {
+            for (topic, ids) in chapter.topics {
+                item(0, topic, "");
+                for id in *ids {
+                    item(1, id, &rule_path(id));
+                }
+            }
+        }
     }
 
     /// All pages.

@@ -289,7 +289,10 @@ fn includes_rule_pages_only_on_request() {
     assert!(boats().iter().all(|file| !file.path.starts_with("rules/") && !file.text.contains("rules/")));
     let files = rules();
     let overview = text_of(&files, "README.md");
-    assert!(overview.contains("\n## Rules\n\n[All rules](rules/README.md)"), "{overview}");
+    assert!(
+        overview.contains("\n## Rules of lint and breaking\n\n[All rules](rules/README.md)"),
+        "{overview}"
+    );
     let paths: BTreeSet<String> = files.iter().map(|file| file.path.to_lowercase()).collect();
     assert_eq!(paths.len(), files.len(), "two rules share a page");
 }
@@ -658,9 +661,9 @@ fn message_pages_show_the_history_in_the_releases() {
         let definition = |(kind, text): &(&str, &str)| format!("{}\n{kind}/{text}", "=".repeat(80));
         ReleaseText { name: name.to_owned(), text: definitions.iter().map(definition).collect() }
     };
-    let old = ("MSG: px4_msgs/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\n");
-    let new = ("MSG: px4_msgs/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\nbool is_moored\n");
-    let tow = ("SRV: px4_msgs/srv", "Tow\nuint64 timestamp\n---\nuint64 timestamp\n");
+    let old = ("MSG: boats/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\n");
+    let new = ("MSG: boats/msg", "Boat\nuint64 timestamp\nfloat32 speed # [m/s]\nbool is_moored\n");
+    let tow = ("SRV: boats/srv", "Tow\nuint64 timestamp\n---\nuint64 timestamp\n");
     let releases = vec![release("1.9", &[old]), release("1.10", &[new, tow]), release("main", &[new, tow])];
     let options =
         Options { releases: Releases::from([("boats".to_owned(), releases)]), ..Options::default() };

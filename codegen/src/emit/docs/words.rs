@@ -166,7 +166,6 @@ words! {
     CODE_RANGE = "Range";
     SEVERITY = "Severity";
     CODES = "Codes";
-    ALL_CODES = "All codes";
     CODE = "Code";
     ABBREVIATION = "Abbreviation";
     MEANING = "Meaning";

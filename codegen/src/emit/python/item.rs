@@ -71,18 +71,24 @@ fn record(name: &str, documentation: &str, properties: &[Property], uses: &mut U
             .collect();
         return class(name, "(TypedDict)", documentation, &members);
     }
-    let members: String = properties
-        .iter()
-        .zip(&types)
-        .map(|(property, ty)| {
-            let indent = "        ";
-            format!("{}{indent}{}: {ty},\n", text::comment(&property.text, indent), quoted(&property.key))
-        })
-        .collect();
+    let members = properties.iter().zip(&types);
+    let members: String =
+        members.map(|(property, ty)| format!("        {}: {ty},\n", quoted(&property.key))).collect();
+    let documentation = [documentation.to_owned(), fields(properties)].join("\n\n");
     format!(
         "{name} = TypedDict(\n    \"{name}\",\n    {{\n{members}    }},\n)\n{}",
-        text::docstring(documentation, "")
+        text::docstring(documentation.trim(), "")
     )
+}
+
+/// A list of the fields, because the arguments of a call have no docstrings.
+fn fields(properties: &[Property]) -> String {
+    let documented = properties.iter().filter(|property| !property.text.is_empty());
+    let items = documented.map(|property| {
+        let lines = property.text.lines().filter(|line| !line.is_empty());
+        format!("- {}: {}", property.key, lines.collect::<Vec<_>>().join("\n  "))
+    });
+    items.collect::<Vec<_>>().join("\n")
 }
 
 fn property_type(property: &Property, uses: &mut Uses) -> String {

@@ -39,11 +39,6 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
-/// Formats comment lines, or an empty string for an empty text.
-pub(super) fn comment(text: &str, indent: &str) -> String {
-    text.lines().map(|line| format!("{indent}# {}", visible(line)).trim_end().to_owned() + "\n").collect()
-}
-
 /// Escapes text for a one-line comment.
 pub(super) fn line(text: &str) -> String {
     visible(text)

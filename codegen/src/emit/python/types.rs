@@ -1,5 +1,7 @@
 //! Types and values in Python syntax.
 
+use std::collections::BTreeSet;
+
 use super::uses::Uses;
 use crate::emit::binding::{Type, float, is_python_keyword, quoted};
 use crate::value::Value;
@@ -13,7 +15,7 @@ pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
         }
         Type::Null => "None".to_owned(),
         Type::Boolean => "bool".to_owned(),
-        Type::Integer | Type::Enumeration { .. } => "int".to_owned(),
+        Type::Integer => "int".to_owned(),
         Type::Number => "float".to_owned(),
         Type::String => "str".to_owned(),
         Type::Strings { values, is_open } => {
@@ -24,10 +26,8 @@ pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
             let literals: Vec<String> = values.iter().map(ToString::to_string).collect();
             values_of("int", &literals, *is_open, uses)
         }
-        Type::Named { module, name } => {
-            let path = module.as_ref().map_or_else(|| name.clone(), |module| format!("{module}.{name}"));
-            format!("\"{path}\"")
-        }
+        Type::Set(name) => reference(None, name),
+        Type::Named { module, name } => reference(module.as_deref(), name),
         Type::List(element) => format!("list[{}]", ty(element, uses)),
         Type::Map(value) => format!("dict[str, {}]", ty(value, uses)),
         // `json.loads` returns a list. The type of a list can't distinguish positions.
@@ -35,28 +35,24 @@ pub(super) fn ty(found: &Type, uses: &mut Uses) -> String {
             let elements = elements.iter().map(|(_, _, element)| element.clone()).collect();
             format!("list[{}]", ty(&Type::Either(elements), uses))
         }
-        Type::Either(_) => {
-            let mut alternatives = Vec::new();
-            flatten(found, uses, &mut alternatives);
+        Type::Either(_) | Type::Enumeration { .. } => {
+            let alternatives = alternatives(found, uses);
             union(alternatives, uses)
         }
     }
 }
 
-/// Collects the distinct alternatives of a union.
-fn flatten(found: &Type, uses: &mut Uses, into: &mut Vec<String>) {
+/// A reference to a declaration.
+fn reference(module: Option<&str>, name: &str) -> String {
+    module.map_or_else(|| format!("\"{name}\""), |module| format!("\"{module}.{name}\""))
+}
+
+/// The alternatives of a union. `json.loads` returns the value of an enum as an `int`.
+fn alternatives(found: &Type, uses: &mut Uses) -> Vec<String> {
     match found {
-        Type::Either(alternatives) => {
-            for inner in alternatives {
-                flatten(inner, uses, into);
-            }
-        }
-        other => {
-            let text = ty(other, uses);
-            if !into.contains(&text) {
-                into.push(text);
-            }
-        }
+        Type::Either(types) => types.iter().flat_map(|inner| alternatives(inner, uses)).collect(),
+        Type::Enumeration { module, name } => vec![reference(module.as_deref(), name), "int".to_owned()],
+        other => vec![ty(other, uses)],
     }
 }
 
@@ -69,7 +65,10 @@ fn values_of(primitive: &str, literals: &[String], is_open: bool, uses: &mut Use
     if is_open { union(vec![literal, primitive.to_owned()], uses) } else { literal }
 }
 
+/// Formats a union of the distinct alternatives.
 fn union(mut alternatives: Vec<String>, uses: &mut Uses) -> String {
+    let mut known = BTreeSet::new();
+    alternatives.retain(|text| known.insert(text.clone()));
     if alternatives.len() == 1 {
         return alternatives.remove(0);
     }

@@ -20,6 +20,7 @@ pub(super) fn ty(found: &Type) -> String {
             union(&all)
         }
         Type::Integers { values, is_open } => integers(values, *is_open),
+        Type::Set(name) => name.clone(),
         Type::Named { module, name } | Type::Enumeration { module, name } => match module {
             Some(module) => format!("{module}.{name}"),
             None => name.clone(),

@@ -2,7 +2,7 @@
 
 use lsp_types::CompletionItemKind;
 
-use super::{Item, annotations_of_pages, open_bracket, units, word_start};
+use super::item::{Item, annotations_of_pages, open_bracket, units, word_start};
 use crate::lsp::snapshot::Document;
 
 /// The built-in types of pages and the words of type expressions.
@@ -25,16 +25,19 @@ pub(super) fn items(document: &Document<'_>, line: usize, before: &str) -> (usiz
             let words = ["yes", "no"].map(|word| Item::new(word, CompletionItemKind::Value, ""));
             (word_from(before, cell), words.into())
         }
-        "description" => match open_bracket(&before[cell..]) {
-            Some(open) => (cell + open, units().chain(annotations_of_pages()).collect()),
-            None => {
-                let from = word_from(before, cell);
-                let is_code = CODE_WORDS.iter().any(|word| before[cell..from].ends_with(word));
-                (from, if is_code { codes(document) } else { Vec::new() })
-            }
-        },
+        "description" => description(document, &before[cell..], cell),
         _ => nothing,
     }
+}
+
+/// The items in a description: annotations, or the codes after `code`.
+fn description(document: &Document<'_>, text: &str, cell: usize) -> (usize, Vec<Item>) {
+    if let Some(open) = open_bracket(text) {
+        return (cell + open, units().chain(annotations_of_pages()).collect());
+    }
+    let from = word_start(text);
+    let is_code = CODE_WORDS.iter().any(|word| text[..from].ends_with(word));
+    (cell + from, if is_code { codes(document) } else { Vec::new() })
 }
 
 /// The start of the last word of a cell.

@@ -35,13 +35,18 @@ impl Markup {
     }
 
     /// Adds a table of a name, a value and a description, if it has rows.
-    pub(super) fn table(&mut self, rows: impl Iterator<Item = (String, String, String)>, max: usize) {
+    pub(super) fn table(
+        &mut self,
+        title: &str,
+        rows: impl Iterator<Item = (String, String, String)>,
+        max: usize,
+    ) {
         let rows: Vec<_> = rows.collect();
         if rows.is_empty() {
             return;
         }
         self.flush();
-        self.text.push_str("\n| | | |\n|---|---|---|\n");
+        let _ = writeln!(self.text, "\n| {title} | | |\n|---|---|---|");
         let cell = |text: &str| inline(&text.replace('\n', " ")).replace('|', "\\|");
         for (name, value, description) in rows.iter().take(max) {
             let _ = writeln!(self.text, "| {} | {} | {} |", code(name), cell(value), cell(description));

@@ -1,6 +1,7 @@
 //! Symbols of pages with tables.
 
-use super::{Document, Occurrence, Symbol};
+use super::occurrence::{Occurrence, Symbol};
+use crate::lsp::snapshot::Document;
 use crate::resolve::code_references;
 use crate::schema::{JsonMessageId, JsonTypeId, Schema};
 use crate::source::Span;

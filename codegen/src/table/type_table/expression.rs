@@ -247,7 +247,7 @@ impl<'t> Parser<'t> {
 }
 
 /// True if a text is a valid type name: one word in `PascalCase`.
-pub(super) fn is_type_name(text: &str) -> bool {
+pub(crate) fn is_type_name(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_uppercase())
         && text.bytes().all(|byte| byte.is_ascii_alphanumeric())
 }

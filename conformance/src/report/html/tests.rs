@@ -1,11 +1,15 @@
 //! Tests of the content of pages and of Markdown reports, which have the same order.
 
+use std::fs;
+use std::path::Path;
+
 use serde_json::{Value, json};
 
 use crate::check::check_capture;
 use crate::definitions::Definitions;
 use crate::probe::RequestType;
 use crate::report::{Action, CheckedCapture, Kind, Report, Settings, Subject, Unreadable};
+use crate::rules::sample::Flight;
 
 const URL: &str = "tcp://localhost:5001";
 const FAILURE: &str = "connection refused";
@@ -226,4 +230,31 @@ fn disputed_rules_say_so() {
     assert_order(&page, &["<h3 id=\"FW-ENV-11\">", ">SHOULD, disputed</span></h3>", "Disputed: "]);
     let markdown = report.to_text(Kind::Markdown);
     assert_order(&markdown, &["### warning: [`FW-ENV-11`]", " SHOULD, disputed\n"]);
+}
+
+/// A flight in which the battery reports its charge in percent, and a component answers an old request.
+fn flight_with_mistakes() -> Vec<u8> {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let battery = flight.topic("BatteryStatus").expect("a topic");
+    let flight = flight.with_last(battery, |message| message["remaining"] = 87.5.into()).expect("a message");
+    let flight = flight.with_reply(|reply| reply["request_id"] = 7.into()).expect("a reply");
+    flight.log().to_bytes()
+}
+
+#[test]
+fn the_report_on_the_documentation_site_is_up_to_date() {
+    let subject = subject("flight.ulg", &flight_with_mistakes(), Vec::new());
+    let command = "uavspec check --report html=report.html flight.ulg".to_owned();
+    let definitions = Definitions::built_in();
+    let report = Report::new(Action::Check, command, &definitions, vec![subject], Vec::new(), Vec::new());
+    let page = report.to_text(Kind::Html);
+    assert_order(&page, &["<h3 id=\"PX-EXT-01\">", "<h3 id=\"PX-RANGE-01\">", "87.5 is outside the range"]);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../xtask/site/report.html");
+    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
+        fs::write(path, page).expect("a writable file");
+        return;
+    }
+    let on_site = fs::read_to_string(path).expect("the report on the site");
+    assert!(on_site == page, "run `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-conformance --lib html`");
 }

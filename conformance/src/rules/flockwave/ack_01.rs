@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ACK-01",
+        name: "Acknowledgments are responses",
         level: Level::Must,
         status: Status::Normative,
         statement: "ACK-ACK and ACK-NAK are sent only as responses.",

@@ -11,6 +11,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ACK-03",
+        name: "Fields of ACK-ACK",
         level: Level::Must,
         status: Status::Normative,
         statement: "The body of ACK-ACK has no fields other than `type`.",

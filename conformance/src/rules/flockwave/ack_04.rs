@@ -11,6 +11,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ACK-04",
+        name: "Fields of ACK-NAK",
         level: Level::Must,
         status: Status::Normative,
         statement: "The body of ACK-NAK has no fields other than `type` and an optional string `reason`.",

@@ -13,6 +13,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ACK-06",
+        name: "Refusal before login",
         level: Level::Must,
         status: Status::Normative,
         statement: "Before login, a request that requires a login is refused with ACK-NAK.",

@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-01",
+        name: "Response about one object",
         level: Level::Must,
         status: Status::Normative,
         statement: "A response about one object has exactly one of `result`, `error` and `receipt`.",

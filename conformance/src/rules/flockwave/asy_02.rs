@@ -9,6 +9,7 @@ use crate::flockwave::session::OPERATIONS;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-02",
+        name: "Response about several objects",
         level: Level::Must,
         status: Status::Normative,
         statement: "In a response about several objects, each requested object is in exactly one of `result`, \

@@ -10,6 +10,7 @@ use crate::flockwave::session::OPERATIONS;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-03",
+        name: "No unrequested objects",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A response about several objects contains only requested objects.",

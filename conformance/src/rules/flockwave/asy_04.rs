@@ -10,6 +10,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-04",
+        name: "Form of a receipt",
         level: Level::Should,
         status: Status::Advisory,
         statement: "A receipt is a string of 1 to 64 characters.",

@@ -10,6 +10,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-04I",
+        name: "Unique pending receipts",
         level: Level::Info,
         status: Status::Advisory,
         statement: "No two pending operations on a connection have the same receipt.",

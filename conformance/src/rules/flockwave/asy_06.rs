@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-06",
+        name: "Receipt before its notifications",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A response that contains a receipt precedes all notifications about that receipt.",

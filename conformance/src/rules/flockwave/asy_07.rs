@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-07",
+        name: "Result or error in ASYNC-RESP",
         level: Level::Must,
         status: Status::Normative,
         statement: "ASYNC-RESP has exactly one of `result` and `error`.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-08",
+        name: "Types in ASYNC-RESP",
         level: Level::Must,
         status: Status::Normative,
         statement: "In ASYNC-RESP, `id` is a string and `error`, if present, is a string.",

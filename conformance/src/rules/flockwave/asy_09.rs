@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-09",
+        name: "Receipts stay on their connection",
         level: Level::Info,
         status: Status::Advisory,
         statement: "ASYNC-RESP, ASYNC-ST and ASYNC-TIMEOUT contain only receipts that were issued on the same \

@@ -12,6 +12,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-10",
+        name: "One end for each operation",
         level: Level::Must,
         status: Status::Normative,
         statement: "Exactly one ASYNC-RESP or ASYNC-TIMEOUT is sent for each receipt.",

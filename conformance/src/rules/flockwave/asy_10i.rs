@@ -15,6 +15,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-10I",
+        name: "Short operations end in time",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A short operation ends with ASYNC-RESP or ASYNC-TIMEOUT within 18 s of the latest message about it.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-11",
+        name: "No progress after the end",
         level: Level::Info,
         status: Status::Advisory,
         statement: "No ASYNC-ST is sent for a receipt that has ended.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-12",
+        name: "Fields of ASYNC-ST",
         level: Level::Must,
         status: Status::Normative,
         statement: "ASYNC-ST has `id` and `progress`. `percentage` is an integer from 0 to 100, or null, and \

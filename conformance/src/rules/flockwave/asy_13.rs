@@ -12,6 +12,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-13",
+        name: "Suspension is reported",
         level: Level::Must,
         status: Status::Normative,
         statement: "When an operation is suspended, the server sends ASYNC-ST with `suspended` set to true.",

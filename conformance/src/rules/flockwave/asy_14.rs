@@ -10,6 +10,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-14",
+        name: "No result while suspended",
         level: Level::Must,
         status: Status::Normative,
         statement: "A suspended operation has no result before the client resumes or cancels it. The server may abandon it with \

@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-16",
+        name: "Complete answer to cancel or resume",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Each receipt in an ASYNC-CANCEL or ASYNC-RESUME request is in exactly one of `success` and \

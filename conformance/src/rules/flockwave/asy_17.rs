@@ -17,6 +17,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-17",
+        name: "Cancelled operations end with an error",
         level: Level::Should,
         status: Status::Disputed(
             "The specification text requires an ASYNC-RESP with an error, but also allows a server to continue a \

@@ -9,6 +9,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-18",
+        name: "Unknown receipts are errors",
         level: Level::Info,
         status: Status::Advisory,
         statement: "If a receipt in ASYNC-CANCEL or ASYNC-RESUME is unknown, the response lists it in `error`.",

@@ -12,6 +12,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-19",
+        name: "Resuming a running operation",
         level: Level::Info,
         status: Status::Advisory,
         statement: "In the response to ASYNC-RESUME, an operation that is not suspended has an entry in `error`.",

@@ -8,6 +8,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-20",
+        name: "Fields of ASYNC-TIMEOUT",
         level: Level::Must,
         status: Status::Normative,
         statement: "ASYNC-TIMEOUT has `ids`, a list of strings.",

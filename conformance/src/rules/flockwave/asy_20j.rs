@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-20J",
+        name: "Unique ids in ASYNC-TIMEOUT",
         level: Level::Should,
         status: Status::Advisory,
         statement: "The `ids` of ASYNC-TIMEOUT are unique.",

@@ -11,6 +11,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ASY-22",
+        name: "Type of a result",
         level: Level::Should,
         status: Status::Disputed(
             "For the result of ASYNC-RESP, the specification text requires an object, but its example has a number, \

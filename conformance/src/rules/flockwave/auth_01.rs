@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-AUTH-01",
+        name: "Result or challenge in AUTH-RESP",
         level: Level::Must,
         status: Status::Normative,
         statement: "AUTH-RESP has exactly one of `result` and `data`, and has `user` if and only if `result` is true.",

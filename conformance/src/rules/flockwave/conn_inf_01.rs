@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-CONN-INF-01",
+        name: "Complete answer about connections",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each requested connection is in exactly one of `status` and `error` of the response.",

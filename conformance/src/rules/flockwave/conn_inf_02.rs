@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-CONN-INF-02",
+        name: "Keys of connection states",
         level: Level::Must,
         status: Status::Normative,
         statement: "The key of each state in `status` equals the `id` in that state.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-CONN-INF-03",
+        name: "Values in connection states",
         level: Level::Must,
         status: Status::Normative,
         statement: "In each state, `purpose` and `status` have values that the specification defines.",

@@ -12,6 +12,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-DEV-01",
+        name: "Complete answer about devices",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each requested object or path appears exactly once in the response: in `devices` or `success`, or \

@@ -13,6 +13,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-01",
+        name: "Messages are objects",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each message is one JSON object.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-02",
+        name: "Version is a string",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `$fw.version` of a message is a string.",

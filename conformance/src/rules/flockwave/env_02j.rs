@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-02J",
+        name: "Form of the version",
         level: Level::Should,
         status: Status::Advisory,
         statement: "The `$fw.version` of a message is one to three numbers separated by dots.",

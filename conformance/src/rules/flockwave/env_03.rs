@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-03",
+        name: "Message id is a string",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `id` of a message is a string.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-03J",
+        name: "Length of a message id",
         level: Level::Should,
         status: Status::Advisory,
         statement: "The `id` of a message is 1 to 36 characters long.",

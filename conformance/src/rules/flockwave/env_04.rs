@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-04",
+        name: "Unique message ids",
         level: Level::Must,
         status: Status::Normative,
         statement: "No two responses or notifications on a connection have the same id.",

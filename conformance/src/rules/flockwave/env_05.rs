@@ -12,6 +12,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-05",
+        name: "Type of refs",
         level: Level::Should,
         status: Status::Advisory,
         statement: "The `refs` field of a message, if present, is a string.",

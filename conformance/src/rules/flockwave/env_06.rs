@@ -13,6 +13,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-06",
+        name: "Responses refer to requests",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `refs` of a response is the id of a request that was sent on the same connection.",

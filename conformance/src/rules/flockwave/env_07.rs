@@ -15,6 +15,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-07",
+        name: "Every request gets a response",
         level: Level::Must,
         status: Status::Normative,
         statement: "Every request gets a response, even if the server does not know the type of the request.",

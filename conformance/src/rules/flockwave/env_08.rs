@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-08",
+        name: "At most one response",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A request gets at most one response.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-09",
+        name: "No references to notifications",
         level: Level::Must,
         status: Status::Normative,
         statement: "`refs` never contains the id of a notification.",

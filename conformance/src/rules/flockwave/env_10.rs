@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-10",
+        name: "Body and error exclude each other",
         level: Level::Must,
         status: Status::Normative,
         statement: "A message never has both `body` and `error`.",

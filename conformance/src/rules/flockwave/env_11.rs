@@ -8,6 +8,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-11",
+        name: "Body or error is required",
         level: Level::Should,
         status: Status::Disputed(
             "In the specification text, `body` is an object; the published JSON Schema also allows null. This rule \

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-12",
+        name: "Content of an error",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `error` of a message is an object with a `code`, a `message`, or both.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-12J",
+        name: "Types in an error",
         level: Level::Should,
         status: Status::Advisory,
         statement: "In the `error` of a message, `code` is an integer and `message` is a string.",

@@ -12,6 +12,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-13",
+        name: "Additional keys of the envelope",
         level: Level::Must,
         status: Status::Normative,
         statement: "The only key of the envelope that starts with `$` is `$fw.version`. In requests, the server \

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-14",
+        name: "Body type is a string",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `type` of a body is a string.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-15",
+        name: "Form of a message type",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A message type consists of two parts joined by a hyphen. Each part has 2 to 8 uppercase letters or \

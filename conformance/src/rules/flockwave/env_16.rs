@@ -14,6 +14,7 @@ use crate::flockwave::session::parts;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-16",
+        name: "Type of a response",
         level: Level::Must,
         status: Status::Normative,
         statement: "A response has the type of its request, or is ACK-NAK. There are three exceptions: AUTH-RESP answers \

@@ -12,6 +12,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-17",
+        name: "Type of a notification",
         level: Level::Should,
         status: Status::Disputed(
             "The specification text allows UAV-INF, CONN-INF, DEV-INF, CLK-INF and UAV-PREFLT as notifications; the \

@@ -12,6 +12,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-18",
+        name: "Body matches its definition",
         level: Level::Should,
         status: Status::Advisory,
         statement: "A body matches the definition of its type and direction. Additional fields are allowed unless the \

@@ -13,6 +13,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-19",
+        name: "Reuse of request ids",
         level: Level::Must,
         status: Status::Normative,
         statement: "A client does not reuse the id of a request until the request has been answered. The server then \

@@ -10,6 +10,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-21",
+        name: "Request ids are returned unchanged",
         level: Level::Info,
         status: Status::Advisory,
         statement: "The `refs` of a response equals the id of the request, even if the id has 36 characters or \

@@ -11,6 +11,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-22",
+        name: "Malformed requests do no harm",
         level: Level::Info,
         status: Status::Advisory,
         statement: "After a malformed request, the server keeps serving the connection.",

@@ -11,6 +11,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-23",
+        name: "Strict JSON",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A message is strict JSON: no `NaN` or `Infinity`, and no duplicate keys in an object.",

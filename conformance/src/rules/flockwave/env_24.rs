@@ -19,6 +19,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-24",
+        name: "Mandatory message families",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each mandatory message family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS and \

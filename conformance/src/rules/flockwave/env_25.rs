@@ -12,6 +12,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-25",
+        name: "Order of responses",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Requests that are sent together are answered in the order in which they were sent.",

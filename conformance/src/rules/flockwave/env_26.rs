@@ -15,6 +15,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-26",
+        name: "Values allowed in part of the specification",
         level: Level::Should,
         status: Status::Disputed(
             "For optional fields, the published JSON Schemas do not allow null, but the guidelines for specification \

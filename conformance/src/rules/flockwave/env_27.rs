@@ -8,6 +8,7 @@ use super::{Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, env_22, muta
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ENV-27",
+        name: "Clients do not affect each other",
         level: Level::Must,
         status: Status::Normative,
         statement: "Requests get a response, whatever another client has sent on another connection.",

@@ -12,6 +12,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-01",
+        name: "Error codes are integers",
         level: Level::Should,
         status: Status::Advisory,
         statement: "Error codes are non-negative integers.",

@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-02",
+        name: "No code 0 in the list",
         level: Level::Should,
         status: Status::Advisory,
         statement: "The list of errors does not contain 0; an empty list means that there are no errors.",

@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-03",
+        name: "Reserved error codes",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Error codes from 256 to 32767 are reserved and are not used.",

@@ -11,6 +11,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-04",
+        name: "Defined error codes",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Each error code below 256 is defined in the specification.",

@@ -11,6 +11,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-06",
+        name: "No repeated error codes",
         level: Level::Info,
         status: Status::Advisory,
         statement: "The list of errors contains each code at most once.",

@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-07",
+        name: "One of several alternative codes",
         level: Level::Should,
         status: Status::Disputed(
             "The specification text for code 65 names 131 as the alternative, but 131 is unrelated. This rule uses \

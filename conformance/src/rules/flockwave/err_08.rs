@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-08",
+        name: "Geofence codes and the ground",
         level: Level::Should,
         status: Status::Normative,
         statement: "Code 201 (outside the geofence, in the air) is not listed together with code 1 (on the ground). On \

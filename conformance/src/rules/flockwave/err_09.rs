@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-09",
+        name: "On the ground or in the air",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Code 1 (on the ground) is not listed together with 5 (taking off), 6 (landing) or 63 (returning to \

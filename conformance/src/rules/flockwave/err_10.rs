@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-ERR-10",
+        name: "Simulated errors",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Codes 188 and 253 are simulated errors for tests. uavspec reports each use.",

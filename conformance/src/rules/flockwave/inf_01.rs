@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-INF-01",
+        name: "Complete answer about ids or paths",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each requested id or path is in exactly one of the maps in the response.",

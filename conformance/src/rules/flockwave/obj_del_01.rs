@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-DEL-01",
+        name: "Fields of OBJ-DEL",
         level: Level::Must,
         status: Status::Normative,
         statement: "OBJ-DEL is a notification with `ids`, a list of strings.",

@@ -11,6 +11,7 @@ use crate::flockwave::session::ids::Ids;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-DEL-02",
+        name: "Deleted objects stay deleted",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Once OBJ-DEL has reported an object as deleted, no list contains the object until the server \

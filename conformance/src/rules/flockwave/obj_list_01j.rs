@@ -9,6 +9,7 @@ use crate::flockwave::body_schema::Mismatch;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-01J",
+        name: "Form of object ids",
         level: Level::Should,
         status: Status::Advisory,
         statement: "The `ids` are unique, and each is 1 to 64 characters long and contains no `/`.",

@@ -12,6 +12,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-02",
+        name: "Filter by type",
         level: Level::Should,
         status: Status::Advisory,
         statement: "A filtered OBJ-LIST contains only objects of the requested types, so no object is listed under two \

@@ -10,6 +10,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-03",
+        name: "Filter with an unknown type",
         level: Level::Should,
         status: Status::Normative,
         statement: "For an unknown object type in `filter`, OBJ-LIST returns an empty list.",

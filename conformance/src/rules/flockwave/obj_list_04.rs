@@ -16,6 +16,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-OBJ-LIST-04",
+        name: "List without a filter",
         level: Level::Must,
         status: Status::Normative,
         statement: "OBJ-LIST without a filter lists all objects.",

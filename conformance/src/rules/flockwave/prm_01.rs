@@ -11,6 +11,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-PRM-01",
+        name: "Success without failed parameters",
         level: Level::Must,
         status: Status::Normative,
         statement: "If `success` is true, `failed` is empty or absent.",

@@ -9,6 +9,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SIO-01",
+        name: "Socket.IO handshake",
         level: Level::Must,
         status: Status::Normative,
         statement: "Over Socket.IO, connections follow the handshake and upgrade steps of the Socket.IO protocol, and \

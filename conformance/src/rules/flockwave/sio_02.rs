@@ -9,6 +9,7 @@ use crate::flockwave::transport::endpoint::{Carrier, Endpoint};
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SIO-02",
+        name: "Socket.IO long polling",
         level: Level::Should,
         status: Status::Advisory,
         statement: "Over Socket.IO, messages can also be exchanged by long polling.",

@@ -9,6 +9,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SIO-03",
+        name: "Unknown Socket.IO events do no harm",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Over Socket.IO, the server keeps answering requests after an event other than `fw`, or after an \

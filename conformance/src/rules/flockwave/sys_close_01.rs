@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-CLOSE-01",
+        name: "Fields of SYS-CLOSE",
         level: Level::Must,
         status: Status::Normative,
         statement: "SYS-CLOSE is a notification with an optional string `reason`.",

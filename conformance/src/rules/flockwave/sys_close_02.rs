@@ -11,6 +11,7 @@ use crate::flockwave::session::remembered::Remembered;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-CLOSE-02",
+        name: "Nothing follows SYS-CLOSE",
         level: Level::Info,
         status: Status::Advisory,
         statement: "After SYS-CLOSE, the server sends no more messages and closes the connection.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-MSG-01",
+        name: "Fields of SYS-MSG",
         level: Level::Must,
         status: Status::Normative,
         statement: "`items` is a list, and each item has a string `message`.",

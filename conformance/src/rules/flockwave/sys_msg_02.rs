@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-MSG-02",
+        name: "Severity of a log message",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `severity` of an item is `debug`, `info`, `warning`, `error` or `critical`.",

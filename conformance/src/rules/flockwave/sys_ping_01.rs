@@ -13,6 +13,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-PING-01",
+        name: "Response to SYS-PING",
         level: Level::Must,
         status: Status::Normative,
         statement: "SYS-PING is answered with ACK-ACK.",

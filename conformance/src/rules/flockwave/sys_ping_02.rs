@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-PING-02",
+        name: "No SYS-PING in return",
         level: Level::Should,
         status: Status::Normative,
         statement: "SYS-PING is not answered with SYS-PING.",

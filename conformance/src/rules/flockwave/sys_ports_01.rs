@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-PORTS-01",
+        name: "Port numbers",
         level: Level::Should,
         status: Status::Disputed(
             "In the specification text, ports are TCP or UDP ports, so the valid range is 1 to 65535. The published \

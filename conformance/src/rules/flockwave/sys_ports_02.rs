@@ -14,6 +14,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-PORTS-02",
+        name: "Port of this connection",
         level: Level::Info,
         status: Status::Advisory,
         statement: "If SYS-PORTS lists a port for the transport of the current connection, it is the port that this \

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-TIME-01",
+        name: "Type of the server time",
         level: Level::Must,
         status: Status::Normative,
         statement: "`timestamp` is a number of milliseconds.",

@@ -13,6 +13,7 @@ use crate::flockwave::session::ClockMove;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-TIME-02",
+        name: "Steady server clock",
         level: Level::Info,
         status: Status::Advisory,
         statement: "From one SYS-TIME response to the next, the server clock advances by the time that has passed, \

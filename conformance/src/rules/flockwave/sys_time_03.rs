@@ -15,6 +15,7 @@ use crate::flockwave::session::ClockMove;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-TIME-03",
+        name: "Adjustment by 0",
         level: Level::Must,
         status: Status::Normative,
         statement: "An `adjustment` of 0 does not change the server clock.",

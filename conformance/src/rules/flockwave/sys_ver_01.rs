@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-VER-01",
+        name: "Name of the software",
         level: Level::Must,
         status: Status::Normative,
         statement: "`software` is a string.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-VER-02",
+        name: "Form of the server version",
         level: Level::Must,
         status: Status::Normative,
         statement: "`version` is a string of one to three numbers separated by dots.",

@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-VER-03",
+        name: "Optional strings in SYS-VER",
         level: Level::Must,
         status: Status::Normative,
         statement: "`name` and `revision`, if present, are strings.",

@@ -11,6 +11,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-SYS-VER-04",
+        name: "Constant server version",
         level: Level::Info,
         status: Status::Advisory,
         statement: "On a connection, SYS-VER always returns the same values.",

@@ -11,6 +11,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-TCP-01",
+        name: "One message per line over TCP",
         level: Level::Must,
         status: Status::Normative,
         statement: "Over TCP, each message is a single line: it ends with a line break and contains no other line \

@@ -9,6 +9,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-TCP-02",
+        name: "Split and joined TCP segments",
         level: Level::Must,
         status: Status::Normative,
         statement: "Over TCP, the server accepts a message that is split into several segments, and several messages \

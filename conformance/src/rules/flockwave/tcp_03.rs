@@ -9,6 +9,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-TCP-03",
+        name: "Lines that are not JSON over TCP",
         level: Level::Should,
         status: Status::Advisory,
         statement: "Over TCP, a line that is not JSON is ignored, and the next line is processed.",

@@ -11,6 +11,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-TCP-04",
+        name: "Incomplete messages over TCP",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Over TCP, the server waits for the rest of an incomplete message.",

@@ -7,6 +7,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-01",
+        name: "Complete answer about UAVs",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each requested UAV is in exactly one of `status` and `error` of the response.",

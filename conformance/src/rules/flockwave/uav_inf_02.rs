@@ -9,6 +9,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-02",
+        name: "No unrequested UAVs",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A UAV-INF response contains only requested UAVs.",

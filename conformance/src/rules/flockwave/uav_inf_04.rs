@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-04",
+        name: "Type of errors about UAVs",
         level: Level::Should,
         status: Status::Advisory,
         statement: "`error` maps ids to strings.",

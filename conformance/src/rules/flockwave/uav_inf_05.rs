@@ -11,6 +11,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-05",
+        name: "Fields of a status report",
         level: Level::Should,
         status: Status::Normative,
         statement: "A UAV-INF notification has no fields other than `type` and `status`.",

@@ -9,6 +9,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-06",
+        name: "Unknown UAVs",
         level: Level::Info,
         status: Status::Advisory,
         statement: "UAV-INF lists an unknown UAV in `error` instead of refusing the request.",

@@ -7,6 +7,7 @@ use super::{Bug, Check, FlockwaveRule, Level, Mutant, Request, Rule, Status, Tri
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-07",
+        name: "Request without ids",
         level: Level::Info,
         status: Status::Advisory,
         statement: "UAV-INF accepts a request with no ids.",

@@ -11,6 +11,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-08",
+        name: "UAV timestamps do not decrease",
         level: Level::Info,
         status: Status::Advisory,
         statement: "The timestamp of a UAV does not decrease.",

@@ -12,6 +12,7 @@ use crate::json::pointer;
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-INF-09",
+        name: "UAV timestamps are in the past",
         level: Level::Info,
         status: Status::Advisory,
         statement: "The timestamp of a UAV is not later than the server time.",

@@ -8,6 +8,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-LIST-01",
+        name: "Fields of UAV-LIST",
         level: Level::Must,
         status: Status::Normative,
         statement: "`ids` is a list of strings.",

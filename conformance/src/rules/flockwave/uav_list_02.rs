@@ -15,6 +15,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-LIST-02",
+        name: "UAV-LIST agrees with OBJ-LIST",
         level: Level::Must,
         status: Status::Normative,
         statement: "UAV-LIST contains the same objects as OBJ-LIST with the filter `uav`.",

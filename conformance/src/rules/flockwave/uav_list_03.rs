@@ -15,6 +15,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UAV-LIST-03",
+        name: "Listed UAVs have a state",
         level: Level::Info,
         status: Status::Advisory,
         statement: "UAV-INF returns the state of each UAV that UAV-LIST contains.",

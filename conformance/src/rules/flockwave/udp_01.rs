@@ -8,6 +8,7 @@ use super::{
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UDP-01",
+        name: "One message per datagram",
         level: Level::Must,
         status: Status::Normative,
         statement: "Over UDP, each datagram contains one message.",

@@ -9,6 +9,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UDP-02",
+        name: "Address of a response over UDP",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Over UDP, the response goes to the address and port that the request came from.",

@@ -9,6 +9,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UDP-03",
+        name: "Malformed datagrams do no harm",
         level: Level::Info,
         status: Status::Advisory,
         statement: "Over UDP, the server keeps serving after a datagram that is not a message.",

@@ -7,6 +7,7 @@ use super::{FlockwaveRule, Level, Message, Rule, RuleContext, Status, body, muta
 /// The common fields of the `FW-UST-…` rules.
 pub(super) const RULE: Rule = Rule {
     id: "",
+    name: "",
     level: Level::Must,
     status: Status::Normative,
     statement: "",

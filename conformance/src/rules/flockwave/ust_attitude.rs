@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ATTITUDE",
+        name: "Attitude",
         statement: "`attitude` is a list of three integers in tenths of a degree: roll and pitch from -1800 to 1799, \
                     and yaw from 0 to 3599.",
         why: "Clients draw the attitude from these values. If they are in radians or whole degrees, a steeply tilted \

@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-BATTERY",
+        name: "Battery",
         statement: "`battery` is a list: the voltage in tenths of a volt (integer, 0 or more), and optionally the \
                     percentage (integer, at most 100) and a boolean that is true while charging.",
         why: "Operators use the battery level to decide when a UAV has to land. If the value or its unit is wrong, a \

@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status,
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-DEBUG",
+        name: "Debug data",
         level: Level::Should,
         status: Status::Advisory,
         statement: "`debug` is a Base64 string.",

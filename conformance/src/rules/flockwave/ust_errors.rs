@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ERRORS",
+        name: "List of errors",
         statement: "`errors` is a list of integers.",
         why: "Clients read the error codes of a UAV from this list. If the field is not a list of integers, a fatal \
               error may stay hidden.",

@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-GPS",
+        name: "GPS fix",
         statement: "`gps` is a list: the fix type (0 to 7), and optionally the number of satellites and the horizontal \
                     and vertical accuracy in mm. Each optional element is an integer or null.",
         why: "Operators use the GPS fix to decide whether a UAV is ready for takeoff. If the fix type is wrong, a UAV \

@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-HEADING",
+        name: "Heading",
         statement: "`heading` is an integer from 0 to 3599, in tenths of a degree.",
         why: "Clients rotate the symbol of the UAV by this value. If it is in degrees or radians, the symbol points in \
               the wrong direction.",

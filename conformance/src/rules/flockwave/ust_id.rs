@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, m
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-ID",
+        name: "Id of the UAV",
         statement: "`id` is a string.",
         why: "Clients use the id to assign the state to a UAV and to send commands to it. A state without a valid \
               id is lost.",

@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-LIGHT",
+        name: "Light colour",
         statement: "`light` is a 16-bit colour, an integer from 0 to 65535.",
         why: "Clients show the light of each UAV, for example in a drone show. A colour in a different format is \
               displayed incorrectly.",

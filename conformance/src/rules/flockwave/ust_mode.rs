@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-MODE",
+        name: "Flight mode",
         statement: "`mode` is a string.",
         why: "Clients show the flight mode, for example whether the UAV is returning to home. Autopilot-specific mode \
               numbers mean nothing to clients.",

@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-POSITION",
+        name: "Position",
         statement: "`position` is a list: latitude (-90° to 90°) and longitude (-180° to 180°) in 1e-7 degrees, then up \
                     to three altitudes in mm. Each altitude is a number or null.",
         why: "Clients use these values to place the UAV on the map. Without a valid longitude, clients cannot show \

@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-POSITIONXYZ",
+        name: "Local position",
         statement: "`positionXYZ` is a list of three numbers in mm.",
         why: "Clients use these coordinates to place indoor UAVs. With fewer coordinates, clients cannot \
               show the UAV.",

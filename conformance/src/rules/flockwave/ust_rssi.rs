@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-RSSI",
+        name: "Signal strength",
         statement: "`rssi` is a list of integers from -1 to 100.",
         why: "Clients show the signal strength as a percentage. Values in dBm, such as -80, are shown as no signal or \
               as an invalid bar.",

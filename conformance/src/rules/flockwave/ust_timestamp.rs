@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, m
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-TIMESTAMP",
+        name: "Time of the state",
         statement: "`timestamp` is a number of milliseconds.",
         why: "Clients compute the age of the state from its timestamp, and warn if the state is too old. Without a \
               timestamp, a lost UAV seems to be connected.",

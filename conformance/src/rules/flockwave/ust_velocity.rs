@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-VELOCITY",
+        name: "Velocity",
         statement: "`velocity` is a list of three numbers in mm/s: north, east and down.",
         why: "Clients show speed and climb rate, and predict the path of the UAV. With fewer components, \
               clients cannot predict it.",

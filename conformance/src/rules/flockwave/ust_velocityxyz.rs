@@ -7,6 +7,7 @@ use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, u
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-UST-VELOCITYXYZ",
+        name: "Local velocity",
         statement: "`velocityXYZ` is a list of three numbers in mm/s.",
         why: "Clients predict the path of indoor UAVs from this velocity. With fewer components, clients cannot \
               predict it.",

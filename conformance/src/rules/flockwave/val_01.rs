@@ -14,6 +14,7 @@ use crate::json::pointer;
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-VAL-01",
+        name: "Plausible values",
         level: Level::Should,
         status: Status::Advisory,
         statement: "Timestamps are from 2001 to 2099. In the state of a UAV, the battery voltage is at most 1 kV, \

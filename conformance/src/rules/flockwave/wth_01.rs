@@ -10,6 +10,7 @@ use super::{
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
         id: "FW-WTH-01",
+        name: "Time of weather data",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `timestamp` of weather data is a number of milliseconds.",

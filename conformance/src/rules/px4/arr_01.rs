@@ -7,6 +7,7 @@ use serde_json::Value;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-ARR-01",
+        name: "Lengths of arrays and strings in JSON",
         level: Level::Must,
         status: Status::Normative,
         statement: "In JSON, each array has its defined length. Sequences, strings and the text of `char` arrays do \

@@ -7,6 +7,7 @@ use uavspec_runtime::Scalar;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-BOOL-01",
+        name: "Bytes of booleans",
         level: Level::Must,
         status: Status::Normative,
         statement: "A bool is stored as the byte 0 or 1.",

@@ -5,6 +5,7 @@ use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-CDR-01",
+        name: "CDR encapsulation header",
         level: Level::Must,
         status: Status::Normative,
         statement: "The encapsulation header of a CDR payload identifies a defined encoding. Messages in encodings \

@@ -5,6 +5,7 @@ use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-CDR-02",
+        name: "Complete CDR payload",
         level: Level::Must,
         status: Status::Normative,
         statement: "A CDR payload contains one complete message, followed by nothing but padding to a \

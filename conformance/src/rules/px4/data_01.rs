@@ -5,6 +5,7 @@ use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-DATA-01",
+        name: "Size of data messages",
         level: Level::Must,
         status: Status::Normative,
         statement: "A data message has the size of its format, with or without the trailing padding.",

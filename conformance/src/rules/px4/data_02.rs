@@ -6,6 +6,7 @@ use crate::rules::sample::Entry;
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-DATA-02",
+        name: "Subscription of data messages",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each data message has the id of a subscription that precedes it and is still active.",

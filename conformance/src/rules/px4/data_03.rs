@@ -10,6 +10,7 @@ use crate::rules::sample::Entry;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-DATA-03",
+        name: "One subscription per topic instance",
         level: Level::Must,
         status: Status::Normative,
         statement: "A log has at most one active subscription for each instance of a topic.",

@@ -6,6 +6,7 @@ use uavspec_runtime::Rule as Violated;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-ENUM-01",
+        name: "Documented constants and bits",
         level: Level::Should,
         status: Status::Normative,
         statement: "A field with `@enum` contains a documented constant, and a field with `@flags` \

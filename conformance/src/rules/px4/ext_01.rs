@@ -13,6 +13,7 @@ use crate::rules::sample::Flight;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-EXT-01",
+        name: "Request id of an arming check reply",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `request_id` of an ArmingCheckReply is the id of one of the two latest ArmingCheckRequests.",

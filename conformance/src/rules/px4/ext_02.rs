@@ -19,6 +19,7 @@ use crate::rules::sample::Flight;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-EXT-02",
+        name: "Registered component",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `registration_id` of an ArmingCheckReply was assigned by a successful \

@@ -20,6 +20,7 @@ use crate::rules::sample::Flight;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-EXT-03",
+        name: "Timely arming check replies",
         level: Level::Should,
         status: Status::Normative,
         statement: "Each registered component replies to each ArmingCheckRequest before the next request arrives.",

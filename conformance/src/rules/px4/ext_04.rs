@@ -12,6 +12,7 @@ use crate::rules::sample::Flight;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-EXT-04",
+        name: "Events of an arming check reply",
         level: Level::Must,
         status: Status::Normative,
         statement: "In an ArmingCheckReply, the first `num_events` entries of `events` have an `id` other than 0. \

@@ -10,6 +10,7 @@ use crate::rules::sample::Flight;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-EXT-05",
+        name: "Reasons for refused arming",
         level: Level::Should,
         status: Status::Normative,
         statement: "If `can_arm_and_run` of an ArmingCheckReply is false, the reply has at least one event that gives \

@@ -6,6 +6,7 @@ use crate::rules::sample::Flight;
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-FMT-01",
+        name: "Format matches the definition",
         level: Level::Info,
         status: Status::Advisory,
         statement: "A format in a capture has the same fields as the definition, with the same order, types, array \

@@ -6,6 +6,7 @@ use crate::rules::sample::Entry;
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-FMT-02",
+        name: "Formats of nested types",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each nested type in a format has its own format in the same log.",

@@ -5,6 +5,7 @@ use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status, fmt_01};
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-FMT-03",
+        name: "Timestamp field",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each message has a `timestamp` field of type uint64.",

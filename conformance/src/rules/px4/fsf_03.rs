@@ -17,6 +17,7 @@ use crate::rules::sample::Flight;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-FSF-03",
+        name: "Failsafe flags and mode requirements",
         level: Level::Info,
         status: Status::Advisory,
         statement: "If a flag of FailsafeFlags is set, at least one mode has a matching requirement: the `mode_req` \

@@ -5,6 +5,7 @@ use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 pub(crate) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-HASH-01",
+        name: "Type hash",
         level: Level::Must,
         status: Status::Normative,
         statement: "The type hash in a capture matches the definition. If the schema in the capture differs from the \

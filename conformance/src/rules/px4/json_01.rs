@@ -6,6 +6,7 @@ use crate::rules::sample::{PERIOD, ROUNDS, START};
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-JSON-01",
+        name: "Fields in JSON",
         level: Level::Must,
         status: Status::Normative,
         statement: "A JSON message has exactly the fields of its definition: no field is missing, \

@@ -5,6 +5,7 @@ use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-JSON-02",
+        name: "Value types in JSON",
         level: Level::Must,
         status: Status::Normative,
         statement: "Each JSON value has the JSON type of its field and is in the range of the field's \

@@ -6,6 +6,7 @@ use uavspec_runtime::Rule as Violated;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-LEN-01",
+        name: "Count of used array entries",
         level: Level::Must,
         status: Status::Normative,
         statement: "The count of used array entries does not exceed the array length.",

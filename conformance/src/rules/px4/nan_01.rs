@@ -6,6 +6,7 @@ use uavspec_runtime::Rule as Violated;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-NAN-01",
+        name: "NaN has a meaning",
         level: Level::Should,
         status: Status::Advisory,
         statement: "A field with restricted values may be NaN only if its definition says what NaN means.",

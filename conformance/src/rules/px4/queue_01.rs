@@ -11,6 +11,7 @@ use crate::rules::sample::Flight;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-QUEUE-01",
+        name: "Queue length",
         level: Level::Info,
         status: Status::Advisory,
         statement: "All messages with the same timestamp on a topic fit into the topic's queue.",

@@ -6,6 +6,7 @@ use uavspec_runtime::Rule as Violated;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-RANGE-01",
+        name: "Values are within their range",
         level: Level::Should,
         status: Status::Normative,
         statement: "Each value is within the range of its field, or is the field's value for missing data.",

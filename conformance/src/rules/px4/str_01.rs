@@ -6,6 +6,7 @@ use uavspec_codegen::dynamic::{Placed, PlacedElement};
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-STR-01",
+        name: "Text is UTF-8",
         level: Level::Should,
         status: Status::Normative,
         statement: "Text in a `char` array is valid UTF-8 and ends at the first NUL.",

@@ -9,6 +9,7 @@ use crate::rules::sample::{Flight, START};
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-TIME-01",
+        name: "Timestamps do not decrease",
         level: Level::Must,
         status: Status::Normative,
         statement: "The `timestamp` field does not decrease from one message of a subscription to the next. A \

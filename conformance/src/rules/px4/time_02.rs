@@ -9,6 +9,7 @@ use crate::rules::sample::Flight;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-TIME-02",
+        name: "Pauses have a dropout record",
         level: Level::Info,
         status: Status::Advisory,
         statement: "If a topic with a regular period pauses for more than ten periods, the capture contains a dropout \

@@ -7,6 +7,7 @@ use super::{
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-VER-01",
+        name: "Version suffix of a topic",
         level: Level::Must,
         status: Status::Normative,
         statement: "The version suffix of a topic name (`_vN`) matches the version of the topic's message type.",

@@ -84,12 +84,13 @@ impl<'p, 's> Json<'p, 's> {
         types.chain(self.package.json_messages.iter().map(|id| self.message_page(*id))).collect()
     }
 
-    /// Names and paths for the table of contents.
-    pub(in crate::emit::docs) fn contents(&self) -> Vec<(&'s str, &str)> {
+    /// The messages and the types with their paths, for the table of contents.
+    pub(in crate::emit::docs) fn contents(&self) -> [(&'static str, Vec<(&'s str, &str)>); 2] {
         let schema = self.site.schema;
         let messages = self.package.json_messages.iter().map(|id| schema.json_message(*id).name.as_str());
         let types = self.package.json_types.iter().map(|id| schema.json_type(*id).name.as_str());
-        messages.chain(types).map(|name| (name, self.path(name))).collect()
+        let entry = |name| (name, self.path(name));
+        [("messages", messages.map(entry).collect()), ("types", types.map(entry).collect())]
     }
 
     /// All messages, with links relative to the page `from`.

@@ -21,10 +21,69 @@ pub(super) fn chapter() -> Chapter {
     Chapter {
         title: "Breaking changes",
         about: ABOUT.to_owned(),
+        topics: TOPICS,
         table: table(),
         pages: RULES.iter().map(|rule| page(rule)).collect(),
     }
 }
+
+/// The topics of the rules.
+const TOPICS: &[(&str, &[&str])] = &[
+    (
+        "Changes of fields",
+        &[
+            "array-length-changed",
+            "field-added",
+            "field-default-changed",
+            "field-enum-changed",
+            "field-frame-changed",
+            "field-invalid-changed",
+            "field-moved",
+            "field-range-changed",
+            "field-removed",
+            "field-renamed",
+            "field-type-changed",
+            "field-unit-changed",
+            "nested-changed",
+        ],
+    ),
+    (
+        "Changes of constants",
+        &[
+            "constant-added",
+            "constant-removed",
+            "constant-renamed",
+            "constant-reused",
+            "constant-type-changed",
+            "constant-value-changed",
+        ],
+    ),
+    (
+        "Changes of error codes",
+        &[
+            "error-code-abbreviation-changed",
+            "error-code-added",
+            "error-code-meaning-changed",
+            "error-code-removed",
+            "error-code-renumbered",
+            "error-code-reused",
+        ],
+    ),
+    (
+        "Changes of messages and topics",
+        &[
+            "message-added",
+            "message-removed",
+            "message-renamed",
+            "message-version",
+            "message-version-needless",
+            "message-version-removed",
+            "queue-length-changed",
+            "topic-added",
+            "topic-removed",
+        ],
+    ),
+];
 
 fn table() -> Table {
     let mut columns = vec![text_column("Rule"), text_column("Change")];

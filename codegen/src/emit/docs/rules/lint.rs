@@ -21,6 +21,7 @@ pub(super) fn chapter() -> Chapter {
     Chapter {
         title: "Lint",
         about: ABOUT.to_owned(),
+        topics: TOPICS,
         table: table(&rules),
         pages: rules.iter().map(Described::page).collect(),
     }
@@ -33,6 +34,97 @@ contains the rules of PX4's documentation standard and rules for mistakes that m
 `strict` preset contains all rules except `unit-unlisted`. Set `lint.preset` and `lint.levels` in `uavspec.toml`. \
 Each page gives the number of findings in PX4's own messages (`px4_msgs` main at a4a9864). A finding counts as \
 correct if an expert would change the definition.";
+
+/// The topics of the rules.
+const TOPICS: &[(&str, &[&str])] = &[
+    (
+        "Annotations",
+        &[
+            "annotation-after-text",
+            "annotation-near-miss",
+            "annotation-value-type",
+            "command-parameters",
+            "frame-unknown",
+            "malformed-annotation",
+            "misplaced-annotation",
+            "range-reversed",
+            "unknown-annotation",
+        ],
+    ),
+    (
+        "Comments and descriptions",
+        &[
+            "blank-start",
+            "comment-continued",
+            "comment-lost",
+            "constant-comment-missing",
+            "description-missing",
+            "field-comment-missing",
+            "header-end",
+            "header-missing",
+        ],
+    ),
+    (
+        "Enums and constants",
+        &[
+            "constant-without-enum",
+            "enum-alias",
+            "enum-of-bits",
+            "enum-on-non-integer",
+            "enum-type",
+            "enum-value-out-of-range",
+            "unknown-constant",
+            "unknown-enum",
+        ],
+    ),
+    ("Units", &["unit-alias", "unit-missing", "unit-missing-integer", "unit-unlisted", "unknown-unit"]),
+    (
+        "Messages, names and topics",
+        &[
+            "count-missing",
+            "duplicate-topic",
+            "message-name-style",
+            "name-style",
+            "queue-length",
+            "timestamp-missing",
+            "timestamp-type",
+            "topic-default-absent",
+            "topic-list-empty",
+            "topic-redundant",
+            "version-type",
+        ],
+    ),
+    (
+        "White space and syntax",
+        &[
+            "invisible-character",
+            "leading-white-space",
+            "not-portable",
+            "repeated-white-space",
+            "trailing-white-space",
+            "unknown-escape",
+        ],
+    ),
+    (
+        "Pages with tables and error codes",
+        &[
+            "missing-abbreviation",
+            "missing-answer",
+            "near-type-table",
+            "one-sided-alternative",
+            "severity-bits",
+        ],
+    ),
+    ("Failsafe flags", &["PX-FSF-01", "PX-FSF-02"]),
+    (
+        "Translations",
+        &["translation-fuzzy", "translation-missing", "translation-stale", "unknown-translation"],
+    ),
+    (
+        "Conversions and ignored findings",
+        &["conversion-undecided", "hint-invalid", "hint-unused", "invalid-ignore", "unused-ignore"],
+    ),
+];
 
 /// A rule with its output for the bad example.
 struct Described {
