@@ -52,6 +52,7 @@ const PARTS: [(&str, &[Chapter]); 5] = [
         &[
             chapter("The .msg language", "xtask/site/guide/msg-language.md", "guide/msg-language.md"),
             chapter("Pages with tables", "definitions/README.md", "guide/tables.md"),
+            chapter("Editors", "xtask/site/guide/editors.md", "guide/editors.md"),
             chapter("Wire formats", "xtask/site/guide/wire-formats.md", "guide/wire-formats.md"),
             chapter("Find mistakes (lint)", "xtask/site/guide/lint.md", "guide/lint.md"),
             chapter(
