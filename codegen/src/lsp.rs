@@ -63,5 +63,6 @@ pub fn serve(connection: &Connection, history: &dyn History) -> Result<(), Failu
         }
     };
     connection.initialize_finish(id, server.initialize_result()).map_err(failed)?;
-    server.run().map_err(failed)
+    server.run();
+    Ok(())
 }

@@ -90,7 +90,7 @@ skipped.")]
     #[command(after_help = "Examples:
   cargo xtask fuzz --list
   cargo xtask fuzz ulog mcap --seconds 900
-  cargo xtask fuzz --seconds 5              run each target briefly, as CI does
+  cargo xtask fuzz --seconds 2              run each target briefly, as CI does
   cargo xtask fuzz ulog --minimise          update xtask/fuzz/corpus/ulog
 
 Requires a C++ compiler. New inputs are written to target/fuzz/corpus, and inputs that violate a property are written \

@@ -82,7 +82,7 @@ fn about_annotation(annotation: &Annotation<'_>) -> Option<String> {
         }
         Statement::Constraint(kind, ..) => {
             text = Markup::new(kind.form);
-            text.paragraph(kind.words);
+            text.paragraph(&kind.words.replace(['{', '}'], ""));
         }
         Statement::Attribute(attribute, value) => {
             text = Markup::new(attribute.form);

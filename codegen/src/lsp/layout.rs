@@ -36,17 +36,14 @@ fn hint(document: &Document<'_>, layout: &UorbLayout, at: usize, end: Span) -> I
     let slot = &layout.slots[at];
     let padding = layout.slots.get(at + 1).filter(|next| next.field.is_none());
     let padding_text = padding.map(|padding| format!(", then {} padding", padding.size)).unwrap_or_default();
-    let last = slot.offset + slot.size;
+    let last = (slot.offset + slot.size).saturating_sub(1);
+    let bytes =
+        if slot.size == 1 { format!("Byte {last}") } else { format!("Bytes {} to {last}", slot.offset) };
     InlayHint {
         position: document.range(end).start,
         label: Label::String(format!("@{}{padding_text}", slot.offset)),
         kind: Some(InlayHintKind::Type),
-        tooltip: Some(Tooltip::String(format!(
-            "Bytes {} to {} of {} in uORB memory",
-            slot.offset,
-            last.saturating_sub(1),
-            layout.size
-        ))),
+        tooltip: Some(Tooltip::String(format!("{bytes} of {} in uORB memory", layout.size))),
         text_edits: None,
         padding_left: Some(true),
         padding_right: None,

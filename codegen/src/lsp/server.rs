@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
+use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use lsp_types::{
     CodeActionKind, CodeActionOptions, CodeActionParams, CodeActionProvider, CompletionOptions,
     DefinitionProvider, Diagnostic, DidChangeTextDocumentParams, DidChangeWorkspaceFoldersParams,
@@ -102,7 +102,7 @@ impl<'c> Server<'c> {
     }
 
     /// Serves the editor until it ends the session.
-    pub(super) fn run(mut self) -> Result<(), ProtocolError> {
+    pub(super) fn run(mut self) {
         if self.can_watch_files {
             self.watch_files();
         }
@@ -112,8 +112,9 @@ impl<'c> Server<'c> {
             for message in std::iter::once(message).chain(waiting) {
                 match message {
                     Message::Request(request) => {
-                        if self.connection.handle_shutdown(&request)? {
-                            return Ok(());
+                        if request.method == LspRequestMethod::Shutdown.as_str() {
+                            self.shut_down(request);
+                            return;
                         }
                         let response = match self.answer(&request.method, request.params) {
                             Ok(result) => Response::new_ok(request.id, result),
@@ -127,7 +128,16 @@ impl<'c> Server<'c> {
             }
             self.publish();
         }
-        Ok(())
+    }
+
+    /// Answers the `shutdown` request, and waits for the notification that ends the session.
+    fn shut_down(&self, request: Request) {
+        self.send(Response::new_ok(request.id, Value::Null).into());
+        let is_exit = |message: &Message| {
+            let exit = LspNotificationMethod::Exit.as_str();
+            matches!(message, Message::Notification(notification) if notification.method == exit)
+        };
+        let _ = self.connection.receiver.iter().find(is_exit);
     }
 
     /// Sends a message. If the editor has gone, the loop ends with the next message.

@@ -192,7 +192,7 @@ fn code_quality_contains_all_findings() {
     assert_eq!(issues[3]["description"], "odd: odd value (byte 77)");
     assert_eq!(issues[3]["location"], json!({ "path": "logs/a.ulg", "lines": { "begin": 1 } }));
     let mut fingerprints: Vec<&Value> = issues.iter().map(|issue| &issue["fingerprint"]).collect();
-    fingerprints.sort_by_key(|fingerprint| fingerprint.to_string());
+    fingerprints.sort_by_key(ToString::to_string);
     fingerprints.dedup();
     assert_eq!(
         fingerprints.len(),

@@ -44,8 +44,8 @@ pub(super) fn annotations() -> Vec<Item> {
         ("flags", "${1:PREFIX}", "A mask of the constants with a prefix"),
         ("count", "${1:array}", "The number of used elements of an array"),
     ];
-    let constraints = CONSTRAINTS.iter().map(|kind| (kind.name, argument(kind.form), kind.words));
-    let attributes = ATTRIBUTES.iter().map(|kind| (kind.name, argument(kind.form), kind.words));
+    let constraints = CONSTRAINTS.iter().map(|kind| (kind.name, argument(kind.form), kind.form));
+    let attributes = ATTRIBUTES.iter().map(|kind| (kind.name, argument(kind.form), kind.form));
     let own = own.into_iter().map(|(name, argument, words)| (name, argument.to_owned(), words));
     own.chain(constraints)
         .chain(attributes)
