@@ -79,6 +79,7 @@ export class Client {
       workspaceFolders: [{ name: "test", uri: pathToFileURL(folder).href }],
       capabilities: {
         general: { positionEncodings },
+        textDocument: { completion: { completionItem: { snippetSupport: true } } },
         workspace: {
           didChangeWatchedFiles: { dynamicRegistration: true },
           workspaceEdit: { documentChanges: true, resourceOperations },
