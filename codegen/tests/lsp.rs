@@ -76,7 +76,7 @@ fn findings_follow_the_text_of_open_documents() {
     assert_eq!(found["range"]["start"], json!({ "line": 4, "character": 0 }));
     editor.edit("msg/Mark.msg", "float32 heigh\nfloat3", "float32 height");
     editor.expect_codes("msg/Mark.msg", &[]);
-    // A document that isn't open depends on one that is.
+    // Once a document is closed, its file is read.
     editor.open("msg/Tow.msg");
     editor.edit("msg/Tow.msg", "Mark[3]", "Marks[3]");
     editor.expect_codes("msg/Tow.msg", &["unknown-type", "unknown-count-target"]);

@@ -33,7 +33,7 @@ impl Workspace {
         self.add(Root::of_folder(folder));
     }
 
-    /// Removes the projects in a folder, except those of other folders.
+    /// Removes the projects in a folder.
     pub(super) fn remove_folder(&mut self, folder: &Path) {
         self.projects.retain(|project| !project.root.folder().starts_with(folder));
         self.is_changed = true;

@@ -411,7 +411,7 @@ configured("a rename that would change the meaning is refused with the reason", 
   }
   const refusals = [
     [TOW, "uint8 ph|ase", "state", /version is still 1: raise MESSAGE_VERSION to 2/],
-    [GLIDER, "[@enum PHA|SE]", "STAGE", /a prefix stands for several constants/],
+    [GLIDER, "[@enum PHA|SE]", "STAGE", /a prefix belongs to several constants/],
     [GLIDER, "PHASE_TO|W", "TOW", /no longer belong to the same enums/],
     [GLIDER, "si|nk", "phase", /duplicate field phase/],
     [GLIDER, "si|nk", "1x", /`1x` is not a valid name/],

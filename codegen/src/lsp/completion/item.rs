@@ -1,4 +1,4 @@
-//! Items of completion, and those that definitions and pages share.
+//! The items of completion. Definitions and pages share some of them.
 
 use lsp_types::CompletionItemKind;
 
