@@ -4,7 +4,7 @@
 //!  documents, files ──▶ Workspace ──▶ Project ──▶ Snapshot ──▶ answers, diagnostics
 //! ```
 //!
-//! A [`Snapshot`](snapshot::Snapshot) contains the definitions of a project, read with the texts of open documents, and
+//! A `Snapshot` contains the definitions of a project, read with the texts of open documents, and
 //! all findings. After a change, the next request or the end of the queue of messages replaces the snapshot. Reading and
 //! checking all messages of PX4 takes about as long as an editor needs to draw a frame, so nothing is updated piecewise.
 //! Each feature is a function of a snapshot.
