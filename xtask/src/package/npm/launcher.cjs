@@ -19,13 +19,13 @@ function program() {
   }
 }
 
-const child = spawn(program(), process.argv.slice(2), { stdio: "inherit" });
-
 // The program decides how it ends: after an interrupt, it first lands the UAVs that it commanded.
 const signals = ["SIGHUP", "SIGINT", "SIGTERM"];
 for (const signal of signals) {
   process.on(signal, () => child.kill(signal));
 }
+
+const child = spawn(program(), process.argv.slice(2), { stdio: "inherit" });
 
 child.on("error", (error) => {
   console.error(`error: cannot run uavspec: ${error.message}`);
