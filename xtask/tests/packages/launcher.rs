@@ -49,7 +49,8 @@ fn the_launcher_waits_for_the_program_after_a_signal() {
     let folder = tempfile::tempdir().expect("a folder");
     install(folder.path());
     // The program interrupts the launcher, handles the forwarded signal, and ends afterwards.
-    let script = "#!/bin/sh\ntrap 'echo landed; exit 3' TERM\nkill -TERM $PPID\nwhile :; do sleep 0.1; done\n";
+    let script =
+        "#!/bin/sh\ntrap 'echo landed; exit 3' TERM\nkill -TERM $PPID\nwhile :; do sleep 0.1; done\n";
     install_program(folder.path(), script);
     let output = launch(folder.path(), &[]);
     assert_eq!(String::from_utf8_lossy(&output.stdout), "landed\n");
