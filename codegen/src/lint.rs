@@ -92,6 +92,8 @@ mod version_type;
 use std::collections::BTreeSet;
 
 pub use self::fix::apply;
+#[cfg(feature = "lsp")]
+pub(crate) use self::fix::edited;
 #[cfg(feature = "cli")]
 pub(crate) use self::ignore::similar;
 pub(crate) use self::rule::Check;

@@ -111,12 +111,6 @@ impl SourceMap {
         sources
     }
 
-    /// The ids of all sources.
-    #[cfg(feature = "lsp")]
-    pub(crate) fn ids(&self) -> impl Iterator<Item = SourceId> {
-        (0..self.sources.len()).map(|at| SourceId(offset(at)))
-    }
-
     /// A copy with other paths for some of the sources.
     #[cfg(feature = "cli")]
     pub(crate) fn with_paths(&self, paths: impl Iterator<Item = (SourceId, String)>) -> Self {

@@ -16,7 +16,7 @@
 //! ```
 
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, ErrorKind};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
@@ -108,6 +108,28 @@ pub fn replace<T, E: From<io::Error>>(path: &Path, fill: impl FnOnce(&Path) -> R
     let result = fill(&staged)?;
     fs::rename(staged, path)?;
     Ok(result)
+}
+
+/// Writes a file in one step. If this fails, an existing file stays unchanged.
+pub fn write_file<T, E: From<io::Error>>(
+    path: &Path,
+    content: impl FnOnce(&mut Box<dyn Write>) -> Result<T, E>,
+) -> Result<T, E> {
+    let fill = |file: File| {
+        let mut file: Box<dyn Write> = Box::new(BufWriter::new(file));
+        let result = content(&mut file)?;
+        file.flush()?;
+        Ok(result)
+    };
+    // A pipe or a terminal can't be replaced. If the path is a link, the link's target is replaced. A pipe may have no
+    // real path, and the target of a link may be absent.
+    let path = match fs::metadata(path) {
+        Ok(metadata) if metadata.is_file() => fs::canonicalize(path)?,
+        Err(_) if !path.is_symlink() => path.to_path_buf(),
+        _ => return fill(File::create(path)?),
+    };
+    // A new file in a temporary folder has default permissions. A temporary file would be private.
+    replace(&path, |staged| fill(File::create(staged)?))
 }
 
 impl Drop for Stage {

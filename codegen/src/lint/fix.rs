@@ -16,21 +16,27 @@ pub fn apply(findings: &[Finding], sources: &SourceMap) -> BTreeMap<SourceId, St
             chosen.extend(&finding.fix);
         }
     }
-    let text = |(source, edits): (SourceId, BTreeSet<&Edit>)| {
-        let whole = sources.span(source);
-        let text = sources.text(source);
-        let mut fixed = String::with_capacity(text.len());
-        let mut at = 0;
-        for edit in edits {
-            let start = (edit.span.start - whole.start) as usize;
-            fixed.push_str(&text[at..start]);
-            fixed.push_str(&edit.text);
-            at = (edit.span.end - whole.start) as usize;
-        }
-        fixed.push_str(&text[at..]);
-        (source, fixed)
-    };
-    by_source.into_iter().map(text).collect()
+    by_source.into_iter().map(|(source, edits)| (source, edited(sources, source, edits))).collect()
+}
+
+/// The text of a source with edits, which must be sorted and must not overlap.
+pub(crate) fn edited<'e>(
+    sources: &SourceMap,
+    source: SourceId,
+    edits: impl IntoIterator<Item = &'e Edit>,
+) -> String {
+    let whole = sources.span(source);
+    let text = sources.text(source);
+    let mut edited = String::with_capacity(text.len());
+    let mut at = 0;
+    for edit in edits {
+        let start = (edit.span.start - whole.start) as usize;
+        edited.push_str(&text[at..start]);
+        edited.push_str(&edit.text);
+        at = (edit.span.end - whole.start) as usize;
+    }
+    edited.push_str(&text[at..]);
+    edited
 }
 
 /// True if an edit touches none of the chosen edits. The chosen edits must not touch each other.

@@ -105,17 +105,18 @@ impl Project {
 
     /// Reads the definitions again, if they changed. Returns true if they did.
     pub(super) fn refresh(&mut self, open: &BTreeMap<PathBuf, String>, encoding: Encoding) -> bool {
-        let lacks_package = self.snapshot.as_ref().is_some_and(Snapshot::lacks_package);
-        let loaded = match std::mem::replace(&mut self.change, Change::None) {
+        let known = match std::mem::replace(&mut self.change, Change::None) {
             Change::None => return false,
-            Change::Texts if !lacks_package => self.snapshot.take().map(|snapshot| {
-                let mut loaded = snapshot.loaded;
-                loaded.sources = loaded.sources.with_texts(&changed(&loaded, open));
-                loaded
-            }),
-            Change::Texts | Change::Files => None,
+            Change::Texts => self.snapshot.take().filter(|snapshot| !snapshot.lacks_package()),
+            Change::Files => None,
         };
-        let loaded = loaded.map_or_else(|| self.load(open), Ok);
+        let loaded = match known {
+            Some(Snapshot { loaded, .. }) => {
+                let sources = loaded.sources.with_texts(&changed(&loaded, open));
+                Ok(Loaded { sources, ..loaded })
+            }
+            None => self.load(open),
+        };
         let is_whole = matches!(self.root, Root::Config(_));
         match loaded {
             Ok(loaded) => {

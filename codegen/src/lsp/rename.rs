@@ -3,12 +3,12 @@
 //! The definitions are read again with the new name. The rename is refused if it would cause an error, or if it would
 //! change a versioned message.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use lsp_types::{
-    DocumentChange, Edit, OptionalVersionedTextDocumentIdentifier, PrepareRenamePlaceholder, RenameFile,
+    DocumentChange, OptionalVersionedTextDocumentIdentifier, PrepareRenamePlaceholder, RenameFile,
     TextDocumentEdit, TextDocumentIdentifier, TextEdit, WorkspaceEdit,
 };
 
@@ -17,6 +17,8 @@ use super::symbol::{self, Occurrence, Symbol};
 use super::uri;
 use crate::breaking::{Between, breaking};
 use crate::diagnostic::{Diagnostic, Level};
+use crate::finding::Edit;
+use crate::lint::edited;
 use crate::msg::Kind;
 use crate::name::is_identifier;
 use crate::read::{PackageInput, read};
@@ -84,6 +86,9 @@ fn check_name(symbol: &Symbol, name: &str) -> Result<(), String> {
     if is_valid { Ok(()) } else { Err(format!("`{}` is not a valid name; use {form}", shown(name))) }
 }
 
+/// The edits of each source.
+type Edits = BTreeMap<SourceId, BTreeSet<Edit>>;
+
 /// A file and its new path.
 type MovedFile = (SourceId, PathBuf, PathBuf);
 
@@ -109,8 +114,8 @@ impl Renaming<'_> {
     }
 
     /// The places where the name is written, by source.
-    fn edits(&self) -> BTreeMap<SourceId, Vec<Span>> {
-        let mut edits: BTreeMap<SourceId, Vec<Span>> = BTreeMap::new();
+    fn edits(&self) -> Edits {
+        let mut edits = Edits::new();
         let sources = &self.snapshot.loaded.sources;
         let occurrences = self.snapshot.documents().flat_map(|document| symbol::occurrences(&document));
         let is_written = |occurrence: &Occurrence| {
@@ -118,11 +123,8 @@ impl Renaming<'_> {
         };
         let places = occurrences.filter(is_written).map(|occurrence| occurrence.span);
         for span in places.chain(self.selections()) {
-            edits.entry(sources.source_of(span)).or_default().push(span);
-        }
-        for spans in edits.values_mut() {
-            spans.sort();
-            spans.dedup();
+            let edit = Edit { span, text: self.name.to_owned() };
+            edits.entry(sources.source_of(span)).or_default().insert(edit);
         }
         edits
     }
@@ -144,20 +146,18 @@ impl Renaming<'_> {
     }
 
     /// Checks the definitions with the new name.
-    fn check(&self, edits: &BTreeMap<SourceId, Vec<Span>>, file: Option<&MovedFile>) -> Result<(), String> {
+    fn check(&self, edits: &Edits, file: Option<&MovedFile>) -> Result<(), String> {
         let loaded = &self.snapshot.loaded;
         // Both versions are in one source map, so that a comparison can refer to both.
-        let mut sources = SourceMap::default();
-        for id in loaded.sources.ids() {
-            let _ = sources.add(loaded.sources.path(id), loaded.sources.text(id).as_bytes().to_vec());
-        }
+        let mut sources = loaded.sources.clone();
         let new_input = |input: &PackageInput, sources: &mut SourceMap| {
             let ids = input.sources.iter().filter_map(|id| {
                 let path = match file {
                     Some((moved, _, new)) if moved == id => new.to_string_lossy().into_owned(),
                     _ => loaded.sources.path(*id).to_owned(),
                 };
-                sources.add(path, self.new_text(*id, edits).into_bytes()).ok()
+                let text = edited(&loaded.sources, *id, edits.get(id).into_iter().flatten());
+                sources.add(path, text.into_bytes()).ok()
             });
             let sources = ids.collect();
             let select = input.select.as_ref().map(|select| {
@@ -209,37 +209,18 @@ impl Renaming<'_> {
         Err(format!("{} would no longer belong to the same enums; keep its prefix", self.name))
     }
 
-    /// The text of a source with the new name.
-    fn new_text(&self, id: SourceId, edits: &BTreeMap<SourceId, Vec<Span>>) -> String {
-        let text = self.snapshot.loaded.sources.text(id);
-        let mut new = String::with_capacity(text.len());
-        let mut copied = 0;
-        for span in edits.get(&id).into_iter().flatten() {
-            let range = self.snapshot.offsets(id, *span);
-            new.push_str(&text[copied..range.start]);
-            new.push_str(self.name);
-            copied = range.end;
-        }
-        new.push_str(&text[copied..]);
-        new
-    }
-
-    fn workspace_edit(
-        &self,
-        edits: &BTreeMap<SourceId, Vec<Span>>,
-        file: Option<MovedFile>,
-    ) -> WorkspaceEdit {
+    fn workspace_edit(&self, edits: &Edits, file: Option<MovedFile>) -> WorkspaceEdit {
         let config = self.snapshot.loaded.config.map(|span| self.snapshot.loaded.sources.source_of(span));
-        let change = |(id, spans): (&SourceId, &Vec<Span>)| {
+        let change = |(id, edits): (&SourceId, &BTreeSet<Edit>)| {
             let path = match self.snapshot.path(*id) {
                 Some(path) => path,
                 None if config == Some(*id) => Path::new(self.snapshot.loaded.sources.path(*id)),
                 None => return None,
             };
             let lines = self.snapshot.lines(*id);
-            let edit = |span: &Span| {
-                let range = lines.range(self.snapshot.offsets(*id, *span));
-                Edit::TextEdit(TextEdit { range, new_text: self.name.to_owned() })
+            let edit = |edit: &Edit| {
+                let range = lines.range(self.snapshot.offsets(*id, edit.span));
+                TextEdit { range, new_text: edit.text.clone() }.into()
             };
             let text_document_identifier = TextDocumentIdentifier { uri: uri::from_path(path) };
             Some(DocumentChange::TextDocumentEdit(TextDocumentEdit {
@@ -247,7 +228,7 @@ impl Renaming<'_> {
                     version: None,
                     text_document_identifier,
                 },
-                edits: spans.iter().map(edit).collect(),
+                edits: edits.iter().map(edit).collect(),
             }))
         };
         let mut changes: Vec<DocumentChange> = edits.iter().filter_map(change).collect();

@@ -90,9 +90,9 @@ fn ask(server: &mut Server<'_>, uri: &str, range: &Value) {
         "options": { "tabSize": 4, "insertSpaces": true },
     });
     for method in REQUESTS.iter().chain(&WHOLE).chain(&["references", "codeAction"]) {
-        if let Err((code, reason)) = server.request(&format!("textDocument/{method}"), params.clone()) {
+        if let Err((code, reason)) = server.answer(&format!("textDocument/{method}"), params.clone()) {
             assert!(code as i32 == lsp_server::ErrorCode::RequestFailed as i32, "{method}: {reason}");
         }
     }
-    server.request("uavspec/layout", params).expect("pictures");
+    server.answer("uavspec/layout", params).expect("pictures");
 }

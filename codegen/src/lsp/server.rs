@@ -13,7 +13,7 @@ use lsp_types::{
     PublishDiagnosticsParams, ReferenceParams, ReferencesProvider, RenameOptions, RenameParams,
     RenameProvider, ResourceOperationKind, SemanticTokens, SemanticTokensOptions, SemanticTokensProvider,
     ServerCapabilities, TextDocumentIdentifier, TextDocumentSync, TextDocumentSyncKind,
-    TextDocumentSyncOptions, Uri, WorkspaceFolders, WorkspaceFoldersServerCapabilities, WorkspaceOptions,
+    TextDocumentSyncOptions, WorkspaceFolders, WorkspaceFoldersServerCapabilities, WorkspaceOptions,
     WorkspaceSymbolParams, WorkspaceSymbolProvider,
 };
 use serde::Deserialize;
@@ -159,8 +159,7 @@ impl<'c> Server<'c> {
     }
 
     fn note(&mut self, notification: Notification) {
-        let result = self.try_note(notification);
-        if let Err(error) = result {
+        if let Err(error) = self.try_note(notification) {
             let message = format!("uavspec: an invalid notification: {error}");
             let params = json!({ "type": 1, "message": message });
             let method = LspNotificationMethod::WindowLogMessage.as_str().to_owned();
@@ -193,10 +192,9 @@ impl<'c> Server<'c> {
             Method::TextDocumentDidSave | Method::WorkspaceDidChangeWatchedFiles => self.workspace.reload(),
             Method::WorkspaceDidChangeWorkspaceFolders => {
                 let changed: DidChangeWorkspaceFoldersParams = serde_json::from_value(params)?;
-                let path = |uri: &Uri| uri::to_path(uri);
-                let removed = changed.event.removed.iter().filter_map(|folder| path(&folder.uri));
+                let removed = changed.event.removed.iter().filter_map(|folder| uri::to_path(&folder.uri));
                 removed.for_each(|folder| self.workspace.remove_folder(&folder));
-                let added = changed.event.added.iter().filter_map(|folder| path(&folder.uri));
+                let added = changed.event.added.iter().filter_map(|folder| uri::to_path(&folder.uri));
                 added.for_each(|folder| self.workspace.add_folder(&folder));
             }
             _ => {}
@@ -205,7 +203,7 @@ impl<'c> Server<'c> {
     }
 
     /// The answer to a request. The answer about a file that isn't a definition is null.
-    fn answer(&mut self, method: &str, params: Value) -> Result<Value, Failed> {
+    pub(super) fn answer(&mut self, method: &str, params: Value) -> Result<Value, Failed> {
         use LspRequestMethod as Method;
         self.workspace.refresh();
         let known = Method::from(method);
@@ -320,14 +318,9 @@ impl Server<'_> {
         self.try_note(Notification { method: method.to_owned(), params }).expect("valid parameters");
     }
 
-    /// Answers a request.
-    pub(super) fn request(&mut self, method: &str, params: Value) -> Result<Value, Failed> {
-        self.answer(method, params)
-    }
-
     /// The text of an open document.
     pub(super) fn text(&self, uri: &str) -> String {
-        let path = uri::to_path(&Uri(uri.to_owned())).expect("a file");
+        let path = uri::to_path(&lsp_types::Uri(uri.to_owned())).expect("a file");
         self.workspace.text(&path).expect("an open document").to_owned()
     }
 

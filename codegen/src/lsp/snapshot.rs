@@ -149,7 +149,12 @@ impl<'s> Document<'s> {
 
     /// The messages that the file defines, and their locations: one message, or the parts of a service or action.
     pub(super) fn messages(&self) -> Vec<(MessageId, Span)> {
-        let (Some(tree), Some(package)) = (self.tree(), self.package_index()) else { return Vec::new() };
+        self.tree().map(|tree| self.messages_of(&tree)).unwrap_or_default()
+    }
+
+    /// Like [`Self::messages`], for the syntax tree of the file.
+    pub(super) fn messages_of(&self, tree: &Definition<'_>) -> Vec<(MessageId, Span)> {
+        let Some(package) = self.package_index() else { return Vec::new() };
         let path = self.snapshot.loaded.sources.path(self.id);
         let suffixes = Kind::of(path).map_or(&[][..], Kind::part_suffixes);
         let schema = &self.snapshot.schema;

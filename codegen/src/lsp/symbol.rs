@@ -18,7 +18,7 @@ pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {
     let mut found = match document.tree() {
         Some(tree) => {
             let mut finder = Finder { document, found: Vec::new() };
-            for (part, (message, _)) in tree.parts.iter().zip(document.messages()) {
+            for (part, (message, _)) in tree.parts.iter().zip(document.messages_of(&tree)) {
                 part.lines.iter().for_each(|line| finder.line(message, line));
             }
             finder.found

@@ -47,9 +47,14 @@ impl Workspace {
 
     /// Opens a document. A document outside all projects opens the project of its configuration file or its folder.
     pub(super) fn open(&mut self, path: &Path, text: String) {
+        self.projects.iter_mut().for_each(|project| project.edit(path, &text));
         self.open.insert(path.to_path_buf(), text);
-        self.reload();
         self.refresh();
+        if self.project_of(path).is_none() {
+            // The file may be new.
+            self.reload();
+            self.refresh();
+        }
         if self.project_of(path).is_none() {
             let folder = path.parent().unwrap_or(path);
             let config = path.ancestors().skip(1).find_map(Config::in_folder);
@@ -69,7 +74,7 @@ impl Workspace {
     /// Closes a document. From now on, its file is read.
     pub(super) fn close(&mut self, path: &Path) {
         self.open.remove(path);
-        self.reload();
+        self.projects.iter_mut().filter(|project| project.contains(path)).for_each(Project::reload);
     }
 
     /// Applies changes to an open document.

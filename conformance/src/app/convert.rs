@@ -7,10 +7,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use uavspec_codegen::Failure;
+use uavspec_codegen::stage::write_file;
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
-use super::report::{print_result, write_file};
+use super::report::print_result;
 use super::{Format, Status};
 use crate::check::{Opened, open_path};
 use crate::convert::{Action, ConversionReport, Error, Plan, Settings, convert};

@@ -10,11 +10,12 @@ use std::str::FromStr;
 use clap::Args;
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::load::read_definitions_translated;
+use uavspec_codegen::stage::write_file;
 use uavspec_codegen::translation::Translations;
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
-use super::report::{print, write_file};
+use super::report::print;
 use super::{Format, Status};
 use crate::capture::input::is_capture;
 use crate::model::Extent;

@@ -1,13 +1,13 @@
 //! The options `--format` and `--report`.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use anstream::StripStream;
 use clap::{Args, ValueEnum as _};
-use uavspec_codegen::stage::{folder_of, replace};
+use uavspec_codegen::stage::{folder_of, write_file};
 
 use super::Status;
 use super::known::{KnownArgs, NewList};
@@ -204,28 +204,6 @@ fn ignore_broken_pipe(written: io::Result<()>) -> io::Result<()> {
 /// The folder for the temporary file of a report. `None` for pipes and devices, whose folder may not be writable.
 fn folder_for_parts(path: &Path) -> Option<&Path> {
     fs::metadata(path).map_or(true, |metadata| metadata.is_file()).then(|| folder_of(path))
-}
-
-/// Writes a file atomically. If this fails, an existing file stays unchanged.
-pub(super) fn write_file<T, E: From<io::Error>>(
-    path: &Path,
-    content: impl FnOnce(&mut Box<dyn Write>) -> Result<T, E>,
-) -> Result<T, E> {
-    let fill = |file: File| {
-        let mut file: Box<dyn Write> = Box::new(BufWriter::new(file));
-        let result = content(&mut file)?;
-        file.flush()?;
-        Ok(result)
-    };
-    // A pipe or a terminal can't be replaced. If the path is a link, the link's target is replaced. A pipe may have no
-    // real path, and the target of a link may be absent.
-    let path = match fs::metadata(path) {
-        Ok(metadata) if metadata.is_file() => fs::canonicalize(path)?,
-        Err(_) if !path.is_symlink() => path.to_path_buf(),
-        _ => return fill(File::create(path)?),
-    };
-    // A new file in a temporary folder has default permissions. A temporary file would be private.
-    replace(&path, |staged| fill(File::create(staged)?))
 }
 
 #[cfg(test)]

@@ -9,11 +9,12 @@ use std::time::Duration;
 use clap::Args;
 use globset::{Glob, GlobMatcher};
 use uavspec_codegen::dynamic::Types;
+use uavspec_codegen::stage::write_file;
 
 use super::known::KnownArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
-use super::report::{ReportArgs, write_file};
+use super::report::ReportArgs;
 use super::{Status, outcome_statuses};
 use crate::check::known::Scope;
 use crate::net::Address;

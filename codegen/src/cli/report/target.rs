@@ -1,7 +1,6 @@
 //! Formats of reports, and report files.
 
-use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -10,7 +9,7 @@ use same_file::is_same_file;
 
 use crate::failure::Failure;
 use crate::report::Format;
-use crate::stage::replace;
+use crate::stage::write_file;
 use crate::terminal;
 
 /// A format of reports.
@@ -93,17 +92,9 @@ impl Target {
         Err(Failure::new(message).with_hint("choose another file for the report"))
     }
 
-    /// Writes the report in one step.
+    /// Writes the report.
     pub(super) fn write(&self, text: &str) -> Result<(), Failure> {
-        let written = match fs::metadata(&self.path) {
-            // If the path is a link, its target is replaced.
-            Ok(metadata) if metadata.is_file() => {
-                fs::canonicalize(&self.path).and_then(|path| replace(&path, |staged| fs::write(staged, text)))
-            }
-            // A pipe or a device can't be replaced.
-            Ok(_) => fs::write(&self.path, text),
-            Err(_) => replace(&self.path, |staged| fs::write(staged, text)),
-        };
+        let written = write_file(&self.path, |file| file.write_all(text.as_bytes()));
         written.map_err(|error: io::Error| {
             Failure::new(format!("{}: can't write the report: {error}", terminal::path(&self.path)))
                 .with_hint("check that the folder exists and is writable")
