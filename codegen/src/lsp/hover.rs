@@ -19,7 +19,7 @@ use crate::msg::statement::Statement;
 use crate::schema::fingerprint::ros_name;
 use crate::schema::json_type::{Definition, Member as JsonMember};
 use crate::schema::{
-    Constant, Dialect, Enum, ErrorCode, Field, Form, JsonMessage, JsonType, Message, MessageId, Schema,
+    Constant, Dialect, Enum, EnumRef, ErrorCode, Field, Form, JsonMessage, JsonType, Message, MessageId, Schema,
 };
 use crate::source::Span;
 use crate::unit;
@@ -116,7 +116,7 @@ impl Describer<'_> {
         let text = match symbol {
             Symbol::Message(id) => self.message(schema.message(*id)),
             Symbol::Field(id, at) => self.field(*id, schema.message(*id).fields.get(*at)?),
-            Symbol::Constant(id, at) => self.constant(*id, schema.message(*id).constants.get(*at)?),
+            Symbol::Constant(id, at) => self.constant(*id, *at)?,
             Symbol::Prefix(id, prefix) => self.prefix(*id, prefix),
             Symbol::ErrorCode(package, code) => {
                 let tables = schema.packages.get(*package)?.error_tables.iter();
@@ -187,8 +187,9 @@ impl Describer<'_> {
         text
     }
 
-    fn constant(&self, id: MessageId, constant: &Constant) -> Markup {
+    fn constant(&self, id: MessageId, at: usize) -> Option<Markup> {
         let message = self.schema.message(id);
+        let constant = message.constants.get(at)?;
         let mut text = Markup::new(&format!("{} = {}", constant.name, constant.value));
         text.paragraph(&constant.description);
         let number = match constant.value.number() {
@@ -196,15 +197,7 @@ impl Describer<'_> {
             _ => None,
         };
         text.fact("hexadecimal", number);
-        let is_user = |field: &&Field| {
-            field
-                .enum_prefixes
-                .iter()
-                .any(|prefix| has_prefix(&constant.name, prefix.rsplit('.').next().unwrap_or(prefix)))
-        };
-        let users: Vec<String> =
-            message.fields.iter().filter(is_user).map(|field| field.name.clone()).collect();
-        text.fact_list("value of", &users);
+        text.fact_list("value of", &self.fields_with(id, at));
         let parameters =
             constant.parameters.iter().enumerate().filter(|(_, parameter)| !parameter.is_unused());
         let rows = parameters.map(|(at, parameter)| {
@@ -216,7 +209,25 @@ impl Describer<'_> {
         });
         text.table("parameters", rows, MAX_MEMBERS);
         self.add_history(&mut text, message, Some(&constant.name));
-        text
+        Some(text)
+    }
+
+    /// The fields whose enum has a constant as a member. A field of another message is named with its message.
+    fn fields_with(&self, owner: MessageId, constant: usize) -> Vec<String> {
+        let is_member = |reference: EnumRef| {
+            let mut members = self.schema.enumeration(reference).members.iter();
+            reference.message == owner && members.any(|member| member.constant == constant)
+        };
+        let ids = self.schema.packages.iter().flat_map(|package| &package.messages);
+        let fields = ids.flat_map(|id| {
+            let message = self.schema.message(*id);
+            let fields = message.fields.iter().filter(|field| field.enumeration.is_some_and(is_member));
+            fields.map(move |field| match *id == owner {
+                true => field.name.clone(),
+                false => format!("{}.{}", message.name, field.name),
+            })
+        });
+        fields.collect()
     }
 
     fn prefix(&self, id: MessageId, prefix: &str) -> Markup {
