@@ -169,18 +169,18 @@ fn hover_of_a_constant_names_the_fields_of_its_enum() {
     let winch = "uint64 timestamp  # [us] Time\nuint8 PHASE_IDLE = 0  # Idle\nuint8 PHASE_REEL_IN = 1  # In\n\
         uint8 PHASE_REEL_OUT = 2  # Out\nuint8 phase  # [@enum PHASE] Phase\nuint8 reel  # [@enum PHASE_REEL] Reel\n";
     let gauge = "uint64 timestamp  # [us] Time\nuint8 phase  # [@enum Winch.PHASE] Phase of the winch\n";
-    let files =
-        [("uavspec.toml", CONFIG), ("msg/Winch.msg", winch), ("msg/Gauge.msg", gauge)];
+    let files = [with_winch()[0], ("msg/Winch.msg", winch), ("msg/Gauge.msg", gauge)];
     let mut editor = Editor::new(&files);
     for path in ["msg/Winch.msg", "msg/Gauge.msg"] {
         editor.open(path);
     }
     let mut users = |place: &str| {
         let text = editor.hover("msg/Winch.msg", place).replace('\\', "");
-        text.lines().find_map(|line| line.split_once("value of: ")).map(|(_, users)| users.to_owned())
+        let users = text.lines().find_map(|line| line.split_once("value of: "));
+        users.unwrap_or_else(|| panic!("no fields in {text:?}")).1.to_owned()
     };
-    assert_eq!(users("PHASE_ID^LE").as_deref(), Some("`Gauge.phase`, `phase`"));
-    assert_eq!(users("PHASE_REEL_^OUT").as_deref(), Some("`reel`"));
+    assert_eq!(users("PHASE_ID^LE"), "`Gauge.phase`, `phase`");
+    assert_eq!(users("PHASE_REEL_^OUT"), "`reel`");
 }
 
 #[test]

@@ -19,7 +19,8 @@ use crate::msg::statement::Statement;
 use crate::schema::fingerprint::ros_name;
 use crate::schema::json_type::{Definition, Member as JsonMember};
 use crate::schema::{
-    Constant, Dialect, Enum, EnumRef, ErrorCode, Field, Form, JsonMessage, JsonType, Message, MessageId, Schema,
+    Constant, Dialect, Enum, EnumRef, ErrorCode, Field, Form, JsonMessage, JsonType, Message, MessageId,
+    Schema,
 };
 use crate::source::Span;
 use crate::unit;
