@@ -1,4 +1,4 @@
-//! Reads MCAP, the container format of ROS 2 and Foxglove: <https://mcap.dev/spec>.
+//! Reads and writes MCAP, the container format of ROS 2 and Foxglove: <https://mcap.dev/spec>.
 //!
 //! A [`Reader`] reads a file once, from start to end, and returns its schemas, channels and messages. The reader uses
 //! no index and never seeks, so it can also read from pipes.
@@ -38,6 +38,7 @@ mod reader;
 mod sound;
 mod unpack;
 mod window;
+mod writer;
 
 use std::collections::BTreeMap;
 
@@ -45,6 +46,7 @@ pub(crate) use self::problem::Problem;
 pub(crate) use self::reader::Reader;
 pub(crate) use self::sound::AttachmentHead;
 pub(crate) use self::unpack::Packing;
+pub(crate) use self::writer::{Writer, compressed};
 
 /// The magic bytes at the start and at the end of a file.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";

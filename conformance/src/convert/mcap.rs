@@ -1,9 +1,6 @@
 //! Converts MCAP files.
 
-mod chunk;
 mod json_schema;
-mod record;
-mod writer;
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap};
@@ -14,12 +11,11 @@ use tempfile::SpooledTempFile;
 use uavspec_codegen::schema::MessageId;
 use uavspec_runtime::cdr::ByteOrder;
 
-use self::writer::Writer;
 use super::plan::{Converted, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
-use crate::capture::mcap::{Event, Item, Packing, Reader};
+use crate::capture::mcap::{Event, Item, Packing, Reader, Writer, compressed};
 use crate::check::{HASH, decompressed, definition_of, states_other_type};
 use crate::definitions::Definitions;
 use crate::json::Tree;
@@ -59,7 +55,7 @@ struct Channel<'p> {
 struct Stream<'p, 'o> {
     plan: &'p Plan,
     settings: Settings,
-    output: Writer<'o>,
+    output: Writer<&'o mut dyn Write>,
     schemas: HashMap<u16, Schema>,
     schema_size: usize,
     /// The ids of the schemas in the output.
@@ -115,7 +111,7 @@ pub(super) fn convert(
 }
 
 impl<'p, 'o> Stream<'p, 'o> {
-    fn new(plan: &'p Plan, settings: Settings, output: Writer<'o>) -> Self {
+    fn new(plan: &'p Plan, settings: Settings, output: Writer<&'o mut dyn Write>) -> Self {
         Self {
             plan,
             settings,
@@ -333,7 +329,7 @@ impl Converted<'_> {
         // A message that was compressed separately stays compressed.
         match plain {
             Cow::Borrowed(_) => Ok(converted),
-            Cow::Owned(_) => chunk::compressed(Packing::Zstd, &converted).map_err(|error| error.to_string()),
+            Cow::Owned(_) => compressed(Packing::Zstd, &converted).map_err(|error| error.to_string()),
         }
     }
 

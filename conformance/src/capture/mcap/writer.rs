@@ -2,16 +2,19 @@
 //!
 //! The writer of the `mcap` crate compresses chunks only with C libraries, and needs more time and memory.
 
+mod chunk;
+mod record;
+
 use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 
 use crc32fast::Hasher;
 use mcap::records::{MessageHeader, op};
 
-use super::chunk::{self, Chunk};
-use super::record::{bytes, prefixed, record, text};
-use crate::capture::MCAP_MAGIC;
-use crate::capture::mcap::{AttachmentHead, Packing};
+use self::chunk::Chunk;
+pub(crate) use self::chunk::compressed;
+use self::record::{bytes, prefixed, record, text};
+use super::{AttachmentHead, MAGIC, Packing};
 
 /// The size of a chunk, in bytes. A larger chunk has fewer bytes in the summary, but readers need more memory.
 const CHUNK_SIZE: usize = 4 << 20;
@@ -20,8 +23,8 @@ const CHUNK_SIZE: usize = 4 << 20;
 const BUFFER: usize = 128 << 10;
 
 /// Writes a file from start to end. It contains all indexes.
-pub(super) struct Writer<'o> {
-    output: &'o mut dyn Write,
+pub(crate) struct Writer<W> {
+    output: W,
     /// The number of bytes written.
     position: u64,
     checksum: Hasher,
@@ -53,11 +56,11 @@ struct Counts {
     messages: BTreeMap<u16, u64>,
 }
 
-impl<'o> Writer<'o> {
-    pub(super) fn new(output: &'o mut dyn Write, profile: &str) -> io::Result<Self> {
+impl<W: Write> Writer<W> {
+    pub(crate) fn new(output: W, profile: &str) -> io::Result<Self> {
         let (chunk, summary) = (Chunk::default(), Summary::default());
         let mut writer = Self { output, position: 0, checksum: Hasher::new(), chunk, summary };
-        let mut start = MCAP_MAGIC.to_vec();
+        let mut start = MAGIC.to_vec();
         record(&mut start, op::HEADER, |out| {
             text(out, profile);
             text(out, &format!("uavspec {}", env!("CARGO_PKG_VERSION")));
@@ -73,7 +76,7 @@ impl<'o> Writer<'o> {
     }
 
     /// Sets the compression of the following records in chunks.
-    pub(super) fn set_packing(&mut self, packing: Option<Packing>) -> io::Result<()> {
+    pub(crate) fn set_packing(&mut self, packing: Option<Packing>) -> io::Result<()> {
         if self.chunk.packing != packing {
             self.close_chunk()?;
             self.chunk.packing = packing;
@@ -81,7 +84,7 @@ impl<'o> Writer<'o> {
         Ok(())
     }
 
-    pub(super) fn schema(&mut self, id: u16, (name, encoding): (&str, &str), content: &[u8]) {
+    pub(crate) fn schema(&mut self, id: u16, (name, encoding): (&str, &str), content: &[u8]) {
         let start = self.chunk.records.len();
         record(&mut self.chunk.records, op::SCHEMA, |out| {
             out.extend_from_slice(&id.to_le_bytes());
@@ -93,7 +96,7 @@ impl<'o> Writer<'o> {
         self.summary.counts.schemas += 1;
     }
 
-    pub(super) fn channel(
+    pub(crate) fn channel(
         &mut self,
         (id, schema): (u16, u16),
         (topic, encoding): (&str, &str),
@@ -116,13 +119,13 @@ impl<'o> Writer<'o> {
         self.summary.counts.channels += 1;
     }
 
-    pub(super) fn message(&mut self, header: &MessageHeader, payload: &[u8]) -> io::Result<()> {
+    pub(crate) fn message(&mut self, header: &MessageHeader, payload: &[u8]) -> io::Result<()> {
         self.chunk.message(header, payload);
         self.close_full_chunk()
     }
 
     /// Copies a record of an application.
-    pub(super) fn private(&mut self, opcode: u8, body: &[u8], is_in_chunk: bool) -> io::Result<()> {
+    pub(crate) fn private(&mut self, opcode: u8, body: &[u8], is_in_chunk: bool) -> io::Result<()> {
         if is_in_chunk {
             record(&mut self.chunk.records, opcode, |out| out.extend_from_slice(body));
             return self.close_full_chunk();
@@ -131,7 +134,7 @@ impl<'o> Writer<'o> {
     }
 
     /// Copies a metadata record.
-    pub(super) fn metadata(&mut self, body: &[u8]) -> io::Result<()> {
+    pub(crate) fn metadata(&mut self, body: &[u8]) -> io::Result<()> {
         let name = body.first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
         let name = body.get(..name.saturating_add(4)).unwrap_or_default();
         let (offset, length) = self.top_level(op::METADATA, body)?;
@@ -145,7 +148,7 @@ impl<'o> Writer<'o> {
     }
 
     /// Copies an attachment of `length` bytes.
-    pub(super) fn attachment(&mut self, length: u64, body: &mut dyn Read) -> io::Result<()> {
+    pub(crate) fn attachment(&mut self, length: u64, body: &mut dyn Read) -> io::Result<()> {
         self.close_chunk()?;
         let (offset, mut left) = (self.position, length);
         let mut buffer = Vec::with_capacity(BUFFER);
@@ -250,7 +253,7 @@ impl<'o> Writer<'o> {
     }
 
     /// Writes the summary and the end of the file.
-    pub(super) fn finish(mut self) -> io::Result<()> {
+    pub(crate) fn finish(mut self) -> io::Result<()> {
         self.close_chunk()?;
         let mut end = Vec::new();
         let checksum = self.checksum.clone().finalize();
@@ -287,7 +290,7 @@ impl<'o> Writer<'o> {
         self.put(&offset_start.to_le_bytes())?;
         let checksum = self.checksum.clone().finalize();
         self.put(&checksum.to_le_bytes())?;
-        self.put(&MCAP_MAGIC)
+        self.put(&MAGIC)
     }
 }
 

@@ -92,7 +92,7 @@ pub(super) fn name(packing: Option<Packing>) -> &'static str {
 }
 
 /// Compresses the records of a chunk.
-pub(super) fn compressed(packing: Packing, records: &[u8]) -> io::Result<Vec<u8>> {
+pub(crate) fn compressed(packing: Packing, records: &[u8]) -> io::Result<Vec<u8>> {
     match packing {
         Packing::Zstd => Ok(compress_to_vec(records, CompressionLevel::Fastest)),
         Packing::Lz4 => {
