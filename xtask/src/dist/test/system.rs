@@ -85,7 +85,10 @@ fn obstacle(platform: &Platform) -> Result<(), String> {
     }
     let emulator = Path::new("/proc/sys/fs/binfmt_misc").join(format!("qemu-{}", platform.machine));
     if platform.machine != ARCH && !emulator.exists() {
-        return Err(format!("requires {}, from qemu-user-static", emulator.display()));
+        return Err(format!(
+            "requires {}: apt-get install qemu-user-static binfmt-support. In a container, also mount binfmt_misc",
+            emulator.display()
+        ));
     }
     Ok(())
 }
