@@ -32,6 +32,7 @@ mod run;
 mod summary;
 mod topic;
 
+use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 use std::sync::Arc;
@@ -42,7 +43,7 @@ use uavspec_codegen::schema::MessageId;
 #[cfg(test)]
 pub(crate) use self::bag::check_mcap;
 pub use self::bag::{BagChannel, BagSummary, Basis, CheckStatus, McapSummary};
-pub(crate) use self::bag::{HASH, decompressed, states_other_type};
+pub(crate) use self::bag::{HASH, LiveBag, decompressed, states_other_type};
 pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
@@ -100,6 +101,28 @@ impl Read for Source<'_> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         self.bytes.read(out)
     }
+}
+
+/// Chooses the definitions for a recording that is still being written.
+pub(crate) fn choose_for_recording(path: &Path, library: &Library) -> io::Result<Arc<Definitions>> {
+    Ok(if library.depends_on_capture() {
+        library.choose(&bag::recording_clues(path)?)
+    } else {
+        Arc::clone(library.base())
+    })
+}
+
+/// Chooses the definitions for a file, like [`check_path`].
+pub(crate) fn choose_for_path(path: &Path, library: &Library) -> io::Result<Arc<Definitions>> {
+    if !library.depends_on_capture() {
+        return Ok(Arc::clone(library.base()));
+    }
+    let mut start = Vec::new();
+    let mut file = File::open(path)?;
+    file.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let kind = KINDS.iter().find(|kind| (kind.detect)(&start));
+    let bytes = &mut io::Cursor::new(start).chain(file);
+    Ok(kind.map_or_else(|| Arc::clone(library.base()), |kind| choose(kind, bytes, Some(path), library).0))
 }
 
 /// Wraps an input before it is read, for example to show the progress.

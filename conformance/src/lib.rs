@@ -18,6 +18,7 @@
 extern crate self as uavspec_conformance;
 
 pub mod app;
+mod bus;
 pub mod capture;
 pub mod check;
 mod convert;
@@ -41,6 +42,7 @@ pub mod testee;
 #[cfg(test)]
 mod tests;
 mod text;
+mod vehicle;
 mod watch;
 
 pub use flockwave::{body_schema, transport};

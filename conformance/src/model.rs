@@ -19,6 +19,7 @@
 
 mod date;
 mod detail;
+mod endpoint;
 mod excuse;
 mod finding;
 mod reason;
@@ -28,6 +29,7 @@ mod rule;
 pub use self::date::Date;
 pub use self::detail::Detail;
 pub(crate) use self::detail::hexadecimal;
+pub(crate) use self::endpoint::{Durability, Endpoint, EndpointKind, History, Liveliness, Qos, Reliability};
 pub use self::excuse::{Excuse, ExcuseKind};
 pub use self::finding::{Findings, Group, Verdict};
 pub use self::reason::Reason;

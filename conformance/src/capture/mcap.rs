@@ -44,9 +44,16 @@ use std::collections::BTreeMap;
 
 pub(crate) use self::problem::Problem;
 pub(crate) use self::reader::Reader;
-pub(crate) use self::sound::AttachmentHead;
+pub(crate) use self::sound::{AttachmentHead, metadata};
 pub(crate) use self::unpack::Packing;
-pub(crate) use self::writer::{Writer, compressed};
+pub(crate) use self::writer::{Writer, compressed, metadata_body};
+
+/// The name of the metadata records about the publishers and subscribers of a live vehicle. The values are those of
+/// [`Endpoint::to_values`](crate::model::Endpoint::to_values). If only the id is stated, the endpoint ended.
+pub(crate) const ENDPOINT: &str = "uavspec:endpoint";
+
+/// The name of the metadata records about lost messages. The values are `topic` and `count`.
+pub(crate) const LOST: &str = "uavspec:lost";
 
 /// The magic bytes at the start and at the end of a file.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";

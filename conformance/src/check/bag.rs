@@ -25,9 +25,10 @@ use uavspec_codegen::source::Span;
 
 pub(crate) use self::cdr::decompressed;
 use self::cdr::{CdrChecker, TypeSource};
-pub(super) use self::clues::folder as folder_clues;
+pub(super) use self::clues::{folder as folder_clues, recording as recording_clues};
 pub(super) use self::folder::check_folder;
 pub(super) use self::mcap::KIND as MCAP;
+pub(crate) use self::mcap::LiveBag;
 #[cfg(test)]
 pub(crate) use self::mcap::check_mcap;
 pub use self::open::{BagChannel, Basis, CheckStatus};
@@ -191,6 +192,11 @@ impl<'d> Channels<'d> {
         self.run.record_at(logged.time / 1_000);
         self.run.logged = Some(logged);
         self.run.records
+    }
+
+    /// The findings so far.
+    fn findings(&self) -> &Findings {
+        &self.run.findings
     }
 
     /// True if parts of the bag can't be read.

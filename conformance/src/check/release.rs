@@ -10,7 +10,7 @@ use crate::definitions::{Definitions, LoadedRelease};
 use crate::text::shown;
 
 /// The maximum number of bytes that are read before the release is chosen.
-const MAX_AHEAD: u64 = 8 << 20;
+pub(super) const MAX_AHEAD: u64 = 8 << 20;
 
 /// The release that a capture was checked against.
 #[derive(Clone, Debug, Serialize)]

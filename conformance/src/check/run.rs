@@ -16,7 +16,7 @@ use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
 use crate::json::Tree;
-use crate::model::{Channel, Extent, Findings, Location, Message, Rule};
+use crate::model::{Channel, Endpoint, Extent, Findings, Location, Message, Rule};
 use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, px4};
 use crate::text::Grouped;
@@ -295,6 +295,22 @@ impl<'d> CheckRun<'d> {
                 detail.excerpt = message.excerpt_at(path);
             }
         });
+    }
+
+    /// Passes a publisher or subscriber of a live vehicle to the rules.
+    pub(super) fn endpoint(&mut self, endpoint: &Endpoint, location: Location) {
+        for follower in &mut self.followers {
+            let found = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
+                checker.endpoint(endpoint, location, context);
+            };
+            follower.check(self.definitions, &mut self.findings, found);
+        }
+        self.place(location, None);
+    }
+
+    /// Passes the end of a publisher or subscriber to the rules.
+    pub(super) fn endpoint_ended(&mut self, id: &str) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.endpoint_ended(id));
     }
 
     pub(super) fn dropout(&mut self, milliseconds: u16, location: Location) {

@@ -113,7 +113,7 @@ fn capture(data: &[u8]) {
         Location::Byte(offset) => *offset <= data.len() as u64,
         Location::Line(number) => (1..=lines).contains(number),
         Location::Message(number) => (1..=data.len() as u64).contains(number),
-        Location::Channel(_) => true,
+        Location::Channel(_) | Location::Endpoint(_) => true,
     };
     for (location, text) in &whole.corruption {
         assert!(is_inside(location), "{text}: {location}");

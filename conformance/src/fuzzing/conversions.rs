@@ -82,8 +82,12 @@ pub(super) fn mcap_seeds() -> Vec<Vec<u8>> {
             let channel = usize::from(*channel).checked_sub(first).filter(|at| *at < channels.len())?;
             Some((u16::try_from(channel).ok()?, *time, payload.clone()))
         };
-        Bag { channels: channels.to_vec(), messages: whole.messages.iter().filter_map(own).collect() }
-            .to_bytes()
+        Bag {
+            channels: channels.to_vec(),
+            endpoints: Vec::new(),
+            messages: whole.messages.iter().filter_map(own).collect(),
+        }
+        .to_bytes()
     };
     parts.map(part).collect()
 }

@@ -23,6 +23,8 @@ pub enum Location {
     Message(u64),
     /// The id of a channel in a bag.
     Channel(u64),
+    /// The number of an announcement of a publisher or subscriber, from 1, in the order of discovery.
+    Endpoint(u64),
 }
 
 impl fmt::Display for Location {
@@ -32,6 +34,7 @@ impl fmt::Display for Location {
             Self::Line(line) => write!(formatter, "line {}", Grouped(*line)),
             Self::Message(number) => write!(formatter, "message {}", Grouped(*number)),
             Self::Channel(id) => write!(formatter, "channel {id}"),
+            Self::Endpoint(number) => write!(formatter, "endpoint {}", Grouped(*number)),
         }
     }
 }
@@ -94,6 +97,7 @@ mod tests {
         assert_eq!(Location::Line(7).to_string(), "line 7");
         assert_eq!(Location::Message(1_234).to_string(), "message 1,234");
         assert_eq!(Location::Channel(1_234).to_string(), "channel 1234");
+        assert_eq!(Location::Endpoint(1_234).to_string(), "endpoint 1,234");
         assert_eq!(Location::Byte(1_000_000).to_string(), "byte 1,000,000");
     }
 }

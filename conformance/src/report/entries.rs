@@ -181,7 +181,9 @@ pub(super) fn region(location: model::Location) -> Region {
     match location {
         model::Location::Byte(offset) => Region::Byte(offset),
         model::Location::Line(line) => Region::Line(line),
-        model::Location::Message(_) | model::Location::Channel(_) => Region::Whole,
+        model::Location::Message(_) | model::Location::Channel(_) | model::Location::Endpoint(_) => {
+            Region::Whole
+        }
     }
 }
 

@@ -89,7 +89,9 @@ fn finding(subject: &Subject, finding: &Finding, text: &mut String) -> fmt::Resu
 fn place(location: Location) -> String {
     match location {
         Location::Line(line) => line.to_string(),
-        Location::Byte(_) | Location::Message(_) | Location::Channel(_) => location.to_string(),
+        Location::Byte(_) | Location::Message(_) | Location::Channel(_) | Location::Endpoint(_) => {
+            location.to_string()
+        }
     }
 }
 

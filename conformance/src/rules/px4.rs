@@ -7,6 +7,7 @@ mod cdr_02;
 mod data_01;
 mod data_02;
 mod data_03;
+mod endpoints;
 mod enum_01;
 mod ext;
 mod ext_01;
@@ -23,18 +24,20 @@ mod json_01;
 mod json_02;
 mod len_01;
 mod nan_01;
+mod qos_01;
 mod queue_01;
 mod range_01;
 mod str_01;
 mod time_01;
 mod time_02;
+mod type_01;
 mod ver_01;
 
 use uavspec_runtime::Rule as Demand;
 
 use super::RuleContext;
 use super::sample::{Bag, Encoding, Flight, Lines, Log};
-use crate::model::{Channel, Detail, Level, Location, Message, Rule, Status};
+use crate::model::{Channel, Detail, Endpoint, Level, Location, Message, Rule, Status};
 use crate::px4::ValueRules;
 
 /// The rules checked by capture readers.
@@ -47,7 +50,7 @@ pub(crate) use self::{
 pub(crate) use self::fsf_03::{REQUIREMENT, belongs_to};
 
 /// The PX4 rules, sorted by id.
-pub(crate) static RULES: [&Px4Rule; 28] = [
+pub(crate) static RULES: [&Px4Rule; 30] = [
     &arr_01::RULE,
     &bool_01::RULE,
     &cdr_01::RULE,
@@ -70,11 +73,13 @@ pub(crate) static RULES: [&Px4Rule; 28] = [
     &json_02::RULE,
     &len_01::RULE,
     &nan_01::RULE,
+    &qos_01::RULE,
     &queue_01::RULE,
     &range_01::RULE,
     &str_01::RULE,
     &time_01::RULE,
     &time_02::RULE,
+    &type_01::RULE,
     &ver_01::RULE,
 ];
 
@@ -206,6 +211,12 @@ pub(crate) trait Checker {
 
     /// Handles unreadable data, which may have contained records that the rule needs.
     fn corruption(&mut self, _place: Location) {}
+
+    /// Handles a publisher or subscriber that was discovered, or whose quality of service changed.
+    fn endpoint(&mut self, _endpoint: &Endpoint, _place: Location, _context: &mut RuleContext<'_>) {}
+
+    /// Handles the end of a publisher or subscriber.
+    fn endpoint_ended(&mut self, _id: &str) {}
 
     /// Handles the end of the capture.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}

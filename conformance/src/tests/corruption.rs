@@ -34,8 +34,11 @@ fn captures(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
 /// Asserts that all reported corruption is within the capture.
 fn assert_locations(name: &str, result: &CaptureResult, size: usize) {
     for (location, what) in &result.corruption {
-        let (Location::Byte(at) | Location::Line(at) | Location::Message(at) | Location::Channel(at)) =
-            *location;
+        let (Location::Byte(at)
+        | Location::Line(at)
+        | Location::Message(at)
+        | Location::Channel(at)
+        | Location::Endpoint(at)) = *location;
         assert!(at <= size as u64, "{name}: {what} at {location} of {size}");
     }
 }

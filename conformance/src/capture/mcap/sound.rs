@@ -1,5 +1,7 @@
 //! Checks whether bytes may be a record, based on the lengths that they state.
 
+use std::collections::BTreeMap;
+
 use mcap::records::op;
 
 use super::{Event, MAGIC};
@@ -164,6 +166,19 @@ pub(super) fn message(body: &[u8]) -> Option<Event<'_>> {
     Some(Event::Message { channel, time, publish_time, sequence, payload: parts.0 })
 }
 
+/// The name and the values of a metadata record. `None` if the record contains invalid text.
+pub(crate) fn metadata(body: &[u8]) -> Option<(String, BTreeMap<String, String>)> {
+    let mut parts = Parts(body);
+    let name = parts.string()?;
+    let length = parts.u32()?;
+    let mut pairs = Parts(parts.take(length as usize)?);
+    let mut values = BTreeMap::new();
+    while !pairs.0.is_empty() {
+        values.insert(pairs.string()?, pairs.string()?);
+    }
+    Some((name, values))
+}
+
 /// True if these bytes appear to be the start of a record. `is_declared` returns true for known channels.
 ///
 /// Some kinds of records can't be recognised, so a search never stops at them.
@@ -227,6 +242,12 @@ impl<'b> Parts<'b> {
         let length = self.u32()? as usize;
         self.take(length)?;
         start.get(..4 + length)
+    }
+
+    /// A length-prefixed string.
+    fn string(&mut self) -> Option<String> {
+        let length = self.u32()? as usize;
+        String::from_utf8(self.take(length)?.to_vec()).ok()
     }
 
     /// Skips a map of strings, which starts with the length of the whole map.

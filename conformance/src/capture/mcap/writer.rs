@@ -13,7 +13,7 @@ use mcap::records::{MessageHeader, op};
 
 use self::chunk::Chunk;
 pub(crate) use self::chunk::compressed;
-use self::record::{bytes, prefixed, record, text};
+use self::record::{bytes, prefixed, record, text, texts};
 use super::{AttachmentHead, MAGIC, Packing};
 
 /// The size of a chunk, in bytes. A larger chunk has fewer bytes in the summary, but readers need more memory.
@@ -21,6 +21,14 @@ const CHUNK_SIZE: usize = 4 << 20;
 
 /// The size of the buffer for copied attachments, in bytes. It contains the head of each attachment.
 const BUFFER: usize = 128 << 10;
+
+/// The body of a metadata record.
+pub(crate) fn metadata_body(name: &str, values: &BTreeMap<String, String>) -> Vec<u8> {
+    let mut body = Vec::new();
+    text(&mut body, name);
+    texts(&mut body, values);
+    body
+}
 
 /// Writes a file from start to end. It contains all indexes.
 pub(crate) struct Writer<W> {
@@ -108,12 +116,7 @@ impl<W: Write> Writer<W> {
             out.extend_from_slice(&schema.to_le_bytes());
             text(out, topic);
             text(out, encoding);
-            prefixed::<4>(out, |out| {
-                for (key, value) in metadata {
-                    text(out, key);
-                    text(out, value);
-                }
-            });
+            texts(out, metadata);
         });
         self.summary.channels.extend_from_slice(&self.chunk.records[start..]);
         self.summary.counts.channels += 1;
@@ -185,6 +188,12 @@ impl<W: Write> Writer<W> {
         Ok((offset, self.position - offset))
     }
 
+    /// Writes all records so far to the output.
+    pub(crate) fn flush(&mut self) -> io::Result<()> {
+        self.close_chunk()?;
+        self.output.flush()
+    }
+
     fn close_full_chunk(&mut self) -> io::Result<()> {
         if self.chunk.records.len() >= CHUNK_SIZE { self.close_chunk() } else { Ok(()) }
     }
@@ -252,8 +261,13 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Writes the summary and the end of the file.
-    pub(crate) fn finish(mut self) -> io::Result<()> {
+    /// The output.
+    pub(crate) fn output(&self) -> &W {
+        &self.output
+    }
+
+    /// Writes the summary and the end of the file. Returns the output.
+    pub(crate) fn finish(mut self) -> io::Result<W> {
         self.close_chunk()?;
         let mut end = Vec::new();
         let checksum = self.checksum.clone().finalize();
@@ -290,7 +304,8 @@ impl<W: Write> Writer<W> {
         self.put(&offset_start.to_le_bytes())?;
         let checksum = self.checksum.clone().finalize();
         self.put(&checksum.to_le_bytes())?;
-        self.put(&MAGIC)
+        self.put(&MAGIC)?;
+        Ok(self.output)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{Read, Seek as _, SeekFrom};
+use std::io::{self, Read, Seek as _, SeekFrom};
 use std::path::Path;
 
 use super::{HASH, Stated, is_type_hash};
@@ -11,8 +11,9 @@ use crate::capture::mcap::{Event, Reader};
 use crate::capture::rosbag::metadata::{self, Metadata};
 use crate::check::Source;
 use crate::check::json::Found;
+use crate::check::release::MAX_AHEAD;
 use crate::check::topic::{full_name, plain, service_of};
-use crate::definitions::Clues;
+use crate::definitions::{Clues, TypeClue};
 
 /// The maximum number of types.
 const MAX_TYPES: usize = 10_000;
@@ -23,10 +24,24 @@ const MAX_FILES: usize = 16;
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
 const FOOTER: usize = 9 + 20 + 8;
 
-/// Reads the declarations in an MCAP file: from its summary, if there is one, or otherwise from its start.
+/// Reads the declarations in an MCAP file: from its summary, if this shows all types, or otherwise from its start.
 pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
     let summary = source.file.and_then(summary).map(declarations).unwrap_or_default();
-    if summary == Clues::default() { declarations(&mut *source.bytes) } else { summary }
+    let has_hash = |clue: &TypeClue| clue.type_hash.is_some();
+    if summary != Clues::default() && summary.types.values().all(has_hash) {
+        return summary;
+    }
+    // The messages at the start show the sizes of types without a hash.
+    let mut clues = declarations(&mut *source.bytes);
+    for (name, clue) in summary.types {
+        clues.types.entry(name).or_insert(clue);
+    }
+    clues
+}
+
+/// Reads the declarations in an MCAP file that is still being written.
+pub(in crate::check) fn recording(path: &Path) -> io::Result<Clues> {
+    Ok(declarations(File::open(path)?.take(MAX_AHEAD)))
 }
 
 /// The summary of an MCAP file, preceded by the magic.

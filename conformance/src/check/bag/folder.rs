@@ -62,7 +62,7 @@ fn check_file(
     input.by_ref().take(START as u64).read_to_end(&mut start)?;
     let whole = &mut io::Cursor::new(&start).chain(input);
     if (MCAP.detect)(&start) {
-        return Ok(McapFile::new(bag, file.name).read(whole));
+        return Ok(McapFile::new(file.name).read(bag, whole));
     }
     if !(SQLITE.detect)(&start) {
         bag.corruption(file.name, Location::Byte(0), "neither a SQLite nor an MCAP file", Extent::WithGaps);

@@ -5,9 +5,10 @@ use std::io::Read;
 
 use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
 use crate::capture::MCAP_MAGIC;
-use crate::capture::mcap::{Event, Item, Reader};
-use crate::check::{CaptureResult, CheckRun, Kind, Logged, Summary, has_magic};
-use crate::model::{Extent, Location};
+use crate::capture::mcap::{ENDPOINT, Event, Item, LOST, Packing, Reader, metadata};
+use crate::check::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic};
+use crate::definitions::Definitions;
+use crate::model::{Endpoint, Extent, Findings, Location};
 
 pub(in crate::check) const KIND: Kind = Kind {
     name: "MCAP",
@@ -18,23 +19,56 @@ pub(in crate::check) const KIND: Kind = Kind {
 
 /// Checks the readable part of an MCAP file.
 #[cfg(test)]
-pub(crate) fn check_mcap(input: impl Read, definitions: &crate::definitions::Definitions) -> CaptureResult {
+pub(crate) fn check_mcap(input: impl Read, definitions: &Definitions) -> CaptureResult {
     check(input, CheckRun::new(definitions))
 }
 
 fn check(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
     let mut channels = Channels::new(run);
-    let mut file = McapFile::new(&mut channels, "");
-    let bytes = file.read(input);
-    let (profile, library) = (file.profile, file.library);
+    let mut file = McapFile::new("");
+    let bytes = file.read(&mut channels, input);
+    finish(channels, file, bytes)
+}
+
+/// Finishes the check of a single file.
+fn finish(channels: Channels<'_>, file: McapFile<'_>, bytes: u64) -> CaptureResult {
+    let McapFile { profile, library, .. } = file;
     channels.finish(bytes, |BagContent { channels, dialects, releases }| {
         Summary::Mcap(McapSummary { profile, library, channels, dialects, releases })
     })
 }
 
+/// A bag that is being recorded. Each record is checked when it is written.
+pub(crate) struct LiveBag<'d> {
+    channels: Channels<'d>,
+    file: McapFile<'static>,
+}
+
+impl<'d> LiveBag<'d> {
+    pub(crate) fn new(definitions: &'d Definitions, observer: Option<&'d mut dyn Observer>) -> Self {
+        let channels = Channels::new(CheckRun::observed_by(definitions, observer));
+        Self { channels, file: McapFile::new("") }
+    }
+
+    /// Checks a record. Like those in a compressed chunk, it is located by the number of the message.
+    pub(crate) fn record(&mut self, event: Event<'_>) {
+        let item = Item { offset: 0, packing: Some(Packing::Lz4), event };
+        self.file.item(&mut self.channels, item);
+    }
+
+    /// The findings so far.
+    pub(crate) fn findings(&self) -> &Findings {
+        self.channels.findings()
+    }
+
+    /// Finishes the check. `bytes` is the size of the recording.
+    pub(crate) fn finish(self, bytes: u64) -> CaptureResult {
+        finish(self.channels, self.file, bytes)
+    }
+}
+
 /// A file that is being read.
-pub(super) struct McapFile<'c, 'd> {
-    bag: &'c mut Channels<'d>,
+pub(super) struct McapFile<'c> {
     /// The name of the file, if it is one of several files in a bag.
     name: &'c str,
     profile: String,
@@ -47,12 +81,13 @@ pub(super) struct McapFile<'c, 'd> {
     claimed: BTreeSet<usize>,
     /// The undeclared channels with messages, each reported once.
     undeclared: BTreeSet<u16>,
+    /// The number of announcements of endpoints.
+    num_endpoints: u64,
 }
 
-impl<'c, 'd> McapFile<'c, 'd> {
-    pub(super) fn new(bag: &'c mut Channels<'d>, name: &'c str) -> Self {
+impl<'c> McapFile<'c> {
+    pub(super) fn new(name: &'c str) -> Self {
         Self {
-            bag,
             name,
             profile: String::new(),
             library: String::new(),
@@ -60,20 +95,21 @@ impl<'c, 'd> McapFile<'c, 'd> {
             channels: BTreeMap::new(),
             claimed: BTreeSet::new(),
             undeclared: BTreeSet::new(),
+            num_endpoints: 0,
         }
     }
 
     /// Checks the readable part of the file. Returns the number of bytes read.
-    pub(super) fn read(&mut self, input: impl Read) -> u64 {
+    pub(super) fn read(&mut self, bag: &mut Channels<'_>, input: impl Read) -> u64 {
         let mut reader = Reader::new(input);
         loop {
             match reader.next() {
-                Ok(Some(item)) => self.item(item),
+                Ok(Some(item)) => self.item(bag, item),
                 Ok(None) => break,
                 // The findings up to here remain valid.
                 Err(error) => {
                     let text = format!("the rest is unreadable: {error}");
-                    self.corruption(Location::Byte(reader.bytes()), &text, Extent::Unreadable);
+                    self.corruption(bag, Location::Byte(reader.bytes()), &text, Extent::Unreadable);
                     break;
                 }
             }
@@ -81,7 +117,7 @@ impl<'c, 'd> McapFile<'c, 'd> {
         reader.bytes()
     }
 
-    fn item(&mut self, item: Item<'_>) {
+    fn item(&mut self, bag: &mut Channels<'_>, item: Item<'_>) {
         let byte = Location::Byte(item.offset);
         // In a compressed chunk, and in a bag of several files, an offset doesn't identify a record.
         let has_offset = item.packing.is_none() && self.name.is_empty();
@@ -91,38 +127,47 @@ impl<'c, 'd> McapFile<'c, 'd> {
                 (self.profile, self.library) = (shortened(&profile), shortened(&library));
             }
             Event::Schema { id, name, encoding, text } => {
-                if let Err(problem) = self.schema(id, name, encoding, text) {
-                    self.corruption(byte, &problem, Extent::WithGaps);
+                if let Err(problem) = self.schema(bag, id, name, encoding, text) {
+                    self.corruption(bag, byte, &problem, Extent::WithGaps);
                 }
             }
             Event::Channel { id, schema, topic, encoding, metadata } => {
                 let location = place(Location::Channel(id.into()));
-                if let Err(problem) = self.channel(id, schema, topic, encoding, metadata, location) {
-                    self.corruption(location, &problem, Extent::WithGaps);
+                let declared = Declared { schema: None, topic, encoding, metadata };
+                if let Err(problem) = self.channel(bag, id, schema, declared, location) {
+                    self.corruption(bag, location, &problem, Extent::WithGaps);
                 }
             }
             Event::Message { channel, time, sequence, payload, .. } => {
-                let number = self.bag.begin(Logged { time, sequence: Some(sequence) });
+                let number = bag.begin(Logged { time, sequence: Some(sequence) });
                 let location = place(Location::Message(number));
                 if let Some((_, channel)) = self.channels.get(&channel) {
-                    self.bag.message(*channel, time, payload, location);
+                    bag.message(*channel, time, payload, location);
                 } else if self.undeclared.insert(channel) {
                     let text =
                         format!("a message refers to channel {channel}, which hasn't been declared yet");
-                    self.corruption(location, &text, Extent::WithGaps);
+                    self.corruption(bag, location, &text, Extent::WithGaps);
                 }
             }
-            Event::Attachment { .. } | Event::Metadata { .. } | Event::Private { .. } => {}
-            Event::Problem(problem) => self.corruption(byte, &problem.to_string(), problem.extent()),
+            Event::Metadata { body } => self.metadata(bag, body, byte),
+            Event::Attachment { .. } | Event::Private { .. } => {}
+            Event::Problem(problem) => self.corruption(bag, byte, &problem.to_string(), problem.extent()),
         }
     }
 
     /// Adds a schema. An error describes the problem.
-    fn schema(&mut self, id: u16, name: String, encoding: String, text: &[u8]) -> Result<(), String> {
+    fn schema(
+        &mut self,
+        bag: &mut Channels<'_>,
+        id: u16,
+        name: String,
+        encoding: String,
+        text: &[u8],
+    ) -> Result<(), String> {
         if id == 0 {
             return Err("a schema has the reserved id 0".to_owned());
         }
-        let schemas = &mut self.bag.schemas;
+        let schemas = &mut bag.schemas;
         match self.schemas.get(&id) {
             // Summaries and chunks repeat schemas.
             Some(known) if schemas.is(*known, &name, &encoding, text) => return Ok(()),
@@ -141,14 +186,13 @@ impl<'c, 'd> McapFile<'c, 'd> {
     /// Declares a channel. An error describes the problem.
     fn channel(
         &mut self,
+        bag: &mut Channels<'_>,
         id: u16,
         schema_id: u16,
-        topic: String,
-        encoding: String,
-        metadata: BTreeMap<String, String>,
+        declared: Declared,
         location: Location,
     ) -> Result<(), String> {
-        let digest = digest(&(schema_id, &topic, &encoding, &metadata));
+        let digest = digest(&(schema_id, &declared));
         if let Some((known, _)) = self.channels.get(&id) {
             if *known != digest {
                 return Err(format!(
@@ -158,8 +202,8 @@ impl<'c, 'd> McapFile<'c, 'd> {
             return Ok(());
         }
         let schema = self.schemas.get(&schema_id).copied();
-        let declared = Declared { schema, topic, encoding, metadata };
-        let channel = self.bag.declare(&declared, location, &mut self.claimed);
+        let declared = Declared { schema, ..declared };
+        let channel = bag.declare(&declared, location, &mut self.claimed);
         let channel = channel.map_err(|problem| format!("channel {id}: {problem}"))?;
         self.channels.insert(id, (digest, channel));
         if schema_id != 0 && schema.is_none() {
@@ -168,9 +212,33 @@ impl<'c, 'd> McapFile<'c, 'd> {
         Ok(())
     }
 
+    /// Reads a record about a live vehicle. Other programs also write metadata.
+    fn metadata(&mut self, bag: &mut Channels<'_>, body: &[u8], byte: Location) {
+        let Some((name, values)) = metadata(body) else { return };
+        let value = |key: &str| values.get(key).map(|value| value.escape_debug().to_string());
+        match name.as_str() {
+            ENDPOINT if values.len() == 1 => {
+                bag.run.endpoint_ended(values.get("id").map_or("", String::as_str))
+            }
+            ENDPOINT => {
+                self.num_endpoints += 1;
+                match Endpoint::from_values(&values) {
+                    Some(endpoint) => bag.run.endpoint(&endpoint, Location::Endpoint(self.num_endpoints)),
+                    None => self.corruption(bag, byte, "invalid values of an endpoint", Extent::WithGaps),
+                }
+            }
+            LOST => {
+                let (count, topic) = (value("count").unwrap_or_default(), value("topic").unwrap_or_default());
+                let text = format!("{count} messages of {topic} were lost before they were recorded");
+                self.corruption(bag, Location::Message(bag.run.records), &text, Extent::WithGaps);
+            }
+            _ => {}
+        }
+    }
+
     /// Reports a corrupt part of this file.
-    fn corruption(&mut self, location: Location, text: &str, extent: Extent) {
-        self.bag.corruption(self.name, location, text, extent);
+    fn corruption(&self, bag: &mut Channels<'_>, location: Location, text: &str, extent: Extent) {
+        bag.corruption(self.name, location, text, extent);
     }
 }
 

@@ -9,6 +9,8 @@ use uavspec_runtime::cdr::ByteOrder;
 
 use super::Flight;
 use crate::capture::MCAP_MAGIC;
+use crate::capture::mcap::{ENDPOINT, metadata_body};
+use crate::model::{Durability, Endpoint, EndpointKind, Qos};
 
 /// The separator line between the definitions in a schema.
 const SEPARATOR: &str = "================================================================================";
@@ -18,6 +20,8 @@ const SEPARATOR: &str = "=======================================================
 pub(crate) struct Bag {
     /// The channels. The id of a channel is its index.
     pub channels: Vec<BagChannel>,
+    /// The publishers and subscribers, which were discovered before the first message.
+    pub endpoints: Vec<Endpoint>,
     /// The messages: channel index, time in ns, and payload.
     pub messages: Vec<(u16, u64, Vec<u8>)>,
 }
@@ -53,7 +57,9 @@ impl Bag {
             let payload = flight.message(sent)?.to_cdr(ByteOrder::LittleEndian).ok()?;
             Some((u16::try_from(sent.topic).ok()?, time, payload))
         });
-        Self { channels: channels.collect(), messages: messages.collect() }
+        let channels: Vec<BagChannel> = channels.collect();
+        let endpoints = channels.iter().flat_map(endpoints).collect();
+        Self { channels, endpoints, messages: messages.collect() }
     }
 
     /// Changes the last payload.
@@ -76,6 +82,9 @@ impl Bag {
             let id = id.to_le_bytes();
             record(&mut bytes, 0x04, &[&id, &schema, &text(&channel.topic), &text("cdr"), &sized(&metadata)]);
         }
+        for endpoint in &self.endpoints {
+            record(&mut bytes, 0x0c, &[&metadata_body(ENDPOINT, &endpoint.to_values())]);
+        }
         for (sequence, (channel, time, payload)) in (0_u32..).zip(&self.messages) {
             let time = time.to_le_bytes();
             record(
@@ -89,6 +98,28 @@ impl Bag {
         bytes.extend(MCAP_MAGIC);
         bytes
     }
+}
+
+/// A publisher of a channel with the quality of service of PX4, and a subscriber that requests less.
+fn endpoints(channel: &BagChannel) -> [Endpoint; 2] {
+    let publisher = Endpoint {
+        id: format!("publisher {}", channel.topic),
+        kind: EndpointKind::Publisher,
+        node: Some("/px4".to_owned()),
+        topic: channel.topic.clone(),
+        type_name: channel.schema.clone(),
+        type_hash: Some(channel.hash.clone()),
+        qos: Some(Qos::PX4),
+        is_matched_by_qos: true,
+    };
+    let subscriber = Endpoint {
+        id: format!("subscriber {}", channel.topic),
+        kind: EndpointKind::Subscriber,
+        node: Some("/application".to_owned()),
+        qos: Some(Qos { durability: Durability::Volatile, ..Qos::PX4 }),
+        ..publisher.clone()
+    };
+    [publisher, subscriber]
 }
 
 fn record(bytes: &mut Vec<u8>, kind: u8, parts: &[&[u8]]) {

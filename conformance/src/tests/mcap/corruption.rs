@@ -29,7 +29,7 @@ fn is_within(location: Location, length: usize) -> bool {
     match location {
         Location::Byte(offset) => offset <= length as u64,
         Location::Message(number) => (1..=60).contains(&number),
-        Location::Channel(_) => true,
+        Location::Channel(_) | Location::Endpoint(_) => true,
         Location::Line(_) => false,
     }
 }

@@ -1,5 +1,7 @@
 //! Encodes records of MCAP files.
 
+use std::collections::BTreeMap;
+
 /// Appends a record. `body` appends its content.
 pub(super) fn record(out: &mut Vec<u8>, opcode: u8, body: impl FnOnce(&mut Vec<u8>)) {
     out.push(opcode);
@@ -9,6 +11,16 @@ pub(super) fn record(out: &mut Vec<u8>, opcode: u8, body: impl FnOnce(&mut Vec<u
 /// Appends a text.
 pub(super) fn text(out: &mut Vec<u8>, text: &str) {
     bytes(out, text.as_bytes());
+}
+
+/// Appends a map of texts.
+pub(super) fn texts(out: &mut Vec<u8>, map: &BTreeMap<String, String>) {
+    prefixed::<4>(out, |out| {
+        for (key, value) in map {
+            text(out, key);
+            text(out, value);
+        }
+    });
 }
 
 /// Appends bytes that follow their length.

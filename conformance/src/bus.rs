@@ -1,0 +1,126 @@
+//! Connections to the buses on which vehicles and applications exchange messages.
+//!
+//! A [`Bus`] reports publishers, subscribers and messages as they appear. All buses report ROS names: the topic
+//! `/fmu/out/vehicle_status`, and the type `px4_msgs/msg/VehicleStatus`.
+
+mod address;
+#[cfg(test)]
+pub(crate) mod memory;
+#[cfg(any(feature = "dds", feature = "zenoh", test))]
+mod queue;
+
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::time::Instant;
+
+pub(crate) use self::address::{Address, Scheme};
+use crate::model::{Endpoint, Qos};
+
+/// The maximum length of the name of a topic, a type or a node, in bytes.
+pub(crate) const MAX_NAME: usize = 256;
+
+/// The maximum number of endpoints that a bus reports.
+pub(crate) const MAX_ENDPOINTS: usize = 10_000;
+
+/// Connects to a bus. `peers` are IP addresses of computers that multicast doesn't reach.
+///
+/// # Errors
+/// Fails if there is no connection within a few seconds. The text names the problem, and the way to correct it.
+pub(crate) fn connect(address: &Address, peers: &[IpAddr]) -> Result<Box<dyn Bus>, String> {
+    let _ = peers;
+    match address {
+        Address::Dds { .. } => Err(missing("dds")),
+        Address::Server { scheme, .. } => Err(missing(scheme.name())),
+    }
+}
+
+/// The problem that a transport isn't part of the program.
+fn missing(feature: &str) -> String {
+    format!("this program was built without {feature}: build it with `--features {feature}`")
+}
+
+/// A connection to a bus.
+pub(crate) trait Bus {
+    /// The next event. Waits until the deadline if there is none.
+    fn receive(&mut self, deadline: Instant) -> Option<Event>;
+
+    /// Receives the messages of a topic from now on. Does nothing if the topic is already subscribed. An error describes
+    /// the problem.
+    fn subscribe(&mut self, topic: &Topic) -> Result<(), String>;
+
+    /// Prepares to publish on a topic. An error describes the problem.
+    fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String>;
+
+    /// Publishes a message in CDR, including the encapsulation header. An error describes the problem.
+    fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String>;
+}
+
+/// The number of a publisher that [`Bus::advertise`] created.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Publisher(pub usize);
+
+/// A topic with its type.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Topic {
+    /// The name, such as `/fmu/out/vehicle_status`.
+    pub name: Arc<str>,
+    /// The type, such as `px4_msgs/msg/VehicleStatus`.
+    pub type_name: Arc<str>,
+    /// The ROS type hash, if it is known.
+    pub type_hash: Option<Arc<str>>,
+}
+
+/// The encoding of a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Encoding {
+    /// CDR, including the encapsulation header.
+    Cdr,
+    /// A JSON object.
+    Json,
+}
+
+/// A schema that a bus states for a type.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Schema {
+    /// The encoding, such as `ros2msg`.
+    pub encoding: String,
+    /// The text.
+    pub text: Vec<u8>,
+}
+
+/// A change on a bus.
+#[derive(Clone, Debug)]
+pub(crate) enum Event {
+    /// A publisher or subscriber appeared, or its quality of service changed.
+    Endpoint(Endpoint),
+    /// The publisher or subscriber with this id ended.
+    Ended(String),
+    /// A message.
+    Message(Received),
+    /// Messages of a topic are missing: they were lost on the way, or arrived faster than they were read.
+    Lost {
+        /// The topic.
+        topic: Arc<str>,
+        /// The number of messages.
+        count: u64,
+    },
+    /// Data that can't be read. The text names the data, the problem and its origin.
+    Problem(String),
+    /// The connection ended. The text is the reason. No event follows.
+    Closed(String),
+}
+
+/// A message that was received.
+#[derive(Clone, Debug)]
+pub(crate) struct Received {
+    /// The topic.
+    pub topic: Topic,
+    /// The schema of the type, if the bus states it.
+    pub schema: Option<Arc<Schema>>,
+    /// The encoding of the payload.
+    pub encoding: Encoding,
+    /// The time of reception, in ns since 1970.
+    pub time: u64,
+    /// The message.
+    pub payload: Vec<u8>,
+}

@@ -1,0 +1,97 @@
+//! `PX-TYPE-01`.
+
+use super::endpoints::{Endpoints, name};
+use super::{
+    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Mutant, Px4Rule, Rule, RuleContext,
+    Status,
+};
+use crate::model::Endpoint;
+use crate::rules::sample::Bag;
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-TYPE-01",
+        name: "One type per topic",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "All publishers and subscribers of a topic have the same type: the same name, and the same type \
+                    hash.",
+        source: "DDS 1.4, 2.2.2.2; ROS 2, REP 2011: type hashes",
+        applies_to: "publishers and subscribers of a live vehicle",
+        why: "Endpoints whose types have different names don't exchange messages. Endpoints with the same name and \
+              different definitions exchange messages, but decode wrong values. An application that was built for \
+              another PX4 release is the usual cause.",
+        example: "publisher  /fmu/out/vehicle_status: px4_msgs/msg/VehicleStatus, RIHS01_2f8a…\n\
+            subscriber /fmu/out/vehicle_status: px4_msgs/msg/VehicleStatus, RIHS01_77c1…",
+        fix: "Build the application with the message definitions of the vehicle's release, or run PX4's message \
+              translation node.",
+    },
+    check: Check::State(|| Box::new(Types::default())),
+    mutants: &[
+        Mutant {
+            name: "an endpoint with another type",
+            change: Change::Mcap(|_, bag| {
+                with_other(bag, |endpoint| "other_msgs/msg/Other".clone_into(&mut endpoint.type_name))
+            }),
+            also: &[],
+        },
+        Mutant {
+            name: "an endpoint with another type hash",
+            change: Change::Mcap(|_, bag| {
+                with_other(bag, |endpoint| endpoint.type_hash = Some(format!("RIHS01_{}", "0".repeat(64))))
+            }),
+            also: &[],
+        },
+    ],
+};
+
+#[derive(Default)]
+struct Types(Endpoints);
+
+impl Checker for Types {
+    fn opened(&mut self, _: &Channel<'_>, _: &mut RuleContext<'_>) -> Interest {
+        Interest::Nothing
+    }
+
+    fn endpoint(&mut self, endpoint: &Endpoint, location: Location, context: &mut RuleContext<'_>) {
+        for other in self.0.add(endpoint) {
+            context.covered();
+            if let Some(detail) = difference(endpoint, other) {
+                let subject = endpoint.topic.escape_debug().to_string();
+                context.violation(&subject, location, || detail);
+            }
+        }
+    }
+
+    fn endpoint_ended(&mut self, id: &str) {
+        self.0.remove(id);
+    }
+}
+
+/// The difference between the types of two endpoints.
+fn difference(endpoint: &Endpoint, other: &Endpoint) -> Option<Detail> {
+    let (found, known) = (name(endpoint), name(other));
+    if endpoint.type_name != other.type_name {
+        let [ty, other] = [&endpoint.type_name, &other.type_name].map(|name| name.escape_debug().to_string());
+        let text = format!("{found} has the type {ty}, but {known} has {other}");
+        return Some(Detail::new(text).expected(other).actual(ty));
+    }
+    let (hash, other) = (endpoint.type_hash.as_ref()?, other.type_hash.as_ref()?);
+    if hash.eq_ignore_ascii_case(other) {
+        return None;
+    }
+    let [hash, other] = [hash, other].map(|hash| hash.escape_debug().to_string());
+    let ty = endpoint.type_name.escape_debug();
+    let text =
+        format!("{found} has another definition of {ty} than {known}: messages are decoded as garbage");
+    Some(Detail::new(text).expected(other).actual(hash))
+}
+
+/// Adds a changed copy of the first endpoint.
+fn with_other(mut bag: Bag, change: impl FnOnce(&mut Endpoint)) -> Option<Bag> {
+    let mut endpoint = bag.endpoints.first()?.clone();
+    "application".clone_into(&mut endpoint.id);
+    change(&mut endpoint);
+    bag.endpoints.push(endpoint);
+    Some(bag)
+}

@@ -1,0 +1,231 @@
+//! Listens to a live PX4 vehicle and its applications, and checks the messages.
+//!
+//! ```text
+//!  bus ──event──▶ recorder ──record──▶ file
+//!                     └──────record──▶ checker ──▶ findings
+//! ```
+//!
+//! The probe records all events as a bag, and checks each record of the bag when it is written. A later
+//! [`check`](crate::check) of the recording returns the same findings.
+
+mod recorder;
+
+use std::collections::HashSet;
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use globset::GlobSet;
+use tempfile::TempPath;
+
+pub(crate) use self::recorder::now;
+use self::recorder::{MAX_SIZE, Recorder};
+use crate::bus::{Bus, Event, Topic};
+use crate::capture::mcap::Reader;
+use crate::check::{CaptureResult, Checked, LiveBag, check_path, choose_for_path, choose_for_recording};
+use crate::definitions::{Definitions, Library};
+use crate::model::EndpointKind;
+
+/// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
+const START: Duration = Duration::from_millis(1_500);
+
+/// The maximum time until the probe notices that it was asked to stop.
+const NOTICE_TIME: Duration = Duration::from_millis(50);
+
+/// The maximum number of notes.
+const MAX_NOTES: usize = 50;
+
+/// Options of a probe.
+pub(crate) struct Options {
+    /// The time to listen.
+    pub time: Duration,
+    /// The topics to receive; all if there are none.
+    pub topics: Option<GlobSet>,
+    /// The file of the recording.
+    pub record: Option<PathBuf>,
+    /// Returns true if the probe must end early.
+    pub is_stopped: Box<dyn Fn() -> bool>,
+}
+
+/// The state of a running probe.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Progress {
+    /// The elapsed time.
+    pub elapsed: Duration,
+    /// The number of topics with a publisher.
+    pub topics: usize,
+    /// The number of messages.
+    pub messages: u64,
+    /// The number of kinds of findings.
+    pub findings: usize,
+}
+
+/// The result of a probe.
+pub(crate) struct Probed {
+    /// The findings, with the definitions that were used.
+    pub checked: Checked,
+    /// Notable events, in order.
+    pub notes: Vec<String>,
+    /// The reason why the probe ended early.
+    pub cut_short: Option<String>,
+}
+
+/// Listens to a bus, and checks all messages.
+///
+/// # Errors
+/// Fails if the recording can't be written or read.
+pub(crate) fn probe(
+    bus: &mut dyn Bus,
+    library: &Library,
+    options: &Options,
+    on_progress: &dyn Fn(&Progress),
+) -> io::Result<Probed> {
+    let (path, _temporary) = recording(options)?;
+    let recorder = Recorder::create(&path)?;
+    let mut probe = Probe::new(bus, options, recorder, on_progress);
+    probe.listen(START.min(options.time), None)?;
+    probe.recorder.flush()?;
+    let definitions = choose_for_recording(probe.recorder.path(), library)?;
+    let mut live = LiveBag::new(&definitions, None);
+    replay(probe.recorder.path(), &mut live)?;
+    probe.listen(options.time, Some(&mut live))?;
+    let Probe { recorder, notes, cut_short, .. } = probe;
+    let (path, size) = recorder.finish()?;
+    let checked = conclude(&path, library, &definitions, live.finish(size))?;
+    Ok(Probed { checked, notes, cut_short })
+}
+
+/// The path of the recording. Without `--record`, the file is temporary.
+fn recording(options: &Options) -> io::Result<(PathBuf, Option<TempPath>)> {
+    if let Some(path) = &options.record {
+        return Ok((path.clone(), None));
+    }
+    let file = tempfile::Builder::new().prefix("uavspec-").suffix(".mcap").tempfile()?.into_temp_path();
+    Ok((file.to_path_buf(), Some(file)))
+}
+
+/// Checks the records that were written before the release was chosen.
+fn replay(path: &Path, live: &mut LiveBag<'_>) -> io::Result<()> {
+    let mut reader = Reader::new(File::open(path)?);
+    while let Some(item) = reader.next()? {
+        // The file has no end yet.
+        if !matches!(item.event, crate::capture::mcap::Event::Problem(_)) {
+            live.record(item.event);
+        }
+    }
+    Ok(())
+}
+
+/// The final result. If topics that appeared later show another release, the recording is checked again.
+fn conclude(
+    path: &Path,
+    library: &Library,
+    definitions: &Arc<Definitions>,
+    result: CaptureResult,
+) -> io::Result<Checked> {
+    if Arc::ptr_eq(&choose_for_path(path, library)?, definitions) {
+        return Ok(Checked { result, definitions: Arc::clone(definitions) });
+    }
+    check_path(path, None, library, &|input| input)
+}
+
+/// A running probe.
+struct Probe<'p> {
+    bus: &'p mut dyn Bus,
+    options: &'p Options,
+    recorder: Recorder,
+    started: Instant,
+    subscribed: HashSet<Topic>,
+    progress: Progress,
+    on_progress: &'p dyn Fn(&Progress),
+    notes: Vec<String>,
+    cut_short: Option<String>,
+}
+
+impl<'p> Probe<'p> {
+    fn new(
+        bus: &'p mut dyn Bus,
+        options: &'p Options,
+        recorder: Recorder,
+        on_progress: &'p dyn Fn(&Progress),
+    ) -> Self {
+        Self {
+            bus,
+            options,
+            recorder,
+            started: Instant::now(),
+            subscribed: HashSet::new(),
+            progress: Progress::default(),
+            on_progress,
+            notes: Vec::new(),
+            cut_short: None,
+        }
+    }
+
+    /// Records events until a time after the start.
+    fn listen(&mut self, until: Duration, mut live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+        let end = self.started + until;
+        let mut shown = Instant::now();
+        while self.cut_short.is_none() && Instant::now() < end {
+            if (self.options.is_stopped)() {
+                self.cut_short = Some("interrupted".to_owned());
+            } else if self.recorder.size() > MAX_SIZE {
+                self.cut_short = Some(format!("the recording reached {} GiB", MAX_SIZE >> 30));
+            }
+            let deadline = end.min(Instant::now() + NOTICE_TIME);
+            if let Some(event) = self.bus.receive(deadline) {
+                self.recorder.record(&event, live.as_deref_mut())?;
+                self.follow(event);
+            }
+            if shown.elapsed() > NOTICE_TIME {
+                shown = Instant::now();
+                self.show(live.as_deref());
+            }
+        }
+        Ok(())
+    }
+
+    /// Subscribes to new topics, and notes problems.
+    fn follow(&mut self, event: Event) {
+        match event {
+            Event::Endpoint(endpoint) if endpoint.kind == EndpointKind::Publisher => {
+                self.subscribe(&Topic {
+                    name: endpoint.topic.into(),
+                    type_name: endpoint.type_name.into(),
+                    type_hash: endpoint.type_hash.map(Into::into),
+                });
+            }
+            Event::Message(_) => self.progress.messages += 1,
+            Event::Problem(problem) => self.note(problem),
+            Event::Closed(reason) => self.cut_short = Some(reason),
+            Event::Endpoint(_) | Event::Ended(_) | Event::Lost { .. } => {}
+        }
+    }
+
+    /// Subscribes to a topic if the user selected it.
+    fn subscribe(&mut self, topic: &Topic) {
+        let is_selected = self.options.topics.as_ref().is_none_or(|topics| topics.is_match(&*topic.name));
+        // Other names of DDS belong to services and parameters.
+        if !is_selected || !topic.name.starts_with('/') || !self.subscribed.insert(topic.clone()) {
+            return;
+        }
+        self.progress.topics += 1;
+        if let Err(problem) = self.bus.subscribe(topic) {
+            self.note(format!("{}: {problem}", topic.name.escape_debug()));
+        }
+    }
+
+    fn note(&mut self, text: String) {
+        if self.notes.len() < MAX_NOTES && !self.notes.contains(&text) {
+            self.notes.push(text);
+        }
+    }
+
+    fn show(&mut self, live: Option<&LiveBag<'_>>) {
+        self.progress.elapsed = self.started.elapsed();
+        self.progress.findings = live.map_or(0, |live| live.findings().groups().count());
+        (self.on_progress)(&self.progress);
+    }
+}

@@ -1,0 +1,3 @@
+//! Tests of the transports with peers that others wrote. They require the feature `live` and Python.
+
+mod python;

@@ -1,0 +1,51 @@
+//! Peers in Python, and the probe.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+
+/// The packages of the peers.
+const REQUIREMENTS: &str = include_str!("requirements.txt");
+
+/// Python with the packages of the peers, in `target/live-peers`.
+fn python() -> &'static Path {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/live-peers");
+        let (program, installed) = (folder.join("bin/python"), folder.join("requirements.txt"));
+        if fs::read_to_string(&installed).is_ok_and(|text| text == REQUIREMENTS) {
+            return program;
+        }
+        run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder));
+        let packages = REQUIREMENTS.lines();
+        run(Command::new(&program).args(["-m", "pip", "install", "--quiet"]).args(packages));
+        fs::write(&installed, REQUIREMENTS).expect("written");
+        program
+    })
+}
+
+fn run(command: &mut Command) {
+    let status = command.status().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(status.success(), "{command:?} failed: {status}");
+}
+
+/// A peer, which ends when it is dropped.
+pub(crate) struct Peer(Child);
+
+impl Peer {
+    /// Runs a script of `tests/live/peers` with these arguments and environment variables.
+    pub(crate) fn start(script: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Self {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/live/peers").join(script);
+        let mut command = Command::new(python());
+        command.arg(path).args(arguments).envs(environment.iter().copied()).stdin(Stdio::null());
+        Self(command.spawn().unwrap_or_else(|error| panic!("{script}: {error}")))
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
