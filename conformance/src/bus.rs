@@ -11,7 +11,7 @@ mod queue;
 
 use std::net::IpAddr;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 pub(crate) use self::address::{Address, Scheme};
 use crate::model::{Endpoint, Qos};
@@ -123,4 +123,10 @@ pub(crate) struct Received {
     pub time: u64,
     /// The message.
     pub payload: Vec<u8>,
+}
+
+/// The time in ns since 1970.
+pub(crate) fn now() -> u64 {
+    let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }

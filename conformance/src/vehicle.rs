@@ -9,6 +9,8 @@
 //! [`check`](crate::check) of the recording returns the same findings.
 
 mod recorder;
+#[cfg(test)]
+mod tests;
 
 use std::collections::HashSet;
 use std::fs::File;
@@ -20,7 +22,6 @@ use std::time::{Duration, Instant};
 use globset::GlobSet;
 use tempfile::TempPath;
 
-pub(crate) use self::recorder::now;
 use self::recorder::{MAX_SIZE, Recorder};
 use crate::bus::{Bus, Event, Topic};
 use crate::capture::mcap::Reader;

@@ -33,6 +33,13 @@ impl AccessArgs {
         self.ca.as_deref().into_iter()
     }
 
+    /// The first given option.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let options =
+            [("--login", self.login.is_some()), ("--ca", self.ca.is_some()), ("--insecure", self.insecure)];
+        options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+    }
+
     /// The trusted certificates. Errors are printed.
     pub(super) fn trust(&self) -> Result<Trust, Status> {
         if self.insecure {

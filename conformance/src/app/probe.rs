@@ -1,5 +1,8 @@
 //! `uavspec probe`.
 
+mod target;
+mod vehicle;
+
 use std::fs::File;
 use std::io::{LineWriter, Write};
 use std::path::PathBuf;
@@ -7,6 +10,8 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
+use self::target::Target;
+use self::vehicle::VehicleArgs;
 use super::access::AccessArgs;
 use super::interrupt::{self, Danger};
 use super::known::{Known, KnownArgs, count_capture, count_unread};
@@ -31,7 +36,12 @@ const EXAMPLES: &str = "Examples:
   uavspec probe --report html=report.html http://localhost:5000/api/v1
   uavspec probe 'socketio://localhost:5000?protocol=4&transport=polling'
   uavspec probe --allow-commands --uav 00 --uav 01 tcp://localhost:5001
-  uavspec probe --login pilot:secret udp://localhost:5001";
+  uavspec probe --login pilot:secret udp://localhost:5001
+  uavspec probe --record flight.mcap dds://0
+  uavspec probe --for 60 --topics '/fmu/*' zenoh://localhost:7447";
+
+/// The default time to listen for notifications.
+const OBSERVE: Duration = Duration::from_secs(3);
 
 /// The meaning of exit status 3.
 const FAILURE: &str = "the server doesn't respond, or a file can't be written";
@@ -45,15 +55,21 @@ const INCOMPLETE: &str = "the probe was cut short or interrupted, or too little 
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{}", outcome_statuses(FAILURE, Some(INCOMPLETE))))]
 pub(super) struct ProbeArgs {
-    /// Server URL: tcp, udp, http or socketio; with TLS: tcps, https or socketios.
+    /// URL of a Flockwave server (tcp, udp, http, socketio), or of a PX4 vehicle (dds, zenoh, foxglove, rosbridge).
     ///
-    /// tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT. Socket.IO URLs may end in
-    /// ?protocol=4 or ?protocol=5 (default), and &transport=polling or &transport=websocket (default).
+    /// Servers: tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT. Socket.IO URLs may end
+    /// in ?protocol=4 or ?protocol=5 (default), and &transport=polling or &transport=websocket (default). With TLS:
+    /// tcps, https or socketios.
+    ///
+    /// Vehicles: dds://DOMAIN, zenoh://HOST:PORT, foxglove://HOST:PORT or rosbridge://HOST:PORT. Zenoh URLs may end in
+    /// ?domain=NUMBER.
     #[arg(value_name = "URL")]
-    endpoint: Endpoint,
-    /// Time to listen for notifications.
-    #[arg(long, value_name = "SECONDS", default_value = "3", value_parser = seconds)]
-    observe: Duration,
+    target: Target,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
+    /// Time to listen for notifications (default: 3).
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    observe: Option<Duration>,
     #[command(flatten)]
     access: AccessArgs,
     /// Also send commands to the UAVs given with --uav.
@@ -79,26 +95,26 @@ pub(super) struct ProbeArgs {
     /// Time after which no further requests are sent, without --observe (default: 45, or 105 with --allow-commands).
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     limit: Option<Duration>,
-    /// Time that a request may stay unanswered, from 1 to 60.
+    /// Time that a request may stay unanswered, from 1 to 60 (default: 5).
     ///
     /// The probe goes on with other requests meanwhile.
-    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = timeout)]
-    timeout: Duration,
+    #[arg(long, value_name = "SECONDS", value_parser = timeout)]
+    timeout: Option<Duration>,
     /// Time to land the UAVs, stop their motors and wake them after everything else (default: 120).
     ///
     /// The probe does this even if it is interrupted, the time limit is reached or the connection is lost. It connects
     /// again as often as necessary.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]
     landing_limit: Option<Duration>,
-    /// Record the session to this file.
+    /// Record the session to this file. The messages of a vehicle are recorded as a bag in MCAP.
     ///
-    /// `uavspec check` reports the same findings for the recorded session.
+    /// `uavspec check` reports the same findings for the recording.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Definitions to check against (default: built-in).
+    /// Definitions to check against (default: built-in; for a vehicle, the release that agrees best).
     ///
-    /// A uavspec.toml file or a folder that contains one.
-    #[arg(long, value_name = "PATH")]
+    /// A uavspec.toml file or a folder that contains one. For a vehicle, also a release such as px4@1.16.
+    #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
     /// Schemas for other Flockwave types (repeatable).
     ///
@@ -116,48 +132,82 @@ pub(super) struct ProbeArgs {
 }
 
 pub(super) fn run(args: &ProbeArgs) -> Status {
-    match probe_server(args) {
+    let problem = args.report.problem().or_else(|| args.misplaced());
+    if let Some(problem) = problem {
+        terminal::error(problem, None);
+        return Status::Usage;
+    }
+    let probed = match &args.target {
+        Target::Server(endpoint) => probe_server(args, endpoint),
+        Target::Vehicle(address) => vehicle::probe_vehicle(args, address),
+    };
+    match probed {
         Ok(status) | Err(status) => status,
     }
 }
 
-fn probe_server(args: &ProbeArgs) -> Result<Status, Status> {
-    if let Some(problem) = args.report.problem() {
-        terminal::error(problem, None);
-        return Err(Status::Usage);
+impl ProbeArgs {
+    /// An error if an option doesn't apply to the target.
+    fn misplaced(&self) -> Option<String> {
+        let (given, noun) = match self.target {
+            Target::Server(_) => (self.vehicle.given(), "PX4 vehicles"),
+            Target::Vehicle(_) => (self.given_for_server(), "Flockwave servers"),
+        };
+        given.map(|option| format!("{option} applies only to {noun}"))
     }
+
+    /// The first given option that applies only to Flockwave servers.
+    fn given_for_server(&self) -> Option<&'static str> {
+        let options = [
+            ("--observe", self.observe.is_some()),
+            ("--allow-commands", self.allow_commands),
+            ("--only", !self.only.is_empty()),
+            ("--skip", !self.skip.is_empty()),
+            ("--no-trials", self.no_trials),
+            ("--limit", self.limit.is_some()),
+            ("--timeout", self.timeout.is_some()),
+            ("--schema", !self.schemas.is_empty()),
+        ];
+        options
+            .into_iter()
+            .find(|(_, is_given)| *is_given)
+            .map(|(name, _)| name)
+            .or_else(|| self.access.given())
+    }
+}
+
+fn probe_server(args: &ProbeArgs, endpoint: &Endpoint) -> Result<Status, Status> {
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
     check_outputs(args)?;
     let known = args.known.read()?;
-    let options = options(args, &definitions)?;
+    let options = options(args, endpoint, &definitions)?;
     let record = recording(args)?;
     interrupt::install(&options)?;
     // The last line, even if reporting fails.
     let mut danger = Danger::new(&options.stop);
     let progress = Progress::steps("steps");
     let started = Instant::now();
-    let mut probed =
-        probe(&args.endpoint, &options, &definitions, record, &|done, all| progress.set(done, all));
+    let mut probed = probe(endpoint, &options, &definitions, record, &|done, all| progress.set(done, all));
     let elapsed = started.elapsed().as_millis();
     drop(progress);
     danger.known = probed.danger.take();
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !options.stop.is_requested() && danger.known.is_none();
-    Ok(report(args, probed, &definitions, &required, known, settings, elapsed))
+    Ok(report_server(args, probed, &definitions, &required, known, settings, elapsed))
 }
 
-/// Prints and writes the reports.
-fn report(
+/// Prints and writes the reports about a server.
+fn report_server(
     args: &ProbeArgs,
     probed: Probed,
     definitions: &Definitions,
     required: &[&'static Rule],
-    mut known: Known,
+    known: Known,
     settings: Settings,
     elapsed: u128,
 ) -> Status {
-    let path = args.endpoint.to_string();
+    let path = args.target.to_string();
     let unreadable: Vec<Unreadable> =
         probed.failure.into_iter().map(|message| Unreadable { path: path.clone(), message }).collect();
     for unreadable in &unreadable {
@@ -168,7 +218,30 @@ fn report(
     // If nothing came from the server, the failure says everything.
     let is_silent = !unreadable.is_empty() && result.records == 0;
     let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed };
-    let mut checked = (!is_silent).then_some(checked);
+    let checked = (!is_silent).then_some(checked);
+    let status = report(args, checked, unreadable, definitions, required, known, settings);
+    match (probed.unrecorded, &args.record) {
+        (Some(error), Some(path)) => {
+            terminal::error(
+                format_args!("{}: can't write the recording: {error}", terminal::path(path)),
+                None,
+            );
+            status.max(Status::Unreadable)
+        }
+        _ => status,
+    }
+}
+
+/// Prints and writes the reports.
+fn report(
+    args: &ProbeArgs,
+    mut checked: Option<CheckedCapture>,
+    unreadable: Vec<Unreadable>,
+    definitions: &Definitions,
+    required: &[&'static Rule],
+    mut known: Known,
+    settings: Settings,
+) -> Status {
     let known_status = known.compare(Scope::Rules, |lists, sums| {
         for file in &unreadable {
             count_unread(lists, sums, &file.path);
@@ -189,17 +262,7 @@ fn report(
     let (totals, command) = (outputs.finish(), super::command());
     let reasons = uncovered(required, &totals);
     let report = Report::of_totals(Action::Probe, command, &definitions.name, totals, unreadable, reasons);
-    let status = outputs.deliver(&report.with_stale(known.stale)).max(known_status);
-    match (probed.unrecorded, &args.record) {
-        (Some(error), Some(path)) => {
-            terminal::error(
-                format_args!("{}: can't write the recording: {error}", terminal::path(path)),
-                None,
-            );
-            status.max(Status::Unreadable)
-        }
-        _ => status,
-    }
+    outputs.deliver(&report.with_stale(known.stale)).max(known_status)
 }
 
 /// Checks that no output replaces an input. Errors are printed.
@@ -215,18 +278,19 @@ fn check_outputs(args: &ProbeArgs) -> Result<(), Status> {
 }
 
 /// The options of the probe. Unknown names are printed as errors.
-fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Status> {
-    let selection = Selection::new(args.only.clone(), args.skip.clone(), definitions, &args.endpoint);
+fn options(args: &ProbeArgs, endpoint: &Endpoint, definitions: &Definitions) -> Result<Options, Status> {
+    let selection = Selection::new(args.only.clone(), args.skip.clone(), definitions, endpoint);
     let selection = selection.map_err(|problem| {
         terminal::error(problem, None);
         Status::Usage
     })?;
     let selection = if args.no_trials { selection.without_trials() } else { selection };
     let trust = args.access.trust()?;
-    let options = Options::new(args.observe, args.access.login.clone(), args.uav.clone());
+    let observe = args.observe.unwrap_or(OBSERVE);
+    let options = Options::new(observe, args.access.login.clone(), args.uav.clone());
     Ok(Options {
         limit: args.limit.unwrap_or(options.limit),
-        timeout: args.timeout,
+        timeout: args.timeout.unwrap_or(options.timeout),
         landing_limit: args.landing_limit.unwrap_or(options.landing_limit),
         trust,
         selection,

@@ -27,6 +27,16 @@ impl Progress {
         self.0.set_position(done as u64);
     }
 
+    /// Replaces the text beside the bar.
+    pub(super) fn describe(&self, text: String) {
+        self.0.set_message(text);
+    }
+
+    /// Creates a bar for a period of time. `describe` sets the text beside it.
+    pub(super) fn time() -> Self {
+        Self::shown("{wide_bar} {msg}, {elapsed}")
+    }
+
     /// Creates a bar that counts bytes up to a total.
     pub(super) fn bytes(total: u64) -> Self {
         let progress = Self::shown("{wide_bar} {bytes} of {total_bytes} ({bytes_per_sec}), {elapsed}");

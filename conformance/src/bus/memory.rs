@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use super::{Bus, Encoding, Event, Publisher, Received, Topic};
-use crate::model::{Endpoint, EndpointKind, Qos};
+use super::{Bus, Encoding, Event, Publisher, Received, Topic, now};
+use crate::model::{Durability, Endpoint, EndpointKind, Qos};
 
 /// A network that connects buses.
 #[derive(Clone, Default)]
@@ -104,7 +104,7 @@ impl Bus for MemoryBus {
             is_new
         };
         if is_new {
-            let weakest = Qos { durability: crate::model::Durability::Volatile, ..Qos::PX4 };
+            let weakest = Qos { durability: Durability::Volatile, ..Qos::PX4 };
             self.announce(EndpointKind::Subscriber, topic, &weakest);
         }
         Ok(())
@@ -118,7 +118,7 @@ impl Bus for MemoryBus {
 
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
         let topic = self.published.get(publisher.0).ok_or("an unknown publisher")?.clone();
-        let (time, payload) = (crate::vehicle::now(), payload.to_vec());
+        let (time, payload) = (now(), payload.to_vec());
         let message = Received { topic, schema: None, encoding: Encoding::Cdr, time, payload };
         self.network.send(&Event::Message(message), self.index);
         Ok(())

@@ -5,7 +5,6 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use ::mcap::records::MessageHeader;
 
@@ -177,10 +176,4 @@ impl Recorder {
         self.schemas.insert(key, id);
         Ok(id)
     }
-}
-
-/// The time in ns since 1970.
-pub(crate) fn now() -> u64 {
-    let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }

@@ -1,0 +1,36 @@
+//! The target of a probe.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::bus::Address;
+use crate::flockwave::transport::endpoint::Endpoint;
+
+/// A Flockwave server or a PX4 vehicle.
+#[derive(Clone, Debug)]
+pub(super) enum Target {
+    /// A Flockwave server.
+    Server(Endpoint),
+    /// A bus with a PX4 vehicle.
+    Vehicle(Address),
+}
+
+impl FromStr for Target {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if Address::is_meant(text) {
+            return text.parse().map(Self::Vehicle);
+        }
+        text.parse().map(Self::Server).map_err(|error: <Endpoint as FromStr>::Err| error.to_string())
+    }
+}
+
+impl fmt::Display for Target {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Server(endpoint) => endpoint.fmt(formatter),
+            Self::Vehicle(address) => address.fmt(formatter),
+        }
+    }
+}

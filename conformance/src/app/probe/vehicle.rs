@@ -1,0 +1,107 @@
+//! `uavspec probe` for PX4 vehicles.
+
+use std::net::IpAddr;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use globset::{Glob, GlobSet, GlobSetBuilder};
+use uavspec_codegen::emit::docs::markdown::plural;
+
+use super::{ProbeArgs, check_outputs, report};
+use crate::app::progress::Progress;
+use crate::app::test::seconds;
+use crate::app::{Status, interrupt, library};
+use crate::bus::{self, Address};
+use crate::check::Checked;
+use crate::probe;
+use crate::report::CheckedCapture;
+use crate::text::terminal;
+use crate::vehicle::{Options, Probed, probe};
+
+/// The default time to listen.
+const TIME: Duration = Duration::from_secs(20);
+
+/// Arguments for PX4 vehicles.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options for PX4 vehicles")]
+pub(super) struct VehicleArgs {
+    /// Time to listen to a vehicle (default: 20).
+    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    time: Option<Duration>,
+    /// Topics to receive, as a glob pattern (repeatable; default: all).
+    ///
+    /// For example, '/fmu/out/*'. Publishers and subscribers of other topics are compared as well.
+    #[arg(long, value_name = "GLOB", value_delimiter = ',')]
+    topics: Vec<Glob>,
+    /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
+    #[arg(long, value_name = "ADDRESS")]
+    peer: Vec<IpAddr>,
+}
+
+impl VehicleArgs {
+    /// The first given option.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--for", self.time.is_some()),
+            ("--topics", !self.topics.is_empty()),
+            ("--peer", !self.peer.is_empty()),
+        ];
+        options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+    }
+
+    /// The patterns of `--topics`; `None` for all topics.
+    fn selected(&self) -> Option<GlobSet> {
+        let mut set = GlobSetBuilder::new();
+        for glob in &self.topics {
+            set.add(glob.clone());
+        }
+        // Each pattern is valid.
+        set.build().ok().filter(|_| !self.topics.is_empty())
+    }
+}
+
+pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Status, Status> {
+    let library = library(args.definitions.as_deref(), None, &[])?;
+    let required = args.require.rules()?;
+    check_outputs(args)?;
+    let known = args.known.read()?;
+    let stop = probe::Options::new(Duration::ZERO, None, Vec::new());
+    interrupt::install(&stop)?;
+    let failed = |problem: String| {
+        terminal::error(format_args!("{address}: {problem}"), None);
+        Status::Unreadable
+    };
+    let mut bus = bus::connect(address, &args.vehicle.peer).map_err(failed)?;
+    let is_stopped = move || stop.stop.is_requested();
+    let options = Options {
+        time: args.vehicle.time.unwrap_or(TIME),
+        topics: args.vehicle.selected(),
+        record: args.record.clone(),
+        is_stopped: Box::new(is_stopped),
+    };
+    let started = Instant::now();
+    let progress = Progress::time();
+    let total = usize::try_from(options.time.as_millis()).unwrap_or(usize::MAX);
+    let probed = probe(&mut *bus, &library, &options, &|state| {
+        progress.set(usize::try_from(state.elapsed.as_millis()).unwrap_or(total).min(total), total);
+        progress.describe(format!(
+            "{}, {}, {}",
+            plural(state.topics as u64, "topic"),
+            plural(state.messages, "message"),
+            plural(state.findings as u64, "finding"),
+        ));
+    });
+    drop(progress);
+    let probed = probed.map_err(|error| failed(format!("can't write the recording: {error}")))?;
+    let Probed { checked: Checked { result, definitions }, notes, cut_short } = probed;
+    let checked = CheckedCapture {
+        path: address.to_string(),
+        result,
+        notes,
+        requests: Vec::new(),
+        cut_short: cut_short.into_iter().collect(),
+        elapsed: started.elapsed().as_millis(),
+    };
+    let settings = args.outcome.settings();
+    Ok(report(args, Some(checked), Vec::new(), &definitions, &required, known, settings))
+}

@@ -1,0 +1,182 @@
+//! Tests of probes over a bus within the process.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::thread;
+
+use uavspec_codegen::schema::fingerprint::ros_name;
+use uavspec_runtime::cdr::ByteOrder;
+
+use super::*;
+use crate::bus::memory::{MemoryBus, Network};
+use crate::model::{Findings, Qos, Reliability};
+use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
+use crate::rules::sample::Flight;
+
+/// The time for which these tests listen.
+const TIME: Duration = Duration::from_millis(2_200);
+
+/// The time for messages after the release was chosen, even on a slow machine.
+const LONG: Duration = Duration::from_secs(5);
+
+/// Publishes the messages of a flight on these topics.
+fn fly(bus: &mut MemoryBus, flight: &Flight<'_>, is_flown: impl Fn(&str) -> bool) {
+    let schema = &flight.definitions.schema;
+    let publishers: Vec<_> = flight
+        .topics
+        .iter()
+        .map(|topic| {
+            let message = schema.message(topic.message);
+            let topic = Topic {
+                name: format!("/fmu/out/{}", topic.name).into(),
+                type_name: ros_name(schema, message).into(),
+                type_hash: Some(message.type_hash.as_str().into()),
+            };
+            is_flown(&message.name).then(|| bus.advertise(&topic, &Qos::PX4).expect("a publisher"))
+        })
+        .collect();
+    // The probe subscribes when it has discovered the publishers.
+    thread::sleep(Duration::from_millis(200));
+    for sent in &flight.messages {
+        let Some(publisher) = publishers[sent.topic] else { continue };
+        let payload = flight.message(sent).expect("a message").to_cdr(ByteOrder::LittleEndian);
+        bus.publish(publisher, &payload.expect("a payload")).expect("published");
+    }
+}
+
+fn options(time: Duration, record: Option<&Path>) -> Options {
+    let record = record.map(Path::to_path_buf);
+    Options { time, topics: None, record, is_stopped: Box::new(|| false) }
+}
+
+/// The numbers of findings, by rule and subject.
+fn counts(findings: &Findings) -> BTreeMap<(&'static str, String), u64> {
+    findings.groups().map(|group| ((group.rule.id, group.subject.clone()), group.count)).collect()
+}
+
+/// Probes while `act` uses the network. Also checks the recording, which must have the same findings.
+fn probed(time: Duration, act: impl FnOnce(&Network) + Send) -> Probed {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("run.mcap");
+    let (network, library) = (Network::default(), Library::built_in());
+    let mut bus = network.connect("/probe");
+    let found = thread::scope(|scope| {
+        scope.spawn(|| act(&network));
+        probe(&mut bus, &library, &options(time, Some(&file)), &|_| {}).expect("a result")
+    });
+    let recorded = check_path(&file, None, &library, &|input| input).expect("a recording");
+    let [live, later] = [&found.checked, &recorded];
+    assert_eq!(counts(&live.result.findings), counts(&later.result.findings));
+    assert_eq!(live.definitions.name, later.definitions.name);
+    assert_eq!(live.result.records, later.result.records);
+    let texts = |checked: &Checked| {
+        let groups = checked.result.findings.groups();
+        let texts = groups.flat_map(|group| group.examples.clone());
+        texts.map(|(location, detail)| format!("{location}: {detail} {:?}", detail.time)).collect::<Vec<_>>()
+    };
+    assert_eq!(texts(live), texts(later));
+    found
+}
+
+fn outcome(probed: Probed) -> OutcomeKind {
+    let Probed { checked: Checked { result, definitions }, notes, cut_short } = probed;
+    let capture = CheckedCapture {
+        path: "dds://0".to_owned(),
+        result,
+        notes,
+        requests: Vec::new(),
+        cut_short: cut_short.into_iter().collect(),
+        elapsed: 1,
+    };
+    Subject::from_capture(capture, &definitions, &Settings::default()).outcome.kind
+}
+
+#[test]
+fn a_healthy_vehicle_conforms() {
+    let found = probed(TIME, |network| {
+        let definitions = Definitions::built_in();
+        fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
+        thread::sleep(TIME);
+    });
+    assert_eq!(counts(&found.checked.result.findings), BTreeMap::new());
+    assert!(found.checked.result.records > 100, "{}", found.checked.result.records);
+    assert_eq!((&found.notes, &found.cut_short), (&Vec::new(), &None));
+    assert_eq!(outcome(found), OutcomeKind::Conforms);
+}
+
+#[test]
+fn a_reliable_subscriber_of_a_best_effort_publisher_is_found() {
+    let found = probed(TIME, |network| {
+        let definitions = Definitions::built_in();
+        let application = network.connect("/ground_station");
+        let topic = Topic {
+            name: "/fmu/out/arming_check_request_v1".into(),
+            type_name: "px4_msgs/msg/ArmingCheckRequest".into(),
+            type_hash: None,
+        };
+        let qos = Qos { reliability: Reliability::Reliable, ..Qos::PX4 };
+        application.announce(EndpointKind::Subscriber, &topic, &qos);
+        let flight = Flight::new(&definitions);
+        let mut flight = flight.clone();
+        for topic in &mut flight.topics {
+            if topic.name == "arming_check_request" {
+                topic.name += "_v1";
+            }
+        }
+        fly(&mut network.connect("/px4"), &flight, |name| name == "ArmingCheckRequest");
+        thread::sleep(TIME);
+    });
+    let groups: Vec<_> = found.checked.result.findings.groups().collect();
+    assert_eq!(groups.len(), 1, "{groups:?}");
+    assert_eq!((groups[0].rule.id, groups[0].count), ("PX-QOS-01", 1));
+    let (_, detail) = &groups[0].examples[0];
+    assert_eq!(
+        detail.message,
+        "subscriber `/ground_station` requests reliability reliable, but publisher `/px4` offers best effort: \
+         the subscriber receives nothing"
+    );
+}
+
+#[test]
+fn topics_that_appear_late_choose_the_release_again() {
+    let found = probed(LONG, |network| {
+        let library = Library::release("px4@1.15").expect("a release");
+        let flight = Flight::new(library.base());
+        let mut px4 = network.connect("/px4");
+        fly(&mut px4, &flight, |name| name == "ArmingCheckRequest");
+        thread::sleep(START);
+        fly(&mut px4, &flight, |name| name == "VehicleStatus" || name == "BatteryStatus");
+    });
+    assert_eq!(found.checked.definitions.name, "PX4 1.15");
+    assert_eq!(counts(&found.checked.result.findings), BTreeMap::new());
+}
+
+#[test]
+fn only_selected_topics_are_received() {
+    let network = Network::default();
+    let mut bus = network.connect("/probe");
+    let definitions = Definitions::built_in();
+    let library = Library::built_in();
+    let topics = globset::GlobSetBuilder::new()
+        .add(globset::Glob::new("/fmu/out/failsafe*").expect("a pattern"))
+        .build()
+        .expect("patterns");
+    let found = thread::scope(|scope| {
+        scope.spawn(|| fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true));
+        probe(&mut bus, &library, &Options { topics: Some(topics), ..options(TIME, None) }, &|_| {})
+            .expect("a result")
+    });
+    let flights = Flight::new(&definitions);
+    assert_eq!(found.checked.result.records, flights.counts()["failsafe_flags"]);
+}
+
+#[test]
+fn lost_messages_make_the_outcome_incomplete() {
+    let found = probed(TIME, |network| {
+        let definitions = Definitions::built_in();
+        fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
+        network.send(&Event::Lost { topic: "/fmu/out/failsafe_flags".into(), count: 7 }, usize::MAX);
+        thread::sleep(TIME);
+    });
+    assert_eq!(outcome(found), OutcomeKind::Incomplete);
+}
