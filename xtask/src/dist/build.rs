@@ -74,20 +74,18 @@ pub(super) fn build(
     Ok(Built { platform, path: target.join(platform.target).join(PROFILE).join("uavspec") })
 }
 
-/// The compiler flags, separated as cargo requires it. They replace the paths in the messages of panics.
+/// The compiler flags, separated as cargo requires it. They replace the paths in the messages of panics, and pack the
+/// relocations, which otherwise take almost a megabyte.
 fn flags(root: &Path, target: &Path) -> Result<OsString, String> {
     let home = match env::var_os("CARGO_HOME") {
         Some(home) => PathBuf::from(home),
         None => env::home_dir().ok_or("the home folder is unknown\n  help: set CARGO_HOME")?.join(".cargo"),
     };
-    let mut flags = OsString::new();
+    let mut flags = OsString::from("-Clink-arg=--pack-dyn-relocs=relr");
     // The last replacement that matches applies.
     for (path, name) in [(root, "/uavspec"), (target, "/target"), (&home, "/cargo")] {
         let path = fs::canonicalize(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        if !flags.is_empty() {
-            flags.push("\u{1f}");
-        }
-        flags.push("--remap-path-prefix=");
+        flags.push("\u{1f}--remap-path-prefix=");
         flags.push(path);
         flags.push("=");
         flags.push(name);
