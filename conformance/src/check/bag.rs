@@ -10,6 +10,7 @@ mod clues;
 mod folder;
 mod json_schema;
 mod mcap;
+mod network;
 mod open;
 mod schemas;
 mod sqlite;
@@ -31,6 +32,8 @@ pub(super) use self::mcap::KIND as MCAP;
 pub(crate) use self::mcap::LiveBag;
 #[cfg(test)]
 pub(crate) use self::mcap::check_mcap;
+use self::network::Network;
+pub use self::network::{BusEndpoint, BusTopic};
 pub use self::open::{BagChannel, Basis, CheckStatus};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
@@ -43,7 +46,7 @@ use super::topic::{definition_of, is_same_type};
 use super::{CaptureResult, CheckRun, Logged, Summary};
 use crate::definitions::Definitions;
 use crate::json::Tree;
-use crate::model::{Detail, Extent, Findings, Location, Message};
+use crate::model::{Detail, Endpoint, Extent, Findings, Location, Message};
 use crate::px4::comparison::{Comparison, compare_declared};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
 use crate::rules::px4;
@@ -119,6 +122,8 @@ struct BagContent {
     /// The accepted deviations of JSON messages.
     dialects: Dialects,
     releases: Vec<ReleaseMatch>,
+    /// The topics of a live vehicle, with their publishers and subscribers.
+    bus: Vec<BusTopic>,
 }
 
 /// The channels of a bag, with their messages. The files of a bag are read one after the other.
@@ -133,6 +138,8 @@ struct Channels<'d> {
     /// Created when the first JSON channel is opened.
     plans: Option<Plans>,
     dialects: Dialects,
+    /// The publishers and subscribers of a live vehicle.
+    network: Network,
     /// The field values of the current JSON message, in memory layout.
     values: Vec<u8>,
 }
@@ -147,6 +154,7 @@ impl<'d> Channels<'d> {
             steps: 0,
             plans: None,
             dialects: Dialects::default(),
+            network: Network::default(),
             values: Vec::new(),
         }
     }
@@ -192,6 +200,12 @@ impl<'d> Channels<'d> {
         self.run.record_at(logged.time / 1_000);
         self.run.logged = Some(logged);
         self.run.records
+    }
+
+    /// Handles a publisher or subscriber of a live vehicle.
+    fn endpoint(&mut self, endpoint: &Endpoint, location: Location) {
+        self.network.add(endpoint);
+        self.run.endpoint(endpoint, location);
     }
 
     /// The findings so far.
@@ -407,10 +421,12 @@ impl<'d> Channels<'d> {
         let releases = release_matches(self.run.definitions, &topics.map(Open::compared));
         let (mut channels, mut parts) = (Vec::new(), Parts::default());
         for open in std::mem::take(&mut self.open) {
-            channels.push(open.close(self.plans.as_ref(), &mut self.run.findings, &mut parts));
+            let definitions = self.run.definitions;
+            channels.push(open.close(self.plans.as_ref(), definitions, &mut self.run.findings, &mut parts));
         }
         channels.sort_by(|left, right| left.topic.cmp(&right.topic));
-        let content = BagContent { channels, dialects: self.dialects, releases };
+        let bus = self.network.topics(&channels);
+        let content = BagContent { channels, dialects: self.dialects, releases, bus };
         self.run.finish(bytes, summarize(content), Unit::Topic, parts)
     }
 }

@@ -243,6 +243,11 @@ impl Tally {
             self.timed += 1;
         }
     }
+
+    /// The mean number of records per second, with three decimals.
+    pub(super) fn rate(&self) -> Option<f64> {
+        rate(self.first, self.last, self.timed)
+    }
 }
 
 impl Parts {
@@ -320,11 +325,7 @@ impl Part {
         if self.result < PartResult::Undecodable && !self.records.is_full() {
             self.result = PartResult::Undecodable;
         }
-        let (Some(first), Some(last)) = (self.first, self.last) else { return };
-        #[allow(clippy::cast_precision_loss)] // a rate needs no more than 15 digits
-        if last > first {
-            self.rate = Some(((self.timed - 1) as f64 * 1e9 / (last - first) as f64).round() / 1e3);
-        }
+        self.rate = rate(self.first, self.last.unwrap_or_default(), self.timed);
     }
 
     fn text(&self) -> String {
@@ -332,6 +333,13 @@ impl Part {
         let (name, records) = (shown(&self.name), plural(self.records.total.unwrap_or_default(), "record"));
         format!("{name}: {}, {records}{rate}", self.result.phrase())
     }
+}
+
+/// The mean number of records per second, with three decimals.
+#[allow(clippy::cast_precision_loss)] // a rate needs no more than 15 digits
+fn rate(first: Option<u64>, last: u64, timed: u64) -> Option<f64> {
+    let time = last.checked_sub(first?).filter(|time| *time > 0)?;
+    Some(((timed - 1) as f64 * 1e9 / time as f64).round() / 1e3)
 }
 
 impl Coverage {

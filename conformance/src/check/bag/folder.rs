@@ -44,7 +44,7 @@ pub(in crate::check) fn check_folder(
         let text = format!("{FILE_NAME} counts {expected} messages, but the files contain {found}");
         bag.corruption("", Location::Message(found), &text, Extent::WithGaps);
     }
-    Ok(bag.finish(bytes, |BagContent { channels, dialects, releases }| {
+    Ok(bag.finish(bytes, |BagContent { channels, dialects, releases, .. }| {
         Summary::Bag(BagSummary { channels, dialects, releases, ..summary })
     }))
 }

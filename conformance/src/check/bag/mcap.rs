@@ -33,8 +33,8 @@ fn check(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
 /// Finishes the check of a single file.
 fn finish(channels: Channels<'_>, file: McapFile<'_>, bytes: u64) -> CaptureResult {
     let McapFile { profile, library, .. } = file;
-    channels.finish(bytes, |BagContent { channels, dialects, releases }| {
-        Summary::Mcap(McapSummary { profile, library, channels, dialects, releases })
+    channels.finish(bytes, |BagContent { channels, dialects, releases, bus }| {
+        Summary::Mcap(McapSummary { profile, library, channels, dialects, releases, bus })
     })
 }
 
@@ -223,7 +223,7 @@ impl<'c> McapFile<'c> {
             ENDPOINT => {
                 self.num_endpoints += 1;
                 match Endpoint::from_values(&values) {
-                    Some(endpoint) => bag.run.endpoint(&endpoint, Location::Endpoint(self.num_endpoints)),
+                    Some(endpoint) => bag.endpoint(&endpoint, Location::Endpoint(self.num_endpoints)),
                     None => self.corruption(bag, byte, "invalid values of an endpoint", Extent::WithGaps),
                 }
             }

@@ -9,6 +9,7 @@ use super::cdr::CdrChecker;
 use crate::check::coverage::{PartResult, Parts, Share, Tally};
 use crate::check::release::ComparedTopic;
 use crate::check::topic::topic_of;
+use crate::definitions::Definitions;
 use crate::model::{Channel, Findings, Location};
 use crate::px4::comparison::{Comparison, Differences};
 use crate::px4::json::Plans;
@@ -30,6 +31,10 @@ pub struct BagChannel {
     pub has_other_hash: bool,
     /// The extent to which the channel was checked.
     pub status: CheckStatus,
+    /// The release of the definition that the messages were checked against, such as `px4@1.16`.
+    pub release: Option<String>,
+    /// The mean number of messages per second, with three decimals.
+    pub rate: Option<f64>,
 }
 
 /// The extent to which a channel was checked.
@@ -196,10 +201,12 @@ impl Open {
     pub(super) fn close(
         self,
         plans: Option<&Plans>,
+        definitions: &Definitions,
         findings: &mut Findings,
         parts: &mut Parts,
     ) -> BagChannel {
         let Tally { records, checked, .. } = self.tally;
+        let release = self.identity.definition.and_then(|id| definitions.release_of(id));
         let mut other_cdr = 0;
         match (self.reading, plans) {
             (Reading::Cdr(check), _) => other_cdr = check.close(findings),
@@ -219,6 +226,8 @@ impl Open {
             other_cdr,
             has_other_hash: self.has_other_hash,
             status: self.status,
+            release: release.map(|release| release.label.clone()),
+            rate: self.tally.rate(),
         }
     }
 }

@@ -32,7 +32,7 @@ fn check_sqlite(mut source: Source<'_>, run: CheckRun<'_>) -> CaptureResult {
     let mut bag = Channels::new(run);
     let mut summary = BagSummary { storage: "sqlite3".to_owned(), num_files: 1, ..BagSummary::default() };
     let bytes = read_source(&mut source, &mut bag, BagFile::SINGLE, &mut summary.distribution);
-    bag.finish(bytes, |BagContent { channels, dialects, releases }| {
+    bag.finish(bytes, |BagContent { channels, dialects, releases, .. }| {
         Summary::Bag(BagSummary { channels, dialects, releases, ..summary })
     })
 }

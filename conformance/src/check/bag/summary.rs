@@ -3,6 +3,7 @@
 use serde::{Serialize, Serializer};
 use uavspec_codegen::emit::docs::markdown::plural;
 
+use super::network::{BusTopic, network_line};
 use super::open::{BagChannel, Basis, CheckStatus};
 use crate::check::release::{ReleaseMatch, release_lines};
 use crate::check::{Describe, Line, List, Totals};
@@ -26,6 +27,9 @@ pub struct McapSummary {
     pub dialects: Dialects,
     /// The releases that the schemas were compared with.
     pub releases: Vec<ReleaseMatch>,
+    /// The topics of a live vehicle, with their publishers and subscribers. Empty unless the file is a recording of
+    /// `probe`.
+    pub bus: Vec<BusTopic>,
 }
 
 /// The summary of a rosbag2 bag: a `SQLite` file, or a folder with `metadata.yaml`.
@@ -150,7 +154,9 @@ impl Describe for McapSummary {
     }
 
     fn lines(&self) -> Vec<Line> {
-        lines(&self.channels, self.dialects, &self.releases)
+        let mut lines = lines(&self.channels, self.dialects, &self.releases);
+        lines.extend(network_line(&self.bus));
+        lines
     }
 }
 

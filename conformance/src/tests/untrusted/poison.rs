@@ -8,8 +8,8 @@ use std::sync::OnceLock;
 use uavspec_codegen::translation::Translations;
 
 use crate::check::{
-    BagChannel, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary, McapSummary, OtherRelease,
-    Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, check_capture,
+    BagChannel, BusEndpoint, BusTopic, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary,
+    McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, check_capture,
 };
 use crate::convert::{Action as Treated, ConversionReport, Loss, TopicReport};
 use crate::definitions::Definitions;
@@ -102,6 +102,18 @@ fn summaries(text: &str) -> Vec<Summary> {
         other_cdr: 1,
         has_other_hash: false,
         status,
+        release: Some(name()),
+        rate: Some(1.0),
+    };
+    let endpoint = || BusEndpoint { node: Some(name()), qos: Some(name()) };
+    let bus = || BusTopic {
+        topic: name(),
+        type_name: name(),
+        type_hash: Some(name()),
+        release: Some(name()),
+        rate: Some(1.0),
+        publishers: vec![endpoint()],
+        subscribers: vec![endpoint()],
     };
     let releases = || {
         let others = vec![OtherRelease { topic: name(), release: name() }];
@@ -130,6 +142,7 @@ fn summaries(text: &str) -> Vec<Summary> {
             channels: vec![channel(CheckStatus::Undefined), channel(CheckStatus::Unsupported)],
             dialects: Dialects::default(),
             releases: releases(),
+            bus: vec![bus()],
         }),
         Summary::Flockwave(FlockwaveSummary {
             connections: 1,
