@@ -20,6 +20,7 @@ mod summary;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::hash::{DefaultHasher, Hasher as _};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use uavspec_codegen::schema::MessageId;
 use uavspec_codegen::source::Span;
@@ -236,8 +237,12 @@ impl<'d> Channels<'d> {
     fn read(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
         let definitions = self.run.definitions;
         let is_json = declared.encoding == "json";
-        let (basis, stated, version) =
+        let (mut basis, stated, version) =
             self.schemas.compared(declared.schema, message_id, is_json, definitions);
+        // The type hash covers the names and types of all fields.
+        if basis == Basis::NoSchema && self.has_defined_hash(declared, message_id) {
+            basis = Basis::Compared(Arc::new(Comparison::Equal));
+        }
         (open.status, open.identity.version) = (CheckStatus::Checked(basis), version);
         self.run.opened(&open.identity.channel());
         if is_json {
@@ -302,6 +307,14 @@ impl<'d> Channels<'d> {
         self.steps += check.steps();
         open.fields = Some(check.fields(definitions).into());
         Some(check)
+    }
+
+    /// True if a channel states the type hash of its definition.
+    fn has_defined_hash(&self, declared: &Declared, message_id: MessageId) -> bool {
+        let definitions = self.run.definitions;
+        let mut hashes = definitions.type_hashes(definitions.schema.message(message_id));
+        let stated = declared.metadata.get(HASH);
+        stated.is_some_and(|stated| hashes.any(|hash| hash.eq_ignore_ascii_case(stated)))
     }
 
     /// Compares the hash in a channel's metadata with the hash of its definition.

@@ -8,6 +8,7 @@ use uavspec_codegen::emit::docs::markdown::plural;
 use super::open::BagChannel;
 use crate::check::Line;
 use crate::model::{Endpoint, EndpointKind};
+use crate::text::shown;
 
 /// The maximum number of topics.
 const MAX_TOPICS: usize = 10_000;
@@ -111,7 +112,7 @@ pub(super) fn network_line(topics: &[BusTopic]) -> Option<Line> {
     let (publishers, subscribers) =
         (count(|topic| &topic.publishers, "publisher"), count(|topic| &topic.subscribers, "subscriber"));
     let text = format!("{}, {publishers}, {subscribers}", plural(topics.len() as u64, "topic"));
-    let items = topics.iter().map(|topic| (topic.topic.as_str(), topic.description()));
+    let items = topics.iter().map(|topic| (topic.topic.as_str(), shown(&topic.description())));
     (!topics.is_empty()).then(|| Line::new("bus", text).list("topic", items))
 }
 

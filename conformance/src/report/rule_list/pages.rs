@@ -23,7 +23,7 @@ const TITLE: &str = "Rules of check, test and probe";
 pub(crate) const CONTENTS: &str = "conformance/contents.md";
 
 /// The topics, and the families of their rules: the first parts of the ids.
-const TOPICS: [(&str, &[&str]); 13] = [
+const TOPICS: [(&str, &[&str]); 14] = [
     ("Message envelope", &["FW-ENV"]),
     ("Acknowledgments and login", &["FW-ACK", "FW-AUTH"]),
     ("Long operations", &["FW-ASY"]),
