@@ -4,6 +4,8 @@
 //! `/fmu/out/vehicle_status`, and the type `px4_msgs/msg/VehicleStatus`.
 
 mod address;
+#[cfg(feature = "dds")]
+mod dds;
 #[cfg(test)]
 pub(crate) mod memory;
 #[cfg(any(feature = "dds", feature = "zenoh", test))]
@@ -29,6 +31,9 @@ pub(crate) const MAX_ENDPOINTS: usize = 10_000;
 pub(crate) fn connect(address: &Address, peers: &[IpAddr]) -> Result<Box<dyn Bus>, String> {
     let _ = peers;
     match address {
+        #[cfg(feature = "dds")]
+        Address::Dds { domain } => dds::connect(*domain, peers),
+        #[cfg(not(feature = "dds"))]
         Address::Dds { .. } => Err(missing("dds")),
         Address::Server { scheme, .. } => Err(missing(scheme.name())),
     }

@@ -1,3 +1,4 @@
 //! Tests of the transports with peers that others wrote. They require the feature `live` and Python.
 
+mod dds;
 mod python;

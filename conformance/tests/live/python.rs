@@ -38,8 +38,14 @@ impl Peer {
     pub(crate) fn start(script: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Self {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/live/peers").join(script);
         let mut command = Command::new(python());
-        command.arg(path).args(arguments).envs(environment.iter().copied()).stdin(Stdio::null());
-        Self(command.spawn().unwrap_or_else(|error| panic!("{script}: {error}")))
+        command.arg(path).args(arguments).envs(environment.iter().copied());
+        Self::run(&mut command)
+    }
+
+    /// Runs a program.
+    pub(crate) fn run(command: &mut Command) -> Self {
+        let child = command.stdin(Stdio::null()).spawn();
+        Self(child.unwrap_or_else(|error| panic!("{command:?}: {error}")))
     }
 }
 
