@@ -6,10 +6,16 @@
 mod address;
 #[cfg(feature = "dds")]
 mod dds;
+#[cfg(feature = "foxglove")]
+mod foxglove;
 #[cfg(test)]
 pub(crate) mod memory;
 #[cfg(any(feature = "dds", feature = "zenoh", test))]
 mod queue;
+#[cfg(feature = "rosbridge")]
+mod rosbridge;
+#[cfg(any(feature = "foxglove", feature = "rosbridge"))]
+mod websocket;
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -35,8 +41,22 @@ pub(crate) fn connect(address: &Address, peers: &[IpAddr]) -> Result<Box<dyn Bus
         Address::Dds { domain } => dds::connect(*domain, peers),
         #[cfg(not(feature = "dds"))]
         Address::Dds { .. } => Err(missing("dds")),
+        #[cfg(feature = "foxglove")]
+        Address::Server { scheme: Scheme::Foxglove, host, port, .. } => {
+            Ok(Box::new(foxglove::Foxglove::connect(&server(host, *port))?))
+        }
+        #[cfg(feature = "rosbridge")]
+        Address::Server { scheme: Scheme::Rosbridge, host, port, .. } => {
+            Ok(Box::new(rosbridge::Rosbridge::connect(&server(host, *port))?))
+        }
         Address::Server { scheme, .. } => Err(missing(scheme.name())),
     }
+}
+
+/// The address of a server.
+#[cfg(any(feature = "foxglove", feature = "rosbridge"))]
+fn server(host: &str, port: u16) -> crate::net::Address {
+    crate::net::Address { host: host.to_owned(), port }
 }
 
 /// The problem that a transport isn't part of the program.

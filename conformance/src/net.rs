@@ -9,3 +9,4 @@ pub(crate) mod tls;
 pub(crate) use self::address::Address;
 pub(crate) use self::connection::{Connection, explain, resolve};
 pub(crate) use self::stream::Stream;
+pub(crate) use self::timed::is_silence;

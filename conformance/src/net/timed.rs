@@ -4,6 +4,11 @@ use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::Instant;
 
+/// True if an error only means that nothing arrived in time.
+pub(crate) fn is_silence(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
+}
+
 /// A stream with a deadline, which applies even if single bytes keep arriving.
 pub(super) struct Timed {
     stream: TcpStream,

@@ -447,12 +447,14 @@ fn unpacks_separately_compressed_messages() {
     assert!(message[1].ends_with("the compressed message has more than 67108864 bytes"), "{message:?}");
 }
 
-/// Foxglove writes bytes as base64. Invalid JSON counts as corruption.
+/// Foxglove writes bytes as base64. Invalid JSON counts as corruption, and so does JSON that is nested too deeply.
 #[test]
 fn reads_json_dialects_and_reports_corrupt_json() {
     let (name, _) = ros("Glider");
     let mut numbers = good().json();
     numbers["name"] = json!([68, 45, 49, 0]);
+    let deep = ["timestamp", "name", "unknown"]
+        .map(|key| format!("{{\"{key}\":{}{}}}", "[".repeat(100_000), "]".repeat(100_000)));
     let records = [
         schema(1, &name, "jsonschema", b"{}"),
         channel(3, 1, "/glider", "json", &[]),
@@ -460,10 +462,13 @@ fn reads_json_dialects_and_reports_corrupt_json() {
         message(3, b"{\"timestamp\": "),
         message(3, b"\xff"),
         message(3, b""),
+        message(3, deep[0].as_bytes()),
+        message(3, deep[1].as_bytes()),
+        message(3, deep[2].as_bytes()),
     ];
     let result = checked(&file(&records.concat()));
-    assert_eq!((violated(&result), result.records, result.checked), (vec![], 4, 1));
-    assert_eq!(corrupt_count(&result).len(), 3, "{:?}", result.corruption);
+    assert_eq!((violated(&result), result.records, result.checked), (vec![], 7, 1));
+    assert_eq!(corrupt_count(&result).len(), 6, "{:?}", result.corruption);
     let dialects: Vec<String> = source(&result).dialects.iter().map(|dialect| dialect.to_string()).collect();
     assert_eq!(dialects, ["numbers for char[N] (ROS 2)"]);
 }

@@ -1,4 +1,7 @@
 //! Tests of the transports with peers that others wrote. They require the feature `live` and Python.
 
 mod dds;
+mod foxglove;
+mod probe;
 mod python;
+mod rosbridge;

@@ -1,7 +1,5 @@
 //! The server side of HTTP/1.1.
 
-use std::io;
-
 /// The maximum size of a request head, in bytes. Browsers send one or two kilobytes.
 const HEAD_LIMIT: usize = 32 << 10;
 
@@ -173,11 +171,6 @@ impl Requests {
     pub(crate) fn into_rest(self) -> Vec<u8> {
         self.buffer
     }
-}
-
-/// True if an error only means that nothing arrived in time.
-pub(crate) fn is_silence(error: &io::Error) -> bool {
-    matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
 }
 
 enum Head {

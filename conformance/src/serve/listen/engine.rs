@@ -24,7 +24,8 @@ use super::reply::{Pending, Reply};
 use super::seats::{Admission, SeatLimits, Seats};
 use super::statistics::Reason;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
-use crate::flockwave::transport::http::{Request, Response, is_silence};
+use crate::flockwave::transport::http::{Request, Response};
+use crate::net::is_silence;
 use crate::rules::flockwave::sio_02;
 
 /// The maximum number of packets per poll response. Some clients accept only this many.

@@ -7,9 +7,8 @@ use super::{Client, Received, invalid};
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::ServerAddress;
-use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::lines::{Line, Lines};
-use crate::net::Stream;
+use crate::net::{Stream, is_silence};
 
 /// The maximum time that sending may block.
 const SEND_LIMIT: Duration = Duration::from_secs(30);

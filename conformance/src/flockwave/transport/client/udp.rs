@@ -6,8 +6,7 @@ use std::time::Instant;
 
 use super::{Client, Received};
 use crate::flockwave::transport::endpoint::ServerAddress;
-use crate::flockwave::transport::http::is_silence;
-use crate::net::{Address, explain, resolve};
+use crate::net::{Address, explain, is_silence, resolve};
 
 /// The maximum size of a datagram, in bytes.
 const DATAGRAM_LIMIT: usize = 64 << 10;

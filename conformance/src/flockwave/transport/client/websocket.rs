@@ -19,9 +19,8 @@ use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::client::polling::{Heartbeat, Opening, Step, step};
 use crate::flockwave::transport::endpoint::ServerAddress;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision};
-use crate::flockwave::transport::http::is_silence;
 use crate::flockwave::transport::{MESSAGE_LIMIT, SOCKET_IO_PATH, socketio};
-use crate::net::Stream;
+use crate::net::{Stream, is_silence};
 
 /// The maximum time that sending may block.
 const SEND_LIMIT: Duration = Duration::from_secs(30);
