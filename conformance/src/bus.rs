@@ -16,6 +16,8 @@ mod queue;
 mod rosbridge;
 #[cfg(any(feature = "foxglove", feature = "rosbridge"))]
 mod websocket;
+#[cfg(feature = "zenoh")]
+mod zenoh;
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -35,12 +37,15 @@ pub(crate) const MAX_ENDPOINTS: usize = 10_000;
 /// # Errors
 /// Fails if there is no connection within a few seconds. The text names the problem, and the way to correct it.
 pub(crate) fn connect(address: &Address, peers: &[IpAddr]) -> Result<Box<dyn Bus>, String> {
+    // A program without any transport uses none of these.
     let _ = peers;
     match address {
         #[cfg(feature = "dds")]
         Address::Dds { domain } => dds::connect(*domain, peers),
-        #[cfg(not(feature = "dds"))]
-        Address::Dds { .. } => Err(missing("dds")),
+        #[cfg(feature = "zenoh")]
+        Address::Server { scheme: Scheme::Zenoh, host, port, domain } => {
+            Ok(Box::new(zenoh::Zenoh::connect(host, *port, *domain)?))
+        }
         #[cfg(feature = "foxglove")]
         Address::Server { scheme: Scheme::Foxglove, host, port, .. } => {
             Ok(Box::new(foxglove::Foxglove::connect(&server(host, *port))?))
@@ -49,7 +54,11 @@ pub(crate) fn connect(address: &Address, peers: &[IpAddr]) -> Result<Box<dyn Bus
         Address::Server { scheme: Scheme::Rosbridge, host, port, .. } => {
             Ok(Box::new(rosbridge::Rosbridge::connect(&server(host, *port))?))
         }
-        Address::Server { scheme, .. } => Err(missing(scheme.name())),
+        #[allow(unreachable_patterns, reason = "all transports may be part of the program")]
+        _ => {
+            let feature = address.scheme();
+            Err(format!("this program was built without {feature}: build it with `--features {feature}`"))
+        }
     }
 }
 
@@ -57,11 +66,6 @@ pub(crate) fn connect(address: &Address, peers: &[IpAddr]) -> Result<Box<dyn Bus
 #[cfg(any(feature = "foxglove", feature = "rosbridge"))]
 fn server(host: &str, port: u16) -> crate::net::Address {
     crate::net::Address { host: host.to_owned(), port }
-}
-
-/// The problem that a transport isn't part of the program.
-fn missing(feature: &str) -> String {
-    format!("this program was built without {feature}: build it with `--features {feature}`")
 }
 
 /// A connection to a bus.

@@ -220,14 +220,15 @@ impl Describer<'_> {
             reference.message == owner && members.any(|member| member.constant == constant)
         };
         let ids = self.schema.packages.iter().flat_map(|package| &package.messages);
-        let fields = ids.flat_map(|id| {
-            let message = self.schema.message(*id);
-            let fields = message.fields.iter().filter(|field| field.enumeration.is_some_and(is_member));
-            fields.map(move |field| match *id == owner {
-                true => field.name.clone(),
-                false => format!("{}.{}", message.name, field.name),
-            })
-        });
+        let fields =
+            ids.flat_map(|id| {
+                let message = self.schema.message(*id);
+                let fields = message.fields.iter().filter(|field| field.enumeration.is_some_and(is_member));
+                let is_own = *id == owner;
+                fields.map(move |field| {
+                    if is_own { field.name.clone() } else { format!("{}.{}", message.name, field.name) }
+                })
+            });
         fields.collect()
     }
 

@@ -60,6 +60,14 @@ impl Scheme {
 }
 
 impl Address {
+    /// The scheme, which is also the name of the transport's feature.
+    pub(crate) fn scheme(&self) -> &'static str {
+        match self {
+            Self::Dds { .. } => "dds",
+            Self::Server { scheme, .. } => scheme.name(),
+        }
+    }
+
     /// True if a text is meant as the address of a bus.
     pub(crate) fn is_meant(text: &str) -> bool {
         let scheme = text.split_once("://").map_or(text, |(scheme, _)| scheme);

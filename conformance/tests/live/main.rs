@@ -5,3 +5,4 @@ mod foxglove;
 mod probe;
 mod python;
 mod rosbridge;
+mod zenoh;

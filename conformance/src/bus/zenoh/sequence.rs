@@ -1,0 +1,138 @@
+//! The numbers of the messages of a topic. Gaps show losses.
+
+use std::collections::HashMap;
+
+use super::attachment::Attachment;
+
+/// The maximum number of publishers of a topic whose numbers are followed.
+const MAX_PUBLISHERS: usize = 256;
+
+/// The way on which a message arrived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Delivery {
+    /// When it was published.
+    Live,
+    /// As a reply to a query for stored messages.
+    Stored,
+}
+
+/// The relation of a message to earlier ones of its publisher.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Observation {
+    /// The message is new.
+    New,
+    /// The message is new, and this number of messages is missing before it.
+    After(u64),
+    /// The message arrived before.
+    Repeated,
+}
+
+/// The numbers of all publishers of a topic.
+#[derive(Default)]
+pub(super) struct Sequences(HashMap<[u8; 16], Sequence>);
+
+/// The numbers that arrived from a publisher.
+#[derive(Default)]
+struct Sequence {
+    /// The lowest and the highest number of a live message.
+    live: Option<(i64, i64)>,
+    /// The highest number of a stored message.
+    stored: Option<i64>,
+}
+
+impl Sequences {
+    /// Compares a message with earlier ones.
+    pub(super) fn observe(&mut self, attachment: &Attachment, delivery: Delivery) -> Observation {
+        // Real topics have few publishers. If a peer invents more, only gaps are forgotten.
+        if self.0.len() >= MAX_PUBLISHERS && !self.0.contains_key(&attachment.publisher) {
+            self.0.clear();
+        }
+        let sequence = self.0.entry(attachment.publisher).or_default();
+        match delivery {
+            Delivery::Live => sequence.live(attachment.sequence),
+            Delivery::Stored => sequence.stored(attachment.sequence),
+        }
+    }
+}
+
+impl Sequence {
+    /// Observes a live message. Only these show gaps: a publisher stores only its latest messages.
+    fn live(&mut self, number: i64) -> Observation {
+        let Some((lowest, highest)) = self.live else {
+            self.live = Some((number, number));
+            let is_known = self.stored.is_some_and(|stored| number <= stored);
+            return if is_known { Observation::Repeated } else { Observation::New };
+        };
+        self.live = Some((lowest.min(number), highest.max(number)));
+        match number.checked_sub(highest).and_then(|step| u64::try_from(step).ok()) {
+            Some(step) if step > 1 => Observation::After(step - 1),
+            _ => Observation::New,
+        }
+    }
+
+    /// Observes a stored message. It is new if it's newer than other stored messages, and older than live ones.
+    fn stored(&mut self, number: i64) -> Observation {
+        let is_live = self.live.is_some_and(|(lowest, _)| number >= lowest);
+        if is_live || self.stored.is_some_and(|stored| number <= stored) {
+            return Observation::Repeated;
+        }
+        self.stored = Some(number);
+        Observation::New
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn observe(sequences: &mut Sequences, publisher: u8, sequence: i64, delivery: Delivery) -> Observation {
+        sequences.observe(&Attachment { sequence, time: 0, publisher: [publisher; 16] }, delivery)
+    }
+
+    #[test]
+    fn counts_gaps_of_each_publisher() {
+        let mut sequences = Sequences::default();
+        let mut live = |publisher, number| observe(&mut sequences, publisher, number, Delivery::Live);
+        assert_eq!(live(1, 10), Observation::New);
+        assert_eq!(live(2, 1), Observation::New);
+        assert_eq!(live(1, 11), Observation::New);
+        assert_eq!(live(1, 15), Observation::After(3));
+        assert_eq!(live(1, 12), Observation::New);
+        assert_eq!(live(1, 16), Observation::New);
+        assert_eq!(live(2, 2), Observation::New);
+    }
+
+    #[test]
+    fn keeps_messages_of_publishers_that_never_count() {
+        let mut sequences = Sequences::default();
+        for _ in 0..3 {
+            assert_eq!(observe(&mut sequences, 1, 0, Delivery::Live), Observation::New);
+        }
+    }
+
+    #[test]
+    fn stored_messages_show_no_gaps_and_arrive_once() {
+        let mut sequences = Sequences::default();
+        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Stored), Observation::New);
+        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Stored), Observation::Repeated);
+        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Live), Observation::Repeated);
+        assert_eq!(observe(&mut sequences, 1, 6, Delivery::Live), Observation::New);
+        assert_eq!(observe(&mut sequences, 1, 6, Delivery::Stored), Observation::Repeated);
+        assert_eq!(observe(&mut sequences, 2, 9, Delivery::Stored), Observation::New);
+        assert_eq!(observe(&mut sequences, 2, 12, Delivery::Live), Observation::New);
+    }
+
+    #[test]
+    fn extreme_numbers_never_panic() {
+        let mut sequences = Sequences::default();
+        for number in [i64::MIN, i64::MAX, 0, i64::MAX, i64::MIN] {
+            for delivery in [Delivery::Live, Delivery::Stored] {
+                observe(&mut sequences, 1, number, delivery);
+            }
+        }
+        for publisher in 0..=u8::MAX {
+            observe(&mut sequences, publisher, 1, Delivery::Live);
+        }
+        assert!(sequences.0.len() <= MAX_PUBLISHERS);
+    }
+}
