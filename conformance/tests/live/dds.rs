@@ -20,7 +20,7 @@ const CYCLONE: &str = r#"<CycloneDDS><Domain>
         <MaxAutoParticipantIndex>9</MaxAutoParticipantIndex>
         <Peers><Peer address="127.0.0.1"/></Peers>
     </Discovery>
-    <Tracing><Verbosity>none</Verbosity></Tracing>
+    <Tracing><OutputFile>/dev/null</OutputFile></Tracing>
 </Domain></CycloneDDS>"#;
 
 fn peer(domain: &str, action: &str, reliability: &str) -> Peer {

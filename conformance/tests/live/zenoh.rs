@@ -59,7 +59,7 @@ fn types_without_hashes_are_received() {
 fn only_differences_that_matter_are_found() {
     assert_eq!(PROBED.verdict("PX-TYPE-01"), "fail");
     // rmw_zenoh connects a reliable subscriber to a best effort publisher.
-    assert_ne!(PROBED.verdict("PX-QOS-01"), "fail");
+    assert_eq!(PROBED.verdict("PX-QOS-01"), "not exercised");
 }
 
 #[test]
@@ -71,5 +71,5 @@ fn losses_and_unreadable_tokens_are_reported() {
         assert!(text.contains(expected), "{expected}: {text}");
     }
     assert!(text.contains("/fmu/out/types: ignored messages of px4_msgs/msg/ArmingCheckRequest"), "{text}");
-    assert!(text.contains("/fmu/out/gaps"), "{text}");
+    assert!(text.contains("2 messages of /fmu/out/gaps were lost"), "{text}");
 }

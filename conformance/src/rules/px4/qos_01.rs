@@ -2,11 +2,8 @@
 
 use std::time::Duration;
 
-use super::endpoints::{Endpoints, name};
-use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Mutant, Px4Rule, Rule, RuleContext,
-    Status,
-};
+use super::endpoints::{Pairs, name};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, Status};
 use crate::model::{Durability, Endpoint, EndpointKind, Liveliness, Qos, Reliability};
 use crate::rules::sample::Bag;
 
@@ -26,7 +23,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         fix: "Request no more than the publisher offers. For the topics of PX4, subscribe with best effort \
             (`rmw_qos_profile_sensor_data` in ROS 2).",
     },
-    check: Check::State(|| Box::new(Offers::default())),
+    check: Check::State(|| Box::new(Pairs::new(violations))),
     mutants: &[
         Mutant {
             name: "a subscriber that requests reliable delivery",
@@ -59,40 +56,18 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     ],
 };
 
-#[derive(Default)]
-struct Offers(Endpoints);
-
-impl Checker for Offers {
-    fn opened(&mut self, _: &Channel<'_>, _: &mut RuleContext<'_>) -> Interest {
-        Interest::Nothing
-    }
-
-    fn endpoint(&mut self, endpoint: &Endpoint, location: Location, context: &mut RuleContext<'_>) {
-        if !endpoint.is_matched_by_qos {
-            return;
-        }
-        for other in self.0.add(endpoint) {
-            let (publisher, subscriber) = match (endpoint.kind, other.kind) {
-                (EndpointKind::Publisher, EndpointKind::Subscriber) => (endpoint, other),
-                (EndpointKind::Subscriber, EndpointKind::Publisher) => (other, endpoint),
-                _ => continue,
-            };
-            let (Some(offered), Some(requested)) = (&publisher.qos, &subscriber.qos) else { continue };
-            // Endpoints in other partitions don't exchange messages in any case. A partition may be a pattern.
-            if offered.partitions != requested.partitions {
-                continue;
-            }
-            context.covered();
-            for conflict in conflicts(offered, requested) {
-                let subject = publisher.topic.escape_debug().to_string();
-                context.violation(&subject, location, || conflict.detail(publisher, subscriber));
-            }
-        }
-    }
-
-    fn endpoint_ended(&mut self, id: &str) {
-        self.0.remove(id);
-    }
+/// The policies of which one endpoint offers less than the other requests.
+fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {
+    let (publisher, subscriber) = match (endpoint.kind, other.kind) {
+        (EndpointKind::Publisher, EndpointKind::Subscriber) => (endpoint, other),
+        (EndpointKind::Subscriber, EndpointKind::Publisher) => (other, endpoint),
+        _ => return None,
+    };
+    let (offered, requested) = (publisher.qos.as_ref()?, subscriber.qos.as_ref()?);
+    // Endpoints in other partitions don't exchange messages in any case. A partition may be a pattern.
+    let is_matched = publisher.is_matched_by_qos && offered.partitions == requested.partitions;
+    let conflicts = is_matched.then(|| conflicts(offered, requested))?;
+    Some(conflicts.into_iter().map(|conflict| conflict.detail(publisher, subscriber)).collect())
 }
 
 /// A policy of which a publisher offers less than a subscriber requests.

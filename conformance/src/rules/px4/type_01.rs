@@ -1,10 +1,7 @@
 //! `PX-TYPE-01`.
 
-use super::endpoints::{Endpoints, name};
-use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Mutant, Px4Rule, Rule, RuleContext,
-    Status,
-};
+use super::endpoints::{Pairs, name};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, Status};
 use crate::model::Endpoint;
 use crate::rules::sample::Bag;
 
@@ -26,7 +23,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         fix: "Build the application with the message definitions of the vehicle's release, or run PX4's message \
               translation node.",
     },
-    check: Check::State(|| Box::new(Types::default())),
+    check: Check::State(|| Box::new(Pairs::new(violations))),
     mutants: &[
         Mutant {
             name: "an endpoint with another type",
@@ -45,30 +42,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     ],
 };
 
-#[derive(Default)]
-struct Types(Endpoints);
-
-impl Checker for Types {
-    fn opened(&mut self, _: &Channel<'_>, _: &mut RuleContext<'_>) -> Interest {
-        Interest::Nothing
-    }
-
-    fn endpoint(&mut self, endpoint: &Endpoint, location: Location, context: &mut RuleContext<'_>) {
-        for other in self.0.add(endpoint) {
-            context.covered();
-            if let Some(detail) = difference(endpoint, other) {
-                let subject = endpoint.topic.escape_debug().to_string();
-                context.violation(&subject, location, || detail);
-            }
-        }
-    }
-
-    fn endpoint_ended(&mut self, id: &str) {
-        self.0.remove(id);
-    }
+/// The difference between the types of two endpoints.
+fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {
+    Some(difference(endpoint, other).into_iter().collect())
 }
 
-/// The difference between the types of two endpoints.
 fn difference(endpoint: &Endpoint, other: &Endpoint) -> Option<Detail> {
     let (found, known) = (name(endpoint), name(other));
     if endpoint.type_name != other.type_name {

@@ -64,7 +64,7 @@ class Publisher:
 
 def declare_hostile_tokens():
     start = f"@ros2_lv/0/{session.zid()}"
-    for end in ("", "/0/1/ZZ/%/%/n", "/0/1/MP/%/%/n/%t/T/H/9:9:9", "/0/1/MP/%/%/n/*/T/H/::,", "/" + "a" * 9000):
+    for end in ("", "/0/1/ZZ/%/%/n", "/0/1/MP/%/%/n/%t/T/H/9:9:9", "/0/1/MP/%/%/n/%x/*/H/::,", "/" + "a" * 9000):
         declare(start + end)
 
 
