@@ -35,6 +35,7 @@ mod required;
 mod rules;
 mod self_test;
 mod serve;
+mod target;
 mod test;
 mod testee;
 mod watch;
@@ -159,9 +160,12 @@ enum Command {
     ///
     /// Anyone who can reach an address can use the server. Prefer loopback addresses.
     Serve(serve::ServeArgs),
-    /// Show the fleet of a Flockwave server in the terminal.
+    /// Show the fleet of a Flockwave server, or why a PX4 vehicle can't arm, in the terminal.
     ///
-    /// The display requests the UAVs and their states, and changes nothing on the server. If the server reports nothing
+    /// For a vehicle or a capture, the display shows the failsafe flags, the modes that can't run, the batteries, and
+    /// the external components with their replies to arming checks. It publishes nothing. A capture is replayed.
+    ///
+    /// For a server, the display requests the UAVs and their states, and changes nothing on the server. If the server reports nothing
     /// about a UAV for two seconds, the display requests the UAV's state. If the connection is lost, the display
     /// reconnects and keeps the last known states visible.
     ///

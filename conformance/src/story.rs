@@ -24,10 +24,11 @@ use std::path::Path;
 use serde::Serialize;
 
 use self::context::Context;
-pub(crate) use self::label::{Label, Texts};
+pub(crate) use self::label::{Item, Label, Texts};
 use self::lane::Lanes;
-pub(crate) use self::lane::{Change, Lane, LaneKind, MAX_ALL_CHANGES, MAX_CHANGES, Severity, Value};
+pub(crate) use self::lane::{Change, Lane, LaneKind, MAX_ALL_CHANGES, MAX_CHANGES, Part, Severity, Value};
 use self::px4::{Px4, TOPICS};
+pub(crate) use self::px4::{event_part, flags, number, required_flags, state_value, text, topic_name};
 use self::session::{Session, TYPES};
 use crate::check::{
     self, CaptureResult, Checked, Clock, Observer, Part as CheckedPart, PartResult, Reading, ReleaseMatch,

@@ -25,7 +25,9 @@ use tempfile::TempPath;
 use self::recorder::{MAX_SIZE, Recorder};
 use crate::bus::{Bus, Event, Topic};
 use crate::capture::mcap::Reader;
-use crate::check::{CaptureResult, Checked, LiveBag, check_path, choose_for_path, choose_for_recording};
+use crate::check::{
+    CaptureResult, Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording,
+};
 use crate::definitions::{Definitions, Library};
 use crate::model::EndpointKind;
 
@@ -96,6 +98,32 @@ pub(crate) fn probe(
     let (path, size) = recorder.finish()?;
     let checked = conclude(&path, library, &definitions, live.finish(size))?;
     Ok(Probed { checked, notes, cut_short })
+}
+
+/// Passes the messages of a bus to an observer. Returns the reason why the connection ended, if it ended before the time.
+///
+/// # Errors
+/// Fails if the temporary file, which shows the release, can't be written or read.
+pub(crate) fn observe(
+    bus: &mut dyn Bus,
+    library: &Library,
+    options: &Options,
+    observer: &mut dyn Observer,
+) -> io::Result<Option<String>> {
+    let (path, _temporary) = recording(options)?;
+    let mut probe = Probe::new(bus, options, Recorder::create(&path)?, &|_| {});
+    // Without messages, nothing shows the release.
+    while probe.progress.messages == 0 && probe.cut_short.is_none() && probe.started.elapsed() < options.time
+    {
+        probe.listen(options.time.min(probe.started.elapsed() + START), None)?;
+    }
+    probe.recorder.flush()?;
+    let definitions = choose_for_recording(probe.recorder.path(), library)?;
+    let mut live = LiveBag::new(&definitions, Some(observer));
+    replay(probe.recorder.path(), &mut live)?;
+    probe.recorder.discard();
+    probe.listen(options.time, Some(&mut live))?;
+    Ok(probe.cut_short)
 }
 
 /// The path of the recording. Without `--record`, the file is temporary.

@@ -1,4 +1,4 @@
-//! A terminal display of the fleet of a live Flockwave server.
+//! Terminal displays of the fleet of a live Flockwave server, and of the [state of a PX4 vehicle](vehicle).
 //!
 //! ```text
 //!  client ──bytes──▶ message ──▶ poller           chooses the next request
@@ -20,6 +20,7 @@ pub(crate) mod session;
 pub(crate) mod state;
 #[cfg(test)]
 mod tests;
+pub(crate) mod vehicle;
 pub(crate) mod view;
 
 mod format;

@@ -64,3 +64,43 @@ fn fails_if_the_server_refuses_requests() {
 
     assert_eq!(uavspec(&["watch", "localhost"]).0, 2);
 }
+
+#[test]
+fn prints_the_state_of_a_capture() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.jsonl");
+    let request = json!({ "timestamp": 7, "request_id": 3, "valid_registrations_mask": 4 });
+    let line = json!({ "type": "px4/ArmingCheckRequest", "message": request });
+    std::fs::write(&path, format!("{line}\n")).expect("a file");
+    let path = path.to_str().expect("a path");
+    let (status, printed, output) = uavspec(&["watch", path]);
+    assert_eq!((status, output.as_str()), (0, ""), "{printed}");
+    assert!(printed.contains("\nno reply  name unknown (registration 2)\n"), "{printed}");
+
+    std::fs::write(path, "{\"type\": \"UAV-LIST\", \"ids\": []}\n").expect("a file");
+    let (status, _, output) = uavspec(&["watch", path]);
+    assert!(status == 3 && output.contains("no message of the display's topics"), "{output}");
+
+    let (status, printed, output) = uavspec(&["watch", "no-such-file.ulg"]);
+    assert_eq!((status, printed.as_str()), (3, ""));
+    assert!(output.starts_with("error: no-such-file.ulg: "), "{output}");
+}
+
+#[test]
+fn options_must_apply_to_the_source() {
+    for (arguments, text) in [
+        (&["tcp://127.0.0.1:9", "--language", "uk"], "--language applies only to PX4 vehicles and captures"),
+        (&["flight.ulg", "--login", "a:b"], "--login applies only to Flockwave servers"),
+        (&["flight.ulg", "--language", "xx"], "--language xx: no such language"),
+    ] {
+        let (status, _, output) = uavspec(&[&["watch"][..], arguments].concat());
+        assert!(status == 2 && output.contains(text), "{output}");
+    }
+}
+
+#[cfg(not(feature = "dds"))]
+#[test]
+fn missing_transports_name_the_feature() {
+    let (status, _, output) = uavspec(&["watch", "dds://0"]);
+    assert!(status == 3 && output.contains("--features dds"), "{output}");
+}

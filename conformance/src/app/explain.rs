@@ -199,7 +199,7 @@ fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
 }
 
 /// The texts of the definitions at a path, or of the built-in definitions. Errors are printed.
-fn texts(path: Option<&Path>) -> Result<Texts, Status> {
+pub(super) fn texts(path: Option<&Path>) -> Result<Texts, Status> {
     // Only a configuration file names catalogues.
     let is_configured = |path: &&Path| {
         path.is_file() && path.extension().is_some_and(|extension| extension == "toml")
@@ -216,7 +216,7 @@ fn texts(path: Option<&Path>) -> Result<Texts, Status> {
 }
 
 /// The tag of the labels' language. Errors are printed.
-fn language(wanted: Option<&str>, languages: &BTreeMap<String, String>) -> Result<String, Status> {
+pub(super) fn language(wanted: Option<&str>, languages: &BTreeMap<String, String>) -> Result<String, Status> {
     let wanted = wanted.unwrap_or(ENGLISH);
     let known = std::iter::once(ENGLISH).chain(languages.keys().map(String::as_str));
     if let Some(tag) = known.clone().find(|tag| tag.eq_ignore_ascii_case(wanted)) {

@@ -1,6 +1,5 @@
 //! `uavspec probe`.
 
-mod target;
 mod vehicle;
 
 use std::fs::File;
@@ -10,7 +9,6 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 
-use self::target::Target;
 use self::vehicle::VehicleArgs;
 use super::access::AccessArgs;
 use super::interrupt::{self, Danger};
@@ -20,6 +18,7 @@ use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
+use super::target::Target;
 use super::test::seconds;
 use super::{Status, outcome_statuses};
 use crate::check::known::Scope;

@@ -1,6 +1,10 @@
 //! `uavspec watch`.
 
+mod vehicle;
+
 use std::io::{self, IsTerminal as _};
+use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -8,10 +12,13 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use ratatui::crossterm::event;
 
+use self::vehicle::VehicleArgs;
 use super::Status;
 use super::access::AccessArgs;
 use super::report::print_result;
+use super::target::Target;
 use super::test::seconds;
+use crate::capture::input::is_capture;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::Endpoint;
@@ -29,6 +36,9 @@ const WAITING_LIMIT: usize = 16;
 /// The minimum time between two frames.
 const MIN_FRAME_TIME: Duration = Duration::from_millis(100);
 
+/// The time that --once waits for the UAVs of a server.
+const TIME: Duration = Duration::from_secs(5);
+
 /// The maximum time between two frames. Displayed ages must increase even if there are no inputs.
 const MAX_FRAME_TIME: Duration = Duration::from_millis(500);
 
@@ -37,36 +47,72 @@ const EXAMPLES: &str = "Examples:
   uavspec watch 'socketio://localhost:5000?protocol=4&transport=polling'
   uavspec watch http://localhost:5000/api/v1
   uavspec watch --once tcp://localhost:5001 | awk '$2 == \"fatal\" { print $1 }'
-  uavspec watch --once --for 30 udp://localhost:5001";
+  uavspec watch --once --for 30 udp://localhost:5001
+  uavspec watch dds://0
+  uavspec watch zenoh://localhost:7447 --language uk
+  uavspec watch flight.ulg
+  uavspec watch --once --for 10 run.mcap";
 
 const STATUS: &str = "Exit status:
   0  normal exit
   2  invalid usage
-  3  the terminal can't be used, or some UAVs did not report within the --for time";
+  3  the terminal can't be used, the vehicle or capture can't be read, or some
+     UAVs did not report within the --for time";
 
 /// Arguments of `watch`.
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{STATUS}"))]
 pub(super) struct WatchArgs {
-    /// Server URL: tcp, udp, http or socketio; with TLS: tcps, https or socketios.
+    /// URL of a Flockwave server (tcp, udp, http, socketio) or a PX4 vehicle (dds, zenoh, foxglove, rosbridge), or a
+    /// capture.
     ///
-    /// tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT. Socket.IO URLs may end in
-    /// ?protocol=4 or ?protocol=5 (default), and &transport=polling or &transport=websocket (default).
-    #[arg(value_name = "URL")]
-    endpoint: Endpoint,
+    /// Servers: tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT. Socket.IO URLs may end
+    /// in ?protocol=4 or ?protocol=5 (default), and &transport=polling or &transport=websocket (default). With TLS:
+    /// tcps, https or socketios.
+    ///
+    /// Vehicles: `dds://DOMAIN`, zenoh://HOST:PORT, foxglove://HOST:PORT or rosbridge://HOST:PORT. Zenoh URLs may end in
+    /// ?domain=NUMBER.
+    ///
+    /// Captures: the path of a PX4 log, a bag, or JSON messages. The capture is replayed.
+    #[arg(value_name = "URL|FILE")]
+    source: Source,
     #[command(flatten)]
     access: AccessArgs,
-    /// Print one table and exit.
+    /// Print the state once and exit.
     ///
-    /// The table is printed when all UAVs have reported their state. This is the default if the output is not a
-    /// terminal.
+    /// The table of a server is printed when all UAVs have reported their state. This is the default if the output is
+    /// not a terminal.
     #[arg(long)]
     once: bool,
-    /// Maximum time that --once waits for the UAVs.
+    /// Time that --once waits for messages (default: 5; for a capture: until its end).
     ///
-    /// After this time, the table shows the known states.
-    #[arg(long = "for", value_name = "SECONDS", default_value = "5", value_parser = seconds)]
-    time: Duration,
+    /// For a server, this is the maximum time: the table then shows the known states. For a capture, this is the time
+    /// after its start.
+    #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
+    time: Option<Duration>,
+    #[command(flatten)]
+    vehicle: VehicleArgs,
+}
+
+/// The source of the displayed state.
+#[derive(Clone, Debug)]
+enum Source {
+    /// A server or a vehicle.
+    Target(Target),
+    /// A capture.
+    Capture(PathBuf),
+}
+
+impl FromStr for Source {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let path = PathBuf::from(text);
+        if path.exists() || !text.contains("://") && is_capture(&path) {
+            return Ok(Self::Capture(path));
+        }
+        text.parse().map(Self::Target)
+    }
 }
 
 /// An input of the screen.
@@ -80,6 +126,24 @@ enum Input {
 }
 
 pub(super) fn watch(args: &WatchArgs) -> Status {
+    let (given, noun) = match args.source {
+        Source::Target(Target::Server(_)) => (args.vehicle.given(), "PX4 vehicles and captures"),
+        Source::Target(Target::Vehicle(_)) | Source::Capture(_) => (args.access.given(), "Flockwave servers"),
+    };
+    if let Some(option) = given {
+        terminal::error(format_args!("{option} applies only to {noun}"), None);
+        return Status::Usage;
+    }
+    match &args.source {
+        Source::Target(Target::Server(endpoint)) => watch_server(args, endpoint),
+        Source::Target(Target::Vehicle(address)) => {
+            vehicle::watch_vehicle(args, address).unwrap_or_else(|status| status)
+        }
+        Source::Capture(path) => vehicle::watch_capture(args, path).unwrap_or_else(|status| status),
+    }
+}
+
+fn watch_server(args: &WatchArgs, endpoint: &Endpoint) -> Status {
     let access = match args.access.trust() {
         Ok(trust) => Access::new(args.access.login.clone(), trust),
         Err(status) => return status,
@@ -89,12 +153,12 @@ pub(super) fn watch(args: &WatchArgs) -> Status {
     let session = {
         let sender = sender.clone();
         let on_event = move |event| sender.send(Input::Server(event, Instant::now())).is_ok();
-        Session::start(args.endpoint.clone(), access, on_event)
+        Session::start(endpoint.clone(), access, on_event)
     };
     let status = if args.once || !io::stdout().is_terminal() {
-        watch_once(args, &codes, &inputs)
+        watch_once(args.time.unwrap_or(TIME), endpoint, &codes, &inputs)
     } else {
-        watch_live(args, &codes, sender, &inputs).map_or_else(
+        watch_live(endpoint, &codes, sender, &inputs).map_or_else(
             |error| {
                 terminal::error(format_args!("can't use the terminal: {error}"), None);
                 Status::Unreadable
@@ -107,8 +171,8 @@ pub(super) fn watch(args: &WatchArgs) -> Status {
 }
 
 /// Waits until all UAVs have reported their state, and prints the table.
-fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Status {
-    let until = Instant::now() + args.time;
+fn watch_once(time: Duration, endpoint: &Endpoint, codes: &Codes, inputs: &Receiver<Input>) -> Status {
+    let until = Instant::now() + time;
     let mut fleet = Fleet::default();
     while !fleet.is_complete() {
         let Ok(input) = inputs.recv_timeout(until.saturating_duration_since(Instant::now())) else { break };
@@ -131,7 +195,7 @@ fn watch_once(args: &WatchArgs, codes: &Codes, inputs: &Receiver<Input>) -> Stat
         (Link::Connected, None) if fleet.is_empty() => "the server didn't send a list of its UAVs".to_owned(),
         (Link::Connected, None) => "some UAVs did not report their state".to_owned(),
     };
-    terminal::error(format_args!("{}: {reason} (within {} s)", args.endpoint, args.time.as_secs_f64()), None);
+    terminal::error(format_args!("{}: {reason} (within {} s)", endpoint, time.as_secs_f64()), None);
     Status::Unreadable
 }
 
@@ -146,22 +210,17 @@ impl Drop for Restore {
 
 /// Shows the fleet until the user quits.
 fn watch_live(
-    args: &WatchArgs,
+    endpoint: &Endpoint,
     codes: &Codes,
     sender: SyncSender<Input>,
     inputs: &Receiver<Input>,
 ) -> io::Result<()> {
-    let ending = sender.clone();
-    ctrlc::set_handler(move || {
-        // The receiver may be gone already.
-        let _ = ending.send(Input::End);
-    })
-    .map_err(io::Error::other)?;
+    install_end(&sender)?;
     let _restore = Restore;
     let mut terminal = ratatui::try_init()?;
     thread::spawn(move || forward_terminal_events(&sender));
-    let url = args.endpoint.to_string();
-    let is_coloured = std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    let url = endpoint.to_string();
+    let is_coloured = has_colours();
     let (mut fleet, mut screen) = (Fleet::default(), Screen::default());
     loop {
         let now = Instant::now();
@@ -171,6 +230,21 @@ fn watch_live(
             return Ok(());
         }
     }
+}
+
+/// Requests the end of the display when a signal asks for it.
+fn install_end(sender: &SyncSender<Input>) -> io::Result<()> {
+    let ending = sender.clone();
+    let on_signal = move || {
+        // The receiver may be gone already.
+        let _ = ending.send(Input::End);
+    };
+    ctrlc::set_handler(on_signal).map_err(io::Error::other)
+}
+
+/// True if the environment doesn't disable colours.
+fn has_colours() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
 /// Processes inputs until the next frame is due. `drawn` is the time of the last frame.

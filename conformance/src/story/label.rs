@@ -76,7 +76,7 @@ impl Texts {
     }
 
     /// The label of an item, if it has a text.
-    pub(super) fn label(&self, id: MessageId, item: Item<'_>, definitions: &Definitions) -> Option<Label> {
+    pub(crate) fn label(&self, id: MessageId, item: Item<'_>, definitions: &Definitions) -> Option<Label> {
         let message = definitions.schema.message(id);
         let own = Found::of(&definitions.schema, message, item);
         let (definitions, translations) = &self.built_in;

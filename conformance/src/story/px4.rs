@@ -9,7 +9,9 @@ use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_codegen::value::Value as ConstantValue;
 use uavspec_runtime::Number;
 
+pub(crate) use self::arming::text;
 use self::requirements::Requirements;
+pub(crate) use self::requirements::required_flags;
 use super::context::Context;
 use super::label::{Item, Texts};
 use super::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
@@ -109,6 +111,11 @@ fn topic_of(channel: &Channel<'_>, definitions: &Definitions) -> Option<usize> {
     // The other topics of a message are a different matter.
     let is_other = |name: &str| channel.topic != name && is_published(channel.topic);
     TOPICS.iter().position(|topic| is_px4 && is_published(topic.name) && !is_other(topic.name))
+}
+
+/// The name of the topic of the story that a channel carries.
+pub(crate) fn topic_name(channel: &Channel<'_>, definitions: &Definitions) -> Option<&'static str> {
+    topic_of(channel, definitions).map(|topic| TOPICS[topic].name)
 }
 
 /// Follows all channels.
@@ -297,16 +304,58 @@ impl Watched {
         match self.constants {
             None => context.lanes.set_flag(lane, context.time, number != 0),
             Some(constants) => {
-                let severity = match number {
-                    1 if constants.is_scale => Severity::Warning,
-                    2.. if constants.is_scale => Severity::Error,
-                    _ => Severity::Normal,
-                };
-                let part = constant(id, &self.name, constants, number, definitions, texts);
-                context.lanes.set(lane, context.time, Value::new(vec![part], severity));
+                let value = constants.value(id, &self.name, number, definitions, texts);
+                context.lanes.set(lane, context.time, value);
             }
         }
     }
+}
+
+impl Constants {
+    /// The value of a field, with its constant and severity.
+    fn value(
+        &self,
+        id: MessageId,
+        field: &str,
+        number: i128,
+        definitions: &Definitions,
+        texts: &Texts,
+    ) -> Value {
+        let severity = match number {
+            1 if self.is_scale => Severity::Warning,
+            2.. if self.is_scale => Severity::Error,
+            _ => Severity::Normal,
+        };
+        Value::new(vec![constant(id, field, self, number, definitions, texts)], severity)
+    }
+}
+
+/// The value of a field that has constants, in messages of a topic of the story. `None` for other fields.
+pub(crate) fn state_value(
+    (topic, field): (&str, &str),
+    id: MessageId,
+    number: i128,
+    definitions: &Definitions,
+    texts: &Texts,
+) -> Option<Value> {
+    let topic = TOPICS.iter().find(|known| known.name == topic)?;
+    let (TopicKind::Fields(fields) | TopicKind::Flags(fields)) = topic.kind else { return None };
+    let constants = fields.iter().find(|known| known.name == field)?.constants.as_ref()?;
+    Some(constants.value(id, field, number, definitions, texts))
+}
+
+/// The indices and names of the flags in a message of `failsafe_flags`, in the order of the definition.
+pub(crate) fn flags(
+    id: MessageId,
+    values: DynamicView<'_>,
+    definitions: &Definitions,
+) -> Vec<(usize, String)> {
+    let topic = "failsafe_flags";
+    let kinds = TOPICS.iter().filter(|known| known.name == topic).map(|known| &known.kind);
+    let fields =
+        kinds.filter_map(|kind| if let TopicKind::Flags(fields) = kind { Some(*fields) } else { None });
+    let watched = fields.flat_map(|fields| watched(topic, fields, true, defined(id, values, definitions)));
+    watched.map(|field| (field.index, field.name)).collect()
 }
 
 /// The constant for a value of a field.
@@ -382,7 +431,7 @@ fn event(values: DynamicView<'_>, subject: &str, context: &mut Context<'_>) {
 
 /// Describes an event. The upper 8 bits of its id are the component, and the other bits are the event's number. The id 0
 /// means no event.
-fn event_part(values: DynamicView<'_>) -> Option<Part> {
+pub(crate) fn event_part(values: DynamicView<'_>) -> Option<Part> {
     let id = number(values, "id").filter(|id| *id != 0)?;
     let levels = number(values, "log_levels");
     let levels = levels.map(|levels| format!(", log levels {} and {}", levels >> 4, levels & 0xf));
@@ -401,7 +450,7 @@ fn arguments(value: FieldValue<'_>) -> Option<String> {
 }
 
 /// The value of an integer field.
-fn number(values: DynamicView<'_>, name: &str) -> Option<i128> {
+pub(crate) fn number(values: DynamicView<'_>, name: &str) -> Option<i128> {
     whole(values.get(name)?)
 }
 

@@ -35,10 +35,15 @@ pub(super) struct Recorder {
 struct Counted {
     file: BufWriter<File>,
     size: u64,
+    /// True if further bytes are discarded.
+    is_closed: bool,
 }
 
 impl Write for Counted {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.is_closed {
+            return Ok(bytes.len());
+        }
         let length = self.file.write(bytes)?;
         self.size += length as u64;
         Ok(length)
@@ -52,7 +57,7 @@ impl Write for Counted {
 impl Recorder {
     /// Creates the file.
     pub(super) fn create(path: &Path) -> io::Result<Self> {
-        let output = Counted { file: BufWriter::new(File::create(path)?), size: 0 };
+        let output = Counted { file: BufWriter::new(File::create(path)?), size: 0, is_closed: false };
         let mut writer = Writer::new(output, "ros2")?;
         writer.set_packing(Some(Packing::Lz4))?;
         Ok(Self { writer, path: path.to_owned(), channels: HashMap::new(), schemas: HashMap::new() })
@@ -73,9 +78,14 @@ impl Recorder {
         self.writer.flush()
     }
 
+    /// Discards all further events instead of writing them.
+    pub(super) fn discard(&mut self) {
+        self.writer.output_mut().is_closed = true;
+    }
+
     /// Writes the end of the file. Returns its path and its size.
     pub(super) fn finish(self) -> io::Result<(PathBuf, u64)> {
-        let Counted { mut file, size } = self.writer.finish()?;
+        let Counted { mut file, size, .. } = self.writer.finish()?;
         file.flush()?;
         Ok((self.path, size))
     }

@@ -9,7 +9,7 @@ const WINDOW: u64 = 5;
 const NUM_SECONDS: usize = 6;
 
 /// Counts messages per second.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Rate {
     start: Option<Instant>,
     /// The most recent seconds and the number of messages in each, latest first.

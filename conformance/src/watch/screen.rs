@@ -127,13 +127,7 @@ impl Screen {
                 self.filter.clear();
                 self.page = Page::Fleet;
             }
-            KeyCode::Backspace => {
-                self.filter.pop();
-            }
-            KeyCode::Char(character) if !character.is_control() && self.filter.len() < FILTER_LIMIT => {
-                self.filter.push(character);
-            }
-            KeyCode::Char(_) => {}
+            other if typed(&mut self.filter, other) => {}
             other => self.move_selection(other, fleet),
         }
     }
@@ -158,18 +152,9 @@ impl Screen {
 
     /// Scrolls a page. Returns true if the key is a scroll key.
     fn scroll(&mut self, key: KeyCode) -> bool {
-        let page = self.height.max(1);
-        self.first_line = match key {
-            KeyCode::Up | KeyCode::Char('k') => self.first_line.saturating_sub(1),
-            KeyCode::Down | KeyCode::Char('j') => self.first_line + 1,
-            KeyCode::PageUp => self.first_line.saturating_sub(page),
-            KeyCode::PageDown => self.first_line + page,
-            KeyCode::Home | KeyCode::Char('g') => 0,
-            // Drawing the page reduces this value to the last line.
-            KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
-            _ => return false,
-        };
-        true
+        let line = scrolled(self.first_line, self.height, key);
+        self.first_line = line.unwrap_or(self.first_line);
+        line.is_some()
     }
 
     fn move_selection(&mut self, key: KeyCode, fleet: &Fleet) {
@@ -188,6 +173,34 @@ impl Screen {
         let row = row.min(rows.len().saturating_sub(1));
         self.selected = rows.get(row).map(|(id, _)| (*id).to_owned());
     }
+}
+
+/// The first visible line of a page after a scroll key. `None` for other keys.
+pub(super) fn scrolled(first_line: usize, height: usize, key: KeyCode) -> Option<usize> {
+    let page = height.max(1);
+    Some(match key {
+        KeyCode::Up | KeyCode::Char('k') => first_line.saturating_sub(1),
+        KeyCode::Down | KeyCode::Char('j') => first_line + 1,
+        KeyCode::PageUp => first_line.saturating_sub(page),
+        KeyCode::PageDown => first_line + page,
+        KeyCode::Home | KeyCode::Char('g') => 0,
+        // Drawing the page reduces this value to the last line.
+        KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
+        _ => return None,
+    })
+}
+
+/// Changes a filter by a key. Returns false if the key doesn't belong to a text.
+pub(super) fn typed(filter: &mut String, key: KeyCode) -> bool {
+    match key {
+        KeyCode::Backspace => _ = filter.pop(),
+        KeyCode::Char(character) if !character.is_control() && filter.len() < FILTER_LIMIT => {
+            filter.push(character);
+        }
+        KeyCode::Char(_) => {}
+        _ => return false,
+    }
+    true
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ mod foot;
 mod head;
 mod table;
 mod theme;
+pub(crate) mod vehicle;
 mod wrap;
 
 use std::time::Instant;

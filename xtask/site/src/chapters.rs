@@ -100,7 +100,7 @@ const PARTS: [(&str, &[Chapter]); 5] = [
             chapter("Test a live server (probe)", "xtask/site/guide/probe.md", "guide/probe.md"),
             chapter("Test a live vehicle (probe)", "xtask/site/guide/vehicle.md", "guide/vehicle.md"),
             chapter("Run a reference server (serve)", "xtask/site/guide/serve.md", "guide/serve.md"),
-            chapter("Watch a server (watch)", "xtask/site/guide/watch.md", "guide/watch.md"),
+            chapter("Watch a server or a vehicle (watch)", "xtask/site/guide/watch.md", "guide/watch.md"),
         ],
     ),
     (

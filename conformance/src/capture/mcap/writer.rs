@@ -266,6 +266,11 @@ impl<W: Write> Writer<W> {
         &self.output
     }
 
+    /// The output. Bytes that are written to it directly corrupt the file.
+    pub(crate) fn output_mut(&mut self) -> &mut W {
+        &mut self.output
+    }
+
     /// Writes the summary and the end of the file. Returns the output.
     pub(crate) fn finish(mut self) -> io::Result<W> {
         self.close_chunk()?;

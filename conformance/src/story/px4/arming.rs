@@ -131,7 +131,7 @@ impl Arming {
 }
 
 /// The value of a text field.
-fn text(value: FieldValue<'_>) -> Option<String> {
+pub(crate) fn text(value: FieldValue<'_>) -> Option<String> {
     match value {
         FieldValue::Text(bytes) => Some(String::from_utf8_lossy(bytes).into_owned()),
         FieldValue::String(text) => Some(text.to_owned()),

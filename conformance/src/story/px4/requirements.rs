@@ -100,15 +100,21 @@ impl Requirements {
 
 /// The flags of a message that have a mask.
 fn pairs(definition: MessageId, values: DynamicView<'_>, context: &Context<'_>) -> Vec<Pair> {
+    let pair = |(flag, mask)| {
+        let (name, _) = values.fields().nth(flag)?;
+        let label = context.texts.label(definition, Item::Field(name), context.definitions);
+        Some(Pair { flag, mask, name: name.to_owned(), label, is_set: false, modes: 0 })
+    };
+    required_flags(values).into_iter().filter_map(pair).collect()
+}
+
+/// The indices of the flags of a message that have a mask, each with the index of the mask.
+pub(crate) fn required_flags(values: DynamicView<'_>) -> Vec<(usize, usize)> {
     let mut found = Vec::new();
     for (mask, (requirement, _)) in values.fields().enumerate() {
         let Some(required) = requirement.strip_prefix(REQUIREMENT) else { continue };
-        for (flag, (name, _)) in
-            values.fields().enumerate().filter(|(_, (name, _))| belongs_to(name, required))
-        {
-            let label = context.texts.label(definition, Item::Field(name), context.definitions);
-            found.push(Pair { flag, mask, name: name.to_owned(), label, is_set: false, modes: 0 });
-        }
+        let flags = values.fields().enumerate().filter(|(_, (name, _))| belongs_to(name, required));
+        found.extend(flags.map(|(flag, _)| (flag, mask)));
     }
     found
 }

@@ -44,23 +44,33 @@ pub(super) fn line<'l>(screen: &Screen, theme: Theme, width: u16) -> Ends<'l> {
         Page::Details => vec![("q", "quit"), ("Esc", "back"), ("↑↓", "scroll"), ("?", "help")],
         Page::Help => vec![("q", "quit"), ("Esc", "back"), ("↑↓", "scroll")],
     };
+    let line = keys_line(&keys, theme, width);
+    let filter = if screen.filter.is_empty() { String::new() } else { format!("/{}", screen.filter) };
+    Ends::new(line, Line::styled(filter, theme.title()))
+}
+
+/// As many keys as fit into a width.
+pub(super) fn keys_line<'l>(keys: &[(&str, &str)], theme: Theme, width: u16) -> Line<'l> {
     let mut free = usize::from(width);
-    let shown = keys.into_iter().map(|(key, action)| format!("{key} {action}")).take_while(|text| {
+    let shown = keys.iter().map(|(key, action)| format!("{key} {action}")).take_while(|text| {
         let needed = Span::raw(text).width() + 2;
         let fits = needed <= free + 2;
         free = free.saturating_sub(needed);
         fits
     });
-    let shown: Vec<Span<'_>> = shown.map(|text| Span::styled(text, theme.faint())).collect();
-    let filter = if screen.filter.is_empty() { String::new() } else { format!("/{}", screen.filter) };
-    Ends::new(spaced(shown), Line::styled(filter, theme.title()))
+    spaced(shown.map(|text| Span::styled(text, theme.faint())))
 }
 
 /// The help page.
 pub(super) fn help(width: u16) -> Vec<Line<'static>> {
+    help_lines(&KEYS, width)
+}
+
+/// A page that explains these keys.
+pub(super) fn help_lines(keys: &'static [(&str, &str)], width: u16) -> Vec<Line<'static>> {
     let indent = 9;
     let width = usize::from(width).saturating_sub(indent);
-    let lines = KEYS.iter().flat_map(|(key, text)| {
+    let lines = keys.iter().flat_map(|(key, text)| {
         wrapped(text, width).into_iter().enumerate().map(move |(number, part)| {
             let key = if number == 0 { *key } else { "" };
             Line::raw(format!("{key:indent$}{part}"))

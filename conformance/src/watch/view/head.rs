@@ -1,5 +1,7 @@
 //! The lines above the fleet: the server, and the number of UAVs by severity.
 
+use std::time::Instant;
+
 use ratatui::text::{Line, Span};
 use uavspec_runtime::Severity;
 
@@ -12,7 +14,7 @@ pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
     let theme = scene.theme();
     let url = Span::styled(scene.url, theme.title());
     let server = Span::raw(scene.fleet.server.as_deref().unwrap_or_default());
-    let link = Line::styled(link(scene), theme.link(&scene.fleet.link));
+    let link = Line::styled(link_text(&scene.fleet.link, scene.now), theme.link(&scene.fleet.link));
     let rate = scene.fleet.rate(scene.now);
     let rate = if rate < 100.0 { format!("{rate:.1}") } else { format!("{rate:.0}") };
     let mut lines = if width < MIDDLE_WIDTH {
@@ -35,13 +37,14 @@ pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
     lines
 }
 
-fn link(scene: &Scene<'_>) -> String {
-    match &scene.fleet.link {
+/// The state of a connection.
+pub(super) fn link_text(link: &Link, now: Instant) -> String {
+    match link {
         Link::Connecting => "connecting".to_owned(),
         Link::Connected => "connected".to_owned(),
         Link::Lost { again, .. } => {
             // Rounded up to the next second.
-            let left = again.saturating_duration_since(scene.now).as_millis().div_ceil(1000);
+            let left = again.saturating_duration_since(now).as_millis().div_ceil(1000);
             if left == 0 { "lost, reconnecting".to_owned() } else { format!("lost, retry in {left} s") }
         }
     }

@@ -49,7 +49,7 @@ impl Theme {
         self.colour(Color::Reset).add_modifier(Modifier::REVERSED)
     }
 
-    fn colour(self, colour: Color) -> Style {
+    pub(super) fn colour(self, colour: Color) -> Style {
         if self.is_coloured { Style::new().fg(colour) } else { Style::new() }
     }
 }

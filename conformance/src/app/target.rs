@@ -1,4 +1,4 @@
-//! The target of a probe.
+//! The targets of commands that connect to something.
 
 use std::fmt;
 use std::str::FromStr;

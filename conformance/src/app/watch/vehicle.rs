@@ -1,0 +1,225 @@
+//! `uavspec watch` for PX4 vehicles and captures.
+
+use std::io::{self, IsTerminal as _};
+use std::net::IpAddr;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use ratatui::crossterm::event;
+
+use super::{Input, MAX_FRAME_TIME, MIN_FRAME_TIME, Restore, WAITING_LIMIT, WatchArgs, install_end};
+use super::{forward_terminal_events, has_colours};
+use crate::app::report::print_result;
+use crate::app::{Status, explain, library};
+use crate::bus::{self, Address};
+use crate::definitions::Library;
+use crate::story::Texts;
+use crate::text::terminal;
+use crate::watch::screen::Step;
+use crate::watch::vehicle::playback::{Kind, Playback};
+use crate::watch::vehicle::screen::{Command, Screen};
+use crate::watch::vehicle::source::{Live, replay, watch_live};
+use crate::watch::view::vehicle::{Scene, draw, text};
+
+/// The time after which --once prints the state of a live vehicle.
+const TIME: Duration = Duration::from_secs(5);
+
+/// The maximum time until the receiver of a live vehicle stops.
+const STOP_TIME: Duration = Duration::from_millis(500);
+
+/// True if the display has ended.
+static IS_STOPPED: AtomicBool = AtomicBool::new(false);
+
+/// Arguments for PX4 vehicles.
+#[derive(Args, Debug)]
+#[command(next_help_heading = "Options for PX4 vehicles")]
+pub(super) struct VehicleArgs {
+    /// Definitions that explain the messages (default: the release that agrees best).
+    ///
+    /// A release such as px4@1.16, a uavspec.toml file, or a folder that contains one.
+    #[arg(long, value_name = "PATH|RELEASE")]
+    definitions: Option<PathBuf>,
+    /// Language of the labels, such as uk (default: en).
+    #[arg(long, value_name = "LANGUAGE")]
+    language: Option<String>,
+    /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
+    #[arg(long, value_name = "ADDRESS")]
+    peer: Vec<IpAddr>,
+}
+
+impl VehicleArgs {
+    /// The first given option.
+    pub(super) fn given(&self) -> Option<&'static str> {
+        let options = [
+            ("--definitions", self.definitions.is_some()),
+            ("--language", self.language.is_some()),
+            ("--peer", !self.peer.is_empty()),
+        ];
+        options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+    }
+}
+
+/// The texts that the display needs.
+struct Labels {
+    source: String,
+    language: String,
+}
+
+/// Shows a live vehicle.
+pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Result<Status, Status> {
+    let (library, texts, labels) = prepare(args, address.to_string())?;
+    let (address, peers) = (address.clone(), args.vehicle.peer.clone());
+    let playback = Playback::new(Kind::Live);
+    let receiving = Arc::clone(&playback);
+    let receiver = thread::spawn(move || {
+        let connect = || bus::connect(&address, &peers);
+        let live = Live { connect: &connect, is_stopped: || IS_STOPPED.load(Ordering::Relaxed) };
+        watch_live(&live, &library, &texts, &receiving);
+    });
+    let status = show_vehicle(args, &playback, &labels);
+    IS_STOPPED.store(true, Ordering::Relaxed);
+    // The receiver removes its temporary file.
+    let end = Instant::now() + STOP_TIME;
+    while !receiver.is_finished() && Instant::now() < end {
+        thread::sleep(Duration::from_millis(5));
+    }
+    status
+}
+
+/// Shows the state of a live vehicle, or prints it.
+fn show_vehicle(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Result<Status, Status> {
+    let started = Instant::now();
+    playback.wait_for_start().map_err(|problem| failed(labels, &problem))?;
+    if is_once(args) {
+        thread::sleep(args.time.unwrap_or(TIME).saturating_sub(started.elapsed()));
+        return print_once(playback, labels);
+    }
+    show(playback, labels)
+}
+
+/// Replays a capture.
+pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Result<Status, Status> {
+    let (library, texts, labels) = prepare(args, path.to_string_lossy().into_owned())?;
+    let is_once = is_once(args);
+    let kind = if is_once { Kind::State(args.time.unwrap_or(Duration::MAX)) } else { Kind::Replay };
+    let playback = Playback::new(kind);
+    let (reading, path) = (Arc::clone(&playback), path.to_owned());
+    thread::spawn(move || replay(&path, &library, &texts, &reading));
+    if is_once {
+        playback.wait_for_end().map_err(|problem| failed(&labels, &problem))?;
+        return print_once(&playback, &labels);
+    }
+    show(&playback, &labels)
+}
+
+/// Loads the definitions and texts. Errors are printed.
+fn prepare(args: &WatchArgs, source: String) -> Result<(Library, Texts, Labels), Status> {
+    let definitions = args.vehicle.definitions.as_deref();
+    let library = library(definitions, None, &[])?;
+    let texts = explain::texts(definitions)?;
+    let language = explain::language(args.vehicle.language.as_deref(), &texts.languages())?;
+    Ok((library, texts, Labels { source, language }))
+}
+
+fn is_once(args: &WatchArgs) -> bool {
+    args.once || !io::stdout().is_terminal()
+}
+
+fn failed(labels: &Labels, problem: &str) -> Status {
+    terminal::error(format_args!("{}: {}", terminal::shown(&labels.source), terminal::shown(problem)), None);
+    Status::Unreadable
+}
+
+/// Prints the state as text.
+fn print_once(playback: &Playback, labels: &Labels) -> Result<Status, Status> {
+    let (text, is_empty) = playback.show(|shown| {
+        let scene = Scene {
+            shown,
+            source: &labels.source,
+            language: &labels.language,
+            is_coloured: false,
+            now: Instant::now(),
+        };
+        (text(&scene), !shown.vehicle.has_state())
+    });
+    print_result(&text)?;
+    if is_empty {
+        return Err(failed(labels, "no message of the display's topics was received"));
+    }
+    Ok(Status::Conforms)
+}
+
+/// Shows the vehicle until the user quits.
+fn show(playback: &Playback, labels: &Labels) -> Result<Status, Status> {
+    match show_live(playback, labels) {
+        Ok(Ok(())) => Ok(Status::Conforms),
+        Ok(Err(problem)) => Err(failed(labels, &problem)),
+        Err(error) => {
+            terminal::error(format_args!("can't use the terminal: {error}"), None);
+            Err(Status::Unreadable)
+        }
+    }
+}
+
+/// Shows the vehicle until the user quits or the source turns out to be unreadable. The inner error is the problem.
+fn show_live(playback: &Playback, labels: &Labels) -> io::Result<Result<(), String>> {
+    let (sender, inputs) = sync_channel(WAITING_LIMIT);
+    install_end(&sender)?;
+    let _restore = Restore;
+    let mut terminal = ratatui::try_init()?;
+    thread::spawn(move || forward_terminal_events(&sender));
+    let is_coloured = has_colours();
+    let mut screen = Screen::default();
+    loop {
+        let now = Instant::now();
+        playback.show(|shown| {
+            let Labels { source, language } = labels;
+            let scene = Scene { shown, source, language, is_coloured, now };
+            terminal.draw(|frame| draw(frame, &scene, &mut screen)).map(drop)
+        })?;
+        if let Some(problem) = playback.problem() {
+            return Ok(Err(problem));
+        }
+        if process_inputs(&inputs, now, playback, &mut screen)? == Step::Quit {
+            return Ok(Ok(()));
+        }
+    }
+}
+
+/// Processes inputs until the next frame is due. `drawn` is the time of the last frame.
+fn process_inputs(
+    inputs: &Receiver<Input>,
+    drawn: Instant,
+    playback: &Playback,
+    screen: &mut Screen,
+) -> io::Result<Step> {
+    let mut due = drawn + MAX_FRAME_TIME / 2;
+    loop {
+        match inputs.recv_timeout(due.saturating_duration_since(Instant::now())) {
+            Ok(Input::Terminal(event)) => {
+                if let event::Event::Key(key) = event? {
+                    let (step, command) = screen.press(key);
+                    match command {
+                        Some(Command::Pause) => playback.pause(),
+                        Some(Command::Step) => playback.step(),
+                        Some(Command::Faster) => playback.accelerate(true),
+                        Some(Command::Slower) => playback.accelerate(false),
+                        None => {}
+                    }
+                    if step == Step::Quit {
+                        return Ok(Step::Quit);
+                    }
+                }
+            }
+            Ok(Input::Server(..)) => {}
+            Ok(Input::End) | Err(RecvTimeoutError::Disconnected) => return Ok(Step::Quit),
+            Err(RecvTimeoutError::Timeout) => return Ok(Step::Stay),
+        }
+        due = drawn + MIN_FRAME_TIME;
+    }
+}
