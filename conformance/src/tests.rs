@@ -26,3 +26,4 @@ mod texts;
 mod trials;
 mod ulog;
 mod untrusted;
+mod vehicle_matrix;

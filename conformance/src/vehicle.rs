@@ -7,8 +7,16 @@
 //!
 //! The probe records all events as a bag, and checks each record of the bag when it is written. A later
 //! [`check`](crate::check) of the recording returns the same findings.
+//!
+//! A probe publishes nothing, unless it has a role: the flight controller or an external component. It then takes part
+//! in the arming checks, and its messages are recorded as well.
 
+mod actor;
+mod autopilot;
+mod component;
 mod recorder;
+mod reference;
+mod role;
 #[cfg(test)]
 mod tests;
 
@@ -22,7 +30,10 @@ use std::time::{Duration, Instant};
 use globset::GlobSet;
 use tempfile::TempPath;
 
+use self::actor::{Actor, Step};
 use self::recorder::{MAX_SIZE, Recorder};
+pub(crate) use self::reference::serve;
+use self::role::Purpose;
 use crate::bus::{Bus, Event, Topic};
 use crate::capture::mcap::Reader;
 use crate::check::{
@@ -30,6 +41,7 @@ use crate::check::{
 };
 use crate::definitions::{Definitions, Library};
 use crate::model::EndpointKind;
+use crate::rules::px4::Side;
 
 /// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
 const START: Duration = Duration::from_millis(1_500);
@@ -46,6 +58,8 @@ pub(crate) struct Options {
     pub time: Duration,
     /// The topics to receive; all if there are none.
     pub topics: Option<GlobSet>,
+    /// The role of the probe. `None` if it publishes nothing.
+    pub role: Option<Side>,
     /// The file of the recording.
     pub record: Option<PathBuf>,
     /// Returns true if the probe must end early.
@@ -88,12 +102,20 @@ pub(crate) fn probe(
     let (path, _temporary) = recording(options)?;
     let recorder = Recorder::create(&path)?;
     let mut probe = Probe::new(bus, options, recorder, on_progress);
-    probe.listen(START.min(options.time), None)?;
-    probe.recorder.flush()?;
-    let definitions = choose_for_recording(probe.recorder.path(), library)?;
+    let started = probe.start(library);
+    if started.is_err() {
+        probe.withdraw();
+    }
+    let definitions = started?;
     let mut live = LiveBag::new(&definitions, None);
-    replay(probe.recorder.path(), &mut live)?;
-    probe.listen(options.time, Some(&mut live))?;
+    let listened =
+        replay(probe.recorder.path(), &mut live).and_then(|()| probe.listen(options.time, Some(&mut live)));
+    // A component must unregister, even if the recording can't be written.
+    let last = probe.withdraw();
+    listened?;
+    for event in last {
+        probe.recorder.record(&event, Some(&mut live))?;
+    }
     let Probe { recorder, notes, cut_short, .. } = probe;
     let (path, size) = recorder.finish()?;
     let checked = conclude(&path, library, &definitions, live.finish(size))?;
@@ -165,6 +187,7 @@ struct Probe<'p> {
     bus: &'p mut dyn Bus,
     options: &'p Options,
     recorder: Recorder,
+    actor: Option<Actor>,
     started: Instant,
     subscribed: HashSet<Topic>,
     progress: Progress,
@@ -184,12 +207,53 @@ impl<'p> Probe<'p> {
             bus,
             options,
             recorder,
+            actor: None,
             started: Instant::now(),
             subscribed: HashSet::new(),
             progress: Progress::default(),
             on_progress,
             notes: Vec::new(),
             cut_short: None,
+        }
+    }
+
+    /// Announces the topics of the role.
+    fn join(&mut self) -> io::Result<()> {
+        let Some(side) = self.options.role else { return Ok(()) };
+        match Actor::join(self.bus, side, Purpose::Judge, None) {
+            Ok((actor, endpoints)) => {
+                self.actor = Some(actor);
+                endpoints.iter().try_for_each(|endpoint| self.recorder.record(endpoint, None))
+            }
+            Err(problem) => {
+                self.cut_short = Some(problem);
+                Ok(())
+            }
+        }
+    }
+
+    /// Records events until the release of the vehicle can be chosen.
+    fn start(&mut self, library: &Library) -> io::Result<Arc<Definitions>> {
+        self.join()?;
+        self.listen(START.min(self.options.time), None)?;
+        self.recorder.flush()?;
+        choose_for_recording(self.recorder.path(), library)
+    }
+
+    /// Ends the role. Returns its last messages.
+    fn withdraw(&mut self) -> Vec<Event> {
+        let Some(mut actor) = self.actor.take() else { return Vec::new() };
+        let last = actor.leave(self.bus);
+        let problems = std::mem::take(&mut actor.problems);
+        problems.into_iter().chain(actor.notes()).for_each(|note| self.note(note));
+        last
+    }
+
+    /// Waits for an event until a deadline. The role may react.
+    fn step(&mut self, deadline: Instant) -> Step {
+        match &mut self.actor {
+            Some(actor) => actor.step(self.bus, deadline),
+            None => Step { received: self.bus.receive(deadline), ..Step::default() },
         }
     }
 
@@ -204,8 +268,11 @@ impl<'p> Probe<'p> {
                 self.cut_short = Some(format!("the recording reached {} GiB", MAX_SIZE >> 30));
             }
             let deadline = end.min(Instant::now() + NOTICE_TIME);
-            if let Some(event) = self.bus.receive(deadline) {
-                self.recorder.record(&event, live.as_deref_mut())?;
+            let Step { received, sent } = self.step(deadline);
+            for event in received.iter().chain(&sent) {
+                self.recorder.record(event, live.as_deref_mut())?;
+            }
+            if let Some(event) = received {
                 self.follow(event);
             }
             if shown.elapsed() > NOTICE_TIME {

@@ -37,7 +37,8 @@ const EXAMPLES: &str = "Examples:
   uavspec probe --allow-commands --uav 00 --uav 01 tcp://localhost:5001
   uavspec probe --login pilot:secret udp://localhost:5001
   uavspec probe --record flight.mcap dds://0
-  uavspec probe --for 60 --topics '/fmu/*' zenoh://localhost:7447";
+  uavspec probe --for 60 --topics '/fmu/*' zenoh://localhost:7447
+  uavspec probe --as component dds://0";
 
 /// The default time to listen for notifications.
 const OBSERVE: Duration = Duration::from_secs(3);

@@ -1,7 +1,10 @@
 //! `uavspec serve`.
 
+mod bug;
+mod vehicle;
+
 use std::io::{self, Read as _};
-use std::net::SocketAddr;
+use std::net::{IpAddr, SocketAddr};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -9,9 +12,10 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use serde_json::json;
 
+use self::bug::ServedBug;
 use super::Status;
 use super::test::seconds;
-use crate::rules::flockwave::{self, FlockwaveRule};
+use crate::bus::Address;
 use crate::serve::{Options, Server, Transport, error, loss, raise_open_files};
 use crate::text::terminal;
 
@@ -30,6 +34,8 @@ const EXAMPLES: &str = "Examples:
   uavspec serve --lose glider-3@20 --stay 60
   uavspec serve --tcp 127.0.0.1:0 --for 60 --format json
   uavspec serve --bug FW-UST-HEADING
+  uavspec serve --px4 dds://0
+  uavspec serve --px4 dds://0 --component --bug PX-EXT-03
   uavspec serve --list-bugs";
 
 const LIMITS: &str = "Limits:
@@ -74,6 +80,19 @@ pub(super) struct ServeArgs {
     /// Protocol revisions 4 and 5 are served, over WebSocket and long polling.
     #[arg(long, value_name = "ADDRESS:PORT")]
     socketio: Vec<SocketAddr>,
+    /// Serve the arming checks of a PX4 flight controller on this bus, instead of a Flockwave server.
+    ///
+    /// Takes the URLs of vehicles that `uavspec probe` takes. Don't use the bus of a real vehicle.
+    #[arg(long, value_name = "URL", conflicts_with_all = ["tcp", "udp", "http", "socketio"])]
+    px4: Option<Address>,
+    /// Be an external component, instead of a flight controller.
+    #[arg(long, requires = "px4")]
+    component: bool,
+    /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
+    ///
+    /// With 127.0.0.1, only programs on this computer are found.
+    #[arg(long, value_name = "ADDRESS", requires = "px4")]
+    peer: Vec<IpAddr>,
     /// Number of UAVs.
     ///
     /// Their ids are glider-1, glider-2 and so on.
@@ -116,10 +135,10 @@ pub(super) struct ServeArgs {
     /// Violate this rule on purpose.
     ///
     /// --list-bugs shows which other rules each bug violates.
-    #[arg(long, value_name = "RULE", value_parser = known_bug)]
-    bug: Option<&'static FlockwaveRule>,
+    #[arg(long, value_name = "RULE", value_parser = ServedBug::find)]
+    bug: Option<ServedBug>,
     /// List the rules for --bug, with a description of each bug.
-    #[arg(long, conflicts_with_all = ["bug", "tcp", "udp", "http", "socketio"])]
+    #[arg(long, conflicts_with_all = ["bug", "tcp", "udp", "http", "socketio", "px4"])]
     list_bugs: bool,
     /// Exit after this time.
     #[arg(long = "for", value_name = "SECONDS", value_parser = seconds)]
@@ -136,7 +155,14 @@ pub(super) struct ServeArgs {
 
 pub(super) fn serve(args: &ServeArgs) -> Status {
     if args.list_bugs {
-        return list(args.format);
+        return bug::list(args.format);
+    }
+    if let Some(problem) = bug::misplaced(args) {
+        terminal::error(problem, None);
+        return Status::Usage;
+    }
+    if let Some(address) = &args.px4 {
+        return vehicle::serve_vehicle(args, address);
     }
     let named = args.errors.iter().map(|(id, _)| ("error", id));
     let named = named.chain(args.losses.iter().map(|(id, _)| ("lose", id)));
@@ -172,9 +198,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
             }
         }
     }
-    if let Some(FlockwaveRule { rule, bug, .. }) = args.bug {
-        terminal::eprintln!("bug {}: {}", rule.id, bug.description);
-    }
+    bug::announce(args.bug);
     wait(&server, &ending, args.time);
     if server.has_failed() {
         terminal::error("the server stopped because of an internal error", None);
@@ -210,7 +234,7 @@ fn options(args: &ServeArgs) -> Options {
         losses: args.losses.clone(),
         stay: args.stay,
         login: args.login.clone(),
-        bug: args.bug,
+        bug: args.bug.and_then(ServedBug::of_server),
         ..Options::default()
     }
 }
@@ -250,32 +274,13 @@ fn end_on_request(args: &ServeArgs, sender: Sender<()>) -> Result<(), String> {
     .map_err(|error| format!("can't handle signals: {error}"))
 }
 
-fn list(format: super::Format) -> Status {
-    for FlockwaveRule { rule, bug, .. } in flockwave::RULES {
-        let also: Vec<&str> = bug.also.iter().map(|rule| rule.id).collect();
-        match format {
-            super::Format::Text => {
-                let also = if also.is_empty() {
-                    String::new()
-                } else {
-                    format!(" Also violates {}.", also.join(", "))
-                };
-                terminal::println!("{:<18} {}{also}", rule.id, bug.description);
-            }
-            super::Format::Json => {
-                terminal::println!("{}", json!({ "rule": rule.id, "what": bug.description, "also": also }));
-            }
-        }
-    }
-    Status::Conforms
+/// True if a reference can announce type hashes on a bus.
+fn announces_types(address: &Address) -> bool {
+    !matches!(address, Address::Dds { .. })
 }
 
 fn has_uav(count: u16, id: &str) -> bool {
     (1..=count).any(|number| id == format!("glider-{number}"))
-}
-
-fn known_bug(rule: &str) -> Result<&'static FlockwaveRule, String> {
-    flockwave::rule(rule).ok_or_else(|| "no bug violates this rule; --list-bugs lists all bugs".to_owned())
 }
 
 pub(super) fn login(text: &str) -> Result<(String, String), String> {

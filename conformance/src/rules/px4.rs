@@ -2,6 +2,7 @@
 
 mod arr_01;
 mod bool_01;
+mod bug;
 mod cdr_01;
 mod cdr_02;
 mod data_01;
@@ -15,6 +16,8 @@ mod ext_02;
 mod ext_03;
 mod ext_04;
 mod ext_05;
+mod ext_06;
+mod ext_07;
 mod fmt_01;
 mod fmt_02;
 mod fmt_03;
@@ -46,11 +49,13 @@ pub(crate) use self::{
     fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03, hash_01::RULE as HASH_01,
 };
 
+pub(crate) use self::bug::{Bug, Sent, Side};
+
 /// The names of mode requirements, and the flags that belong to them.
 pub(crate) use self::fsf_03::{REQUIREMENT, belongs_to};
 
 /// The PX4 rules, sorted by id.
-pub(crate) static RULES: [&Px4Rule; 30] = [
+pub(crate) static RULES: [&Px4Rule; 32] = [
     &arr_01::RULE,
     &bool_01::RULE,
     &cdr_01::RULE,
@@ -64,6 +69,8 @@ pub(crate) static RULES: [&Px4Rule; 30] = [
     &ext_03::RULE,
     &ext_04::RULE,
     &ext_05::RULE,
+    &ext_06::RULE,
+    &ext_07::RULE,
     &fmt_01::RULE,
     &fmt_02::RULE,
     &fmt_03::RULE,
@@ -107,6 +114,8 @@ pub(crate) struct Px4Rule {
     pub rule: Rule,
     /// The check.
     pub check: Check,
+    /// A bug in a reference participant that violates the rule, if there is one.
+    pub bug: Option<Bug>,
     /// Changes that violate the rule.
     pub mutants: &'static [Mutant],
 }

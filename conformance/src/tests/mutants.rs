@@ -65,6 +65,8 @@ fn findings_have_a_definition_and_the_expected_value() {
         ("PX-EXT-03", "ArmingCheckRequest", "#"),
         ("PX-EXT-04", "ArmingCheckReply", "Event[5] events"),
         ("PX-EXT-05", "ArmingCheckReply", "uint8 num_events"),
+        ("PX-EXT-06", "ArmingCheckReply", "uint8 request_id"),
+        ("PX-EXT-07", "RegisterExtComponentReply", "char[25] name"),
         ("PX-FSF-03", "FailsafeFlags", "bool attitude_invalid"),
     ];
     for (id, message, expected) in fields {

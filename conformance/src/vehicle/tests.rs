@@ -46,7 +46,7 @@ fn fly(bus: &mut MemoryBus, flight: &Flight<'_>, is_flown: impl Fn(&str) -> bool
 
 fn options(time: Duration, record: Option<&Path>) -> Options {
     let record = record.map(Path::to_path_buf);
-    Options { time, topics: None, record, is_stopped: Box::new(|| false) }
+    Options { time, topics: None, role: None, record, is_stopped: Box::new(|| false) }
 }
 
 /// The numbers of findings, by rule and subject.

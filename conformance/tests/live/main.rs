@@ -4,5 +4,6 @@ mod dds;
 mod foxglove;
 mod probe;
 mod python;
+mod roles;
 mod rosbridge;
 mod zenoh;

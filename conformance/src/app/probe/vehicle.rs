@@ -3,7 +3,7 @@
 use std::net::IpAddr;
 use std::time::{Duration, Instant};
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use uavspec_codegen::emit::docs::markdown::plural;
 
@@ -15,6 +15,7 @@ use crate::bus::{self, Address};
 use crate::check::Checked;
 use crate::probe;
 use crate::report::CheckedCapture;
+use crate::rules::px4::Side;
 use crate::text::terminal;
 use crate::vehicle::{Options, Probed, probe};
 
@@ -36,6 +37,20 @@ pub(super) struct VehicleArgs {
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
     #[arg(long, value_name = "ADDRESS")]
     peer: Vec<IpAddr>,
+    /// Take part in the arming checks: as the flight controller (autopilot), to test components; or as a component, to
+    /// test a flight controller (default: only listen).
+    ///
+    /// A component registers, refuses arming in a single reply, and unregisters. The probe sends no commands and never
+    /// arms. Don't be an autopilot on a bus that has one.
+    #[arg(long = "as", value_name = "ROLE", hide_possible_values = true)]
+    role: Option<Role>,
+}
+
+/// A role of the probe.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Role {
+    Autopilot,
+    Component,
 }
 
 impl VehicleArgs {
@@ -45,8 +60,17 @@ impl VehicleArgs {
             ("--for", self.time.is_some()),
             ("--topics", !self.topics.is_empty()),
             ("--peer", !self.peer.is_empty()),
+            ("--as", self.role.is_some()),
         ];
         options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+    }
+
+    /// The side on which the probe takes part in arming checks.
+    fn side(&self) -> Option<Side> {
+        self.role.map(|role| match role {
+            Role::Autopilot => Side::Autopilot,
+            Role::Component => Side::Component,
+        })
     }
 
     /// The patterns of `--topics`; `None` for all topics.
@@ -76,6 +100,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let options = Options {
         time: args.vehicle.time.unwrap_or(TIME),
         topics: args.vehicle.selected(),
+        role: args.vehicle.side(),
         record: args.record.clone(),
         is_stopped: Box::new(is_stopped),
     };

@@ -22,6 +22,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             data. Shorten sequences and text to their bounds.",
     },
     check: Check::Value,
+    bug: None,
     mutants: &[
         Mutant {
             name: "an array without its last element",

@@ -21,6 +21,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             status{};`. Assign only `true` or `false`.",
     },
     check: Check::Value,
+    bug: None,
     mutants: &[Mutant {
         name: "a bool whose byte is 153",
         change: Change::Ulog(|flight, log| {

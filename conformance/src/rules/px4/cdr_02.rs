@@ -1,5 +1,8 @@
 //! `PX-CDR-02`.
 
+use uavspec::px4::ArmingCheckReply;
+
+use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
@@ -21,6 +24,15 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
               and the reader from the same definition.",
     },
     check: Check::Source,
+    bug: Some(Bug::message(
+        Side::Component,
+        "Every fifth ArmingCheckReply lacks its last four bytes.",
+        |out| {
+            out.edit_payload::<ArmingCheckReply>(5, |payload| {
+                payload.truncate(payload.len().saturating_sub(4));
+            });
+        },
+    )),
     mutants: &[
         Mutant {
             name: "a payload without its last four bytes",

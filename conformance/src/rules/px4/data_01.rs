@@ -19,6 +19,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         fix: "Generate the format and the logged struct from the same definition. Log the whole struct.",
     },
     check: Check::Source,
+    bug: None,
     mutants: &[
         Mutant {
             name: "a payload of four bytes",

@@ -20,6 +20,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
               unsubscribed, write no more data messages with it.",
     },
     check: Check::Source,
+    bug: None,
     mutants: &[
         Mutant {
             name: "data with an id that was never subscribed",

@@ -24,6 +24,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             subscribe to it again.",
     },
     check: Check::State(|| Box::new(Instances::default())),
+    bug: None,
     mutants: &[Mutant {
         name: "a second subscription to an instance",
         change: Change::Ulog(|flight, mut log| {

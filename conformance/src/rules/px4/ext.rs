@@ -12,6 +12,7 @@
 //!   reply is unknown.
 
 use std::collections::VecDeque;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
 use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::msg::Dialect;
@@ -66,6 +67,8 @@ pub(super) struct Reply {
     pub(super) topic: String,
     pub(super) request_id: u8,
     pub(super) registration_id: u8,
+    /// A hash of all values except the time. `None` if the rule doesn't compare replies.
+    pub(super) digest: Option<u64>,
     pub(super) time: Option<u64>,
     pub(super) definition: Option<MessageId>,
     pub(super) location: Location,
@@ -73,6 +76,9 @@ pub(super) struct Reply {
 
 /// A rule on requests, replies and registrations.
 pub(super) trait Listener: Default {
+    /// True if the rule compares the values of replies.
+    const COMPARES_REPLIES: bool = false;
+
     /// Receives the start time of the capture.
     fn started(&mut self, _time: u64) {}
 
@@ -169,8 +175,9 @@ impl<L: Listener> Talk<L> {
             Role::Reply => {
                 let request_id = number(values, "request_id")?;
                 let registration_id = number(values, "registration_id")?;
+                let digest = if L::COMPARES_REPLIES { Some(digest(values)?) } else { None };
                 let topic = channel.topic.to_owned();
-                let reply = Reply { topic, request_id, registration_id, time, definition, location };
+                let reply = Reply { topic, request_id, registration_id, digest, time, definition, location };
                 self.listener.reply(reply, context);
             }
             Role::Registration => {
@@ -235,6 +242,15 @@ pub(super) fn number<T: TryFrom<i128>>(values: DynamicView<'_>, path: &str) -> O
     }
 }
 
+/// A hash of all values of a message, except its time.
+fn digest(values: DynamicView<'_>) -> Option<u64> {
+    let mut hasher = DefaultHasher::new();
+    let mut message = values.to_json().ok()?;
+    message.as_object_mut()?.remove("timestamp");
+    message.to_string().hash(&mut hasher);
+    Some(hasher.finish())
+}
+
 /// True if a time is later than another by more than the tolerance.
 pub(super) fn is_later(time: Option<u64>, than: Option<u64>) -> bool {
     time.zip(than).is_some_and(|(time, than)| time > than.saturating_add(TOLERANCE))
@@ -261,6 +277,11 @@ impl Requests {
     /// The latest request, in file order.
     pub(super) fn latest(&self) -> Option<&Request> {
         self.0.back()
+    }
+
+    /// The request with this id, if it is one of the two latest in file order.
+    pub(super) fn recent(&self, id: u8) -> Option<&Request> {
+        self.0.iter().rev().take(2).find(|request| request.id == id)
     }
 
     /// The latest request at this time.

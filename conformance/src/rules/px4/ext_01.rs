@@ -6,6 +6,9 @@
 //! that request. A reply that is older than all known requests is not checked, because a log starts with the latest
 //! message of each topic.
 
+use uavspec::px4::ArmingCheckReply;
+
+use super::bug::{Bug, Side};
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
@@ -28,6 +31,13 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             next request arrives.",
     },
     check: Check::State(|| Box::new(Talk::<Answers>::default())),
+    bug: Some(Bug::message(
+        Side::Component,
+        "After every fifth ArmingCheckReply, the component answers the request seven before again.",
+        |out| {
+            out.follow(5, |reply: &mut ArmingCheckReply| reply.request_id = reply.request_id.wrapping_sub(7));
+        },
+    )),
     mutants: &[
         Mutant {
             name: "a reply to an old request",

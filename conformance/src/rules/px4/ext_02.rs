@@ -12,6 +12,9 @@
 //! assigned again. Without masks, a component that continues to reply is assumed to be registered again
 //! ([`REQUESTS_TO_WAIT`]).
 
+use uavspec::px4::ArmingCheckReply;
+
+use super::bug::{Bug, Side};
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
@@ -36,6 +39,13 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               UnregisterExtComponent.",
     },
     check: Check::State(|| Box::new(Talk::<Registrations>::default())),
+    bug: Some(Bug::message(
+        Side::Component,
+        "After every fifth ArmingCheckReply, the component sends another with `registration_id` 255.",
+        |out| {
+            out.follow(5, |reply: &mut ArmingCheckReply| reply.registration_id = u8::MAX);
+        },
+    )),
     mutants: &[
         Mutant {
             name: "a reply with an id that was never assigned",

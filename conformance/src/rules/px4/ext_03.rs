@@ -13,6 +13,9 @@
 
 use std::collections::VecDeque;
 
+use uavspec::px4::ArmingCheckReply;
+
+use super::bug::{Bug, Side};
 use super::ext::{Ids, Listener, Reply, Request, Requests, Talk, Waiting, is_later};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
 use crate::rules::sample::Flight;
@@ -35,6 +38,13 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               request interval, handle requests in a separate thread.",
     },
     check: Check::State(|| Box::new(Talk::<Silence>::default())),
+    bug: Some(Bug::message(
+        Side::Component,
+        "The component does not answer every sixth ArmingCheckRequest.",
+        |out| {
+            out.drop::<ArmingCheckReply>(6);
+        },
+    )),
     mutants: &[Mutant { name: "a missing reply", change: Change::Flight(silent), also: &[] }],
 };
 

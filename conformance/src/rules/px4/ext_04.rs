@@ -1,7 +1,9 @@
 //! `PX-EXT-04`.
 
+use uavspec::px4::ArmingCheckReply;
 use uavspec_codegen::dynamic::Value;
 
+use super::bug::{Bug, Side};
 use super::ext::{is_reply, number};
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext,
@@ -26,6 +28,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               event metadata.",
     },
     check: Check::State(|| Box::new(Reasons)),
+    bug: Some(Bug::message(Side::Component, "The events of ArmingCheckReply have `id` 0.", |out| {
+        out.edit(1, |reply: &mut ArmingCheckReply| reply.events.iter_mut().for_each(|event| event.id = 0));
+    })),
     mutants: &[Mutant { name: "an event without an id", change: Change::Flight(without_id), also: &[] }],
 };
 

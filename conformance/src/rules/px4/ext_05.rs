@@ -1,5 +1,8 @@
 //! `PX-EXT-05`.
 
+use uavspec::px4::ArmingCheckReply;
+
+use super::bug::{Bug, Side};
 use super::ext::{is_reply, number};
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext,
@@ -23,6 +26,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         fix: "Add an event for each reason to `events`, and set `num_events`.",
     },
     check: Check::State(|| Box::new(Refusals)),
+    bug: Some(Bug::message(Side::Component, "The component refuses arming without an event.", |out| {
+        out.edit(1, |reply: &mut ArmingCheckReply| reply.num_events = 0);
+    })),
     mutants: &[Mutant {
         name: "a refusal without a reason",
         change: Change::Flight(without_reason),

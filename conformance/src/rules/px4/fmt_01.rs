@@ -22,6 +22,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
               different firmware version needs no change.",
     },
     check: Check::Source,
+    bug: None,
     mutants: &[
         Mutant {
             name: "a renamed field",

@@ -19,6 +19,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         fix: "Write the formats of all nested types to the header of the log.",
     },
     check: Check::Source,
+    bug: None,
     mutants: &[Mutant {
         name: "a nested type without a format",
         change: Change::Ulog(|_, mut log| {

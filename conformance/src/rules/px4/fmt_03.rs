@@ -18,6 +18,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
             publish the message.",
     },
     check: Check::Source,
+    bug: None,
     mutants: &[Mutant {
         name: "a renamed `timestamp`",
         change: Change::Ulog(|flight, mut log| {

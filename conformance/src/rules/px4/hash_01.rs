@@ -19,6 +19,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         fix: "Write the hash that the ROS 2 type support provides for the message type.",
     },
     check: Check::Source,
+    bug: None,
     mutants: &[Mutant {
         name: "the hash of a different type",
         change: Change::Mcap(|_, mut bag| {

@@ -21,6 +21,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               the JSON Schema.",
     },
     check: Check::Value,
+    bug: None,
     mutants: &[
         Mutant {
             name: "a missing field",

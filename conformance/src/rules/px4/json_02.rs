@@ -20,6 +20,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             NaN as `null`.",
     },
     check: Check::Value,
+    bug: None,
     mutants: &[
         Mutant {
             name: "a number in place of a bool",

@@ -1,5 +1,8 @@
 //! `PX-LEN-01`.
 
+use uavspec::px4::ArmingCheckReply;
+
+use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Violated;
 
@@ -20,6 +23,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         fix: "Limit the count to the length of the array before you publish the message.",
     },
     check: Check::Value,
+    bug: Some(Bug::message(Side::Component, "`num_events` of every fifth ArmingCheckReply is 6.", |out| {
+        out.edit(5, |reply: &mut ArmingCheckReply| reply.num_events = 6);
+    })),
     mutants: &[Mutant {
         name: "a count above the array length",
         change: Change::Flight(|flight| flight.violating(Violated::Count)),

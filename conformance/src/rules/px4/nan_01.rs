@@ -1,5 +1,8 @@
 //! `PX-NAN-01`.
 
+use uavspec::px4::BatteryStatus;
+
+use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Violated;
 
@@ -20,6 +23,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             the definition.",
     },
     check: Check::Value,
+    bug: Some(
+        Bug::message(Side::Autopilot, "`remaining` of every third BatteryStatus is NaN.", |out| {
+            out.edit(3, |battery: &mut BatteryStatus| battery.remaining = f32::NAN);
+        })
+        .with_types(),
+    ),
     mutants: &[Mutant {
         name: "NaN in a field without `@invalid NaN`",
         change: Change::Flight(|flight| flight.violating(Violated::Nan)),

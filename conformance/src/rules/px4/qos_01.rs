@@ -24,6 +24,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             (`rmw_qos_profile_sensor_data` in ROS 2).",
     },
     check: Check::State(|| Box::new(Pairs::new(violations))),
+    bug: None,
     mutants: &[
         Mutant {
             name: "a subscriber that requests reliable delivery",

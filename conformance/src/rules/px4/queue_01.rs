@@ -1,7 +1,9 @@
 //! `PX-QUEUE-01`.
 
+use uavspec::px4::Event;
 use uavspec_codegen::schema;
 
+use super::bug::{Bug, Side};
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
     RuleContext, Status,
@@ -25,6 +27,15 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               messages at a time.",
     },
     check: Check::State(|| Box::new(Bursts::default())),
+    bug: Some(Bug::message(
+        Side::Autopilot,
+        "Every second Event is sent 20 times with the same `timestamp`.",
+        |out| {
+            for _ in 1..20 {
+                out.follow(2, |_: &mut Event| {});
+            }
+        },
+    )),
     mutants: &[Mutant {
         name: "more messages with the same timestamp than fit into the queue",
         change: Change::Flight(burst),

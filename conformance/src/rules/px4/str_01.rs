@@ -1,5 +1,8 @@
 //! `PX-STR-01`.
 
+use uavspec::px4::RegisterExtComponentRequest;
+
+use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_codegen::dynamic::{Placed, PlacedElement};
 
@@ -19,6 +22,14 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               character.",
     },
     check: Check::Value,
+    bug: Some(Bug::message(Side::Component, "The name of the component ends with an invalid byte.", |out| {
+        out.edit(1, |request: &mut RegisterExtComponentRequest| {
+            let length = request.name.bytes().len();
+            if let Some(byte) = request.name.0.get_mut(length) {
+                *byte = 0xff;
+            }
+        });
+    })),
     mutants: &[
         Mutant {
             name: "text that is not UTF-8",

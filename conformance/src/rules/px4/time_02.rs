@@ -24,6 +24,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               no change is necessary.",
     },
     check: Check::State(|| Box::new(Gaps::default())),
+    bug: None,
     mutants: &[Mutant {
         name: "a pause of a topic with a regular period",
         change: Change::Flight(pause),

@@ -1,5 +1,6 @@
 //! `PX-TYPE-01`.
 
+use super::bug::{Bug, Side};
 use super::endpoints::{Pairs, name};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, Status};
 use crate::model::Endpoint;
@@ -24,6 +25,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               translation node.",
     },
     check: Check::State(|| Box::new(Pairs::new(violations))),
+    bug: Some(Bug::announced_type(
+        Side::Autopilot,
+        "A second publisher of arming_check_request announces another type hash.",
+    )),
     mutants: &[
         Mutant {
             name: "an endpoint with another type",

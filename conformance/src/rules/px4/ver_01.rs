@@ -21,6 +21,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               that the suffix states.",
     },
     check: Check::State(|| Box::new(Versions)),
+    bug: None,
     mutants: &[Mutant {
         name: "a topic name with a different version",
         change: Change::Flight(|flight| {

@@ -44,6 +44,7 @@ pub(crate) fn watch_live(live: &Live<'_>, library: &Library, texts: &Texts, play
                 let options = Options {
                     time: MAX_TIME,
                     topics: topics(),
+                    role: None,
                     record: None,
                     is_stopped: Box::new(live.is_stopped),
                 };

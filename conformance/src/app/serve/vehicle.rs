@@ -1,0 +1,52 @@
+//! `uavspec serve --px4`.
+
+use std::sync::mpsc::{TryRecvError, channel};
+use std::time::Instant;
+
+use serde_json::json;
+
+use super::bug::{self, ServedBug};
+use super::{ServeArgs, announces_types, end_on_request};
+use crate::app::{Format, Status};
+use crate::bus::{self, Address};
+use crate::rules::px4::Side;
+use crate::text::terminal;
+use crate::vehicle;
+
+/// Serves a reference participant until the time has passed or the end is requested.
+pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Status {
+    match run(args, address) {
+        Ok(()) => Status::Conforms,
+        Err(problem) => {
+            terminal::error(format_args!("{address}: {problem}"), None);
+            Status::Unreadable
+        }
+    }
+}
+
+fn run(args: &ServeArgs, address: &Address) -> Result<(), String> {
+    let (side, name) =
+        if args.component { (Side::Component, "component") } else { (Side::Autopilot, "autopilot") };
+    let mut bus = bus::connect(address, &args.peer)?;
+    let (sender, ending) = channel();
+    end_on_request(args, sender)?;
+    match args.format {
+        Format::Text => terminal::println!("{name} {address}"),
+        Format::Json => {
+            terminal::println!("{}", json!({ "role": name, "address": address.to_string() }));
+        }
+    }
+    bug::announce(args.bug);
+    let started = Instant::now();
+    let is_over = || {
+        let is_requested = ending.try_recv() != Err(TryRecvError::Empty);
+        is_requested || args.time.is_some_and(|time| started.elapsed() >= time)
+    };
+    vehicle::serve(
+        &mut *bus,
+        side,
+        announces_types(address),
+        args.bug.and_then(ServedBug::of_vehicle),
+        &is_over,
+    )
+}

@@ -1,0 +1,165 @@
+//! Bugs in the reference autopilot and the reference component. Each bug violates a rule.
+
+use uavspec_runtime::cdr::ByteOrder;
+use uavspec_runtime::{Definition, Message};
+
+use super::Px4Rule;
+
+/// A bug in a reference participant.
+#[derive(Debug)]
+pub(crate) struct Bug {
+    /// The participant that has the bug.
+    pub side: Side,
+    /// The faulty behaviour.
+    pub description: &'static str,
+    /// True if the bug is visible only on a bus that announces type hashes.
+    pub needs_types: bool,
+    /// Other rules that the bug violates.
+    pub also: &'static [&'static Px4Rule],
+    change: Change,
+}
+
+/// A participant of the arming checks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// The flight controller.
+    Autopilot,
+    /// An external component.
+    Component,
+}
+
+/// The kind of a bug.
+#[derive(Clone, Copy, Debug)]
+enum Change {
+    /// Messages are changed before they are sent.
+    Message(fn(&mut Outgoing)),
+    /// A second publisher of the first topic announces another type.
+    Type,
+}
+
+/// A message of a participant.
+#[derive(Clone, Debug)]
+pub(crate) struct Sent {
+    /// The type.
+    pub definition: Definition,
+    /// The message in CDR, including the encapsulation header.
+    pub payload: Vec<u8>,
+}
+
+impl Sent {
+    /// Encodes a message.
+    pub(crate) fn new<M: Message>(message: &M) -> Self {
+        // Messages of fixed size can always be encoded.
+        let payload = message.to_cdr(ByteOrder::LittleEndian).unwrap_or_default();
+        Self { definition: M::DEFINITION, payload }
+    }
+
+    /// The message, if it has this type and can be read.
+    pub(crate) fn read<M: Message>(&self) -> Option<M> {
+        let is_of_type = self.definition.name == M::NAME;
+        is_of_type.then(|| M::from_cdr(&self.payload).ok()).flatten()
+    }
+}
+
+impl Bug {
+    /// Creates a bug that changes the messages of a participant.
+    pub(super) const fn message(side: Side, description: &'static str, change: fn(&mut Outgoing)) -> Self {
+        Self { side, description, needs_types: false, also: &[], change: Change::Message(change) }
+    }
+
+    /// Creates a bug in the announced type of a topic.
+    pub(super) const fn announced_type(side: Side, description: &'static str) -> Self {
+        Self { side, description, needs_types: true, also: &[], change: Change::Type }
+    }
+
+    /// Marks a bug that is visible only on a bus that announces type hashes. A reference publishes its battery only there.
+    pub(super) const fn with_types(self) -> Self {
+        Self { needs_types: true, ..self }
+    }
+
+    /// True if a second publisher of the first topic announces another type.
+    pub(crate) fn announces_other_type(&self) -> bool {
+        matches!(self.change, Change::Type)
+    }
+
+    /// The messages to send in place of a message. `number` counts the messages of this type, from 1.
+    pub(crate) fn apply(&self, message: Sent, number: u64) -> Vec<Sent> {
+        let mut outgoing = Outgoing { message: Some(message), after: Vec::new(), number };
+        if let Change::Message(change) = self.change {
+            change(&mut outgoing);
+        }
+        outgoing.message.into_iter().chain(outgoing.after).collect()
+    }
+}
+
+/// A message that is about to be sent, with any messages that a bug adds after it.
+pub(crate) struct Outgoing {
+    message: Option<Sent>,
+    after: Vec<Sent>,
+    /// The number of messages of this type, including this one.
+    number: u64,
+}
+
+impl Outgoing {
+    /// True for the first message of its type.
+    pub(super) fn is_first(&self) -> bool {
+        self.number == 1
+    }
+
+    /// True for each message of this type whose number is a multiple of `interval`.
+    fn is_due<M: Message>(&self, interval: u64) -> bool {
+        let is_of_type = self.message.as_ref().is_some_and(|sent| sent.definition.name == M::NAME);
+        is_of_type && self.number.is_multiple_of(interval)
+    }
+
+    /// Changes each `interval`-th message of this type.
+    pub(super) fn edit<M: Message>(&mut self, interval: u64, change: impl FnOnce(&mut M)) {
+        if !self.is_due::<M>(interval) {
+            return;
+        }
+        if let Some(mut message) = self.message.as_ref().and_then(Sent::read::<M>) {
+            change(&mut message);
+            self.message = Some(Sent::new(&message));
+        }
+    }
+
+    /// Changes the payload of each `interval`-th message of this type.
+    pub(super) fn edit_payload<M: Message>(&mut self, interval: u64, change: impl FnOnce(&mut Vec<u8>)) {
+        if self.is_due::<M>(interval)
+            && let Some(sent) = &mut self.message
+        {
+            change(&mut sent.payload);
+        }
+    }
+
+    /// Sends a changed copy after each `interval`-th message of this type.
+    pub(super) fn follow<M: Message>(&mut self, interval: u64, change: impl FnOnce(&mut M)) {
+        if self.is_due::<M>(interval)
+            && let Some(mut message) = self.message.as_ref().and_then(Sent::read::<M>)
+        {
+            change(&mut message);
+            self.after.push(Sent::new(&message));
+        }
+    }
+
+    /// Drops each `interval`-th message of this type.
+    pub(super) fn drop<M: Message>(&mut self, interval: u64) {
+        if self.is_due::<M>(interval) {
+            self.message = None;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::RULES;
+
+    #[test]
+    fn each_bug_has_a_description() {
+        for rule in RULES {
+            let Some(bug) = &rule.bug else { continue };
+            assert!(bug.description.ends_with('.'), "{rule:?}");
+            assert!(!bug.also.iter().any(|other| other.rule.id == rule.rule.id), "{rule:?}");
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Connects a role to a bus.
+
+use std::collections::HashMap;
+use std::collections::hash_map::RandomState;
+use std::hash::{BuildHasher as _, Hasher as _};
+use std::time::{Duration, Instant};
+
+use uavspec_runtime::Definition;
+
+use super::autopilot::Autopilot;
+use super::component::{self, Component};
+use super::role::{Purpose, Role};
+use crate::bus::{self, Bus, Encoding, Event, Publisher, Received, Topic};
+use crate::model::{Durability, Endpoint, EndpointKind, Qos};
+use crate::rules::px4::{Bug, Sent, Side};
+
+/// The time at which a role starts, in µs since boot. 0 would mean that the time is unknown.
+const BOOT: u64 = 10_000_000;
+
+/// The maximum time that a due message waits until all received messages are handled. Otherwise, a reply that was
+/// received in time could be recorded after the next request.
+const MAX_POSTPONED: Duration = Duration::from_secs(2);
+
+/// The maximum number of problems.
+const MAX_PROBLEMS: usize = 16;
+
+/// The node of the endpoints in recordings.
+const NODE: &str = "/uavspec";
+
+/// A hash that no type has.
+const OTHER_HASH: &str = "RIHS01_0000000000000000000000000000000000000000000000000000000000000000";
+
+/// A role on a bus.
+pub(super) struct Actor {
+    role: Box<dyn Role>,
+    bug: Option<&'static Bug>,
+    started: Instant,
+    /// For each published type, its publisher, topic, and number of messages.
+    outputs: HashMap<&'static str, Output>,
+    /// The types of the subscribed topics.
+    inputs: HashMap<String, Definition>,
+    /// Problems with publishing.
+    pub(super) problems: Vec<String>,
+    /// Problems with received messages.
+    remarks: Vec<String>,
+}
+
+struct Output {
+    publisher: Publisher,
+    topic: Topic,
+    count: u64,
+}
+
+/// The events of a step.
+#[derive(Default)]
+pub(super) struct Step {
+    /// The event on the bus.
+    pub received: Option<Event>,
+    /// The messages that the role sent.
+    pub sent: Vec<Event>,
+}
+
+impl Actor {
+    /// Announces the topics of a role. Also returns its endpoints.
+    pub(super) fn join(
+        bus: &mut dyn Bus,
+        side: Side,
+        purpose: Purpose,
+        bug: Option<&'static Bug>,
+    ) -> Result<(Self, Vec<Event>), String> {
+        // Each `RandomState` has other keys.
+        let seed = RandomState::new().build_hasher().finish();
+        let (role, started) = (role(side, purpose, seed, BOOT), Instant::now());
+        let (outputs, inputs) = (HashMap::new(), HashMap::new());
+        let mut actor =
+            Self { role, bug, started, outputs, inputs, problems: Vec::new(), remarks: Vec::new() };
+        let mut endpoints = Vec::new();
+        for definition in actor.role.received() {
+            let topic = topic(definition);
+            bus.subscribe(&topic)?;
+            actor.inputs.insert(topic.name.to_string(), *definition);
+            let qos = Qos { durability: Durability::Volatile, ..Qos::PX4 };
+            endpoints.push(endpoint(EndpointKind::Subscriber, &topic, qos));
+        }
+        for definition in actor.role.published() {
+            let topic = topic(definition);
+            let publisher = bus.advertise(&topic, &Qos::PX4)?;
+            endpoints.push(endpoint(EndpointKind::Publisher, &topic, Qos::PX4));
+            actor.outputs.insert(definition.name, Output { publisher, topic, count: 0 });
+        }
+        if bug.is_some_and(Bug::announces_other_type)
+            && let Some(definition) = actor.role.published().first()
+        {
+            bus.advertise(&Topic { type_hash: Some(OTHER_HASH.into()), ..topic(definition) }, &Qos::PX4)?;
+        }
+        Ok((actor, endpoints))
+    }
+
+    /// Waits for an event until the deadline, and lets the role react. If no event is pending, also sends the messages
+    /// that are due.
+    pub(super) fn step(&mut self, bus: &mut dyn Bus, deadline: Instant) -> Step {
+        let due = self.role.next_tick().map(|due| self.time_of(due));
+        let received = bus.receive(due.map_or(deadline, |due| due.min(deadline)));
+        let mut sent = match &received {
+            Some(Event::Message(message)) => self.receive(bus, message),
+            _ => Vec::new(),
+        };
+        let margin = if received.is_some() { MAX_POSTPONED } else { Duration::ZERO };
+        if due.is_some_and(|due| due + margin <= Instant::now()) {
+            let messages = self.role.tick(self.now());
+            sent.extend(self.send(bus, messages));
+        }
+        Step { received, sent }
+    }
+
+    /// Ends the role.
+    pub(super) fn leave(&mut self, bus: &mut dyn Bus) -> Vec<Event> {
+        let messages = self.role.leave(self.now());
+        self.send(bus, messages)
+    }
+
+    /// Notable events for the report.
+    pub(super) fn notes(&self) -> Vec<String> {
+        self.remarks.iter().cloned().chain(self.role.notes()).collect()
+    }
+
+    fn receive(&mut self, bus: &mut dyn Bus, message: &Received) -> Vec<Event> {
+        let Some(definition) = self.inputs.get(&*message.topic.name) else { return Vec::new() };
+        if let Some(problem) = problem(message, definition) {
+            note(&mut self.remarks, format!("{}: {problem}", message.topic.name.escape_debug()));
+            return Vec::new();
+        }
+        let message = Sent { definition: *definition, payload: message.payload.clone() };
+        let replies = self.role.receive(&message, self.now());
+        self.send(bus, replies)
+    }
+
+    fn send(&mut self, bus: &mut dyn Bus, messages: Vec<Sent>) -> Vec<Event> {
+        let mut sent = Vec::new();
+        for message in messages {
+            let Some(output) = self.outputs.get_mut(message.definition.name) else { continue };
+            output.count += 1;
+            let messages = match self.bug {
+                Some(bug) => bug.apply(message, output.count),
+                None => vec![message],
+            };
+            for Sent { payload, .. } in messages {
+                if let Err(problem) = bus.publish(output.publisher, &payload) {
+                    note(&mut self.problems, format!("{}: {problem}", output.topic.name));
+                    continue;
+                }
+                let (topic, time) = (output.topic.clone(), bus::now());
+                sent.push(Event::Message(Received {
+                    topic,
+                    schema: None,
+                    encoding: Encoding::Cdr,
+                    time,
+                    payload,
+                }));
+            }
+        }
+        sent
+    }
+
+    /// The time in µs since boot.
+    fn now(&self) -> u64 {
+        BOOT.saturating_add(u64::try_from(self.started.elapsed().as_micros()).unwrap_or(u64::MAX))
+    }
+
+    fn time_of(&self, time: u64) -> Instant {
+        self.started + Duration::from_micros(time.saturating_sub(BOOT))
+    }
+}
+
+fn topic(definition: &Definition) -> Topic {
+    Topic {
+        name: topic_name(definition).into(),
+        type_name: format!("px4_msgs/msg/{}", definition.name).into(),
+        type_hash: Some(definition.type_hash.into()),
+    }
+}
+
+/// An endpoint of this program, for the recording. It has no type hash, so that a vehicle of another release isn't
+/// blamed for the definitions of this program.
+fn endpoint(kind: EndpointKind, topic: &Topic, qos: Qos) -> Event {
+    Event::Endpoint(Endpoint {
+        id: format!("uavspec {kind} {}", topic.name),
+        kind,
+        node: Some(NODE.to_owned()),
+        topic: topic.name.to_string(),
+        type_name: topic.type_name.to_string(),
+        type_hash: None,
+        qos: Some(qos),
+        // The probe adapts to the vehicle.
+        is_matched_by_qos: false,
+    })
+}
+
+fn note(notes: &mut Vec<String>, text: String) {
+    if !notes.contains(&text) && notes.len() < MAX_PROBLEMS {
+        notes.push(text);
+    }
+}
+
+/// The reason why a role can't read a message.
+fn problem(message: &Received, definition: &Definition) -> Option<&'static str> {
+    if message.encoding != Encoding::Cdr {
+        return Some("a role can't read messages in JSON");
+    }
+    let length = message.payload.len();
+    // A payload may be padded to a multiple of four bytes.
+    let is_right = definition.cdr_size.is_none_or(|size| (size..=size.next_multiple_of(4)).contains(&length));
+    (!is_right).then_some("a role can't read messages of other releases, or of another size")
+}
+
+/// Creates a role that starts now. `seed` is a random number.
+fn role(side: Side, purpose: Purpose, seed: u64, now: u64) -> Box<dyn Role> {
+    match side {
+        Side::Autopilot => Box::new(Autopilot::new(purpose, now)),
+        Side::Component => Box::new(Component::new(purpose, seed, now)),
+    }
+}
+
+/// The name of a topic, such as `/fmu/out/arming_check_request_v1`. PX4 appends the version of the message, if it
+/// isn't 0.
+fn topic_name(definition: &Definition) -> String {
+    let topic = definition.topics.first().copied().unwrap_or_default();
+    let version = definition.version.filter(|version| *version > 0);
+    let suffix = version.map(|version| format!("_v{version}")).unwrap_or_default();
+    let direction = if is_input(definition) { "in" } else { "out" };
+    format!("/fmu/{direction}/{topic}{suffix}")
+}
+
+/// True if the flight controller receives messages of this type.
+fn is_input(definition: &Definition) -> bool {
+    component::PUBLISHED.iter().any(|known| known.name == definition.name)
+}
