@@ -3,6 +3,11 @@
 //! A [`Bus`] reports publishers, subscribers and messages as they appear. All buses report ROS names: the topic
 //! `/fmu/out/vehicle_status`, and the type `px4_msgs/msg/VehicleStatus`.
 
+#![cfg_attr(
+    not(all(feature = "dds", feature = "foxglove", feature = "rosbridge", feature = "zenoh")),
+    allow(dead_code, unused_imports, reason = "the transports use these items")
+)]
+
 mod address;
 #[cfg(feature = "dds")]
 mod dds;

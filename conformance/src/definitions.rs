@@ -13,7 +13,7 @@ mod choice;
 mod index;
 mod library;
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fmt;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
@@ -21,6 +21,7 @@ use std::sync::{Arc, OnceLock};
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::load::{self, read_definitions_as};
 use uavspec_codegen::msg::{Dialect, Kind};
+use uavspec_codegen::release;
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
@@ -30,11 +31,15 @@ use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
 pub(crate) use self::choice::{Clues, FormatClue, TypeClue};
 pub use self::index::Family;
+use self::index::Index;
 pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;
 pub(crate) use self::library::ros_package;
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
+
+/// The start of the line with the version of a message in a release.
+const VERSION: &str = "uint32 MESSAGE_VERSION=";
 
 /// Definitions, with lookup tables for checks.
 #[derive(Debug)]
@@ -53,6 +58,8 @@ pub struct Definitions {
     releases: Vec<LoadedRelease>,
     /// The releases of packages, by package name.
     origins: HashMap<String, LoadedRelease>,
+    /// The types whose definition the capture doesn't show, by full ROS name.
+    undecided: BTreeSet<String>,
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
     schemas: Arc<Schemas>,
@@ -149,6 +156,7 @@ impl Definitions {
             replaced: HashMap::new(),
             releases: Vec::new(),
             origins: HashMap::new(),
+            undecided: BTreeSet::new(),
             types: OnceLock::new(),
             defined_schemas: OnceLock::new(),
             schemas: Arc::default(),
@@ -234,6 +242,30 @@ impl Definitions {
             .filter(move |interface| Some(interface.name.as_str()) == service)
             .filter_map(|interface| interface.type_hash.as_deref());
         std::iter::once(message.type_hash.as_str()).chain(service_hash)
+    }
+
+    /// True if a release defines a message with the same fields and this version. A type hash doesn't cover the version.
+    pub(crate) fn has_version_elsewhere(&self, id: MessageId, version: &str) -> bool {
+        let message = self.schema.message(id);
+        if self.release_of(id).is_none() {
+            return false;
+        }
+        let index = Index::built_in();
+        let name = ros_name(&self.schema, message);
+        let rows = index.of_name(&name).filter(|row| row.type_hash == message.type_hash);
+        let mut releases = rows.flat_map(|row| row.releases.iter());
+        releases.any(|release| {
+            let text = index.release(release).text();
+            let mut lines = release::entries(&text)
+                .filter(|entry| entry.name == message.name)
+                .flat_map(|entry| entry.text.lines());
+            lines.any(|line| line.strip_prefix(VERSION) == Some(version))
+        })
+    }
+
+    /// True if the definition of a message was chosen by a size that other definitions have as well.
+    pub(crate) fn is_undecided(&self, id: MessageId) -> bool {
+        self.undecided.contains(&ros_name(&self.schema, self.schema.message(id)))
     }
 
     /// The types of all messages, with their codecs; created lazily.

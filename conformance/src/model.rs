@@ -29,7 +29,9 @@ mod rule;
 pub use self::date::Date;
 pub use self::detail::Detail;
 pub(crate) use self::detail::hexadecimal;
-pub(crate) use self::endpoint::{Durability, Endpoint, EndpointKind, History, Liveliness, Qos, Reliability};
+#[cfg(any(feature = "dds", feature = "zenoh"))]
+pub(crate) use self::endpoint::History;
+pub(crate) use self::endpoint::{Durability, Endpoint, EndpointKind, Liveliness, Qos, Reliability};
 pub use self::excuse::{Excuse, ExcuseKind};
 pub use self::finding::{Findings, Group, Verdict};
 pub use self::reason::Reason;

@@ -63,6 +63,7 @@ pub(super) struct ProbeArgs {
     ///
     /// Vehicles: dds://DOMAIN, zenoh://HOST:PORT, foxglove://HOST:PORT or rosbridge://HOST:PORT. Zenoh URLs may end in
     /// ?domain=NUMBER.
+    #[allow(clippy::doc_markdown, reason = "the help would show the marks of a link")]
     #[arg(value_name = "URL")]
     target: Target,
     #[command(flatten)]

@@ -22,7 +22,7 @@ impl FromStr for Target {
         if Address::is_meant(text) {
             return text.parse().map(Self::Vehicle);
         }
-        text.parse().map(Self::Server).map_err(|error: <Endpoint as FromStr>::Err| error.to_string())
+        text.parse().map(Self::Server)
     }
 }
 

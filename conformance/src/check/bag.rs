@@ -252,6 +252,12 @@ impl<'d> Channels<'d> {
             open.fields = Some((num_fields, num_fields).into());
             return self.format(open);
         }
+        let has_hash = declared.metadata.get(HASH).is_some_and(|hash| is_comparable(hash));
+        let is_unknown = open.status == CheckStatus::Checked(Basis::NoSchema) && !has_hash;
+        if is_unknown && definitions.is_undecided(message_id) {
+            open.status = CheckStatus::Checked(Basis::Undecided);
+            return;
+        }
         if let (None, Some(defect)) = (&stated, definitions.types().get(message_id).defect()) {
             open.status = CheckStatus::Checked(Basis::Unusable(defect.to_string()));
             return;

@@ -1,6 +1,6 @@
 //! Chooses the release that a capture agrees with.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::index::{Family, Index, ReleaseId, ReleaseSet, Row};
 
@@ -54,12 +54,15 @@ pub(crate) struct Choice {
     pub(crate) known: usize,
     /// The types of other releases that the capture agrees with, by full ROS name.
     pub(crate) others: BTreeMap<String, ReleaseId>,
+    /// The types without a known hash whose size agrees with no definition, or with several ones of releases that agree
+    /// equally well.
+    pub(crate) undecided: BTreeSet<String>,
 }
 
 impl Choice {
     /// A release that was chosen without looking at a capture.
     pub(crate) fn without_clues(release: ReleaseId) -> Self {
-        Self { release, matching: 0, known: 0, others: BTreeMap::new() }
+        Self { release, matching: 0, known: 0, others: BTreeMap::new(), undecided: BTreeSet::new() }
     }
 }
 
@@ -70,6 +73,17 @@ struct Match<'c> {
     agreeing: ReleaseSet,
     /// True if the capture doesn't show which of several definitions is meant.
     is_undecided: bool,
+    /// The releases of each definition that agrees, if only the size of the messages is known.
+    by_size: Option<Vec<ReleaseSet>>,
+}
+
+impl Match<'_> {
+    /// True if the size of the messages doesn't show which definition of these releases is meant.
+    fn is_ambiguous(&self, releases: ReleaseSet) -> bool {
+        self.by_size.as_ref().is_some_and(|definitions| {
+            definitions.iter().filter(|found| !found.intersection(releases).is_empty()).count() != 1
+        })
+    }
 }
 
 impl Index {
@@ -86,12 +100,22 @@ impl Index {
         let rank = |release: &ReleaseId| {
             (count(*release), self.has_version(*release, clues.version), !self.is_moving(*release), *release)
         };
+        let has_sizes = matches.iter().any(|found| found.by_size.is_some());
         let release = match forced {
             Some(release) => release,
-            None => self.releases_of(family).max_by_key(rank).filter(|release| count(*release) > 0)?,
+            None => self
+                .releases_of(family)
+                .max_by_key(rank)
+                .filter(|release| has_sizes || count(*release) > 0)?,
         };
-        let mut choice = Choice { release, matching: 0, known: matches.len(), others: BTreeMap::new() };
+        let is_equal =
+            |other: &ReleaseId| *other == release || forced.is_none() && count(*other) == count(release);
+        let equal = self.releases_of(family).filter(is_equal).fold(ReleaseSet::default(), ReleaseSet::with);
+        let mut choice = Choice { known: matches.len(), ..Choice::without_clues(release) };
         for found in &matches {
+            if found.is_ambiguous(equal) {
+                choice.undecided.insert(found.name.to_owned());
+            }
             if found.agreeing.contains(release) {
                 choice.matching += 1;
             } else if let (Some(other), None) = (nearest(found.agreeing, release), forced) {
@@ -114,7 +138,7 @@ impl Index {
             let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
             let name = equal.first().map_or(topic.as_str(), |row| &row.name);
             let is_undecided = matches!(format, FormatClue::Keys(_)) && equal.len() > 1;
-            matches.push(Match { name, agreeing, is_undecided });
+            matches.push(Match { name, agreeing, is_undecided, by_size: None });
         }
         for (name, clue) in &clues.types {
             let rows: Vec<_> =
@@ -134,7 +158,9 @@ impl Index {
             let equal: Vec<_> = rows.into_iter().filter(agrees).collect();
             let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
             let is_undecided = clue.type_hash.is_none() && equal.len() > 1;
-            matches.push(Match { name, agreeing, is_undecided });
+            let is_by_size = clue.type_hash.is_none() && clue.keys.is_none() && clue.size.is_some();
+            let by_size = is_by_size.then(|| equal.iter().map(|row| row.releases).collect());
+            matches.push(Match { name, agreeing, is_undecided, by_size });
         }
         matches
     }

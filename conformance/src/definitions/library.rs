@@ -46,7 +46,7 @@ pub struct Library {
 
 /// The content of definitions: the main releases, and single messages of other releases.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Key(Vec<(ReleaseId, BTreeMap<String, ReleaseId>)>);
+struct Key(Vec<(ReleaseId, BTreeMap<String, ReleaseId>, BTreeSet<String>)>);
 
 impl Library {
     /// The built-in definitions. The release is chosen for each capture.
@@ -160,7 +160,8 @@ impl Library {
         if choices.is_empty() {
             return Arc::clone(self.base());
         }
-        let key = Key(choices.iter().map(|choice| (choice.release, choice.others.clone())).collect());
+        let parts = |choice: &Choice| (choice.release, choice.others.clone(), choice.undecided.clone());
+        let key = Key(choices.iter().map(parts).collect());
         let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = stored().get(&key) {
             return Arc::clone(known);
@@ -209,7 +210,8 @@ impl Library {
         let definitions = Definitions::new(titles.join(", "), sources, schema)
             .with_replacements(&replacements)
             .with_schemas(Arc::clone(&self.schemas));
-        Definitions { releases, origins, ..definitions }
+        let undecided = choices.iter().flat_map(|choice| choice.undecided.iter().cloned()).collect();
+        Definitions { releases, origins, undecided, ..definitions }
     }
 
     fn loaded(&self, release: ReleaseId) -> LoadedRelease {

@@ -30,9 +30,8 @@ fn serve(has_rosapi: bool) -> (JoinHandle<()>, String) {
                         socket.send(Message::text(answer)).expect("sent");
                     }
                 }
-                Err(Error::Io(_)) => {}
+                Ok(_) | Err(Error::Io(_)) => {}
                 Err(_) => return,
-                Ok(_) => {}
             }
             if is_subscribed {
                 number += 1;
@@ -60,7 +59,7 @@ fn topics(request: &Value, has_rosapi: bool) -> Value {
 
 /// A message that conforms, except for the type of a field of each tenth message.
 fn request_of(number: u64) -> Value {
-    let id = if number % 10 == 0 { json!("text") } else { json!(number % 256) };
+    let id = if number.is_multiple_of(10) { json!("text") } else { json!(number % 256) };
     json!({ "timestamp": 1_000_000 + 50_000 * number, "request_id": id, "valid_registrations_mask": 0 })
 }
 

@@ -218,7 +218,7 @@ impl<'c> McapFile<'c> {
         let value = |key: &str| values.get(key).map(|value| value.escape_debug().to_string());
         match name.as_str() {
             ENDPOINT if values.len() == 1 => {
-                bag.run.endpoint_ended(values.get("id").map_or("", String::as_str))
+                bag.run.endpoint_ended(values.get("id").map_or("", String::as_str));
             }
             ENDPOINT => {
                 self.num_endpoints += 1;

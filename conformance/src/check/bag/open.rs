@@ -66,6 +66,8 @@ pub enum Basis {
     TooLong,
     /// Messages of the defined type aren't supported; contains the reason. The channel wasn't checked.
     Unusable(String),
+    /// Several definitions have messages of this size, or none has. The channel wasn't checked.
+    Undecided,
     /// There are too many channels. This channel wasn't checked.
     TooMany,
 }
@@ -88,9 +90,9 @@ impl From<&CheckStatus> for PartResult {
             CheckStatus::Checked(Basis::Unusable(_) | Basis::TooMany) | CheckStatus::Unsupported => {
                 Self::Unsupported
             }
-            CheckStatus::Checked(_) => Self::Checked,
             CheckStatus::OwnSchema => Self::OwnSchema,
-            CheckStatus::Undefined => Self::Undefined,
+            CheckStatus::Undefined | CheckStatus::Checked(Basis::Undecided) => Self::Undefined,
+            CheckStatus::Checked(_) => Self::Checked,
         }
     }
 }
@@ -105,6 +107,10 @@ impl Basis {
             Self::Unreadable(error) => Some(format!("invalid schema: {error}")),
             Self::TooLong => Some("the schema is too long".to_owned()),
             Self::Unusable(defect) => Some(format!("not checked: its definition {defect}")),
+            Self::Undecided => Some(
+                "not checked: there is no schema or type hash, and the size of the messages doesn't show their release"
+                    .to_owned(),
+            ),
             Self::TooMany => Some("not checked: too many channels".to_owned()),
         }
     }
@@ -186,8 +192,11 @@ impl Open {
     pub(super) fn compared(&self) -> ComparedTopic<'_> {
         let is_equal = match &self.status {
             CheckStatus::Checked(Basis::Compared(comparison)) => **comparison == Comparison::Equal,
+            CheckStatus::OwnSchema
+            | CheckStatus::Undefined
+            | CheckStatus::Unsupported
+            | CheckStatus::Checked(Basis::Undecided) => false,
             CheckStatus::Checked(_) => true,
-            CheckStatus::OwnSchema | CheckStatus::Undefined | CheckStatus::Unsupported => false,
         };
         ComparedTopic { topic: &self.topic, definition: self.identity.definition, is_equal }
     }

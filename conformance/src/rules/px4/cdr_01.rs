@@ -28,7 +28,7 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
         "Every fifth FailsafeFlags has an undefined encapsulation header.",
         |out| {
             out.edit_payload::<FailsafeFlags>(5, |payload| {
-                payload.iter_mut().take(2).for_each(|byte| *byte = 0xee)
+                payload.iter_mut().take(2).for_each(|byte| *byte = 0xee);
             });
         },
     )),

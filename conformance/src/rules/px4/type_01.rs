@@ -48,6 +48,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
 };
 
 /// The difference between the types of two endpoints.
+#[allow(clippy::unnecessary_wraps, reason = "`None` means that a rule doesn't apply to the pair")]
 fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {
     Some(difference(endpoint, other).into_iter().collect())
 }

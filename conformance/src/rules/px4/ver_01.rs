@@ -50,7 +50,11 @@ impl Checker for Versions {
             Some(version) => ("its schema", version),
             None => ("the definition", message.version.unwrap_or(0)),
         };
-        if version != expected.to_string() {
+        let is_elsewhere = || {
+            let id = channel.definition.filter(|_| channel.version.is_none());
+            id.is_some_and(|id| context.definitions.has_version_elsewhere(id, version))
+        };
+        if version != expected.to_string() && !is_elsewhere() {
             let definition = context.defined(channel.definition);
             context.violation_of(channel.topic, channel.location, definition, || {
                 Detail::new(format!(
