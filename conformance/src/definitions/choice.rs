@@ -80,9 +80,10 @@ struct Match<'c> {
 impl Match<'_> {
     /// True if the size of the messages doesn't show which definition of these releases is meant.
     fn is_ambiguous(&self, releases: ReleaseSet) -> bool {
-        self.by_size.as_ref().is_some_and(|definitions| {
-            definitions.iter().filter(|found| !found.intersection(releases).is_empty()).count() != 1
-        })
+        let Some(definitions) = &self.by_size else { return false };
+        let in_releases = definitions.iter().filter(|found| !found.intersection(releases).is_empty()).count();
+        // The definition of another release may be the only one with this size.
+        if in_releases > 0 { in_releases > 1 } else { definitions.len() != 1 }
     }
 }
 
@@ -257,5 +258,25 @@ mod tests {
         let sized = index.choose(&clues(row.expect("a row").cdr_size), Family::Px4, None).expect("a release");
         assert!(row.expect("a row").releases.contains(sized.release));
         assert_eq!(index.choose(&clues(None), Family::Px4, None), None);
+    }
+
+    #[test]
+    fn sizes_of_several_definitions_are_undecided() {
+        let index = Index::built_in();
+        let name = |message: &str| format!("px4_msgs/msg/{message}");
+        let clues = |sizes: &[(&str, u64)]| {
+            let clue = |size| TypeClue { size: Some(size), ..TypeClue::default() };
+            let types = sizes.iter().map(|(message, size)| (name(message), clue(*size)));
+            index.choose(&Clues { types: types.collect(), ..Clues::default() }, Family::Px4, None)
+        };
+        // PX4 1.14 and 1.15 have different failsafe flags of the same size.
+        let alone = clues(&[("FailsafeFlags", 89)]).expect("a release");
+        assert_eq!(alone.undecided, [name("FailsafeFlags")].into());
+        // Only PX4 1.15 has a VehicleStatus of this size.
+        let decided = clues(&[("FailsafeFlags", 89), ("VehicleStatus", 86)]).expect("a release");
+        assert_eq!((index.label(decided.release), decided.undecided.len()), ("px4@1.15".to_owned(), 0));
+        // No release has one of this size.
+        let unknown = clues(&[("VehicleStatus", 86), ("CpuLoad", 7), ("Cpuload", 7)]).expect("a release");
+        assert_eq!(unknown.undecided, [name("Cpuload")].into());
     }
 }

@@ -235,6 +235,15 @@ fn replays_report_files_that_are_no_captures() {
 /// True if the live display has ended.
 static IS_STOPPED: AtomicBool = AtomicBool::new(false);
 
+/// Ends the display when it is dropped, also if the test fails.
+struct Stop;
+
+impl Drop for Stop {
+    fn drop(&mut self) {
+        IS_STOPPED.store(true, Ordering::Relaxed);
+    }
+}
+
 #[test]
 fn live_vehicles_are_shown_and_reconnected() {
     let definitions = Definitions::built_in();
@@ -246,8 +255,12 @@ fn live_vehicles_are_shown_and_reconnected() {
         .topics
         .iter()
         .map(|topic| {
-            let type_name = ros_name(&definitions.schema, definitions.schema.message(topic.message)).into();
-            let topic = Topic { name: format!("/fmu/out/{}", topic.name).into(), type_name, type_hash: None };
+            let message = definitions.schema.message(topic.message);
+            let topic = Topic {
+                name: format!("/fmu/out/{}", topic.name).into(),
+                type_name: ros_name(&definitions.schema, message).into(),
+                type_hash: Some(message.type_hash.as_str().into()),
+            };
             px4.advertise(&topic, &Qos::PX4).expect("a publisher")
         })
         .collect();
@@ -258,6 +271,7 @@ fn live_vehicles_are_shown_and_reconnected() {
         }
     };
     thread::scope(|scope| {
+        let _stop = Stop;
         scope.spawn(|| {
             let connect = || Ok(Box::new(network.connect("/watch")) as Box<dyn crate::bus::Bus>);
             let live = Live { connect: &connect, is_stopped: || IS_STOPPED.load(Ordering::Relaxed) };
@@ -288,7 +302,6 @@ fn live_vehicles_are_shown_and_reconnected() {
             |shown| matches!(shown.link, Link::Lost { reason, .. } if reason == "the vehicle left"),
         );
         wait_until(&playback, |shown| *shown.link == Link::Connected);
-        IS_STOPPED.store(true, Ordering::Relaxed);
     });
 }
 
