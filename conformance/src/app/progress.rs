@@ -27,12 +27,12 @@ impl Progress {
         self.0.set_position(done as u64);
     }
 
-    /// Replaces the text beside the bar.
+    /// Replaces the text next to the bar.
     pub(super) fn describe(&self, text: String) {
         self.0.set_message(text);
     }
 
-    /// Creates a bar for a period of time. `describe` sets the text beside it.
+    /// Creates a bar for a period of time. `describe` sets the text next to it.
     pub(super) fn time() -> Self {
         Self::shown("{wide_bar} {msg}, {elapsed}")
     }
