@@ -195,12 +195,41 @@ fn returns_no_event_if_nothing_happens() {
     assert!(bus.receive(soon()).is_none());
 }
 
-/// Requires `tests/live/peers/foxglove_server.py 8765 ../definitions/px4/ArmingCheckRequest.msg`.
+/// A server in Python, which ends when it is dropped.
+struct Peer(std::process::Child);
+
+impl Peer {
+    fn start(port: u16) -> Self {
+        let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        let child = std::process::Command::new(folder.join("../target/live-peers/bin/python"))
+            .arg(folder.join("tests/live/peers/foxglove_server.py"))
+            .arg(port.to_string())
+            .arg(folder.join("../definitions/px4/ArmingCheckRequest.msg"))
+            .spawn();
+        Self(child.expect("the Python packages"))
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
 #[test]
-#[ignore = "requires a server in Python"]
+#[ignore = "requires the Python packages that the tests in tests/live install"]
 fn the_foxglove_sdk_receives_published_messages() {
-    let address = Address { host: "127.0.0.1".to_owned(), port: 8765 };
-    let mut bus = Foxglove::connect(&address).expect("connect");
+    let free = std::net::TcpListener::bind(("127.0.0.1", 0)).and_then(|listener| listener.local_addr());
+    let address = Address { host: "127.0.0.1".to_owned(), port: free.expect("a port").port() };
+    let _peer = Peer::start(address.port);
+    let end = Instant::now() + Duration::from_secs(60);
+    let mut bus = loop {
+        match Foxglove::connect(&address) {
+            Ok(bus) => break bus,
+            Err(problem) => assert!(Instant::now() < end, "{problem}"),
+        }
+    };
     bus.subscribe(&topic("/echo")).expect("subscribe");
     let reply =
         Topic { type_name: "px4_msgs/msg/ArmingCheckReply".into(), ..topic("/fmu/in/arming_check_reply") };
