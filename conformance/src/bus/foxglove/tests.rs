@@ -196,9 +196,9 @@ fn returns_no_event_if_nothing_happens() {
 }
 
 /// A server in Python, which ends when it is dropped.
-struct Peer(std::process::Child);
+struct PythonServer(std::process::Child);
 
-impl Peer {
+impl PythonServer {
     fn start(port: u16) -> Self {
         let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
         let child = std::process::Command::new(folder.join("../target/live-peers/bin/python"))
@@ -210,7 +210,7 @@ impl Peer {
     }
 }
 
-impl Drop for Peer {
+impl Drop for PythonServer {
     fn drop(&mut self) {
         let _ = self.0.kill();
         let _ = self.0.wait();
@@ -222,7 +222,7 @@ impl Drop for Peer {
 fn the_foxglove_sdk_receives_published_messages() {
     let free = std::net::TcpListener::bind(("127.0.0.1", 0)).and_then(|listener| listener.local_addr());
     let address = Address { host: "127.0.0.1".to_owned(), port: free.expect("a port").port() };
-    let _peer = Peer::start(address.port);
+    let _server = PythonServer::start(address.port);
     let end = Instant::now() + Duration::from_secs(60);
     let mut bus = loop {
         match Foxglove::connect(&address) {
