@@ -32,6 +32,9 @@ __all__ = [
     "Event",
     "EventConstants",
     "FailsafeFlags",
+    "MessageFormatRequest",
+    "MessageFormatRequestConstants",
+    "MessageFormatResponse",
     "RegisterExtComponentReply",
     "RegisterExtComponentReplyConstants",
     "RegisterExtComponentRequest",
@@ -959,6 +962,77 @@ class FailsafeFlags(TypedDict):
     """
 
 
+class MessageFormatRequest(TypedDict):
+    """Question of an application about the definition of a topic's messages
+
+    MessageFormatResponse answers it with a hash of the definition. An application asks before it uses a topic, because its definitions may be those of another release. Ask one question at a time, and repeat it if there is no response.
+
+    Topics: message_format_request.
+    """
+
+    timestamp: int
+    """Time since boot
+
+    Type: uint64; unit: us (microseconds).
+    """
+
+    protocol_version: int
+    """Version of the sender: set it to LATEST_PROTOCOL_VERSION
+
+    Type: uint16.
+    """
+
+    topic_name: str
+    """Name of the topic without the version suffix, such as /fmu/in/vehicle_command
+
+    Type: char[50].
+    """
+
+
+class MessageFormatRequestConstants:
+    """Constants of MessageFormatRequest."""
+
+    LATEST_PROTOCOL_VERSION: Final = 1
+    """Latest version of the questions and responses"""
+
+
+class MessageFormatResponse(TypedDict):
+    """Response to a MessageFormatRequest, with a hash of the definition
+
+    Topics: message_format_response.
+    """
+
+    timestamp: int
+    """Time since boot
+
+    Type: uint64; unit: us (microseconds).
+    """
+
+    protocol_version: int
+    """Version of the flight controller: MessageFormatRequest LATEST_PROTOCOL_VERSION
+
+    Type: uint16.
+    """
+
+    topic_name: str
+    """Topic from the request
+
+    Type: char[50].
+    """
+
+    success: bool
+    """True if the flight controller knows the topic and the version of the request. If false, the hash is not valid
+
+    Type: bool.
+    """
+
+    message_hash: int
+    """PX4's hash of the names and types of all fields, including those of nested messages
+
+    Type: uint32.
+    """
+
+
 class RegisterExtComponentReply(TypedDict):
     """Reply to a RegisterExtComponentRequest, with the ids assigned to the component
 
@@ -1156,5 +1230,5 @@ class UnregisterExtComponentConstants:
     """Message version, incremented with each change of the fields"""
 
 
-Message: TypeAlias = Union["ArmingCheckReply", "ArmingCheckRequest", "BatteryStatus", "Event", "FailsafeFlags", "RegisterExtComponentReply", "RegisterExtComponentRequest", "UnregisterExtComponent"]
+Message: TypeAlias = Union["ArmingCheckReply", "ArmingCheckRequest", "BatteryStatus", "Event", "FailsafeFlags", "MessageFormatRequest", "MessageFormatResponse", "RegisterExtComponentReply", "RegisterExtComponentRequest", "UnregisterExtComponent"]
 """Any message."""

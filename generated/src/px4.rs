@@ -23,6 +23,12 @@ pub use self::event::Event;
 /// [`FailsafeFlags`](struct@FailsafeFlags) and the types of its fields.
 pub mod failsafe_flags;
 pub use self::failsafe_flags::FailsafeFlags;
+/// [`MessageFormatRequest`](struct@MessageFormatRequest) and the types of its fields.
+pub mod message_format_request;
+pub use self::message_format_request::MessageFormatRequest;
+/// [`MessageFormatResponse`](struct@MessageFormatResponse) and the types of its fields.
+pub mod message_format_response;
+pub use self::message_format_response::MessageFormatResponse;
 /// [`RegisterExtComponentReply`](struct@RegisterExtComponentReply) and the types of its fields.
 pub mod register_ext_component_reply;
 pub use self::register_ext_component_reply::RegisterExtComponentReply;
@@ -39,6 +45,8 @@ with_views! {
     pub use self::battery_status::BatteryStatusView;
     pub use self::event::EventView;
     pub use self::failsafe_flags::FailsafeFlagsView;
+    pub use self::message_format_request::MessageFormatRequestView;
+    pub use self::message_format_response::MessageFormatResponseView;
     pub use self::register_ext_component_reply::RegisterExtComponentReplyView;
     pub use self::register_ext_component_request::RegisterExtComponentRequestView;
     pub use self::unregister_ext_component::UnregisterExtComponentView;

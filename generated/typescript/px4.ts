@@ -880,6 +880,78 @@ export interface FailsafeFlags {
 }
 
 /**
+ * Question of an application about the definition of a topic's messages
+ *
+ * MessageFormatResponse answers it with a hash of the definition. An application asks before it uses a topic, because its definitions may be those of another release. Ask one question at a time, and repeat it if there is no response.
+ *
+ * Topics: message_format_request.
+ */
+export interface MessageFormatRequest {
+  /**
+   * Time since boot
+   *
+   * Type: uint64; unit: us (microseconds).
+   */
+  timestamp: number;
+  /**
+   * Version of the sender: set it to LATEST_PROTOCOL_VERSION
+   *
+   * Type: uint16.
+   */
+  protocol_version: number;
+  /**
+   * Name of the topic without the version suffix, such as /fmu/in/vehicle_command
+   *
+   * Type: char\[50\].
+   */
+  topic_name: string;
+}
+
+/** Constants of MessageFormatRequest. */
+export const MessageFormatRequestConstants = {
+  /** Latest version of the questions and responses */
+  LATEST_PROTOCOL_VERSION: 1,
+} as const;
+
+/**
+ * Response to a MessageFormatRequest, with a hash of the definition
+ *
+ * Topics: message_format_response.
+ */
+export interface MessageFormatResponse {
+  /**
+   * Time since boot
+   *
+   * Type: uint64; unit: us (microseconds).
+   */
+  timestamp: number;
+  /**
+   * Version of the flight controller: MessageFormatRequest LATEST_PROTOCOL_VERSION
+   *
+   * Type: uint16.
+   */
+  protocol_version: number;
+  /**
+   * Topic from the request
+   *
+   * Type: char\[50\].
+   */
+  topic_name: string;
+  /**
+   * True if the flight controller knows the topic and the version of the request. If false, the hash is not valid
+   *
+   * Type: bool.
+   */
+  success: boolean;
+  /**
+   * PX4's hash of the names and types of all fields, including those of nested messages
+   *
+   * Type: uint32.
+   */
+  message_hash: number;
+}
+
+/**
  * Reply to a RegisterExtComponentRequest, with the ids assigned to the component
  *
  * Either all requested parts are registered or none. Check success before using an id.
@@ -1080,10 +1152,12 @@ export interface Messages {
   BatteryStatus: BatteryStatus;
   Event: Event;
   FailsafeFlags: FailsafeFlags;
+  MessageFormatRequest: MessageFormatRequest;
+  MessageFormatResponse: MessageFormatResponse;
   RegisterExtComponentReply: RegisterExtComponentReply;
   RegisterExtComponentRequest: RegisterExtComponentRequest;
   UnregisterExtComponent: UnregisterExtComponent;
 }
 
 /** Any message. */
-export type Message = ArmingCheckReply | ArmingCheckRequest | BatteryStatus | Event | FailsafeFlags | RegisterExtComponentReply | RegisterExtComponentRequest | UnregisterExtComponent;
+export type Message = ArmingCheckReply | ArmingCheckRequest | BatteryStatus | Event | FailsafeFlags | MessageFormatRequest | MessageFormatResponse | RegisterExtComponentReply | RegisterExtComponentRequest | UnregisterExtComponent;
