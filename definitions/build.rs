@@ -9,7 +9,10 @@ const LEVEL: u8 = 9;
 
 fn main() -> io::Result<()> {
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or_else(|| io::Error::other("OUT_DIR is not set"))?);
-    println!("cargo:rerun-if-changed=releases");
+    // The crate embeds these folders, and cargo doesn't notice new files in them by itself.
+    for folder in ["flockwave", "i18n", "px4", "releases"] {
+        println!("cargo:rerun-if-changed={folder}");
+    }
     let fingerprints = packed(Path::new("releases/fingerprints.tsv"), &out, "fingerprints")?;
     let mut list = String::new();
     for family in ["px4", "ros2"] {

@@ -12,6 +12,7 @@
 mod choice;
 mod index;
 mod library;
+mod released;
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt;
@@ -35,6 +36,7 @@ use self::index::Index;
 pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;
 pub(crate) use self::library::ros_package;
+pub(crate) use self::released::{ReleasedType, released_type, topic_hashes};
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
 

@@ -17,6 +17,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
+mod application;
 mod date;
 mod detail;
 mod endpoint;
@@ -26,6 +27,7 @@ mod reason;
 mod record;
 mod rule;
 
+pub(crate) use self::application::ApplicationType;
 pub use self::date::Date;
 pub use self::detail::Detail;
 pub(crate) use self::detail::hexadecimal;

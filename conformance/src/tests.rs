@@ -1,5 +1,6 @@
 //! Tests of internals; the tests of the program are in `tests/`.
 
+mod application;
 mod body_schemas;
 mod browser;
 mod check;

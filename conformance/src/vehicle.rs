@@ -8,12 +8,13 @@
 //! The probe records all events as a bag, and checks each record of the bag when it is written. A later
 //! [`check`](crate::check) of the recording returns the same findings.
 //!
-//! A probe publishes nothing, unless it has a role: the flight controller or an external component. It then takes part
-//! in the arming checks, and its messages are recorded as well.
+//! A probe publishes nothing, unless it has a role: the flight controller or an external component, which take part in
+//! arming checks, or an application, which asks for definitions. The messages of a role are recorded as well.
 
 mod actor;
 mod autopilot;
 mod component;
+mod inquiry;
 mod recorder;
 mod reference;
 mod role;
@@ -30,17 +31,18 @@ use std::time::{Duration, Instant};
 use globset::GlobSet;
 use tempfile::TempPath;
 
-use self::actor::{Actor, Step};
+use self::actor::{Actor, Step, role, step};
+use self::inquiry::Inquiry;
 use self::recorder::{MAX_SIZE, Recorder};
 pub(crate) use self::reference::serve;
-use self::role::Purpose;
+use self::role::{Purpose, Role};
 use crate::bus::{Bus, Event, Topic};
 use crate::capture::mcap::Reader;
 use crate::check::{
     CaptureResult, Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording,
 };
 use crate::definitions::{Definitions, Library};
-use crate::model::EndpointKind;
+use crate::model::{ApplicationType, EndpointKind};
 use crate::rules::px4::Side;
 
 /// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
@@ -60,6 +62,8 @@ pub(crate) struct Options {
     pub topics: Option<GlobSet>,
     /// The role of the probe. `None` if it publishes nothing.
     pub role: Option<Side>,
+    /// The types of an application that are compared with those of the flight controller, if there is one.
+    pub application: Option<Vec<ApplicationType>>,
     /// The file of the recording.
     pub record: Option<PathBuf>,
     /// Returns true if the probe must end early.
@@ -187,7 +191,7 @@ struct Probe<'p> {
     bus: &'p mut dyn Bus,
     options: &'p Options,
     recorder: Recorder,
-    actor: Option<Actor>,
+    actors: Vec<Actor>,
     started: Instant,
     subscribed: HashSet<Topic>,
     progress: Progress,
@@ -207,7 +211,7 @@ impl<'p> Probe<'p> {
             bus,
             options,
             recorder,
-            actor: None,
+            actors: Vec::new(),
             started: Instant::now(),
             subscribed: HashSet::new(),
             progress: Progress::default(),
@@ -217,12 +221,23 @@ impl<'p> Probe<'p> {
         }
     }
 
-    /// Announces the topics of the role.
-    fn join(&mut self) -> io::Result<()> {
-        let Some(side) = self.options.role else { return Ok(()) };
-        match Actor::join(self.bus, side, Purpose::Judge, None) {
+    /// Joins the bus in all roles of the probe.
+    fn join_all(&mut self) -> io::Result<()> {
+        if let Some(side) = self.options.role {
+            self.join(role(side, Purpose::Judge))?;
+        }
+        if let Some(application) = &self.options.application {
+            application.iter().try_for_each(|ty| self.recorder.application(ty))?;
+            self.join(Box::new(Inquiry::new(application, self.options.topics.clone())))?;
+        }
+        Ok(())
+    }
+
+    /// Announces the topics of a role.
+    fn join(&mut self, role: Box<dyn Role>) -> io::Result<()> {
+        match Actor::join(self.bus, role, None) {
             Ok((actor, endpoints)) => {
-                self.actor = Some(actor);
+                self.actors.push(actor);
                 endpoints.iter().try_for_each(|endpoint| self.recorder.record(endpoint, None))
             }
             Err(problem) => {
@@ -234,27 +249,21 @@ impl<'p> Probe<'p> {
 
     /// Records events until the release of the vehicle can be chosen.
     fn start(&mut self, library: &Library) -> io::Result<Arc<Definitions>> {
-        self.join()?;
+        self.join_all()?;
         self.listen(START.min(self.options.time), None)?;
         self.recorder.flush()?;
         choose_for_recording(self.recorder.path(), library)
     }
 
-    /// Ends the role. Returns its last messages.
+    /// Ends the roles. Returns their last messages.
     fn withdraw(&mut self) -> Vec<Event> {
-        let Some(mut actor) = self.actor.take() else { return Vec::new() };
-        let last = actor.leave(self.bus);
-        let problems = std::mem::take(&mut actor.problems);
-        problems.into_iter().chain(actor.notes()).for_each(|note| self.note(note));
-        last
-    }
-
-    /// Waits for an event until a deadline. The role may react.
-    fn step(&mut self, deadline: Instant) -> Step {
-        match &mut self.actor {
-            Some(actor) => actor.step(self.bus, deadline),
-            None => Step { received: self.bus.receive(deadline), ..Step::default() },
+        let mut last = Vec::new();
+        for mut actor in std::mem::take(&mut self.actors) {
+            last.extend(actor.leave(self.bus));
+            let problems = std::mem::take(&mut actor.problems);
+            problems.into_iter().chain(actor.notes()).for_each(|note| self.note(note));
         }
+        last
     }
 
     /// Records events until a time after the start.
@@ -268,7 +277,7 @@ impl<'p> Probe<'p> {
                 self.cut_short = Some(format!("the recording reached {} GiB", MAX_SIZE >> 30));
             }
             let deadline = end.min(Instant::now() + NOTICE_TIME);
-            let Step { received, sent } = self.step(deadline);
+            let Step { received, sent } = step(&mut self.actors, self.bus, deadline);
             for event in received.iter().chain(&sent) {
                 self.recorder.record(event, live.as_deref_mut())?;
             }

@@ -12,7 +12,7 @@
 //! ```
 
 use std::collections::BTreeSet;
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 
 use sha2::{Digest as _, Sha256};
 use uavspec_runtime::Scalar;
@@ -32,17 +32,35 @@ struct Fnv1a(u32);
 impl Fnv1a {
     const OFFSET_BASIS: u32 = 0x811c_9dc5;
     const PRIME: u32 = 0x0100_0193;
+}
 
-    fn update(&mut self, text: &str) {
+impl fmt::Write for Fnv1a {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
         for byte in text.bytes() {
             self.0 = (self.0 ^ u32::from(byte)).wrapping_mul(Self::PRIME);
         }
+        Ok(())
     }
 }
 
-/// PX4's hash of the fields of a message. Nested fields follow the field that contains them.
+/// PX4's hash of the fields of a message.
 pub(crate) fn message_hash(schema: &Schema, message: &Message) -> u32 {
     let mut hash = Fnv1a(Fnv1a::OFFSET_BASIS);
+    // Hashing can't fail.
+    let _ = write_fields(schema, message, &mut hash);
+    hash.0
+}
+
+/// The text that PX4's message hash covers: a line with type and name for each field. Nested fields follow the field
+/// that contains them.
+pub fn hashed_text(schema: &Schema, message: &Message) -> String {
+    let mut text = String::new();
+    // Writing to a string can't fail.
+    let _ = write_fields(schema, message, &mut text);
+    text
+}
+
+fn write_fields(schema: &Schema, message: &Message, output: &mut impl fmt::Write) -> fmt::Result {
     // Use an explicit stack, because the input determines the nesting depth.
     let mut open = vec![message.fields.iter()];
     while let Some(fields) = open.last_mut() {
@@ -53,20 +71,18 @@ pub(crate) fn message_hash(schema: &Schema, message: &Message) -> u32 {
         match field.ty.element {
             Element::Message(id) => {
                 let nested = schema.message(id);
-                hash.update(&nested.name);
+                output.write_str(&nested.name)?;
                 open.push(nested.fields.iter());
             }
-            Element::Scalar(scalar) => hash.update(scalar.name()),
+            Element::Scalar(scalar) => output.write_str(scalar.name())?,
             Element::String { .. } => {
-                hash.update(&schema.type_text(message, Type { shape: Shape::Single, ..field.ty }));
+                let single = Type { shape: Shape::Single, ..field.ty };
+                output.write_str(&schema.type_text(message, single))?;
             }
         }
-        hash.update(&shape_text(field.ty.shape));
-        hash.update(" ");
-        hash.update(&field.name);
-        hash.update("\n");
+        writeln!(output, "{} {}", shape_text(field.ty.shape), field.name)?;
     }
-    hash.0
+    Ok(())
 }
 
 /// The type numbers in a ROS type description (`type_description_interfaces/msg/FieldType`).

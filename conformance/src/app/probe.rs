@@ -1,5 +1,6 @@
 //! `uavspec probe`.
 
+mod application;
 mod vehicle;
 
 use std::fs::File;

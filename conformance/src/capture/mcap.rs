@@ -52,6 +52,10 @@ pub(crate) use self::writer::{Writer, compressed, metadata_body};
 /// [`Endpoint::to_values`](crate::model::Endpoint::to_values). If only the id is stated, the endpoint ended.
 pub(crate) const ENDPOINT: &str = "uavspec:endpoint";
 
+/// The name of the metadata records about the definitions of an application. The values are those of
+/// [`ApplicationType::to_values`](crate::model::ApplicationType::to_values).
+pub(crate) const APPLICATION: &str = "uavspec:application";
+
 /// The name of the metadata records about lost messages. The values are `topic` and `count`.
 pub(crate) const LOST: &str = "uavspec:lost";
 

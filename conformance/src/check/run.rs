@@ -16,7 +16,7 @@ use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::flockwave::session::{Exchange, Sessions};
 use crate::json::Tree;
-use crate::model::{Channel, Endpoint, Extent, Findings, Location, Message, Rule};
+use crate::model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
 use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, px4};
 use crate::text::Grouped;
@@ -311,6 +311,11 @@ impl<'d> CheckRun<'d> {
     /// Passes the end of a publisher or subscriber to the rules.
     pub(super) fn endpoint_ended(&mut self, id: &str) {
         self.followers.iter_mut().for_each(|follower| follower.checker.endpoint_ended(id));
+    }
+
+    /// Passes a type in an application to the rules.
+    pub(super) fn application(&mut self, ty: &ApplicationType) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.application(ty));
     }
 
     pub(super) fn dropout(&mut self, milliseconds: u16, location: Location) {

@@ -83,6 +83,7 @@ pub(super) fn mcap_seeds() -> Vec<Vec<u8>> {
             Some((u16::try_from(channel).ok()?, *time, payload.clone()))
         };
         Bag {
+            application: Vec::new(),
             channels: channels.to_vec(),
             endpoints: Vec::new(),
             messages: whole.messages.iter().filter_map(own).collect(),

@@ -92,6 +92,30 @@ pub(crate) fn compare_declared(declared: MessageType<'_>, defined: MessageType<'
     compare_in(Order::Declared, declared, defined)
 }
 
+/// Compares two texts that PX4's message hash covers: a line with type and name for each field.
+pub(crate) fn compare_texts(found: &str, defined: &str) -> Differences {
+    let (found, expected) = (by_name(found), by_name(defined));
+    let mut differences = Differences::default();
+    for (name, ty) in &expected {
+        match found.get(name) {
+            None => differences.missing.push(format!("{name} ({ty})")),
+            Some(other) if other != ty => {
+                differences.retyped.push(format!("{name} ({other}, defined as {ty})"));
+            }
+            Some(_) => {}
+        }
+    }
+    let extra = found.iter().filter(|(name, _)| !expected.contains_key(*name));
+    differences.extra = extra.map(|(name, ty)| format!("{name} ({ty})")).collect();
+    differences.is_moved = differences == Differences::default();
+    differences
+}
+
+/// The types of the fields, by name.
+fn by_name(text: &str) -> BTreeMap<&str, &str> {
+    text.lines().filter_map(|line| line.split_once(' ')).map(|(ty, name)| (name, ty)).collect()
+}
+
 fn compare_in(order: Order, format: MessageType<'_>, defined: MessageType<'_>) -> Comparison {
     if order.is_equal(format, defined) {
         Comparison::Equal

@@ -23,6 +23,7 @@ mod fmt_02;
 mod fmt_03;
 mod fsf_03;
 mod hash_01;
+mod hash_02;
 mod json_01;
 mod json_02;
 mod len_01;
@@ -40,7 +41,7 @@ use uavspec_runtime::Rule as Demand;
 
 use super::RuleContext;
 use super::sample::{Bag, Encoding, Flight, Lines, Log};
-use crate::model::{Channel, Detail, Endpoint, Level, Location, Message, Rule, Status};
+use crate::model::{ApplicationType, Channel, Detail, Endpoint, Level, Location, Message, Rule, Status};
 use crate::px4::ValueRules;
 
 /// The rules checked by capture readers.
@@ -55,7 +56,7 @@ pub(crate) use self::bug::{Bug, Sent, Side};
 pub(crate) use self::fsf_03::{REQUIREMENT, belongs_to};
 
 /// The PX4 rules, sorted by id.
-pub(crate) static RULES: [&Px4Rule; 32] = [
+pub(crate) static RULES: [&Px4Rule; 33] = [
     &arr_01::RULE,
     &bool_01::RULE,
     &cdr_01::RULE,
@@ -76,6 +77,7 @@ pub(crate) static RULES: [&Px4Rule; 32] = [
     &fmt_03::RULE,
     &fsf_03::RULE,
     &hash_01::RULE,
+    &hash_02::RULE,
     &json_01::RULE,
     &json_02::RULE,
     &len_01::RULE,
@@ -226,6 +228,9 @@ pub(crate) trait Checker {
 
     /// Handles the end of a publisher or subscriber.
     fn endpoint_ended(&mut self, _id: &str) {}
+
+    /// Receives a type in an application that was compared with the vehicle.
+    fn application(&mut self, _ty: &ApplicationType) {}
 
     /// Handles the end of the capture.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}

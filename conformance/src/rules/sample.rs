@@ -88,6 +88,7 @@ impl<'d> Flight<'d> {
             }
         }
         let mut flight = Self { definitions, topics, messages: Vec::new() };
+        flight.answer_format(&mut first);
         for round in 0..ROUNDS {
             for topic in flight.in_order() {
                 let name = &definitions.schema.message(flight.topics[topic].message).name;
@@ -96,6 +97,18 @@ impl<'d> Flight<'d> {
             }
         }
         flight
+    }
+
+    /// Lets the response about message formats state the hash of the first topic.
+    fn answer_format(&self, typical: &mut [Value]) {
+        let response = self.topic("MessageFormatResponse").and_then(|topic| typical.get_mut(topic));
+        if let (Some(topic), Some(response)) = (self.topics.first(), response) {
+            let hash = self.definitions.schema.message(topic.message).hash;
+            let name = format!("/fmu/out/{}", topic.name);
+            let fields =
+                [("topic_name", name.into()), ("success", true.into()), ("message_hash", hash.into())];
+            *response = with(response, &fields);
+        }
     }
 
     /// The topics in the order in which a round publishes them: requests before replies.

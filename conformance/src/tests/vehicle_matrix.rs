@@ -78,6 +78,7 @@ impl Case {
             time: TIME,
             topics: None,
             role: self.role,
+            application: None,
             record: Some(file.clone()),
             is_stopped: Box::new(|| false),
         };

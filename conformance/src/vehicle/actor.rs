@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use uavspec_runtime::Definition;
 
-use super::autopilot::Autopilot;
-use super::component::{self, Component};
+use super::autopilot::{self, Autopilot};
+use super::component::Component;
 use super::role::{Purpose, Role};
 use crate::bus::{self, Bus, Encoding, Event, Publisher, Received, Topic};
 use crate::model::{Durability, Endpoint, EndpointKind, Qos};
@@ -52,26 +52,29 @@ struct Output {
 }
 
 /// The events of a step.
-#[derive(Default)]
 pub(super) struct Step {
     /// The event on the bus.
     pub received: Option<Event>,
-    /// The messages that the role sent.
+    /// The messages that the roles sent.
     pub sent: Vec<Event>,
+}
+
+/// Waits for an event until the deadline, and lets the roles react.
+pub(super) fn step(actors: &mut [Actor], bus: &mut dyn Bus, deadline: Instant) -> Step {
+    let due = actors.iter().filter_map(Actor::due).min();
+    let received = bus.receive(due.map_or(deadline, |due| due.min(deadline)));
+    let sent = actors.iter_mut().flat_map(|actor| actor.react(bus, received.as_ref())).collect();
+    Step { received, sent }
 }
 
 impl Actor {
     /// Announces the topics of a role. Also returns its endpoints.
     pub(super) fn join(
         bus: &mut dyn Bus,
-        side: Side,
-        purpose: Purpose,
+        role: Box<dyn Role>,
         bug: Option<&'static Bug>,
     ) -> Result<(Self, Vec<Event>), String> {
-        // Each `RandomState` has other keys.
-        let seed = RandomState::new().build_hasher().finish();
-        let (role, started) = (role(side, purpose, seed, BOOT), Instant::now());
-        let (outputs, inputs) = (HashMap::new(), HashMap::new());
+        let (started, outputs, inputs) = (Instant::now(), HashMap::new(), HashMap::new());
         let mut actor =
             Self { role, bug, started, outputs, inputs, problems: Vec::new(), remarks: Vec::new() };
         let mut endpoints = Vec::new();
@@ -96,13 +99,20 @@ impl Actor {
         Ok((actor, endpoints))
     }
 
-    /// Waits for an event until the deadline, and lets the role react. If no event is pending, also sends the messages
-    /// that are due.
-    pub(super) fn step(&mut self, bus: &mut dyn Bus, deadline: Instant) -> Step {
-        let due = self.role.next_tick().map(|due| self.time_of(due));
-        let received = bus.receive(due.map_or(deadline, |due| due.min(deadline)));
-        let mut sent = match &received {
+    /// The time at which messages are due.
+    fn due(&self) -> Option<Instant> {
+        self.role.next_tick().map(|due| self.time_of(due))
+    }
+
+    /// Lets the role react to an event. If no event is pending, also sends the messages that are due.
+    fn react(&mut self, bus: &mut dyn Bus, received: Option<&Event>) -> Vec<Event> {
+        let due = self.due();
+        let mut sent = match received {
             Some(Event::Message(message)) => self.receive(bus, message),
+            Some(Event::Endpoint(endpoint)) => {
+                self.role.discovered(endpoint, self.now());
+                Vec::new()
+            }
             _ => Vec::new(),
         };
         let margin = if received.is_some() { MAX_POSTPONED } else { Duration::ZERO };
@@ -110,7 +120,7 @@ impl Actor {
             let messages = self.role.tick(self.now());
             sent.extend(self.send(bus, messages));
         }
-        Step { received, sent }
+        sent
     }
 
     /// Ends the role.
@@ -213,11 +223,15 @@ fn problem(message: &Received, definition: &Definition) -> Option<&'static str> 
     (!is_right).then_some("a role can't read messages of other releases, or of another size")
 }
 
-/// Creates a role that starts now. `seed` is a random number.
-fn role(side: Side, purpose: Purpose, seed: u64, now: u64) -> Box<dyn Role> {
+/// Creates a participant of the arming checks.
+pub(super) fn role(side: Side, purpose: Purpose) -> Box<dyn Role> {
     match side {
-        Side::Autopilot => Box::new(Autopilot::new(purpose, now)),
-        Side::Component => Box::new(Component::new(purpose, seed, now)),
+        Side::Autopilot => Box::new(Autopilot::new(purpose, BOOT)),
+        Side::Component => {
+            // Each `RandomState` has other keys.
+            let seed = RandomState::new().build_hasher().finish();
+            Box::new(Component::new(purpose, seed, BOOT))
+        }
     }
 }
 
@@ -233,5 +247,5 @@ fn topic_name(definition: &Definition) -> String {
 
 /// True if the flight controller receives messages of this type.
 fn is_input(definition: &Definition) -> bool {
-    component::PUBLISHED.iter().any(|known| known.name == definition.name)
+    autopilot::RECEIVED.iter().any(|known| known.name == definition.name)
 }

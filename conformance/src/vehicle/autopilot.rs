@@ -1,13 +1,17 @@
 //! The flight controller's part in arming checks, as PX4 implements it.
 
+use std::cell::OnceCell;
+use std::collections::HashMap;
+
 use uavspec::px4::battery_status::BatteryWarning;
 use uavspec::px4::{
-    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
-    RegisterExtComponentRequest, UnregisterExtComponent,
+    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, MessageFormatRequest,
+    MessageFormatResponse, RegisterExtComponentReply, RegisterExtComponentRequest, UnregisterExtComponent,
 };
 use uavspec_runtime::{Definition, Message};
 
 use super::role::{Purpose, Role};
+use crate::definitions::topic_hashes;
 use crate::rules::px4::Sent;
 
 /// The maximum number of registrations.
@@ -62,13 +66,24 @@ const INFO: u8 = 0x66;
 /// All modes.
 const ALL_MODES: u32 = u32::MAX;
 
-const RECEIVED: &[Definition] = super::component::PUBLISHED;
+/// The types that the flight controller receives.
+pub(super) const RECEIVED: &[Definition] = &[
+    RegisterExtComponentRequest::DEFINITION,
+    UnregisterExtComponent::DEFINITION,
+    ArmingCheckReply::DEFINITION,
+    MessageFormatRequest::DEFINITION,
+];
 
-const JUDGE: &[Definition] = &[ArmingCheckRequest::DEFINITION, RegisterExtComponentReply::DEFINITION];
+const JUDGE: &[Definition] = &[
+    ArmingCheckRequest::DEFINITION,
+    RegisterExtComponentReply::DEFINITION,
+    MessageFormatResponse::DEFINITION,
+];
 
 const REFERENCE: &[Definition] = &[
     ArmingCheckRequest::DEFINITION,
     RegisterExtComponentReply::DEFINITION,
+    MessageFormatResponse::DEFINITION,
     Event::DEFINITION,
     FailsafeFlags::DEFINITION,
     BatteryStatus::DEFINITION,
@@ -79,6 +94,7 @@ const REFERENCE: &[Definition] = &[
 const WITHOUT_BATTERY: &[Definition] = &[
     ArmingCheckRequest::DEFINITION,
     RegisterExtComponentReply::DEFINITION,
+    MessageFormatResponse::DEFINITION,
     Event::DEFINITION,
     FailsafeFlags::DEFINITION,
 ];
@@ -96,6 +112,8 @@ pub(super) struct Autopilot {
     /// The number of published events.
     events: u16,
     replies: u64,
+    /// PX4's hash of each topic; read when a component asks.
+    hashes: OnceCell<HashMap<String, u32>>,
 }
 
 /// A registered component.
@@ -118,6 +136,7 @@ impl Autopilot {
             next_state: (purpose != Purpose::Judge).then_some(now),
             events: 0,
             replies: 0,
+            hashes: OnceCell::new(),
         }
     }
 
@@ -144,6 +163,21 @@ impl Autopilot {
         }
         let event = if reply.success { self.event(now) } else { None };
         [Sent::new(&reply)].into_iter().chain(event).collect()
+    }
+
+    /// Answers the question of a component that compares its definitions with those of the flight controller.
+    fn answer_format(&self, request: &MessageFormatRequest, now: u64) -> Sent {
+        let hashes = self.hashes.get_or_init(|| topic_hashes(&[RECEIVED, self.published()].concat()));
+        let topic = request.topic_name.as_str().ok().and_then(|name| name.rsplit_once('/'));
+        let is_known = request.protocol_version == MessageFormatRequest::LATEST_PROTOCOL_VERSION;
+        let hash = topic.and_then(|(_, topic)| hashes.get(topic)).filter(|_| is_known);
+        Sent::new(&MessageFormatResponse {
+            timestamp: now,
+            protocol_version: MessageFormatRequest::LATEST_PROTOCOL_VERSION,
+            topic_name: request.topic_name,
+            success: hash.is_some(),
+            message_hash: hash.copied().unwrap_or_default(),
+        })
     }
 
     /// The place for a registration: the place of an earlier registration with the same name, or a free place.
@@ -241,6 +275,9 @@ impl Role for Autopilot {
     fn receive(&mut self, message: &Sent, now: u64) -> Vec<Sent> {
         if let Some(request) = message.read::<RegisterExtComponentRequest>() {
             return self.register(&request, now);
+        }
+        if let Some(request) = message.read::<MessageFormatRequest>() {
+            return vec![self.answer_format(&request, now)];
         }
         if let Some(message) = message.read::<UnregisterExtComponent>() {
             self.unregister(&message);

@@ -9,8 +9,9 @@ use std::sync::Arc;
 use ::mcap::records::MessageHeader;
 
 use crate::bus::{Encoding, Event, Received, Schema, Topic};
-use crate::capture::mcap::{self, ENDPOINT, LOST, Packing, Writer, metadata_body};
+use crate::capture::mcap::{self, APPLICATION, ENDPOINT, LOST, Packing, Writer, metadata_body};
 use crate::check::{HASH, LiveBag};
+use crate::model::ApplicationType;
 
 /// The maximum number of channels.
 const MAX_CHANNELS: usize = 10_000;
@@ -99,6 +100,11 @@ impl Recorder {
             Event::Message(message) => self.message(message, live),
             Event::Problem(_) | Event::Closed(_) => Ok(()),
         }
+    }
+
+    /// Writes a type of the application.
+    pub(super) fn application(&mut self, ty: &ApplicationType) -> io::Result<()> {
+        self.metadata(APPLICATION, &ty.to_values(), None)
     }
 
     fn lost(&mut self, topic: &str, count: u64, live: Option<&mut LiveBag<'_>>) -> io::Result<()> {

@@ -1,8 +1,9 @@
 //! Reference participants of a vehicle's arming checks, for tests of other programs.
 
+use std::slice;
 use std::time::{Duration, Instant};
 
-use super::actor::Actor;
+use super::actor::{Actor, role, step};
 use super::role::Purpose;
 use crate::bus::{Bus, Event};
 use crate::rules::px4::{Bug, Side};
@@ -22,9 +23,10 @@ pub(crate) fn serve(
     bug: Option<&'static Bug>,
     is_over: &dyn Fn() -> bool,
 ) -> Result<(), String> {
-    let (mut actor, _) = Actor::join(bus, side, Purpose::Reference { has_battery }, bug)?;
+    let role = role(side, Purpose::Reference { has_battery });
+    let (mut actor, _) = Actor::join(bus, role, bug)?;
     while !is_over() {
-        let step = actor.step(bus, Instant::now() + NOTICE_TIME);
+        let step = step(slice::from_mut(&mut actor), bus, Instant::now() + NOTICE_TIME);
         if let Some(Event::Closed(reason)) = step.received {
             return Err(reason);
         }

@@ -1,18 +1,22 @@
-//! The participants of a vehicle's arming checks that this program can be.
+//! The participants of a vehicle's bus that this program can be.
 //!
 //! A role is a state machine without input, output or clock. An [`Actor`](super::actor::Actor) connects a role to a bus.
 
 use uavspec_runtime::Definition;
 
+use crate::model::Endpoint;
 use crate::rules::px4::Sent;
 
-/// A participant of the arming checks. All times are in µs since boot.
+/// A participant of the bus. All times are in µs since boot.
 pub(crate) trait Role {
     /// The types of the published messages.
     fn published(&self) -> &'static [Definition];
 
     /// The types of the received messages.
     fn received(&self) -> &'static [Definition];
+
+    /// Handles a publisher or subscriber that was discovered.
+    fn discovered(&mut self, _endpoint: &Endpoint, _now: u64) {}
 
     /// Handles a message. Returns the messages to send.
     fn receive(&mut self, message: &Sent, now: u64) -> Vec<Sent>;

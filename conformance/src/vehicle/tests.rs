@@ -9,8 +9,9 @@ use uavspec_runtime::cdr::ByteOrder;
 
 use super::*;
 use crate::bus::memory::{MemoryBus, Network};
-use crate::model::{Findings, Qos, Reliability};
+use crate::model::{ApplicationType, Findings, Qos, Reliability};
 use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
+use crate::rules::rule;
 use crate::rules::sample::Flight;
 
 /// The time for which these tests listen.
@@ -46,7 +47,7 @@ fn fly(bus: &mut MemoryBus, flight: &Flight<'_>, is_flown: impl Fn(&str) -> bool
 
 fn options(time: Duration, record: Option<&Path>) -> Options {
     let record = record.map(Path::to_path_buf);
-    Options { time, topics: None, role: None, record, is_stopped: Box::new(|| false) }
+    Options { time, topics: None, role: None, application: None, record, is_stopped: Box::new(|| false) }
 }
 
 /// The numbers of findings, by rule and subject.
@@ -56,13 +57,18 @@ fn counts(findings: &Findings) -> BTreeMap<(&'static str, String), u64> {
 
 /// Probes while `act` uses the network. Also checks the recording, which must have the same findings.
 fn probed(time: Duration, act: impl FnOnce(&Network) + Send) -> Probed {
+    probed_with(options(time, None), act)
+}
+
+fn probed_with(options: Options, act: impl FnOnce(&Network) + Send) -> Probed {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
     let (network, library) = (Network::default(), Library::built_in());
     let mut bus = network.connect("/probe");
     let found = thread::scope(|scope| {
         scope.spawn(|| act(&network));
-        probe(&mut bus, &library, &options(time, Some(&file)), &|_| {}).expect("a result")
+        let options = Options { record: Some(file.clone()), ..options };
+        probe(&mut bus, &library, &options, &|_| {}).expect("a result")
     });
     let recorded = check_path(&file, None, &library, &|input| input).expect("a recording");
     let [live, later] = [&found.checked, &recorded];
@@ -168,6 +174,41 @@ fn only_selected_topics_are_received() {
     });
     let flights = Flight::new(&definitions);
     assert_eq!(found.checked.result.records, flights.counts()["failsafe_flags"]);
+}
+
+/// Compares an application with the reference autopilot.
+fn compared_with(definitions: &Definitions) -> Probed {
+    let application = ApplicationType::all(&definitions.schema);
+    let options = Options { application: Some(application), ..options(TIME, None) };
+    probed_with(options, |network| {
+        let end = Instant::now() + TIME;
+        let is_over = || Instant::now() > end;
+        serve(&mut network.connect("/px4"), Side::Autopilot, true, None, &is_over).expect("served");
+    })
+}
+
+#[test]
+fn an_application_with_the_definitions_of_the_vehicle_conforms() {
+    let found = compared_with(&Definitions::built_in());
+    assert_eq!(counts(&found.checked.result.findings), BTreeMap::new());
+    let rule = rule("PX-HASH-02").expect("a rule");
+    assert_eq!(found.checked.result.findings.covered(rule), 10);
+    assert_eq!(found.notes, Vec::<String>::new());
+}
+
+#[test]
+fn an_application_of_another_release_is_found() {
+    let found = compared_with(Library::release("px4@1.14").expect("a release").base());
+    let groups: Vec<_> = found.checked.result.findings.groups().collect();
+    assert_eq!(groups.len(), 1, "{groups:?}");
+    assert_eq!((groups[0].rule.id, &*groups[0].subject), ("PX-HASH-02", "/fmu/out/failsafe_flags"));
+    let (_, detail) = &groups[0].examples[0];
+    assert_eq!(
+        detail.message,
+        "FailsafeFlags: the application has that of px4@1.14, but the vehicle has that of px4@1.15: missing fields: \
+         geofence_breached (bool); additional fields: primary_geofence_breached (bool). All other values are at the \
+         same positions"
+    );
 }
 
 #[test]

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use super::python::Peer;
 
 /// Cyclone DDS without multicast, on the loopback interface only.
-const CYCLONE: &str = r#"<CycloneDDS><Domain>
+pub(crate) const CYCLONE: &str = r#"<CycloneDDS><Domain>
     <General>
         <Interfaces><NetworkInterface address="127.0.0.1"/></Interfaces>
         <AllowMulticast>false</AllowMulticast>

@@ -1,5 +1,6 @@
 //! Tests of the transports with peers that others wrote. They require the feature `live` and Python.
 
+mod application;
 mod dds;
 mod foxglove;
 mod probe;

@@ -18,10 +18,17 @@ pub(crate) struct Probed {
 impl Probed {
     /// Probes a vehicle for some seconds.
     pub(crate) fn new(address: &str, seconds: u32) -> Self {
+        Self::with(address, seconds, &[])
+    }
+
+    /// Probes a vehicle with further arguments.
+    pub(crate) fn with(address: &str, seconds: u32, arguments: &[&str]) -> Self {
         let folder = TempDir::new().expect("a folder");
         let report = folder.path().join("report.json");
         let output = Command::new(env!("CARGO_BIN_EXE_uavspec"))
-            .args(["probe", address, "--for", &seconds.to_string(), "--report"])
+            .args(["probe", address, "--for", &seconds.to_string()])
+            .args(arguments)
+            .arg("--report")
             .arg(format!("json={}", report.display()))
             .output()
             .expect("the program runs");

@@ -1,12 +1,14 @@
 //! `uavspec probe` for PX4 vehicles.
 
 use std::net::IpAddr;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use uavspec_codegen::emit::docs::markdown::plural;
 
+use super::application::Application;
 use super::{ProbeArgs, check_outputs, report};
 use crate::app::progress::Progress;
 use crate::app::test::seconds;
@@ -37,6 +39,12 @@ pub(super) struct VehicleArgs {
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
     #[arg(long, value_name = "ADDRESS")]
     peer: Vec<IpAddr>,
+    /// Definitions with which an application was built: a folder, or a PX4 release such as px4@1.15.
+    ///
+    /// The probe asks the flight controller for its definition of each topic in /fmu/in and /fmu/out, as applications do,
+    /// and compares it with that of the application. If files in the folder name such topics, only these are compared.
+    #[arg(long, value_name = "PATH|RELEASE")]
+    application: Option<PathBuf>,
     /// Take part in the arming checks: as the flight controller (autopilot), to test components; or as a component, to
     /// test a flight controller (default: only listen).
     ///
@@ -60,6 +68,7 @@ impl VehicleArgs {
             ("--for", self.time.is_some()),
             ("--topics", !self.topics.is_empty()),
             ("--peer", !self.peer.is_empty()),
+            ("--application", self.application.is_some()),
             ("--as", self.role.is_some()),
         ];
         options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
@@ -86,6 +95,8 @@ impl VehicleArgs {
 
 pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Status, Status> {
     let library = library(args.definitions.as_deref(), None, &[])?;
+    let application = args.vehicle.application.as_deref().map(Application::load).transpose()?;
+    let (application, note) = application.map(|found| (found.types, found.note)).unzip();
     let required = args.require.rules()?;
     check_outputs(args)?;
     let known = args.known.read()?;
@@ -101,6 +112,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         time: args.vehicle.time.unwrap_or(TIME),
         topics: args.vehicle.selected(),
         role: args.vehicle.side(),
+        application,
         record: args.record.clone(),
         is_stopped: Box::new(is_stopped),
     };
@@ -122,7 +134,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let checked = CheckedCapture {
         path: address.to_string(),
         result,
-        notes,
+        notes: note.flatten().into_iter().chain(notes).collect(),
         requests: Vec::new(),
         cut_short: cut_short.into_iter().collect(),
         elapsed: started.elapsed().as_millis(),

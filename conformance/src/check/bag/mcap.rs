@@ -5,10 +5,10 @@ use std::io::Read;
 
 use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
 use crate::capture::MCAP_MAGIC;
-use crate::capture::mcap::{ENDPOINT, Event, Item, LOST, Packing, Reader, metadata};
+use crate::capture::mcap::{APPLICATION, ENDPOINT, Event, Item, LOST, Packing, Reader, metadata};
 use crate::check::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic};
 use crate::definitions::Definitions;
-use crate::model::{Endpoint, Extent, Findings, Location};
+use crate::model::{ApplicationType, Endpoint, Extent, Findings, Location};
 
 pub(in crate::check) const KIND: Kind = Kind {
     name: "MCAP",
@@ -227,6 +227,10 @@ impl<'c> McapFile<'c> {
                     None => self.corruption(bag, byte, "invalid values of an endpoint", Extent::WithGaps),
                 }
             }
+            APPLICATION => match ApplicationType::from_values(&values) {
+                Some(ty) => bag.run.application(&ty),
+                None => self.corruption(bag, byte, "invalid values of an application", Extent::WithGaps),
+            },
             LOST => {
                 let (count, topic) = (value("count").unwrap_or_default(), value("topic").unwrap_or_default());
                 let text = format!("{count} messages of {topic} were lost before they were recorded");

@@ -9,8 +9,8 @@ use uavspec_runtime::cdr::ByteOrder;
 
 use super::Flight;
 use crate::capture::MCAP_MAGIC;
-use crate::capture::mcap::{ENDPOINT, metadata_body};
-use crate::model::{Durability, Endpoint, EndpointKind, Qos};
+use crate::capture::mcap::{APPLICATION, ENDPOINT, metadata_body};
+use crate::model::{ApplicationType, Durability, Endpoint, EndpointKind, Qos};
 
 /// The separator line between the definitions in a schema.
 const SEPARATOR: &str = "================================================================================";
@@ -20,6 +20,8 @@ const SEPARATOR: &str = "=======================================================
 pub(crate) struct Bag {
     /// The channels. The id of a channel is its index.
     pub channels: Vec<BagChannel>,
+    /// The types of the application.
+    pub application: Vec<ApplicationType>,
     /// The publishers and subscribers, which were discovered before the first message.
     pub endpoints: Vec<Endpoint>,
     /// The messages: channel index, time in ns, and payload.
@@ -59,7 +61,14 @@ impl Bag {
         });
         let channels: Vec<BagChannel> = channels.collect();
         let endpoints = channels.iter().flat_map(endpoints).collect();
-        Self { channels, endpoints, messages: messages.collect() }
+        let application =
+            flight.topics.first().map(|topic| ApplicationType::new(schema, schema.message(topic.message)));
+        Self {
+            channels,
+            application: application.into_iter().collect(),
+            endpoints,
+            messages: messages.collect(),
+        }
     }
 
     /// Changes the last payload.
@@ -81,6 +90,9 @@ impl Bag {
             let metadata = [text("topic_type_hash"), text(&channel.hash)].concat();
             let id = id.to_le_bytes();
             record(&mut bytes, 0x04, &[&id, &schema, &text(&channel.topic), &text("cdr"), &sized(&metadata)]);
+        }
+        for ty in &self.application {
+            record(&mut bytes, 0x0c, &[&metadata_body(APPLICATION, &ty.to_values())]);
         }
         for endpoint in &self.endpoints {
             record(&mut bytes, 0x0c, &[&metadata_body(ENDPOINT, &endpoint.to_values())]);
