@@ -13,7 +13,6 @@ mod address;
 mod dds;
 #[cfg(feature = "foxglove")]
 mod foxglove;
-#[cfg(test)]
 pub(crate) mod memory;
 #[cfg(any(feature = "dds", feature = "zenoh", test))]
 mod queue;
@@ -79,15 +78,20 @@ pub(crate) trait Bus {
     /// The next event. Waits until the deadline if there is none.
     fn receive(&mut self, deadline: Instant) -> Option<Event>;
 
-    /// Receives the messages of a topic from now on. Does nothing if the topic is already subscribed. An error describes
-    /// the problem.
-    fn subscribe(&mut self, topic: &Topic) -> Result<(), String>;
+    /// Receives the messages of a topic from now on. `qos` is the requested quality of service. Does nothing if the topic
+    /// is already subscribed. An error describes the problem.
+    fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String>;
 
     /// Prepares to publish on a topic. An error describes the problem.
     fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String>;
 
     /// Publishes a message in CDR, including the encapsulation header. An error describes the problem.
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String>;
+
+    /// True if a publisher and a subscriber exchange messages only if their quality of service is compatible.
+    fn is_matched_by_qos(&self) -> bool {
+        false
+    }
 }
 
 /// The number of a publisher that [`Bus::advertise`] created.

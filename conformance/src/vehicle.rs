@@ -42,7 +42,7 @@ use crate::check::{
     CaptureResult, Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording,
 };
 use crate::definitions::{Definitions, Library};
-use crate::model::{ApplicationType, EndpointKind};
+use crate::model::{ApplicationType, EndpointKind, Qos};
 use crate::rules::px4::Side;
 
 /// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
@@ -317,7 +317,7 @@ impl<'p> Probe<'p> {
             return;
         }
         self.progress.topics += 1;
-        if let Err(problem) = self.bus.subscribe(topic) {
+        if let Err(problem) = self.bus.subscribe(topic, &Qos::WEAKEST) {
             self.note(format!("{}: {problem}", topic.name.escape_debug()));
         }
     }

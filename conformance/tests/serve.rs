@@ -646,6 +646,10 @@ fn reports_wrong_usage() {
         (&["--error", "glider-1=50"], "defines no error code 50"),
         (&["--login", "pilot"], "NAME:PASSWORD"),
         (&["--speed", "0"], "0.01"),
+        (&["--px4", "zenoh://a", "--component", "--bug", "PX-QOS-01"], "such as dds://DOMAIN"),
+        (&["--px4", "dds://0", "--bug", "PX-CDR-01"], "headers unchanged, such as zenoh://HOST:PORT"),
+        (&["--px4", "dds://0", "--bug", "PX-TYPE-01"], "type hashes, such as zenoh://HOST:PORT"),
+        (&["--px4", "dds://0", "--bug", "PX-QOS-01"], "use --px4 URL --component"),
     ] {
         let (status, _, output) = run(arguments);
         assert_eq!(status, Some(2), "{output}");
@@ -658,7 +662,9 @@ fn reports_wrong_usage() {
     let (status, printed, _) = run(&["--list-bugs"]);
     assert_eq!(status, Some(0));
     assert!(
-        printed.lines().count() > 100 && printed.contains("FW-UST-HEADING     The heading of a UAV is 3600."),
+        printed.lines().count() > 100
+            && printed.contains("FW-UST-HEADING     The heading of a UAV is 3600.")
+            && printed.contains("PX-QOS-01          The component requests reliable delivery"),
         "{printed}"
     );
 }

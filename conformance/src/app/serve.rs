@@ -274,11 +274,6 @@ fn end_on_request(args: &ServeArgs, sender: Sender<()>) -> Result<(), String> {
     .map_err(|error| format!("can't handle signals: {error}"))
 }
 
-/// True if a reference can announce type hashes on a bus.
-fn announces_types(address: &Address) -> bool {
-    !matches!(address, Address::Dds { .. })
-}
-
 fn has_uav(count: u16, id: &str) -> bool {
     (1..=count).any(|number| id == format!("glider-{number}"))
 }

@@ -68,6 +68,21 @@ impl Address {
         }
     }
 
+    /// True if participants can announce type hashes.
+    pub(crate) fn announces_types(&self) -> bool {
+        !matches!(self, Self::Dds { .. })
+    }
+
+    /// True if the encapsulation header of a message is sent unchanged. rustdds writes its own.
+    pub(crate) fn keeps_headers(&self) -> bool {
+        !matches!(self, Self::Dds { .. })
+    }
+
+    /// True if a publisher and a subscriber exchange messages only if their quality of service is compatible.
+    pub(crate) fn is_matched_by_qos(&self) -> bool {
+        matches!(self, Self::Dds { .. })
+    }
+
     /// True if a text is meant as the address of a bus.
     pub(crate) fn is_meant(text: &str) -> bool {
         let scheme = text.split_once("://").map_or(text, |(scheme, _)| scheme);

@@ -7,8 +7,8 @@
 //!
 //! # Differences to a ROS node
 //!
-//! - Our subscribers request best effort and volatile, so they match all publishers without partitions. If a publisher
-//!   stores messages, a second subscriber requests them, with reliable delivery. A reliable publisher waits for its
+//! - The subscribers of a probe request best effort and volatile, so they match all publishers without partitions. If a
+//!   publisher stores messages, a second subscriber requests them, with reliable delivery. A reliable publisher waits for its
 //!   subscribers: if it keeps all messages, this program can delay it.
 //! - DDS doesn't announce the history. rustdds ignores partitions, and can't announce the type hash of our endpoints.
 //! - The subscribers of a topic share the type of the first one. Publishers with another type are reported.
@@ -115,8 +115,8 @@ impl Bus for DdsBus {
         Some(event)
     }
 
-    fn subscribe(&mut self, topic: &Topic) -> Result<(), String> {
-        self.connection()?.worker.subscribe(topic.clone())
+    fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
+        self.connection()?.worker.subscribe(topic.clone(), qos.clone())
     }
 
     fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String> {
@@ -134,6 +134,10 @@ impl Bus for DdsBus {
         let writer = self.connection()?.writers.get(publisher.0).ok_or("an unknown publisher")?;
         let body = Bytes::copy_from_slice(body(payload)?);
         writer.write(body, None).map_err(|error| format!("can't publish: {error}"))
+    }
+
+    fn is_matched_by_qos(&self) -> bool {
+        true
     }
 }
 
@@ -156,7 +160,7 @@ mod tests {
 
     use super::*;
     use crate::bus::Encoding;
-    use crate::model::EndpointKind;
+    use crate::model::{EndpointKind, Reliability};
 
     /// A message in CDR.
     const MESSAGE: &[u8] = b"\0\x01\0\0wind";
@@ -190,7 +194,7 @@ mod tests {
     fn messages_reach_other_programs() {
         let (mut sender, mut receiver) = (join(71), join(71));
         let publisher = sender.advertise(&wind(), &Qos::PX4).expect("a publisher");
-        receiver.subscribe(&wind()).expect("a subscriber");
+        receiver.subscribe(&wind(), &Qos::WEAKEST).expect("a subscriber");
         let found = wait(&mut receiver, || {}, |event| matches!(event, Event::Endpoint(_)));
         let Event::Endpoint(endpoint) = found else { panic!() };
         assert_eq!((endpoint.kind, &*endpoint.topic), (EndpointKind::Publisher, "/wind"));
@@ -205,10 +209,33 @@ mod tests {
     }
 
     #[test]
+    fn reliable_subscribers_of_best_effort_publishers_receive_nothing() {
+        let [mut sender, mut receiver, mut witness] = [join(76), join(76), join(76)];
+        let publisher = sender.advertise(&wind(), &Qos::PX4).expect("a publisher");
+        let reliable = Qos { reliability: Reliability::Reliable, ..Qos::WEAKEST };
+        receiver.subscribe(&wind(), &reliable).expect("a subscriber");
+        witness.subscribe(&wind(), &Qos::WEAKEST).expect("a subscriber");
+        let is_reliable = |event: &Event| {
+            let Event::Endpoint(endpoint) = event else { return false };
+            endpoint.qos.as_ref().is_some_and(|qos| qos.reliability == Reliability::Reliable)
+        };
+        wait(&mut sender, || {}, is_reliable);
+        let is_publisher = |event: &Event| matches!(event, Event::Endpoint(endpoint) if endpoint.kind == EndpointKind::Publisher);
+        wait(&mut receiver, || {}, is_publisher);
+        let publish = || sender.publish(publisher, MESSAGE).expect("published");
+        wait(&mut witness, publish, |event| matches!(event, Event::Message(_)));
+        for _ in 0..10 {
+            sender.publish(publisher, MESSAGE).expect("published");
+            let event = receiver.receive(Instant::now() + Duration::from_millis(100));
+            assert!(!matches!(event, Some(Event::Message(_))), "{event:?}");
+        }
+    }
+
+    #[test]
     fn own_endpoints_and_messages_are_not_reported() {
         let mut bus = join(72);
         let publisher = bus.advertise(&wind(), &Qos::PX4).expect("a publisher");
-        bus.subscribe(&wind()).expect("a subscriber");
+        bus.subscribe(&wind(), &Qos::WEAKEST).expect("a subscriber");
         let end = Instant::now() + Duration::from_secs(3);
         while Instant::now() < end {
             bus.publish(publisher, MESSAGE).expect("published");
@@ -221,7 +248,7 @@ mod tests {
     fn reports_a_second_type() {
         let mut bus = join(73);
         for topic in [wind(), wind(), topic("/wind", "sky_msgs/msg/Storm")] {
-            bus.subscribe(&topic).expect("sent");
+            bus.subscribe(&topic, &Qos::WEAKEST).expect("sent");
         }
         let Event::Problem(problem) = wait(&mut bus, || {}, |_| true) else { panic!() };
         assert!(problem.contains("type sky_msgs/msg/Storm may be missing"), "{problem}");
@@ -261,7 +288,7 @@ mod tests {
         let input = topic("/fmu/in/arming_check_request_v1", name);
         let output = topic("/fmu/out/arming_check_request_v1", name);
         let publisher = bus.advertise(&input, &Qos::PX4).expect("a publisher");
-        bus.subscribe(&output).expect("a subscriber");
+        bus.subscribe(&output, &Qos::WEAKEST).expect("a subscriber");
         let payload = [b"\0\x01\0\0".as_slice(), &[7; 9], &[0; 3], &[1, 0, 0, 0]].concat();
         let end = Instant::now() + Duration::from_secs(20);
         let mut received = None;

@@ -246,7 +246,8 @@ impl Bus for Foxglove {
         receive(self, deadline)
     }
 
-    fn subscribe(&mut self, topic: &Topic) -> Result<(), String> {
+    /// Subscribes to a topic. The server chooses the quality of service.
+    fn subscribe(&mut self, topic: &Topic, _: &Qos) -> Result<(), String> {
         check_name("topic", &topic.name)?;
         if self.wanted.len() >= MAX_ENDPOINTS {
             return Err(format!("expected at most {MAX_ENDPOINTS} subscriptions"));

@@ -1,11 +1,12 @@
-//! A bus within a process, for tests.
+//! A bus within a process, for the self-test and for tests. Like DDS, it compares the quality of service, and like Zenoh,
+//! it announces type hashes.
 
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::{Bus, Encoding, Event, Publisher, Received, Topic, now};
-use crate::model::{Durability, Endpoint, EndpointKind, Qos};
+use crate::model::{Endpoint, EndpointKind, Qos};
 
 /// A network that connects buses.
 #[derive(Clone, Default)]
@@ -20,9 +21,11 @@ struct Shared {
 /// The state of a bus.
 #[derive(Default)]
 struct Member {
+    is_connected: bool,
     node: String,
     endpoints: Vec<Endpoint>,
-    subscribed: Vec<Arc<str>>,
+    /// The requested quality of service, by topic.
+    subscribed: HashMap<Arc<str>, Qos>,
     events: VecDeque<Event>,
 }
 
@@ -30,7 +33,7 @@ struct Member {
 pub(crate) struct MemoryBus {
     network: Network,
     index: usize,
-    published: Vec<Topic>,
+    published: Vec<(Topic, Qos)>,
 }
 
 impl Network {
@@ -39,18 +42,19 @@ impl Network {
         let mut members = self.members();
         let known = members.iter().flat_map(|member| member.endpoints.iter().cloned().map(Event::Endpoint));
         let events = known.collect();
-        members.push(Member { node: node.to_owned(), events, ..Member::default() });
+        members.push(Member { is_connected: true, node: node.to_owned(), events, ..Member::default() });
         MemoryBus { network: self.clone(), index: members.len() - 1, published: Vec::new() }
     }
 
     /// Sends an event to all nodes except one.
     pub(crate) fn send(&self, event: &Event, from: usize) {
+        self.send_if(event, from, |_| true);
+    }
+
+    /// Sends an event to all nodes that meet a condition, except one.
+    fn send_if(&self, event: &Event, from: usize, is_receiver: impl Fn(&Member) -> bool) {
         for (index, member) in self.members().iter_mut().enumerate() {
-            let is_subscribed = match event {
-                Event::Message(message) => member.subscribed.contains(&message.topic.name),
-                _ => true,
-            };
-            if index != from && is_subscribed {
+            if index != from && member.is_connected && is_receiver(member) {
                 member.events.push_back(event.clone());
             }
         }
@@ -64,7 +68,7 @@ impl Network {
 
 impl MemoryBus {
     /// Announces an endpoint of this node.
-    pub(crate) fn announce(&self, kind: EndpointKind, topic: &Topic, qos: &Qos) {
+    fn announce(&self, kind: EndpointKind, topic: &Topic, qos: &Qos) {
         let mut members = self.network.members();
         let member = &mut members[self.index];
         let endpoint = Endpoint {
@@ -96,40 +100,77 @@ impl Bus for MemoryBus {
         }
     }
 
-    fn subscribe(&mut self, topic: &Topic) -> Result<(), String> {
+    fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
         let is_new = {
             let subscribed = &mut self.network.members()[self.index].subscribed;
-            let is_new = !subscribed.contains(&topic.name);
-            subscribed.push(Arc::clone(&topic.name));
+            let is_new = !subscribed.contains_key(&topic.name);
+            subscribed.entry(Arc::clone(&topic.name)).or_insert_with(|| qos.clone());
             is_new
         };
         if is_new {
-            let weakest = Qos { durability: Durability::Volatile, ..Qos::PX4 };
-            self.announce(EndpointKind::Subscriber, topic, &weakest);
+            self.announce(EndpointKind::Subscriber, topic, qos);
         }
         Ok(())
     }
 
     fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String> {
         self.announce(EndpointKind::Publisher, topic, qos);
-        self.published.push(topic.clone());
+        self.published.push((topic.clone(), qos.clone()));
         Ok(Publisher(self.published.len() - 1))
     }
 
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
-        let topic = self.published.get(publisher.0).ok_or("an unknown publisher")?.clone();
+        let (topic, offered) = self.published.get(publisher.0).ok_or("an unknown publisher")?.clone();
+        let name = Arc::clone(&topic.name);
         let (time, payload) = (now(), payload.to_vec());
         let message = Received { topic, schema: None, encoding: Encoding::Cdr, time, payload };
-        self.network.send(&Event::Message(message), self.index);
+        self.network.send_if(&Event::Message(message), self.index, |member| {
+            member.subscribed.get(&name).is_some_and(|requested| is_compatible(&offered, requested))
+        });
         Ok(())
+    }
+
+    fn is_matched_by_qos(&self) -> bool {
+        true
     }
 }
 
 impl Drop for MemoryBus {
     fn drop(&mut self) {
-        let endpoints = std::mem::take(&mut self.network.members()[self.index].endpoints);
+        let Member { endpoints, .. } = std::mem::take(&mut self.network.members()[self.index]);
         for endpoint in endpoints {
             self.network.send(&Event::Ended(endpoint.id), self.index);
         }
+    }
+}
+
+/// True if a publisher offers what a subscriber requests. The participants of a network use no other policies.
+fn is_compatible(offered: &Qos, requested: &Qos) -> bool {
+    offered.reliability >= requested.reliability && offered.durability >= requested.durability
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Reliability;
+
+    #[test]
+    fn reliable_subscribers_of_best_effort_publishers_receive_nothing() {
+        let network = Network::default();
+        let topic = Topic { name: "/wind".into(), type_name: "sky_msgs/msg/Wind".into(), type_hash: None };
+        let [mut sender, mut receiver, mut reliable] = ["/a", "/b", "/c"].map(|node| network.connect(node));
+        receiver.subscribe(&topic, &Qos::WEAKEST).expect("a subscriber");
+        let qos = Qos { reliability: Reliability::Reliable, ..Qos::WEAKEST };
+        reliable.subscribe(&topic, &qos).expect("a subscriber");
+        let publisher = sender.advertise(&topic, &Qos::PX4).expect("a publisher");
+        sender.publish(publisher, b"wind").expect("published");
+        let events =
+            |bus: &mut MemoryBus| std::iter::from_fn(|| bus.receive(Instant::now())).collect::<Vec<_>>();
+        let announced = events(&mut receiver);
+        assert!(announced.iter().any(|event| matches!(event, Event::Message(_))));
+        let is_announced =
+            |event: &Event| matches!(event, Event::Endpoint(endpoint) if endpoint.qos.as_ref() == Some(&qos));
+        assert!(announced.iter().any(is_announced));
+        assert!(!events(&mut reliable).iter().any(|event| matches!(event, Event::Message(_))));
     }
 }

@@ -177,7 +177,8 @@ impl Bus for Rosbridge {
         receive(self, deadline)
     }
 
-    fn subscribe(&mut self, topic: &Topic) -> Result<(), String> {
+    /// Subscribes to a topic. The server chooses the quality of service.
+    fn subscribe(&mut self, topic: &Topic, _: &Qos) -> Result<(), String> {
         check_name("topic", &topic.name)?;
         check_name("type", &topic.type_name)?;
         if self.subscribed.contains_key(&topic.name) {

@@ -223,7 +223,7 @@ impl Bus for Zenoh {
         None
     }
 
-    fn subscribe(&mut self, topic: &Topic) -> Result<(), String> {
+    fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
         if let Some(subscription) = self.subscriptions.get(&topic.name) {
             self.problems.extend(subscription.other_type(topic));
             return Ok(());
@@ -234,7 +234,7 @@ impl Bus for Zenoh {
         let subscriber = self.session.declare_subscriber(&key).allowed_origin(Locality::Remote);
         let subscriber = subscriber.callback(move |sample| target.accept(&sample, Delivery::Live));
         let subscriber = subscriber.wait().map_err(|error| failure("subscribe to", &key, &error))?;
-        let (_, token) = self.next_token(EndpointKind::Subscriber, topic, &Qos::PX4);
+        let (_, token) = self.next_token(EndpointKind::Subscriber, topic, qos);
         let token = declare_token(&self.session, &token)?;
         let topic = topic.clone();
         self.unqueried.insert(Arc::clone(&topic.name));

@@ -111,6 +111,18 @@ impl Qos {
         lease: None,
         partitions: Vec::new(),
     };
+
+    /// The weakest quality of service: best effort and volatile. A subscriber that requests it matches all publishers.
+    pub(crate) const WEAKEST: Self = Self {
+        reliability: Reliability::BestEffort,
+        durability: Durability::Volatile,
+        history: Some(History::KeepLast(1)),
+        deadline: None,
+        lifespan: None,
+        liveliness: Liveliness::Automatic,
+        lease: None,
+        partitions: Vec::new(),
+    };
 }
 
 /// A value of a policy with a fixed name.

@@ -11,7 +11,7 @@ use super::autopilot::{self, Autopilot};
 use super::component::Component;
 use super::role::{Purpose, Role};
 use crate::bus::{self, Bus, Encoding, Event, Publisher, Received, Topic};
-use crate::model::{Durability, Endpoint, EndpointKind, Qos};
+use crate::model::{Endpoint, EndpointKind, Qos, Reliability};
 use crate::rules::px4::{Bug, Sent, Side};
 
 /// The time at which a role starts, in µs since boot. 0 would mean that the time is unknown.
@@ -78,17 +78,19 @@ impl Actor {
         let mut actor =
             Self { role, bug, started, outputs, inputs, problems: Vec::new(), remarks: Vec::new() };
         let mut endpoints = Vec::new();
-        for definition in actor.role.received() {
-            let topic = topic(definition);
-            bus.subscribe(&topic)?;
+        for (index, definition) in actor.role.received().iter().enumerate() {
+            let (topic, qos) = (topic(definition), requested(index, bug));
+            bus.subscribe(&topic, &qos)?;
             actor.inputs.insert(topic.name.to_string(), *definition);
-            let qos = Qos { durability: Durability::Volatile, ..Qos::PX4 };
-            endpoints.push(endpoint(EndpointKind::Subscriber, &topic, qos));
+            // The probe adapts to the vehicle.
+            endpoints.push(endpoint(EndpointKind::Subscriber, &topic, qos, false));
         }
+        // An autopilot offers the same quality of service as PX4, but components choose theirs.
+        let is_matched_by_qos = side == Side::Autopilot && bus.is_matched_by_qos();
         for definition in actor.role.published() {
             let topic = topic(definition);
             let publisher = bus.advertise(&topic, &Qos::PX4)?;
-            endpoints.push(endpoint(EndpointKind::Publisher, &topic, Qos::PX4));
+            endpoints.push(endpoint(EndpointKind::Publisher, &topic, Qos::PX4, is_matched_by_qos));
             actor.outputs.insert(definition.name, Output { publisher, topic, count: 0 });
         }
         if bug.is_some_and(Bug::announces_other_type)
@@ -182,6 +184,13 @@ impl Actor {
     }
 }
 
+/// The quality of service that a role requests for a topic.
+fn requested(index: usize, bug: Option<&Bug>) -> Qos {
+    let is_reliable = index == 0 && bug.is_some_and(Bug::requests_reliable);
+    let reliability = if is_reliable { Reliability::Reliable } else { Reliability::BestEffort };
+    Qos { reliability, ..Qos::WEAKEST }
+}
+
 fn topic(definition: &Definition) -> Topic {
     Topic {
         name: topic_name(definition).into(),
@@ -192,7 +201,7 @@ fn topic(definition: &Definition) -> Topic {
 
 /// An endpoint of this program, for the recording. It has no type hash, so that a vehicle of another release isn't
 /// blamed for the definitions of this program.
-fn endpoint(kind: EndpointKind, topic: &Topic, qos: Qos) -> Event {
+fn endpoint(kind: EndpointKind, topic: &Topic, qos: Qos, is_matched_by_qos: bool) -> Event {
     Event::Endpoint(Endpoint {
         id: format!("uavspec {kind} {}", topic.name),
         kind,
@@ -201,8 +210,7 @@ fn endpoint(kind: EndpointKind, topic: &Topic, qos: Qos) -> Event {
         type_name: topic.type_name.to_string(),
         type_hash: None,
         qos: Some(qos),
-        // The probe adapts to the vehicle.
-        is_matched_by_qos: false,
+        is_matched_by_qos,
     })
 }
 

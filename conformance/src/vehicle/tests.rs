@@ -114,14 +114,14 @@ fn a_healthy_vehicle_conforms() {
 fn a_reliable_subscriber_of_a_best_effort_publisher_is_found() {
     let found = probed(TIME, |network| {
         let definitions = Definitions::built_in();
-        let application = network.connect("/ground_station");
+        let mut application = network.connect("/ground_station");
         let topic = Topic {
             name: "/fmu/out/arming_check_request_v1".into(),
             type_name: "px4_msgs/msg/ArmingCheckRequest".into(),
             type_hash: None,
         };
         let qos = Qos { reliability: Reliability::Reliable, ..Qos::PX4 };
-        application.announce(EndpointKind::Subscriber, &topic, &qos);
+        application.subscribe(&topic, &qos).expect("a subscriber");
         let flight = Flight::new(&definitions);
         let mut flight = flight.clone();
         for topic in &mut flight.topics {

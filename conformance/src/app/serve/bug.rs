@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{ServeArgs, announces_types};
+use super::ServeArgs;
 use crate::app::Format;
 use crate::model::Rule;
 use crate::rules::flockwave::{self, FlockwaveRule};
@@ -85,20 +85,15 @@ fn vehicle_bugs() -> impl Iterator<Item = ServedBug> {
 pub(super) fn misplaced(args: &ServeArgs) -> Option<String> {
     let bug = args.bug?;
     let given = args.px4.as_ref().map(|_| if args.component { "--px4 URL --component" } else { "--px4 URL" });
-    if let (Some(Bug { needs_types: true, .. }), Some(address)) = (bug.of_vehicle(), &args.px4)
-        && !announces_types(address)
+    let id = bug.rule().id;
+    if let (Some(vehicle), Some(address)) = (bug.of_vehicle(), &args.px4)
+        && let Some(missing) = vehicle.needs.missing(address)
     {
-        let id = bug.rule().id;
-        return Some(format!(
-            "--bug {id} requires a bus that announces type hashes, such as zenoh://HOST:PORT"
-        ));
+        return Some(format!("--bug {id} requires {missing}"));
     }
-    (bug.options() != given).then(|| {
-        let id = bug.rule().id;
-        match bug.options() {
-            Some(options) => format!("--bug {id} is a bug of another reference: use {options}"),
-            None => format!("--bug {id} is a bug of the Flockwave server: omit --px4"),
-        }
+    (bug.options() != given).then(|| match bug.options() {
+        Some(options) => format!("--bug {id} is a bug of another reference: use {options}"),
+        None => format!("--bug {id} is a bug of the Flockwave server: omit --px4"),
     })
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde_json::json;
 
 use super::bug::{self, ServedBug};
-use super::{ServeArgs, announces_types, end_on_request};
+use super::{ServeArgs, end_on_request};
 use crate::app::{Format, Status};
 use crate::bus::{self, Address};
 use crate::rules::px4::Side;
@@ -42,11 +42,6 @@ fn run(args: &ServeArgs, address: &Address) -> Result<(), String> {
         let is_requested = ending.try_recv() != Err(TryRecvError::Empty);
         is_requested || args.time.is_some_and(|time| started.elapsed() >= time)
     };
-    vehicle::serve(
-        &mut *bus,
-        side,
-        announces_types(address),
-        args.bug.and_then(ServedBug::of_vehicle),
-        &is_over,
-    )
+    let bug = args.bug.and_then(ServedBug::of_vehicle);
+    vehicle::serve(&mut *bus, side, address.announces_types(), bug, &is_over)
 }

@@ -8,34 +8,10 @@ use rustdds::{DomainParticipant, QosPolicies, RepresentationIdentifier, Subscrib
 
 use super::super::Topic;
 use super::{names, qos};
-use crate::model::{Durability, History, Liveliness, Qos, Reliability};
+use crate::model::{History, Qos};
 
 /// The number of messages that rustdds stores for each topic: 256 ms at 250 Hz. It also stores messages that were read.
 const DEPTH: u32 = 64;
-
-/// The quality of service that matches all publishers.
-pub(crate) const ALL: Qos = Qos {
-    reliability: Reliability::BestEffort,
-    durability: Durability::Volatile,
-    history: Some(History::KeepLast(DEPTH)),
-    deadline: None,
-    lifespan: None,
-    liveliness: Liveliness::Automatic,
-    lease: None,
-    partitions: Vec::new(),
-};
-
-/// The quality of service that makes a publisher send the messages that it stores.
-pub(crate) const STORED: Qos = Qos {
-    reliability: Reliability::Reliable,
-    durability: Durability::TransientLocal,
-    history: Some(History::KeepLast(DEPTH)),
-    deadline: None,
-    lifespan: None,
-    liveliness: Liveliness::Automatic,
-    lease: None,
-    partitions: Vec::new(),
-};
 
 /// A subscriber of serialized messages.
 pub(crate) type RawReader = SimpleDataReader<Vec<u8>, RawAdapter>;
@@ -53,9 +29,9 @@ impl Readers {
         Ok(Self { participant: participant.clone(), subscriber })
     }
 
-    /// Creates a subscriber of a topic.
+    /// Creates a subscriber of a topic. All subscribers store the same number of messages, which DDS doesn't announce.
     pub(crate) fn create(&self, topic: &Topic, qos: &Qos) -> Result<RawReader, String> {
-        let policies = qos::to_policies(qos);
+        let policies = qos::to_policies(&Qos { history: Some(History::KeepLast(DEPTH)), ..qos.clone() });
         let (name, type_name) = (names::topic_to_dds(&topic.name), names::type_to_dds(&topic.type_name));
         self.participant
             .create_topic(name, type_name, &policies, TopicKind::NoKey)

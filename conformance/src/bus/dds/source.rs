@@ -9,7 +9,8 @@ use rustdds::{GUID, Timestamp};
 use super::super::queue::Sender;
 use super::super::{Encoding, Event, MAX_ENDPOINTS, Received, Topic};
 use super::endpoints::Endpoints;
-use super::reader::{ALL, RawReader, Readers, STORED};
+use super::reader::{RawReader, Readers};
+use crate::model::{Qos, Reliability};
 
 /// The maximum number of messages that are read from a topic before the next topic's turn.
 const BATCH: usize = 64;
@@ -22,6 +23,8 @@ pub(crate) struct Source {
     /// A subscriber that requests stored messages. `reader` returns its messages, too: the subscribers of a topic share a
     /// cache.
     stored: Option<RawReader>,
+    /// True if a publisher may send missing messages again.
+    is_reliable: bool,
     publishers: HashMap<GUID, Publisher>,
     /// True if there may be messages to read.
     pub(crate) has_more: bool,
@@ -41,21 +44,25 @@ struct Publisher {
 impl Source {
     pub(crate) fn create(
         topic: Topic,
+        qos: &Qos,
         readers: &Readers,
         registry: &Registry,
         token: Token,
     ) -> Result<Self, String> {
-        let mut reader = readers.create(&topic, &ALL)?;
+        let mut reader = readers.create(&topic, qos)?;
         register(&mut reader, registry, token)?;
-        Ok(Self { topic, token, reader, stored: None, publishers: HashMap::new(), has_more: true })
+        let (is_reliable, publishers) = (qos.reliability == Reliability::Reliable, HashMap::new());
+        Ok(Self { topic, token, reader, stored: None, is_reliable, publishers, has_more: true })
     }
 
     /// Requests the messages that publishers store. Does nothing if they were already requested.
     pub(crate) fn request_stored(&mut self, readers: &Readers, registry: &Registry) -> Result<(), String> {
         if self.stored.is_none() {
-            let mut reader = readers.create(&self.topic, &STORED)?;
+            let qos = Qos { reliability: Reliability::Reliable, ..Qos::PX4 };
+            let mut reader = readers.create(&self.topic, &qos)?;
             register(&mut reader, registry, self.token)?;
             self.stored = Some(reader);
+            self.is_reliable = true;
         }
         Ok(())
     }
@@ -93,8 +100,7 @@ impl Source {
         let publisher = self.publisher(guid, message.sequence_number.into(), endpoints);
         publisher.count(message.sequence_number.into());
         let (topic, missing) = (publisher.topic.clone(), publisher.missing);
-        // A reliable publisher may send missing messages again.
-        if self.stored.is_none() && missing > 0 {
+        if !self.is_reliable && missing > 0 {
             self.report_lost(guid, missing, events);
         }
         let time = nanoseconds(message.receive_instant);

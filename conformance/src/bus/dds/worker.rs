@@ -19,7 +19,7 @@ use super::endpoints::{Endpoints, Found, limit, stores};
 use super::peers::Announcer;
 use super::reader::Readers;
 use super::source::Source;
-use crate::model::{Endpoint, EndpointKind};
+use crate::model::{Endpoint, EndpointKind, Qos};
 
 const WAKE: Token = Token(0);
 const STATUS: Token = Token(1);
@@ -48,7 +48,7 @@ const FILES_OF_A_SOURCE: u64 = 8;
 
 /// The running thread. It ends when it is dropped.
 pub(crate) struct Worker {
-    commands: Option<mpsc::Sender<Topic>>,
+    commands: Option<mpsc::Sender<(Topic, Qos)>>,
     waker: Waker,
     thread: Option<JoinHandle<()>>,
 }
@@ -87,8 +87,8 @@ impl Worker {
     }
 
     /// Subscribes to a topic, once.
-    pub(crate) fn subscribe(&self, topic: Topic) -> Result<(), String> {
-        let is_sent = self.commands.as_ref().is_some_and(|commands| commands.send(topic).is_ok());
+    pub(crate) fn subscribe(&self, topic: Topic, qos: Qos) -> Result<(), String> {
+        let is_sent = self.commands.as_ref().is_some_and(|commands| commands.send((topic, qos)).is_ok());
         if !is_sent {
             return Err("the connection ended".to_owned());
         }
@@ -135,7 +135,7 @@ struct State {
     poll: Poll,
     status: DomainParticipantStatusListener,
     announcer: Announcer,
-    commands: Receiver<Topic>,
+    commands: Receiver<(Topic, Qos)>,
     readers: Readers,
     sources: Vec<Source>,
     max_sources: usize,
@@ -199,7 +199,7 @@ impl State {
         self.has_more_topics = true;
         for _ in 0..MAX_NEW {
             match self.commands.try_recv() {
-                Ok(topic) => self.add_source(topic),
+                Ok((topic, qos)) => self.add_source(topic, &qos),
                 Err(TryRecvError::Empty) => {
                     self.has_more_topics = false;
                     break;
@@ -210,7 +210,7 @@ impl State {
         true
     }
 
-    fn add_source(&mut self, topic: Topic) {
+    fn add_source(&mut self, topic: Topic, qos: &Qos) {
         let name = topic.name.escape_debug().to_string();
         if let Some(source) = self.sources.iter().find(|source| source.topic.name == topic.name) {
             let (first, second) = (source.topic.type_name.escape_debug(), topic.type_name.escape_debug());
@@ -231,7 +231,7 @@ impl State {
         }
         let has_stored = self.endpoints.stores(&topic.name, &topic.type_name);
         let token = Token(FIRST_SOURCE + self.sources.len());
-        match Source::create(topic, &self.readers, self.poll.registry(), token) {
+        match Source::create(topic, qos, &self.readers, self.poll.registry(), token) {
             Ok(source) => self.sources.push(source),
             Err(error) => return self.problem(format!("{name}: {error}")),
         }

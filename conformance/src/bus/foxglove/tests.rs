@@ -34,8 +34,8 @@ fn receives_messages_of_channels_that_appear_later() {
         peer.send(Message::binary(b"\x01\x01\0\0\0\0\0\0\0\0\0\0\0CDR".to_vec())).expect("send");
         send(peer, &[r#"{"op":"unadvertise","channelIds":[7,8]}"#]);
     });
-    bus.subscribe(&topic("/a")).expect("subscribe");
-    bus.subscribe(&topic("/a")).expect("subscribe");
+    bus.subscribe(&topic("/a"), &Qos::WEAKEST).expect("subscribe");
+    bus.subscribe(&topic("/a"), &Qos::WEAKEST).expect("subscribe");
     let events = events(&mut bus);
     let [Event::Endpoint(endpoint), Event::Message(message), Event::Ended(id), _] = &events[..] else {
         panic!("{events:?}");
@@ -59,7 +59,7 @@ fn ignores_messages_of_channels_that_ended() {
         send(peer, &[r#"{"op":"unadvertise","channelIds":[7]}"#]);
         peer.send(Message::binary(b"\x01\x01\0\0\0\0\0\0\0\0\0\0\0{}".to_vec())).expect("send");
     });
-    bus.subscribe(&topic("/a")).expect("subscribe");
+    bus.subscribe(&topic("/a"), &Qos::WEAKEST).expect("subscribe");
     assert_eq!(problems(&events(&mut bus)), ["the server closed the connection"]);
 }
 
@@ -70,7 +70,7 @@ fn subscribes_once_to_a_channel_that_a_message_repeats() {
         send(peer, &[&format!(r#"{{"op":"advertise","channels":[{item},{item}]}}"#)]);
         assert_eq!(text(peer), r#"{"op":"subscribe","subscriptions":[{"id":1,"channelId":7}]}"#);
     });
-    bus.subscribe(&topic("/a")).expect("subscribe");
+    bus.subscribe(&topic("/a"), &Qos::WEAKEST).expect("subscribe");
     assert_eq!(problems(&events(&mut bus)).len(), 1);
     assert_eq!((bus.channels.len(), bus.subscriptions.len()), (1, 1));
 }
@@ -78,8 +78,8 @@ fn subscribes_once_to_a_channel_that_a_message_repeats() {
 #[test]
 fn reports_unsupported_encodings_once() {
     let mut bus = client(|peer| send(peer, &[&channel(1, "/p", "protobuf")]));
-    bus.subscribe(&topic("/p")).expect("subscribe");
-    bus.subscribe(&topic("/p")).expect("subscribe");
+    bus.subscribe(&topic("/p"), &Qos::WEAKEST).expect("subscribe");
+    bus.subscribe(&topic("/p"), &Qos::WEAKEST).expect("subscribe");
     let events = events(&mut bus);
     let problems = problems(&events);
     assert_eq!(
@@ -230,7 +230,7 @@ fn the_foxglove_sdk_receives_published_messages() {
             Err(problem) => assert!(Instant::now() < end, "{problem}"),
         }
     };
-    bus.subscribe(&topic("/echo")).expect("subscribe");
+    bus.subscribe(&topic("/echo"), &Qos::WEAKEST).expect("subscribe");
     let reply =
         Topic { type_name: "px4_msgs/msg/ArmingCheckReply".into(), ..topic("/fmu/in/arming_check_reply") };
     let publisher = bus.advertise(&reply, &Qos::PX4).expect("advertise");

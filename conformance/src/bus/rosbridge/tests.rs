@@ -37,8 +37,8 @@ fn lists_topics_and_receives_messages_unchanged() {
             messages.map(|message| format!(r#"{{"op":"publish","topic":"/a","msg": {message} }}"#));
         send(peer, &[&list, &first, &second]);
     });
-    bus.subscribe(&topic("/a")).expect("subscribe");
-    bus.subscribe(&topic("/a")).expect("subscribe");
+    bus.subscribe(&topic("/a"), &Qos::WEAKEST).expect("subscribe");
+    bus.subscribe(&topic("/a"), &Qos::WEAKEST).expect("subscribe");
     let events = events(&mut bus);
     let [Event::Endpoint(a), Event::Endpoint(b), ..] = &events[..] else { panic!("{events:?}") };
     assert_eq!((a.topic.as_str(), b.topic.as_str(), b.type_name.as_str()), ("/a", "/b", "c/msg/D"));
@@ -55,7 +55,7 @@ fn subscribes_to_topics_of_unknown_type() {
         let message = r#"{"op":"publish","topic":"/a","msg":{}}"#;
         send(peer, &[message, &list_of(r#"["/a"]"#, r#"["a/msg/B"]"#), message]);
     });
-    bus.subscribe(&Topic { type_name: "".into(), ..topic("/a") }).expect("subscribe");
+    bus.subscribe(&Topic { type_name: "".into(), ..topic("/a") }, &Qos::WEAKEST).expect("subscribe");
     let events = events(&mut bus);
     assert_eq!(received(&events), [("/a", "", "{}"), ("/a", "a/msg/B", "{}")]);
 }
@@ -133,7 +133,7 @@ fn reports_each_hostile_message() {
         }
         peer.send(tungstenite::Message::binary(b"\x9f\x9f".to_vec())).expect("send");
     });
-    bus.subscribe(&topic("/a")).expect("subscribe");
+    bus.subscribe(&topic("/a"), &Qos::WEAKEST).expect("subscribe");
     let events = events(&mut bus);
     assert_eq!(problems(&events).len(), count + 1, "{events:#?}");
     assert!(received(&events).is_empty());

@@ -84,8 +84,8 @@ fn receives_messages_and_counts_gaps() {
     let mut bus = router.connect();
     let Event::Endpoint(endpoint) = next(&mut bus) else { panic!("an endpoint") };
     assert_eq!((&*endpoint.topic, endpoint.node.as_deref()), ("/wind", Some("/peer")));
-    bus.subscribe(&wind).expect("subscribed");
-    bus.subscribe(&wind).expect("subscribed");
+    bus.subscribe(&wind, &Qos::WEAKEST).expect("subscribed");
+    bus.subscribe(&wind, &Qos::WEAKEST).expect("subscribed");
     let key = "0/wind/p::msg::dds_::A_/RIHS01_1";
     let publisher = router.session.declare_publisher(key).wait().expect("declared");
     wait(|| publisher.matching_status().wait().is_ok_and(|status| status.matching()));
@@ -115,7 +115,7 @@ fn receives_stored_messages_of_others() {
     publisher.publish(number, &[0, 1, 0, 0, 2]).expect("published");
     let mut bus = router.connect();
     assert!(matches!(next(&mut bus), Event::Endpoint(_)));
-    bus.subscribe(&wind).expect("subscribed");
+    bus.subscribe(&wind, &Qos::WEAKEST).expect("subscribed");
     let Event::Message(message) = next(&mut bus) else { panic!("a message") };
     assert_eq!(message.payload, [0, 1, 0, 0, 2]);
     publisher.publish(number, &[0, 1, 0, 0, 3]).expect("published");
@@ -141,12 +141,22 @@ fn publishes_with_the_hash_that_subscribers_expect() {
 }
 
 #[test]
+fn announces_the_requested_quality_of_service() {
+    let router = Router::start();
+    let [mut bus, mut other] = [router.connect(), router.connect()];
+    let qos = Qos { reliability: Reliability::Reliable, ..Qos::WEAKEST };
+    bus.subscribe(&topic("/wind", None), &qos).expect("subscribed");
+    let Event::Endpoint(endpoint) = next(&mut other) else { panic!("an endpoint") };
+    assert_eq!((endpoint.kind, endpoint.qos), (EndpointKind::Subscriber, Some(qos)));
+}
+
+#[test]
 fn reports_other_types_of_a_topic() {
     let mut router = Router::start();
     let mut bus = router.connect();
     let [first, second] = [topic("/wind", Some("RIHS01_1")), topic("/wind", Some("RIHS01_2"))];
-    bus.subscribe(&first).expect("subscribed");
-    bus.subscribe(&second).expect("not an error");
+    bus.subscribe(&first, &Qos::WEAKEST).expect("subscribed");
+    bus.subscribe(&second, &Qos::WEAKEST).expect("not an error");
     assert!(matches!(next(&mut bus), Event::Problem(text) if text.contains("RIHS01_2")));
     bus.advertise(&first, &Qos::PX4).expect("advertised");
     router.announce(EndpointKind::Subscriber, &second, Qos::PX4);
@@ -171,7 +181,7 @@ fn survives_hostile_tokens() {
         }
     }
     assert_eq!((problems, &topics[..]), (4, &[topic("*", None)][..]));
-    assert!(bus.subscribe(&topics[0]).expect_err("an error").contains("found `*`"));
+    assert!(bus.subscribe(&topics[0], &Qos::WEAKEST).expect_err("an error").contains("found `*`"));
 }
 
 #[test]

@@ -4,6 +4,7 @@ use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{Definition, Message};
 
 use super::Px4Rule;
+use crate::bus::Address;
 
 /// A bug in a reference participant.
 #[derive(Debug)]
@@ -12,8 +13,8 @@ pub(crate) struct Bug {
     pub side: Side,
     /// The faulty behaviour.
     pub description: &'static str,
-    /// True if the bug is visible only on a bus that announces type hashes.
-    pub needs_types: bool,
+    /// The property of a bus that makes the bug visible.
+    pub needs: Needs,
     /// Other rules that the bug violates.
     pub also: &'static [&'static Px4Rule],
     change: Change,
@@ -28,6 +29,37 @@ pub(crate) enum Side {
     Component,
 }
 
+/// A property of a bus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needs {
+    /// Any bus shows the bug.
+    Nothing,
+    /// The bus announces type hashes.
+    TypeHashes,
+    /// The bus sends encapsulation headers unchanged.
+    Headers,
+    /// The bus matches publishers and subscribers by their quality of service.
+    Qos,
+}
+
+impl Needs {
+    /// The missing property of a bus, with an example of a bus that has it.
+    pub(crate) fn missing(self, address: &Address) -> Option<&'static str> {
+        match self {
+            Self::TypeHashes if !address.announces_types() => {
+                Some("a bus that announces type hashes, such as zenoh://HOST:PORT")
+            }
+            Self::Qos if !address.is_matched_by_qos() => Some(
+                "a bus that matches publishers and subscribers by their quality of service, such as dds://DOMAIN",
+            ),
+            Self::Headers if !address.keeps_headers() => {
+                Some("a bus that sends encapsulation headers unchanged, such as zenoh://HOST:PORT")
+            }
+            Self::Nothing | Self::TypeHashes | Self::Headers | Self::Qos => None,
+        }
+    }
+}
+
 /// The kind of a bug.
 #[derive(Clone, Copy, Debug)]
 enum Change {
@@ -35,6 +67,8 @@ enum Change {
     Message(fn(&mut Outgoing)),
     /// A second publisher of the first topic announces another type.
     Type,
+    /// The subscriber of the first topic requests reliable delivery.
+    Reliable,
 }
 
 /// A message of a participant.
@@ -64,22 +98,33 @@ impl Sent {
 impl Bug {
     /// Creates a bug that changes the messages of a participant.
     pub(super) const fn message(side: Side, description: &'static str, change: fn(&mut Outgoing)) -> Self {
-        Self { side, description, needs_types: false, also: &[], change: Change::Message(change) }
+        Self { side, description, needs: Needs::Nothing, also: &[], change: Change::Message(change) }
     }
 
     /// Creates a bug in the announced type of a topic.
     pub(super) const fn announced_type(side: Side, description: &'static str) -> Self {
-        Self { side, description, needs_types: true, also: &[], change: Change::Type }
+        Self { side, description, needs: Needs::TypeHashes, also: &[], change: Change::Type }
     }
 
-    /// Marks a bug that is visible only on a bus that announces type hashes. A reference publishes its battery only there.
-    pub(super) const fn with_types(self) -> Self {
-        Self { needs_types: true, ..self }
+    /// Creates a bug in the requested quality of service of a topic.
+    pub(super) const fn reliable_subscriber(side: Side, description: &'static str) -> Self {
+        Self { side, description, needs: Needs::Qos, also: &[], change: Change::Reliable }
+    }
+
+    /// Marks a bug that only some buses show. The size of `FailsafeFlags` and `BatteryStatus` doesn't show their release, so
+    /// bugs in them need type hashes.
+    pub(super) const fn needing(self, needs: Needs) -> Self {
+        Self { needs, ..self }
     }
 
     /// True if a second publisher of the first topic announces another type.
     pub(crate) fn announces_other_type(&self) -> bool {
         matches!(self.change, Change::Type)
+    }
+
+    /// True if the subscriber of the first topic requests reliable delivery.
+    pub(crate) fn requests_reliable(&self) -> bool {
+        matches!(self.change, Change::Reliable)
     }
 
     /// The messages to send in place of a message. `number` counts the messages of this type, from 1.

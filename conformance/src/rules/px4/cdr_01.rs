@@ -2,7 +2,7 @@
 
 use uavspec::px4::FailsafeFlags;
 
-use super::bug::{Bug, Side};
+use super::bug::{Bug, Needs, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 
 pub(crate) static RULE: Px4Rule = Px4Rule {
@@ -23,15 +23,18 @@ pub(crate) static RULE: Px4Rule = Px4Rule {
             and encode the message in that byte order.",
     },
     check: Check::Source,
-    bug: Some(Bug::message(
-        Side::Autopilot,
-        "Every fifth FailsafeFlags has an undefined encapsulation header.",
-        |out| {
-            out.edit_payload::<FailsafeFlags>(5, |payload| {
-                payload.iter_mut().take(2).for_each(|byte| *byte = 0xee);
-            });
-        },
-    )),
+    bug: Some(
+        Bug::message(
+            Side::Autopilot,
+            "Every fifth FailsafeFlags has an undefined encapsulation header.",
+            |out| {
+                out.edit_payload::<FailsafeFlags>(5, |payload| {
+                    payload.iter_mut().take(2).for_each(|byte| *byte = 0xee);
+                });
+            },
+        )
+        .needing(Needs::Headers),
+    ),
     mutants: &[Mutant {
         name: "a header with an undefined encoding",
         change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload[1] = 0x42)),

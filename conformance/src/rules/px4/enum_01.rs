@@ -3,7 +3,7 @@
 use uavspec::px4::FailsafeFlags;
 use uavspec::px4::battery_status::BatteryWarning;
 
-use super::bug::{Bug, Side};
+use super::bug::{Bug, Needs, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Violated;
 
@@ -25,9 +25,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             definition.",
     },
     check: Check::Value,
-    bug: Some(Bug::message(Side::Autopilot, "`battery_warning` of every third FailsafeFlags is 5.", |out| {
-        out.edit(3, |flags: &mut FailsafeFlags| flags.battery_warning = BatteryWarning(5));
-    })),
+    bug: Some(
+        Bug::message(Side::Autopilot, "`battery_warning` of every third FailsafeFlags is 5.", |out| {
+            out.edit(3, |flags: &mut FailsafeFlags| flags.battery_warning = BatteryWarning(5));
+        })
+        .needing(Needs::TypeHashes),
+    ),
     mutants: &[Mutant {
         name: "an undocumented value",
         change: Change::Flight(|flight| flight.violating(Violated::Enum)),

@@ -8,7 +8,7 @@
 use uavspec::px4::FailsafeFlags;
 use uavspec_codegen::dynamic::{DynamicView, Value};
 
-use super::bug::{Bug, Side};
+use super::bug::{Bug, Needs, Side};
 use super::ext::px4_message;
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
@@ -33,15 +33,18 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               run, no change is necessary.",
     },
     check: Check::State(|| Box::new(Flags::default())),
-    bug: Some(Bug::message(
-        Side::Autopilot,
-        "`attitude_invalid` is set, but no mode requires an attitude.",
-        |out| {
-            out.edit(3, |flags: &mut FailsafeFlags| {
-                (flags.attitude_invalid, flags.mode_req_attitude) = (true, 0);
-            });
-        },
-    )),
+    bug: Some(
+        Bug::message(
+            Side::Autopilot,
+            "`attitude_invalid` is set, but no mode requires an attitude.",
+            |out| {
+                out.edit(3, |flags: &mut FailsafeFlags| {
+                    (flags.attitude_invalid, flags.mode_req_attitude) = (true, 0);
+                });
+            },
+        )
+        .needing(Needs::TypeHashes),
+    ),
     mutants: &[Mutant {
         name: "a flag that is set but has no matching requirement",
         change: Change::Flight(not_required),

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::bug::{Bug, Side};
 use super::endpoints::{Pairs, name};
 use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, Status};
 use crate::model::{Durability, Endpoint, EndpointKind, Liveliness, Qos, Reliability};
@@ -24,7 +25,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             (`rmw_qos_profile_sensor_data` in ROS 2).",
     },
     check: Check::State(|| Box::new(Pairs::new(violations))),
-    bug: None,
+    bug: Some(Bug::reliable_subscriber(
+        Side::Component,
+        "The component requests reliable delivery of arming_check_request, and receives none.",
+    )),
     mutants: &[
         Mutant {
             name: "a subscriber that requests reliable delivery",

@@ -2,7 +2,7 @@
 
 use uavspec::px4::BatteryStatus;
 
-use super::bug::{Bug, Side};
+use super::bug::{Bug, Needs, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Violated;
 
@@ -27,7 +27,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         Bug::message(Side::Autopilot, "`remaining` of every third BatteryStatus is 1.5.", |out| {
             out.edit(3, |battery: &mut BatteryStatus| battery.remaining = 1.5);
         })
-        .with_types(),
+        .needing(Needs::TypeHashes),
     ),
     mutants: &[Mutant {
         name: "a value outside its range",

@@ -93,8 +93,8 @@ impl Bus for Tap<'_> {
         Some(event)
     }
 
-    fn subscribe(&mut self, topic: &Topic) -> Result<(), String> {
-        let subscribed = self.bus.subscribe(topic);
+    fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
+        let subscribed = self.bus.subscribe(topic, qos);
         if let Err(problem) = &subscribed {
             self.playback.note(format!("{}: {problem}", topic.name));
         }
@@ -107,6 +107,10 @@ impl Bus for Tap<'_> {
 
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
         self.bus.publish(publisher, payload)
+    }
+
+    fn is_matched_by_qos(&self) -> bool {
+        self.bus.is_matched_by_qos()
     }
 }
 
