@@ -176,10 +176,11 @@ enum Command {
     /// Test uavspec itself.
     ///
     /// The self-test generates captures that conform to the definitions, and captures that each violate one rule. It
-    /// then probes the reference server, first without bugs and then with one bug at a time. Each rule must find the
-    /// violations meant for it and nothing else.
+    /// then probes the reference server and the PX4 references, first without bugs and then with one bug at a time. Each
+    /// rule must find the violations meant for it and nothing else.
     ///
-    /// The probes use free ports of 127.0.0.1 and take about two minutes.
+    /// The probes use free ports of 127.0.0.1 and take about two minutes. The PX4 references communicate within the
+    /// process.
     SelfTest(self_test::SelfTestArgs),
     /// Serve an editor that supports the Language Server Protocol.
     ///

@@ -1,6 +1,7 @@
 //! Checks all mutants, and compares the violated rules with the expected rules.
 
 pub(crate) mod live;
+pub(crate) mod vehicle;
 
 use std::collections::BTreeSet;
 
@@ -9,7 +10,7 @@ use crate::definitions::Definitions;
 use crate::model::Rule;
 use crate::rules::flockwave::sample::Session;
 use crate::rules::sample::{Encoding, Flight};
-use crate::rules::{Mutant, mutants};
+use crate::rules::{Mutant, RULES, mutants};
 
 /// The result for a mutant.
 #[derive(Debug)]
@@ -36,6 +37,42 @@ impl Row {
     }
 }
 
+/// The rules that a probe found.
+#[derive(Debug)]
+pub(crate) struct Found {
+    /// The violated rules.
+    violated: BTreeSet<&'static str>,
+    /// The rules that the recording violates.
+    recorded: BTreeSet<&'static str>,
+    /// The covered rules.
+    pub covered: BTreeSet<&'static str>,
+    /// The reason why the probe ended early.
+    failure: Option<String>,
+}
+
+impl Found {
+    fn new(live: &CaptureResult, recorded: &CaptureResult, failure: Option<String>) -> Self {
+        let is_covered = |rule: &&&'static Rule| live.findings.covered(rule) > 0;
+        let covered = RULES.iter().filter(is_covered).map(|rule| rule.id).collect();
+        Self { violated: violated(live), recorded: violated(recorded), covered, failure }
+    }
+
+    /// True if exactly the expected rules are violated, live and in the recording.
+    fn is_right(&self, expected: &BTreeSet<&'static str>) -> bool {
+        self.violated == *expected && self.recorded == self.violated
+    }
+
+    /// Describes the difference between the expected and the violated rules.
+    fn mismatch_text(&self, expected: &BTreeSet<&'static str>) -> String {
+        let recorded = match &self.recorded {
+            same if *same == self.violated => String::new(),
+            other => format!(", and {} in the recording", list(other)),
+        };
+        let failure = self.failure.as_ref().map_or_else(String::new, |failure| format!("; {failure}"));
+        format!("expected {}, found {}{recorded}{failure}", list(expected), list(&self.violated))
+    }
+}
+
 /// Checks the conforming captures: a flight in each encoding, and a Flockwave session. No findings are expected.
 pub(crate) fn conforming(definitions: &Definitions) -> Vec<(&'static str, CaptureResult)> {
     let flight = Flight::new(definitions);
@@ -49,10 +86,7 @@ pub(crate) fn conforming(definitions: &Definitions) -> Vec<(&'static str, Captur
 /// Checks all mutants of all rules.
 pub(crate) fn matrix(definitions: &Definitions) -> Vec<Row> {
     let flight = Flight::new(definitions);
-    let violated = |bytes: Vec<u8>| {
-        let result = check_bytes(&bytes, definitions)?;
-        Some(result.findings.groups().map(|group| group.rule.id).collect())
-    };
+    let violated = |bytes: Vec<u8>| Some(violated(&check_bytes(&bytes, definitions)?));
     let rows = |mutant: Mutant| {
         let row = |title, violated| Row { rule: mutant.rule, mutant: mutant.clone(), title, violated };
         let captures = mutant.captures(&flight).into_iter();
@@ -66,6 +100,10 @@ pub(crate) fn matrix(definitions: &Definitions) -> Vec<Row> {
 pub(crate) fn list<'i>(ids: impl IntoIterator<Item = &'i &'static str>) -> String {
     let ids: Vec<&str> = ids.into_iter().copied().collect();
     if ids.is_empty() { "nothing".to_owned() } else { ids.join(", ") }
+}
+
+fn violated(result: &CaptureResult) -> BTreeSet<&'static str> {
+    result.findings.groups().map(|group| group.rule.id).collect()
 }
 
 /// Checks a capture in memory.

@@ -443,6 +443,21 @@ fn prints_rules_and_help() {
     assert!(printed.contains("Examples:") && printed.contains("uavspec check flight.ulg"), "{printed}");
 }
 
+#[test]
+fn explains_why_a_self_test_of_px4_references_cannot_start() {
+    for (arguments, expected, wrong) in [
+        (&["dds://999"][..], 2, "from 0 to 232"),
+        (&["--recordings-only"], 2, "cannot be used with"),
+        (&["--", "codec"], 2, "cannot be used with"),
+        (&["foxglove://127.0.0.1:1"], 3, "error: foxglove://127.0.0.1:1: "),
+    ] {
+        let (status, printed, errors) =
+            uavspec(Path::new("."), &[&["self-test", "--px4"], arguments].concat());
+        assert_eq!((status, printed.as_str()), (Some(expected), ""), "{errors}");
+        assert!(errors.contains(wrong), "{errors}");
+    }
+}
+
 /// The names of all commands in the help.
 fn commands(folder: &Path) -> Vec<String> {
     let (_, help, _) = uavspec(folder, &["--help"]);

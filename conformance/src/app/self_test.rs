@@ -1,6 +1,8 @@
 //! `uavspec self-test`.
 
 use std::ffi::OsString;
+use std::io;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use anstyle::{AnsiColor, Style};
@@ -8,9 +10,12 @@ use clap::Args;
 
 use super::Status;
 use super::progress::Progress;
+use crate::bus::Address;
+use crate::check::parallel;
 use crate::definitions::Definitions;
 use crate::matrix::live::{cases as server_cases, live};
-use crate::matrix::{Row, conforming, list, matrix};
+use crate::matrix::vehicle::{self, check_bus, pairs};
+use crate::matrix::{Found, Row, conforming, list, matrix};
 use crate::rules::RULES;
 use crate::testee::case::cases;
 use crate::testee::options::Options;
@@ -26,13 +31,15 @@ const EXAMPLES: &str = "Examples:
   uavspec self-test
   uavspec self-test --definitions ../px4_msgs/msg
   uavspec self-test --recordings-only
+  uavspec self-test --px4
+  uavspec self-test --px4 dds://77 dds://78
   uavspec self-test -- ./reference-codec";
 
 const STATUS: &str = "Exit status:
   0  all checks passed
   1  at least one check or case failed
   2  invalid usage, or unreadable definitions
-  3  the testee can't be started or keeps failing";
+  3  the testee can't be started or keeps failing, or a bus can't be used";
 
 /// Arguments of `self-test`.
 #[derive(Args, Debug)]
@@ -47,32 +54,79 @@ pub(super) struct SelfTestArgs {
     /// Check captures only; start no servers.
     #[arg(long)]
     recordings_only: bool,
+    /// Probe only the PX4 references: within the process, or over these buses.
+    ///
+    /// Takes the URLs of vehicles that `uavspec probe` takes. Each bus is used by one pair of participants at a time, so
+    /// more buses shorten the test. In a DDS domain, the participants communicate on this computer only. Don't use the
+    /// bus of a real vehicle.
+    #[arg(
+        long,
+        value_name = "URL",
+        num_args = 0..,
+        conflicts_with_all = ["definitions", "recordings_only", "testee"]
+    )]
+    px4: Option<Vec<Address>>,
     /// Testee (with arguments) that must pass all cases.
     #[arg(last = true, value_name = "COMMAND")]
     testee: Vec<OsString>,
 }
 
 pub(super) fn self_test(args: &SelfTestArgs) -> Status {
-    let definitions = match super::definitions(args.definitions.as_deref()) {
-        Ok(definitions) => definitions,
+    let tested = match &args.px4 {
+        Some(buses) => test_vehicles(buses),
+        None => test_all(args),
+    };
+    let is_right = match tested {
+        Ok(is_right) => is_right,
         Err(status) => return status,
     };
+    let (style, text) = if is_right { (PASS, "all checks passed") } else { (FAIL, "some checks failed") };
+    terminal::println!("\n{style}{text}{style:#}");
+    if is_right { Status::Conforms } else { Status::DoesNotConform }
+}
+
+/// Tests the PX4 references over buses, or within the process if there are none.
+fn test_vehicles(given: &[Address]) -> Result<bool, Status> {
+    let mut buses: Vec<Address> = Vec::new();
+    for address in given {
+        // Two pairs on the same bus would disturb each other.
+        if !buses.contains(address) {
+            buses.push(address.clone());
+        }
+    }
+    let mut problem = None;
+    let jobs = NonZeroUsize::new(buses.len());
+    parallel::each(&buses, jobs, check_bus, |address, checked| {
+        problem = problem.take().or_else(|| Some(format!("{address}: {}", checked.err()?)));
+    });
+    match problem {
+        Some(problem) => {
+            terminal::error(problem, None);
+            Err(Status::Unreadable)
+        }
+        None => Ok(vehicles(&buses)),
+    }
+}
+
+/// Tests the checks, the references and the testee.
+fn test_all(args: &SelfTestArgs) -> Result<bool, Status> {
+    let definitions = super::definitions(args.definitions.as_deref())?;
     let mut is_right = recordings(&definitions) & rules(&matrix(&definitions));
     if !args.recordings_only {
         is_right &= servers(&definitions);
+        terminal::println!("");
+        is_right &= vehicles(&[]);
     }
     if !args.testee.is_empty() {
         match run_cases(&definitions, &args.testee) {
             Ok(is_passing) => is_right &= is_passing,
             Err(error) => {
                 terminal::error(error, None);
-                return Status::Unreadable;
+                return Err(Status::Unreadable);
             }
         }
     }
-    let (style, text) = if is_right { (PASS, "all checks passed") } else { (FAIL, "some checks failed") };
-    terminal::println!("\n{style}{text}{style:#}");
-    if is_right { Status::Conforms } else { Status::DoesNotConform }
+    Ok(is_right)
 }
 
 /// Checks conforming captures. There must be no findings.
@@ -112,29 +166,72 @@ fn rules(rows: &[Row]) -> bool {
 /// Probes the reference server without bugs and with each bug. The probe must find the bug and nothing else.
 fn servers(definitions: &Definitions) -> bool {
     let cases = server_cases();
-    let progress = Progress::steps("servers");
-    let mut rows = Vec::new();
-    live(&cases, definitions, |row| {
-        rows.push(row);
-        progress.set(rows.len(), cases.len());
-    });
-    drop(progress);
+    let rows = rows("servers", cases.len(), |take| live(&cases, definitions, take));
     terminal::println!(
         "\nProbes of the reference server, first without bugs, then with each bug; checked live and from recordings:"
     );
-    let mut are_right = true;
-    for (case, row) in cases.iter().zip(rows) {
+    let results = cases.iter().zip(rows).map(|(case, row)| {
         let name = case.bug.map_or_else(|| case.name(), |bug| bug.rule.id.to_owned());
-        let (is_right, text) = match row {
-            Ok(row) if row.is_right() && case.bug.is_some() => (true, "found".to_owned()),
-            Ok(row) if row.is_right() => (true, format!("{} rules covered, no findings", row.covered.len())),
-            Ok(row) => (false, row.mismatch_text()),
-            Err(error) => (false, error.to_string()),
-        };
-        are_right &= is_right;
-        line(is_right, &name, &text);
+        let has_bug = case.bug.is_some();
+        let result = row.map(|row| {
+            if row.is_right() { Ok(found_text(has_bug, &row.found)) } else { Err(row.mismatch_text()) }
+        });
+        (name, result)
+    });
+    print_probes(results)
+}
+
+/// Probes the PX4 references without bugs and with each bug. The probe must find the bug and nothing else. Bugs that a
+/// bus can't show are skipped.
+fn vehicles(buses: &[Address]) -> bool {
+    let cases = vehicle::cases();
+    let (shown, skipped): (Vec<_>, Vec<_>) =
+        cases.into_iter().partition(|case| case.missing(buses).is_none());
+    let rows = rows("pairs", shown.len(), |take| pairs(&shown, buses, take));
+    terminal::println!(
+        "Probes of the PX4 references, first without bugs, then with each bug; checked live and from recordings:"
+    );
+    let results = shown.iter().zip(rows).map(|(case, row)| {
+        let has_bug = case.bug.is_some();
+        let result = row.map(|row| {
+            if row.is_right() { Ok(found_text(has_bug, &row.found)) } else { Err(row.mismatch_text()) }
+        });
+        (case.name().to_owned(), result)
+    });
+    let are_right = print_probes(results);
+    for case in &skipped {
+        let missing = case.missing(buses).unwrap_or_default();
+        terminal::println!("  skip  {:<12} the bug requires {missing}", case.name());
     }
     are_right
+}
+
+/// Runs probes with a progress bar, and collects their results. `run` passes each result to its argument.
+fn rows<R>(noun: &'static str, count: usize, run: impl FnOnce(&mut dyn FnMut(R))) -> Vec<R> {
+    let (progress, mut rows) = (Progress::steps(noun), Vec::new());
+    progress.set(0, count);
+    run(&mut |row| {
+        rows.push(row);
+        progress.set(rows.len(), count);
+    });
+    rows
+}
+
+/// Prints the result of each probe. Returns true if all are as expected.
+fn print_probes(results: impl Iterator<Item = (String, io::Result<Result<String, String>>)>) -> bool {
+    let mut are_right = true;
+    for (name, result) in results {
+        let result = result.unwrap_or_else(|error| Err(error.to_string()));
+        are_right &= result.is_ok();
+        let (Ok(text) | Err(text)) = &result;
+        line(result.is_ok(), &name, text);
+    }
+    are_right
+}
+
+/// The text about a probe with the expected result.
+fn found_text(has_bug: bool, found: &Found) -> String {
+    if has_bug { "found".to_owned() } else { format!("{} rules covered, no findings", found.covered.len()) }
 }
 
 /// Runs all cases with the testee, which must pass them all.

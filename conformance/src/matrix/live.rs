@@ -7,8 +7,8 @@ use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use super::list;
-use crate::check::{CaptureResult, check_capture, parallel};
+use super::Found;
+use crate::check::{check_capture, parallel};
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::probe::{self, probe};
@@ -80,14 +80,8 @@ pub(crate) struct Case {
 pub(crate) struct Row {
     /// The configuration of the server.
     pub case: Case,
-    /// The violated rules.
-    pub violated: BTreeSet<&'static str>,
-    /// The rules that the recorded session violates.
-    pub replayed: BTreeSet<&'static str>,
-    /// The covered rules.
-    pub covered: BTreeSet<&'static str>,
-    /// The reason why the probe ended early.
-    pub failure: Option<String>,
+    /// The violated and covered rules.
+    pub found: Found,
 }
 
 impl Case {
@@ -102,26 +96,20 @@ impl Case {
 
 impl Row {
     /// The rules that the server should violate.
-    pub(crate) fn expected(&self) -> BTreeSet<&'static str> {
+    fn expected(&self) -> BTreeSet<&'static str> {
         let bug = self.case.bug;
         let rules = bug.into_iter().flat_map(|entry| entry.bug.also.iter().copied().chain([&entry.rule]));
         rules.map(|rule| rule.id).collect()
     }
 
-    /// Describes the difference between the expected and the violated rules.
-    pub(crate) fn mismatch_text(&self) -> String {
-        let (expected, found) = (list(&self.expected()), list(&self.violated));
-        let recorded = match &self.replayed {
-            same if *same == self.violated => String::new(),
-            other => format!(", and {} in the recorded session", list(other)),
-        };
-        let failure = self.failure.as_ref().map_or_else(String::new, |failure| format!("; {failure}"));
-        format!("expected {expected}, found {found}{recorded}{failure}")
-    }
-
     /// True if exactly the expected rules are violated, live and in the recorded session.
     pub(crate) fn is_right(&self) -> bool {
-        self.violated == self.expected() && self.replayed == self.violated
+        self.found.is_right(&self.expected())
+    }
+
+    /// Describes the difference between the expected and the violated rules.
+    pub(crate) fn mismatch_text(&self) -> String {
+        self.found.mismatch_text(&self.expected())
     }
 }
 
@@ -183,22 +171,8 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     let probed = probe(&endpoint, &options, definitions, Some(Box::new(tape.clone())), &|_, _| {});
     let recorded = tape.0.lock().unwrap_or_else(PoisonError::into_inner);
     let replayed = check_capture(&**recorded, None, definitions)?;
-    Ok(Row {
-        case: *case,
-        violated: violated(&probed.result),
-        replayed: violated(&replayed),
-        covered: covered(&probed.result),
-        failure: probed.failure.or(probed.cut_short),
-    })
-}
-
-fn violated(result: &CaptureResult) -> BTreeSet<&'static str> {
-    result.findings.groups().map(|group| group.rule.id).collect()
-}
-
-fn covered(result: &CaptureResult) -> BTreeSet<&'static str> {
-    let is_covered = |rule: &&&'static crate::model::Rule| result.findings.covered(rule) > 0;
-    crate::rules::RULES.iter().filter(is_covered).map(|rule| rule.id).collect()
+    let failure = probed.failure.or(probed.cut_short);
+    Ok(Row { case: *case, found: Found::new(&probed.result, &replayed, failure) })
 }
 
 /// A recorded session in memory.

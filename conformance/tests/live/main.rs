@@ -7,4 +7,5 @@ mod probe;
 mod python;
 mod roles;
 mod rosbridge;
+mod self_test;
 mod zenoh;
