@@ -41,11 +41,11 @@ use rustdds::no_key::DataWriter;
 use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, RTPSEntity, TopicKind};
 
 use self::peers::{Announcer, Identity};
-use self::reader::RawAdapter;
+use self::reader::{DEPTH, RawAdapter};
 use self::worker::Worker;
 use super::queue::{Queue, queue};
 use super::{Bus, Event, Publisher, Topic};
-use crate::model::Qos;
+use crate::model::{History, Qos, Reliability};
 
 /// The identifier of little-endian CDR in the encapsulation header.
 const CDR_LE: [u8; 2] = [0, 1];
@@ -121,7 +121,7 @@ impl Bus for DdsBus {
 
     fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String> {
         let Connection { writers, publisher, participant, .. } = self.connection()?;
-        let policies = qos::to_policies(qos);
+        let policies = qos::to_policies(&Qos { history: stored(qos), ..qos.clone() });
         let (name, type_name) = (names::topic_to_dds(&topic.name), names::type_to_dds(&topic.type_name));
         let created = participant
             .create_topic(name, type_name, &policies, TopicKind::NoKey)
@@ -139,6 +139,12 @@ impl Bus for DdsBus {
     fn is_matched_by_qos(&self) -> bool {
         true
     }
+}
+
+/// The number of messages that a publisher stores. rustdds drops messages of a burst that the publisher doesn't store. A
+/// best-effort publisher never sends its stored messages again, so it can store more than it announces.
+fn stored(qos: &Qos) -> Option<History> {
+    if qos.reliability == Reliability::BestEffort { Some(History::KeepLast(DEPTH)) } else { qos.history }
 }
 
 /// The message after the encapsulation header, which rustdds writes.
@@ -160,7 +166,7 @@ mod tests {
 
     use super::*;
     use crate::bus::Encoding;
-    use crate::model::{EndpointKind, Reliability};
+    use crate::model::EndpointKind;
 
     /// A message in CDR.
     const MESSAGE: &[u8] = b"\0\x01\0\0wind";
@@ -229,6 +235,28 @@ mod tests {
             let event = receiver.receive(Instant::now() + Duration::from_millis(100));
             assert!(!matches!(event, Some(Event::Message(_))), "{event:?}");
         }
+    }
+
+    #[test]
+    fn bursts_of_best_effort_publishers_arrive() {
+        let [mut sender, mut receiver] = [join(70), join(70)];
+        let publisher = sender.advertise(&wind(), &Qos::PX4).expect("a publisher");
+        receiver.subscribe(&wind(), &Qos::WEAKEST).expect("a subscriber");
+        let publish = || sender.publish(publisher, MESSAGE).expect("published");
+        wait(&mut receiver, publish, |event| matches!(event, Event::Message(_)));
+        let mark = b"\0\x01\0\0last";
+        for _ in 0..20 {
+            sender.publish(publisher, b"\0\x01\0\0gust").expect("published");
+        }
+        sender.publish(publisher, mark).expect("published");
+        let mut payloads = Vec::new();
+        while payloads.last().is_none_or(|payload: &Vec<u8>| payload != mark) {
+            let event = wait(&mut receiver, || {}, |event| matches!(event, Event::Message(_)));
+            let Event::Message(message) = event else { panic!() };
+            payloads.push(message.payload);
+        }
+        let gusts = payloads.iter().filter(|payload| payload.ends_with(b"gust"));
+        assert_eq!(gusts.count(), 20);
     }
 
     #[test]

@@ -10,8 +10,9 @@ use super::super::Topic;
 use super::{names, qos};
 use crate::model::{History, Qos};
 
-/// The number of messages that rustdds stores for each topic: 256 ms at 250 Hz. It also stores messages that were read.
-const DEPTH: u32 = 64;
+/// The number of messages that rustdds stores for each topic: 256 ms at 250 Hz. It also stores messages that were read or
+/// sent.
+pub(crate) const DEPTH: u32 = 64;
 
 /// A subscriber of serialized messages.
 pub(crate) type RawReader = SimpleDataReader<Vec<u8>, RawAdapter>;
