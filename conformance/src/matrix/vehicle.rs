@@ -18,7 +18,7 @@ use crate::bus::memory::Network;
 use crate::bus::{self, Address, Bus, Event};
 use crate::check::{Checked, check_path, parallel};
 use crate::definitions::Library;
-use crate::model::Findings;
+use crate::model::{ApplicationType, Findings};
 use crate::rules::px4::{Bug, Px4Rule, RULES, Side};
 use crate::vehicle::{Options, Probed, probe, serve};
 
@@ -144,10 +144,13 @@ impl Case {
         record: &Path,
     ) -> io::Result<(Probed, Option<String>)> {
         let is_over = AtomicBool::new(false);
+        // A component compares its definitions with those of the flight controller.
+        let is_component = self.role == Some(Side::Component);
         let options = Options {
             time: place.time,
             topics: None,
             role: self.role,
+            application: is_component.then(|| ApplicationType::all(&library.base().schema)),
             record: Some(record.to_path_buf()),
             is_stopped: Box::new(|| false),
         };

@@ -120,7 +120,7 @@ fn conforming_json_has_no_violations_and_covers_its_rules() {
     let talk = ["PX-EXT-01", "PX-EXT-02", "PX-EXT-03", "PX-EXT-04", "PX-EXT-05", "PX-EXT-06", "PX-EXT-07"];
     let formats = ["PX-FMT-01", "PX-FMT-02", "PX-FMT-03"];
     // No external component communicates, no type has a version suffix, and there are no publishers and subscribers.
-    let others = ["PX-FSF-03", "PX-HASH-01", "PX-QOS-01", "PX-TYPE-01", "PX-VER-01"];
+    let others = ["PX-FSF-03", "PX-HASH-01", "PX-HASH-02", "PX-QOS-01", "PX-TYPE-01", "PX-VER-01"];
     assert_eq!(idle, [&data[..], &talk, &formats, &others].concat());
     assert_eq!(result.findings.covered(rule("PX-JSON-01").expect("a rule")), 60 * 4);
 }

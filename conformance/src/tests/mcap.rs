@@ -214,7 +214,7 @@ fn conforming_files_have_no_findings_in_any_form() {
     let data = ["PX-ARR-01", "PX-DATA-01", "PX-DATA-02", "PX-DATA-03"];
     let ids = RULES.iter().map(|rule| rule.id);
     let talk: Vec<&str> = ids.filter(|id| id.starts_with("PX-EXT-")).collect();
-    let others = ["PX-FMT-02", "PX-FSF-03", "PX-JSON-01", "PX-JSON-02"];
+    let others = ["PX-FMT-02", "PX-FSF-03", "PX-HASH-02", "PX-JSON-01", "PX-JSON-02"];
     // The file states no publishers and subscribers.
     let live = ["PX-QOS-01", "PX-TYPE-01", "PX-VER-01"];
     assert_eq!(idle, [&data[..], &talk, &others, &live].concat());

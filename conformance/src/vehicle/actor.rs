@@ -85,11 +85,11 @@ impl Actor {
             // The probe adapts to the vehicle.
             endpoints.push(endpoint(EndpointKind::Subscriber, &topic, qos, false));
         }
-        // An autopilot offers the same quality of service as PX4, but components choose theirs.
-        let is_matched_by_qos = side == Side::Autopilot && bus.is_matched_by_qos();
         for definition in actor.role.published() {
             let topic = topic(definition);
             let publisher = bus.advertise(&topic, &Qos::PX4)?;
+            // An autopilot offers the same quality of service as PX4, but components choose theirs.
+            let is_matched_by_qos = bus.is_matched_by_qos() && !is_input(definition);
             endpoints.push(endpoint(EndpointKind::Publisher, &topic, Qos::PX4, is_matched_by_qos));
             actor.outputs.insert(definition.name, Output { publisher, topic, count: 0 });
         }

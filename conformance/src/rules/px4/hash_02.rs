@@ -47,7 +47,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     )),
     mutants: &[Mutant {
         name: "an application with another definition",
-        change: Change::Mcap(|_, mut bag| {
+        change: Change::Mcap(|flight, mut bag| {
+            flight.topic("MessageFormatResponse")?;
             bag.application.first_mut()?.hash ^= 1;
             Some(bag)
         }),
