@@ -17,7 +17,8 @@ fn python() -> &'static Path {
         if fs::read_to_string(&installed).is_ok_and(|text| text == REQUIREMENTS) {
             return program;
         }
-        run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(&folder));
+        // The folder also contains a peer in Rust.
+        run(Command::new("python3").args(["-m", "venv"]).arg(&folder));
         let packages = REQUIREMENTS.lines();
         run(Command::new(&program).args(["-m", "pip", "install", "--quiet"]).args(packages));
         fs::write(&installed, REQUIREMENTS).expect("written");

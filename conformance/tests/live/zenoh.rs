@@ -1,10 +1,15 @@
-//! A Zenoh router in Python, which declares tokens and publishes like `rmw_zenoh`.
+//! A Zenoh router in Python, which declares tokens and publishes like `rmw_zenoh`, and a ROS 2 node with hiroz.
 
+use std::fs;
 use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::LazyLock;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use serde_json::json;
+use tempfile::NamedTempFile;
 use uavspec_conformance::definitions::Definitions;
 
 use super::probe::Probed;
@@ -13,22 +18,27 @@ use super::python::Peer;
 /// The time to listen, in seconds.
 const TIME: u32 = 5;
 
-/// The probe of the router, which all tests share.
+/// The probe of the router, which all tests of the router share.
 static PROBED: LazyLock<Probed> = LazyLock::new(|| {
+    let definitions = Definitions::built_in();
+    let request = definitions.message_of_type("px4/ArmingCheckRequest").expect("defined");
+    let (_router, port) = router(&[&definitions.schema.message(request).type_hash]);
+    Probed::new(&format!("zenoh://127.0.0.1:{port}"), TIME)
+});
+
+/// Starts a router. Returns it with its port when it accepts connections.
+fn router(arguments: &[&str]) -> (Peer, u16) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = listener.local_addr().expect("an address").port();
     drop(listener);
-    let definitions = Definitions::built_in();
-    let request = definitions.message_of_type("px4/ArmingCheckRequest").expect("defined");
-    let hash = &definitions.schema.message(request).type_hash;
-    let _router = Peer::start("zenoh_router.py", &[&port.to_string(), hash], &[]);
+    let router = Peer::start("zenoh_router.py", &[&[&*port.to_string()], arguments].concat(), &[]);
     let end = Instant::now() + Duration::from_secs(60);
     while TcpStream::connect(("127.0.0.1", port)).is_err() {
         assert!(Instant::now() < end, "the router doesn't start");
         thread::sleep(Duration::from_millis(50));
     }
-    Probed::new(&format!("zenoh://127.0.0.1:{port}"), TIME)
-});
+    (router, port)
+}
 
 fn messages(topic: &str) -> u64 {
     let topic = PROBED.topic(&format!("/fmu/out/{topic}"));
@@ -72,4 +82,75 @@ fn losses_and_unreadable_tokens_are_reported() {
     }
     assert!(text.contains("/fmu/out/types: ignored messages of px4_msgs/msg/ArmingCheckRequest"), "{text}");
     assert!(text.contains("2 messages of /fmu/out/gaps were lost"), "{text}");
+}
+
+/// A ROS 2 node with hiroz that takes part in arming checks as the flight controller, and its router.
+struct Hiroz {
+    _peers: [Peer; 2],
+    address: String,
+    output: NamedTempFile,
+}
+
+impl Hiroz {
+    fn start() -> Self {
+        let (router, port) = router(&[]);
+        let output = NamedTempFile::new().expect("a file");
+        let mut command = Command::new(hiroz());
+        command.arg(format!("tcp/127.0.0.1:{port}")).stdout(output.reopen().expect("a file"));
+        let peers = [router, Peer::run(&mut command)];
+        Self { _peers: peers, address: format!("zenoh://127.0.0.1:{port}"), output }
+    }
+
+    /// Probes until messages arrive. On a busy machine, the node takes long to start.
+    fn probe(&self, arguments: &[&str]) -> Probed {
+        let mut attempts = (0..5).map(|_| Probed::with(&self.address, TIME, arguments));
+        attempts.find(|probed| probed.vehicle()["records"].as_u64() > Some(10)).expect("messages of the node")
+    }
+}
+
+/// The program of the node, in `target/live-peers`.
+fn hiroz() -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (source, target) =
+        (folder.join("tests/live/peers/hiroz/Cargo.toml"), folder.join("../target/live-peers/hiroz"));
+    let mut build = Command::new(env!("CARGO"));
+    build
+        .args(["build", "--quiet", "--locked", "--manifest-path"])
+        .arg(source)
+        .arg("--target-dir")
+        .arg(&target);
+    let status = build.status().unwrap_or_else(|error| panic!("{build:?}: {error}"));
+    assert!(status.success(), "can't build the node with hiroz: {build:?} failed: {status}");
+    target.join("debug/uavspec-hiroz-peer")
+}
+
+/// hiroz computes the type hash and encodes messages with its own code.
+#[test]
+fn a_node_with_hiroz_is_discovered_and_checked() {
+    let probed = Hiroz::start().probe(&[]);
+    let bus = probed.vehicle()["bus"].as_array().expect("topics");
+    let find = |name: &str| bus.iter().find(|topic| topic["topic"] == name).expect("the topic");
+    let output = find("/fmu/out/arming_check_request_v1");
+    let definitions = Definitions::built_in();
+    let request = definitions.message_of_type("px4/ArmingCheckRequest").expect("defined");
+    assert_eq!(output["type_hash"], *definitions.schema.message(request).type_hash);
+    assert_eq!(output["type"], "px4_msgs/msg/ArmingCheckRequest");
+    let qos = "best effort, transient local, keep last 1";
+    assert_eq!(output["publishers"], json!([{ "node": "/hiroz_px4", "qos": qos }]));
+    let input = find("/fmu/in/register_ext_component_request");
+    assert_eq!(input["subscribers"], json!([{ "node": "/hiroz_px4", "qos": qos }]));
+    assert_eq!(input["type"], "px4_msgs/msg/RegisterExtComponentRequest");
+    assert_eq!(probed.topic("/fmu/out/arming_check_request_v1")["result"], "equal", "{probed:#?}");
+    assert_eq!(probed.verdict("PX-CDR-02"), "pass", "{probed:#?}");
+    assert_eq!(probed.vehicle()["findings"], json!([]), "{probed:#?}");
+}
+
+#[test]
+fn a_node_with_hiroz_receives_messages_of_a_role() {
+    let node = Hiroz::start();
+    node.probe(&["--as", "component"]);
+    let output = fs::read_to_string(&node.output).expect("the output");
+    for expected in ["uavspec probe api 1 check true\n", "uavspec probe 2 api 1 check true\n"] {
+        assert!(output.contains(expected), "{output}");
+    }
 }

@@ -1,6 +1,6 @@
-"""A Zenoh router with nodes of ROS 2, as rmw_zenoh makes them: zenoh_router.py PORT HASH
+"""A Zenoh router with nodes of ROS 2, as rmw_zenoh makes them: zenoh_router.py PORT [HASH]
 
-Publishes ArmingCheckRequest messages of PX4, and declares hostile tokens.
+Publishes ArmingCheckRequest messages of PX4, and declares hostile tokens. Without HASH, only connects others.
 """
 
 import itertools
@@ -12,7 +12,7 @@ import time
 import zenoh
 from zenoh import ext
 
-PORT, HASH = sys.argv[1:]
+PORT, HASH = (*sys.argv[1:], None)[:2]
 TYPE = "px4_msgs::msg::dds_::ArmingCheckRequest_"
 QOS = "2:1:,1:,:,:,,"
 RELIABLE = "1::,5:,:,:,,"
@@ -68,6 +68,8 @@ def declare_hostile_tokens():
         declare(start + end)
 
 
+if HASH is None:
+    time.sleep(100_000)
 announce("MS", "/fmu/out/request", qos=RELIABLE)
 declare_hostile_tokens()
 healthy, gaps, corrupt = (Publisher(f"/fmu/out/{name}") for name in ("request", "gaps", "corrupt"))
