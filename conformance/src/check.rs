@@ -215,6 +215,10 @@ pub struct CaptureResult {
     pub corruption: Vec<(Location, String)>,
     /// The number of additional corrupt parts that aren't listed.
     pub more_corruption: u64,
+    /// Notable events in the recording of a live vehicle, in order.
+    pub notes: Vec<String>,
+    /// The reasons why the recording of a live vehicle was cut short.
+    pub cut_short: Vec<String>,
     /// The extent to which the capture could be read.
     pub extent: Extent,
     /// The clock of the times in the findings.
@@ -237,6 +241,8 @@ impl CaptureResult {
             checked: 0,
             corruption: Vec::new(),
             more_corruption: 0,
+            notes: Vec::new(),
+            cut_short: Vec::new(),
             extent: Extent::Unreadable,
             clock: Clock::default(),
             coverage: Parts::default().finish(Unit::default(), 0),

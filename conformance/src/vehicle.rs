@@ -42,7 +42,7 @@ use crate::check::{
     CaptureResult, Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording,
 };
 use crate::definitions::{Definitions, Library};
-use crate::model::{ApplicationType, EndpointKind, Qos};
+use crate::model::{ApplicationType, Endpoint, EndpointKind, Qos};
 use crate::rules::px4::Side;
 
 /// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
@@ -83,17 +83,7 @@ pub(crate) struct Progress {
     pub findings: usize,
 }
 
-/// The result of a probe.
-pub(crate) struct Probed {
-    /// The findings, with the definitions that were used.
-    pub checked: Checked,
-    /// Notable events, in order.
-    pub notes: Vec<String>,
-    /// The reason why the probe ended early.
-    pub cut_short: Option<String>,
-}
-
-/// Listens to a bus, and checks all messages.
+/// Listens to a bus, and checks all messages. Returns the findings, with the definitions that were used.
 ///
 /// # Errors
 /// Fails if the recording can't be written or read.
@@ -102,7 +92,7 @@ pub(crate) fn probe(
     library: &Library,
     options: &Options,
     on_progress: &dyn Fn(&Progress),
-) -> io::Result<Probed> {
+) -> io::Result<Checked> {
     let (path, _temporary) = recording(options)?;
     let recorder = Recorder::create(&path)?;
     let mut probe = Probe::new(bus, options, recorder, on_progress);
@@ -120,10 +110,13 @@ pub(crate) fn probe(
     for event in last {
         probe.recorder.record(&event, Some(&mut live))?;
     }
-    let Probe { recorder, notes, cut_short, .. } = probe;
+    probe.record_notes(Some(&mut live))?;
+    let Probe { mut recorder, cut_short, .. } = probe;
+    if let Some(reason) = cut_short {
+        recorder.cut_short(&reason, Some(&mut live))?;
+    }
     let (path, size) = recorder.finish()?;
-    let checked = conclude(&path, library, &definitions, live.finish(size))?;
-    Ok(Probed { checked, notes, cut_short })
+    conclude(&path, library, &definitions, live.finish(size))
 }
 
 /// Passes the messages of a bus to an observer. Returns the reason why the connection ended, if it ended before the time.
@@ -197,6 +190,8 @@ struct Probe<'p> {
     progress: Progress,
     on_progress: &'p dyn Fn(&Progress),
     notes: Vec<String>,
+    /// The number of notes that were recorded.
+    recorded: usize,
     cut_short: Option<String>,
 }
 
@@ -217,6 +212,7 @@ impl<'p> Probe<'p> {
             progress: Progress::default(),
             on_progress,
             notes: Vec::new(),
+            recorded: 0,
             cut_short: None,
         }
     }
@@ -284,6 +280,7 @@ impl<'p> Probe<'p> {
             if let Some(event) = received {
                 self.follow(event);
             }
+            self.record_notes(live.as_deref_mut())?;
             if shown.elapsed() > NOTICE_TIME {
                 shown = Instant::now();
                 self.show(live.as_deref());
@@ -296,11 +293,7 @@ impl<'p> Probe<'p> {
     fn follow(&mut self, event: Event) {
         match event {
             Event::Endpoint(endpoint) if endpoint.kind == EndpointKind::Publisher => {
-                self.subscribe(&Topic {
-                    name: endpoint.topic.into(),
-                    type_name: endpoint.type_name.into(),
-                    type_hash: endpoint.type_hash.map(Into::into),
-                });
+                self.subscribe(endpoint);
             }
             Event::Message(_) => self.progress.messages += 1,
             Event::Problem(problem) => self.note(problem),
@@ -309,17 +302,38 @@ impl<'p> Probe<'p> {
         }
     }
 
-    /// Subscribes to a topic if the user selected it.
-    fn subscribe(&mut self, topic: &Topic) {
-        let is_selected = self.options.topics.as_ref().is_none_or(|topics| topics.is_match(&*topic.name));
-        // Other names of DDS belong to services and parameters.
-        if !is_selected || !topic.name.starts_with('/') || !self.subscribed.insert(topic.clone()) {
+    /// Subscribes to the topic of a publisher if the user selected it.
+    fn subscribe(&mut self, publisher: Endpoint) {
+        let is_selected = self.options.topics.as_ref().is_none_or(|topics| topics.is_match(&publisher.topic));
+        let topic = Topic {
+            name: publisher.topic.into(),
+            type_name: publisher.type_name.into(),
+            type_hash: publisher.type_hash.map(Into::into),
+        };
+        if !is_selected || !self.subscribed.insert(topic.clone()) {
+            return;
+        }
+        if !topic.name.starts_with('/') {
+            // In DDS, such names belong to services and parameters.
+            if !publisher.is_matched_by_qos {
+                let name = topic.name.escape_debug();
+                self.note(format!("{name}: not checked, because the names of ROS topics start with `/`"));
+            }
             return;
         }
         self.progress.topics += 1;
-        if let Err(problem) = self.bus.subscribe(topic, &Qos::WEAKEST) {
+        if let Err(problem) = self.bus.subscribe(&topic, &Qos::WEAKEST) {
             self.note(format!("{}: {problem}", topic.name.escape_debug()));
         }
+    }
+
+    /// Writes the new notes to the recording, so that a later check reports them as well.
+    fn record_notes(&mut self, mut live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+        for note in &self.notes[self.recorded..] {
+            self.recorder.note(note, live.as_deref_mut())?;
+        }
+        self.recorded = self.notes.len();
+        Ok(())
     }
 
     fn note(&mut self, text: String) {

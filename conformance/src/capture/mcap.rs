@@ -59,6 +59,12 @@ pub(crate) const APPLICATION: &str = "uavspec:application";
 /// The name of the metadata records about lost messages. The values are `topic` and `count`.
 pub(crate) const LOST: &str = "uavspec:lost";
 
+/// The name of the metadata records about notable events, such as unreadable data. The value is `text`.
+pub(crate) const NOTE: &str = "uavspec:note";
+
+/// The name of the metadata record of a recording that was cut short. The value is `reason`.
+pub(crate) const CUT_SHORT: &str = "uavspec:cut_short";
+
 /// The magic bytes at the start and at the end of a file.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 

@@ -19,10 +19,13 @@ use crate::json::Tree;
 use crate::model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
 use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, px4};
-use crate::text::Grouped;
+use crate::text::{Grouped, shown};
 
 /// The maximum number of distinct corrupt parts to report.
 const MAX_CORRUPT_PARTS: usize = 100;
+
+/// The maximum number of notes.
+const MAX_NOTES: usize = 100;
 
 /// The part of a check that all kinds of captures share: channels, sessions, and the rules that span several messages.
 pub(super) struct CheckRun<'d> {
@@ -46,6 +49,8 @@ pub(super) struct CheckRun<'d> {
     /// The corrupt parts by description.
     corruption: HashMap<String, CorruptPart>,
     more_corruption: u64,
+    notes: Vec<String>,
+    cut_short: Vec<String>,
     pub(super) extent: Extent,
     pub(super) clock: Clock,
     /// The time of the current record in µs, if it isn't the timestamp of the message.
@@ -119,6 +124,8 @@ impl<'d> CheckRun<'d> {
             last: 0,
             corruption: HashMap::new(),
             more_corruption: 0,
+            notes: Vec::new(),
+            cut_short: Vec::new(),
             extent: Extent::Whole,
             clock: Clock::default(),
             record_time: None,
@@ -363,6 +370,16 @@ impl<'d> CheckRun<'d> {
         }
     }
 
+    /// Adds a notable event of a live vehicle.
+    pub(super) fn note(&mut self, text: &str) {
+        add(&mut self.notes, text);
+    }
+
+    /// Adds a reason why a recording was cut short.
+    pub(super) fn cut_short(&mut self, reason: &str) {
+        add(&mut self.cut_short, reason);
+    }
+
     /// Records a read error, after which nothing more can be read.
     pub(super) fn unreadable(&mut self, location: Location, error: &io::Error) {
         self.corruption(location, format!("the rest is unreadable: {error}"), Extent::Unreadable);
@@ -390,11 +407,21 @@ impl<'d> CheckRun<'d> {
             checked: self.checked,
             corruption: corruption.into_iter().map(reported).collect(),
             more_corruption: self.more_corruption,
+            notes: self.notes,
+            cut_short: self.cut_short,
             extent: self.extent,
             clock: self.clock,
             coverage: parts.finish(unit, self.records),
             findings: self.findings,
         }
+    }
+}
+
+/// Adds a text, unless it is known or there are too many.
+fn add(texts: &mut Vec<String>, text: &str) {
+    let text = shown(text);
+    if texts.len() < MAX_NOTES && !texts.contains(&text) {
+        texts.push(text);
     }
 }
 

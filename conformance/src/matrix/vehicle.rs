@@ -20,7 +20,7 @@ use crate::check::{Checked, check_path, parallel};
 use crate::definitions::Library;
 use crate::model::{ApplicationType, Findings};
 use crate::rules::px4::{Bug, Px4Rule, RULES, Side};
-use crate::vehicle::{Options, Probed, probe, serve};
+use crate::vehicle::{Options, probe, serve};
 
 /// The time of each probe within the process.
 const TIME: Duration = Duration::from_millis(6_500);
@@ -125,14 +125,13 @@ impl Case {
     fn run(self, place: &Place<'_>, library: &Library) -> io::Result<Row> {
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("run.mcap");
-        let (probed, failure) = self.probe(place, library, &file)?;
-        let Probed { checked: Checked { result, .. }, notes, cut_short } = probed;
+        let (Checked { result, .. }, failure) = self.probe(place, library, &file)?;
         let recorded = check_path(&file, None, library, &|input| input)?;
         Ok(Row {
             case: self,
             details: details(&result.findings),
-            found: Found::new(&result, &recorded.result, failure.or(cut_short)),
-            notes,
+            found: Found::new(&result, &recorded.result, failure.or_else(|| result.cut_short.first().cloned())),
+            notes: result.notes,
         })
     }
 
@@ -142,7 +141,7 @@ impl Case {
         place: &Place<'_>,
         library: &Library,
         record: &Path,
-    ) -> io::Result<(Probed, Option<String>)> {
+    ) -> io::Result<(Checked, Option<String>)> {
         let is_over = AtomicBool::new(false);
         // A component compares its definitions with those of the flight controller.
         let is_component = self.role == Some(Side::Component);

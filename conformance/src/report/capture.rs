@@ -91,7 +91,9 @@ impl From<model::Verdict> for Verdict {
 impl Subject {
     /// Creates the subject of a capture.
     pub fn from_capture(checked: CheckedCapture, definitions: &Definitions, settings: &Settings) -> Self {
-        let CheckedCapture { path, result, notes, requests, cut_short, elapsed } = checked;
+        let CheckedCapture { path, mut result, notes, requests, cut_short, elapsed } = checked;
+        let notes = [std::mem::take(&mut result.notes), notes].concat();
+        let cut_short = [std::mem::take(&mut result.cut_short), cut_short].concat();
         let findings = &result.findings;
         // Rules for other kinds of captures aren't listed.
         let is_session = result.summary.describe().is_session();

@@ -9,7 +9,9 @@ use std::sync::Arc;
 use ::mcap::records::MessageHeader;
 
 use crate::bus::{Encoding, Event, Received, Schema, Topic};
-use crate::capture::mcap::{self, APPLICATION, ENDPOINT, LOST, Packing, Writer, metadata_body};
+use crate::capture::mcap::{
+    self, APPLICATION, CUT_SHORT, ENDPOINT, LOST, NOTE, Packing, Writer, metadata_body,
+};
 use crate::check::{HASH, LiveBag};
 use crate::model::ApplicationType;
 
@@ -105,6 +107,16 @@ impl Recorder {
     /// Writes a type of the application.
     pub(super) fn application(&mut self, ty: &ApplicationType) -> io::Result<()> {
         self.metadata(APPLICATION, &ty.to_values(), None)
+    }
+
+    /// Writes a notable event.
+    pub(super) fn note(&mut self, text: &str, live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+        self.metadata(NOTE, &[("text".to_owned(), text.to_owned())].into(), live)
+    }
+
+    /// Writes the reason why the recording was cut short.
+    pub(super) fn cut_short(&mut self, reason: &str, live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+        self.metadata(CUT_SHORT, &[("reason".to_owned(), reason.to_owned())].into(), live)
     }
 
     fn lost(&mut self, topic: &str, count: u64, live: Option<&mut LiveBag<'_>>) -> io::Result<()> {

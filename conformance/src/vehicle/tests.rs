@@ -56,11 +56,11 @@ fn counts(findings: &Findings) -> BTreeMap<(&'static str, String), u64> {
 }
 
 /// Probes while `act` uses the network. Also checks the recording, which must have the same findings.
-fn probed(time: Duration, act: impl FnOnce(&Network) + Send) -> Probed {
+fn probed(time: Duration, act: impl FnOnce(&Network) + Send) -> Checked {
     probed_with(options(time, None), act)
 }
 
-fn probed_with(options: Options, act: impl FnOnce(&Network) + Send) -> Probed {
+fn probed_with(options: Options, act: impl FnOnce(&Network) + Send) -> Checked {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
     let (network, library) = (Network::default(), Library::built_in());
@@ -71,10 +71,12 @@ fn probed_with(options: Options, act: impl FnOnce(&Network) + Send) -> Probed {
         probe(&mut bus, &library, &options, &|_| {}).expect("a result")
     });
     let recorded = check_path(&file, None, &library, &|input| input).expect("a recording");
-    let [live, later] = [&found.checked, &recorded];
+    let [live, later] = [&found, &recorded];
     assert_eq!(counts(&live.result.findings), counts(&later.result.findings));
     assert_eq!(live.definitions.name, later.definitions.name);
     assert_eq!(live.result.records, later.result.records);
+    assert_eq!(live.result.notes, later.result.notes);
+    assert_eq!(live.result.cut_short, later.result.cut_short);
     let texts = |checked: &Checked| {
         let groups = checked.result.findings.groups();
         let texts = groups.flat_map(|group| group.examples.clone());
@@ -84,14 +86,14 @@ fn probed_with(options: Options, act: impl FnOnce(&Network) + Send) -> Probed {
     found
 }
 
-fn outcome(probed: Probed) -> OutcomeKind {
-    let Probed { checked: Checked { result, definitions }, notes, cut_short } = probed;
+fn outcome(checked: Checked) -> OutcomeKind {
+    let Checked { result, definitions } = checked;
     let capture = CheckedCapture {
         path: "dds://0".to_owned(),
         result,
-        notes,
+        notes: Vec::new(),
         requests: Vec::new(),
-        cut_short: cut_short.into_iter().collect(),
+        cut_short: Vec::new(),
         elapsed: 1,
     };
     Subject::from_capture(capture, &definitions, &Settings::default()).outcome.kind
@@ -104,9 +106,9 @@ fn a_healthy_vehicle_conforms() {
         fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
         thread::sleep(TIME);
     });
-    assert_eq!(counts(&found.checked.result.findings), BTreeMap::new());
-    assert!(found.checked.result.records > 100, "{}", found.checked.result.records);
-    assert_eq!((&found.notes, &found.cut_short), (&Vec::new(), &None));
+    assert_eq!(counts(&found.result.findings), BTreeMap::new());
+    assert!(found.result.records > 100, "{}", found.result.records);
+    assert_eq!((&found.result.notes, &found.result.cut_short), (&Vec::new(), &Vec::new()));
     assert_eq!(outcome(found), OutcomeKind::Conforms);
 }
 
@@ -132,7 +134,7 @@ fn a_reliable_subscriber_of_a_best_effort_publisher_is_found() {
         fly(&mut network.connect("/px4"), &flight, |name| name == "ArmingCheckRequest");
         thread::sleep(TIME);
     });
-    let groups: Vec<_> = found.checked.result.findings.groups().collect();
+    let groups: Vec<_> = found.result.findings.groups().collect();
     assert_eq!(groups.len(), 1, "{groups:?}");
     assert_eq!((groups[0].rule.id, groups[0].count), ("PX-QOS-01", 1));
     let (_, detail) = &groups[0].examples[0];
@@ -153,8 +155,8 @@ fn topics_that_appear_late_choose_the_release_again() {
         thread::sleep(START);
         fly(&mut px4, &flight, |name| name == "VehicleStatus" || name == "BatteryStatus");
     });
-    assert_eq!(found.checked.definitions.name, "PX4 1.15");
-    assert_eq!(counts(&found.checked.result.findings), BTreeMap::new());
+    assert_eq!(found.definitions.name, "PX4 1.15");
+    assert_eq!(counts(&found.result.findings), BTreeMap::new());
 }
 
 #[test]
@@ -173,11 +175,11 @@ fn only_selected_topics_are_received() {
             .expect("a result")
     });
     let flights = Flight::new(&definitions);
-    assert_eq!(found.checked.result.records, flights.counts()["failsafe_flags"]);
+    assert_eq!(found.result.records, flights.counts()["failsafe_flags"]);
 }
 
 /// Compares an application with the reference autopilot.
-fn compared_with(definitions: &Definitions) -> Probed {
+fn compared_with(definitions: &Definitions) -> Checked {
     let application = ApplicationType::all(&definitions.schema);
     let options = Options { application: Some(application), ..options(TIME, None) };
     probed_with(options, |network| {
@@ -190,16 +192,16 @@ fn compared_with(definitions: &Definitions) -> Probed {
 #[test]
 fn an_application_with_the_definitions_of_the_vehicle_conforms() {
     let found = compared_with(&Definitions::built_in());
-    assert_eq!(counts(&found.checked.result.findings), BTreeMap::new());
+    assert_eq!(counts(&found.result.findings), BTreeMap::new());
     let rule = rule("PX-HASH-02").expect("a rule");
-    assert_eq!(found.checked.result.findings.covered(rule), 10);
-    assert_eq!(found.notes, Vec::<String>::new());
+    assert_eq!(found.result.findings.covered(rule), 10);
+    assert_eq!(found.result.notes, Vec::<String>::new());
 }
 
 #[test]
 fn an_application_of_another_release_is_found() {
     let found = compared_with(Library::release("px4@1.14").expect("a release").base());
-    let groups: Vec<_> = found.checked.result.findings.groups().collect();
+    let groups: Vec<_> = found.result.findings.groups().collect();
     assert_eq!(groups.len(), 1, "{groups:?}");
     assert_eq!((groups[0].rule.id, &*groups[0].subject), ("PX-HASH-02", "/fmu/out/failsafe_flags"));
     let (_, detail) = &groups[0].examples[0];
@@ -220,4 +222,43 @@ fn lost_messages_make_the_outcome_incomplete() {
         thread::sleep(TIME);
     });
     assert_eq!(outcome(found), OutcomeKind::Incomplete);
+}
+
+#[test]
+fn recordings_contain_problems_and_the_reason_of_an_early_end() {
+    let found = probed(TIME, |network| {
+        let definitions = Definitions::built_in();
+        fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
+        network.send(&Event::Problem("/wind: unreadable \u{1b}".to_owned()), usize::MAX);
+        network.send(&Event::Problem("/wind: unreadable \u{1b}".to_owned()), usize::MAX);
+        // After the release was chosen.
+        thread::sleep(START);
+        network.send(&Event::Problem("a second problem".to_owned()), usize::MAX);
+        network.send(&Event::Closed("the server ended".to_owned()), usize::MAX);
+    });
+    assert_eq!(found.result.notes, ["/wind: unreadable \\u{1b}", "a second problem"]);
+    assert_eq!(found.result.cut_short, ["the server ended"]);
+    assert_eq!(outcome(found), OutcomeKind::Incomplete);
+}
+
+#[test]
+fn topics_without_a_ros_name_are_noted() {
+    let found = probed(TIME, |network| {
+        let bus = network.connect("/server");
+        let topic = |name: &str| Topic { name: name.into(), type_name: "T".into(), type_hash: None };
+        let endpoint = |name: &str, is_matched_by_qos| Endpoint {
+            id: name.to_owned(),
+            kind: EndpointKind::Publisher,
+            node: None,
+            topic: name.to_owned(),
+            type_name: "T".to_owned(),
+            type_hash: None,
+            qos: None,
+            is_matched_by_qos,
+        };
+        bus.announce(EndpointKind::Publisher, &topic("rq/service"), &Qos::PX4);
+        network.send(&Event::Endpoint(endpoint("wind", false)), usize::MAX);
+        thread::sleep(TIME);
+    });
+    assert_eq!(found.result.notes, ["wind: not checked, because the names of ROS topics start with `/`"]);
 }

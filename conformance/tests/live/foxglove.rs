@@ -5,6 +5,7 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use serde_json::json;
 use tungstenite::Message;
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 
@@ -43,6 +44,8 @@ fn messages_of_the_sdk_are_checked() {
         assert!(topic["messages"].as_u64() > Some(10), "{topic}");
     }
     assert_eq!((probed.verdict("PX-CDR-02"), probed.verdict("PX-JSON-02")), ("pass", "fail"), "{probed:#?}");
+    let note = "wind: not checked, because the names of ROS topics start with `/`";
+    assert_eq!(probed.vehicle()["notes"], json!([note]));
     assert_eq!(probed.status, Some(1));
 }
 

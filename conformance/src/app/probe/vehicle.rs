@@ -19,7 +19,7 @@ use crate::probe;
 use crate::report::CheckedCapture;
 use crate::rules::px4::Side;
 use crate::text::terminal;
-use crate::vehicle::{Options, Probed, probe};
+use crate::vehicle::{Options, probe};
 
 /// The default time to listen.
 const TIME: Duration = Duration::from_secs(20);
@@ -130,13 +130,13 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     });
     drop(progress);
     let probed = probed.map_err(|error| failed(format!("can't write the recording: {error}")))?;
-    let Probed { checked: Checked { result, definitions }, notes, cut_short } = probed;
+    let Checked { result, definitions } = probed;
     let checked = CheckedCapture {
         path: address.to_string(),
         result,
-        notes: note.flatten().into_iter().chain(notes).collect(),
+        notes: note.flatten().into_iter().collect(),
         requests: Vec::new(),
-        cut_short: cut_short.into_iter().collect(),
+        cut_short: Vec::new(),
         elapsed: started.elapsed().as_millis(),
     };
     let settings = args.outcome.settings();

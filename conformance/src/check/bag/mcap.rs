@@ -5,7 +5,9 @@ use std::io::Read;
 
 use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
 use crate::capture::MCAP_MAGIC;
-use crate::capture::mcap::{APPLICATION, ENDPOINT, Event, Item, LOST, Packing, Reader, metadata};
+use crate::capture::mcap::{
+    APPLICATION, CUT_SHORT, ENDPOINT, Event, Item, LOST, NOTE, Packing, Reader, metadata,
+};
 use crate::check::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic};
 use crate::definitions::Definitions;
 use crate::model::{ApplicationType, Endpoint, Extent, Findings, Location};
@@ -236,6 +238,8 @@ impl<'c> McapFile<'c> {
                 let text = format!("{count} messages of {topic} were lost before they were recorded");
                 self.corruption(bag, Location::Message(bag.run.records), &text, Extent::WithGaps);
             }
+            NOTE => bag.run.note(values.get("text").map_or("", String::as_str)),
+            CUT_SHORT => bag.run.cut_short(values.get("reason").map_or("", String::as_str)),
             _ => {}
         }
     }

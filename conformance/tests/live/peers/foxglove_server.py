@@ -1,6 +1,6 @@
 """A Foxglove server that publishes ArmingCheckRequest: foxglove_server.py PORT DEFINITION.
 
-The messages in CDR conform. The request ids of the messages in JSON are out of range. Messages of clients are sent back on
+The messages in CDR conform. The request ids of the messages in JSON are out of range. One topic has no name of ROS. Messages of clients are sent back on
 /echo, after the name of their topic.
 """
 
@@ -34,6 +34,7 @@ def main():
     cdr = Channel("/fmu/out/arming_check_request", schema=schema, message_encoding="cdr")
     schema = Schema(name=TYPE, encoding="jsonschema", data=b'{"type": "object"}')
     json = Channel("/json/arming_check_request", schema=schema, message_encoding="json")
+    other = Channel("wind", schema=schema, message_encoding="json")
     foxglove.start_server(
         name="peer",
         host="127.0.0.1",
@@ -48,6 +49,7 @@ def main():
         timestamp, request = 1_000_000 + 50_000 * number, number % 256
         cdr.log(struct.pack("<4BQB3xI", 0, 1, 0, 0, timestamp, request, 0))
         json.log({"timestamp": timestamp, "request_id": 300, "valid_registrations_mask": 0})
+        other.log({})
         time.sleep(0.05)
 
 
