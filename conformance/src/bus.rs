@@ -37,13 +37,14 @@ pub(crate) const MAX_NAME: usize = 256;
 /// The maximum number of endpoints that a bus reports.
 pub(crate) const MAX_ENDPOINTS: usize = 10_000;
 
-/// Connects to a bus. `peers` are IP addresses of computers that multicast doesn't reach.
+/// Connects to a bus. `peers` are IP addresses of computers that multicast doesn't reach. `names` are topics to receive
+/// from a bus that can't list its topics.
 ///
 /// # Errors
 /// Fails if there is no connection within a few seconds. The text names the problem, and the way to correct it.
-pub(crate) fn connect(address: &Address, peers: &[IpAddr]) -> Result<Box<dyn Bus>, String> {
+pub(crate) fn connect(address: &Address, peers: &[IpAddr], names: &[String]) -> Result<Box<dyn Bus>, String> {
     // A program without any transport uses none of these.
-    let _ = peers;
+    let _ = (peers, names);
     match address {
         #[cfg(feature = "dds")]
         Address::Dds { domain } => dds::connect(*domain, peers),
@@ -57,7 +58,7 @@ pub(crate) fn connect(address: &Address, peers: &[IpAddr]) -> Result<Box<dyn Bus
         }
         #[cfg(feature = "rosbridge")]
         Address::Server { scheme: Scheme::Rosbridge, host, port, .. } => {
-            Ok(Box::new(rosbridge::Rosbridge::connect(&server(host, *port))?))
+            Ok(Box::new(rosbridge::Rosbridge::connect(&server(host, *port), names)?))
         }
         #[allow(unreachable_patterns, reason = "all transports may be part of the program")]
         _ => {

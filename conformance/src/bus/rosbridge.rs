@@ -39,6 +39,8 @@ pub(super) struct Rosbridge {
     topics: BTreeMap<String, Arc<str>>,
     /// The topics to receive.
     subscribed: HashMap<Arc<str>, Topic>,
+    /// The topics to receive if rosapi isn't available.
+    names: Vec<String>,
 }
 
 /// The state of the list of topics.
@@ -48,29 +50,27 @@ enum Listing {
     Due(Instant),
     /// The list was requested at this time.
     Requested(Instant),
-    /// rosapi isn't available.
-    Failed,
+    /// rosapi isn't available. The named topics without messages are subscribed at this time: the server refuses topics
+    /// that have no publisher yet.
+    Failed(Instant),
 }
 
 impl Rosbridge {
-    /// Connects. An error describes the problem.
-    pub(super) fn connect(address: &Address) -> Result<Self, String> {
-        Self::connect_until(address, Instant::now() + CONNECT_LIMIT)
-    }
-
-    /// Like [`Rosbridge::connect`], with a time limit.
-    pub(super) fn connect_until(address: &Address, until: Instant) -> Result<Self, String> {
+    /// Connects. `names` are the topics to receive if rosapi isn't available. An error describes the problem.
+    pub(super) fn connect(address: &Address, names: &[String]) -> Result<Self, String> {
         Ok(Self {
-            link: Link::open(&SERVICE, address, until)?,
+            link: Link::open(&SERVICE, address, Instant::now() + CONNECT_LIMIT)?,
             listing: Listing::Due(Instant::now()),
             topics: BTreeMap::new(),
             subscribed: HashMap::new(),
+            names: names.to_vec(),
         })
     }
 
     fn message(&mut self, name: &str, payload: &str) -> Result<(), String> {
         let unknown = || format!("received a message of {:?}, which has no subscription", excerpt(name));
         let topic = self.subscribed.get_mut(name).ok_or_else(unknown)?;
+        self.names.retain(|waiting| waiting != name);
         if topic.type_name.is_empty()
             && let Some(listed) = self.topics.get(name)
         {
@@ -89,8 +89,7 @@ impl Rosbridge {
         }
         let values = response.get("values");
         if response.get("result") == Some(&Tree::Bool(false)) {
-            self.listing = Listing::Failed;
-            return Err(no_list(&described(values)));
+            return Err(self.fail(&described(values)));
         }
         self.listing = Listing::Due(Instant::now() + LIST_INTERVAL);
         let values = values.ok_or("the member `values` is missing")?;
@@ -121,6 +120,29 @@ impl Rosbridge {
             self.link.push(Event::Endpoint(publisher(name, ty)));
         }
         self.topics = topics;
+    }
+
+    /// Continues without a list. Returns the problem.
+    fn fail(&mut self, reason: &str) -> String {
+        self.listing = Listing::Failed(Instant::now());
+        let remedy = if self.names.is_empty() {
+            "Start rosapi_node in addition to rosbridge, or name the topics with --topics"
+        } else {
+            "Only the topics that --topics names without patterns are received"
+        };
+        format!("{LIST_SERVICE} doesn't list the topics: {reason}. {remedy}")
+    }
+
+    /// Subscribes to the named topics from which no message was received. The server finds out their types.
+    fn subscribe_names(&mut self) {
+        self.listing = Listing::Failed(Instant::now() + LIST_INTERVAL);
+        for name in self.names.clone() {
+            self.subscribed.remove(&*name);
+            let topic = Topic { name: name.into(), type_name: "".into(), type_hash: None };
+            if let Err(problem) = self.subscribe(&topic) {
+                self.link.problem(format!("{}: {problem}", topic.name.escape_debug()));
+            }
+        }
     }
 
     fn request_list(&mut self) {
@@ -163,10 +185,12 @@ impl Protocol for Rosbridge {
             Listing::Due(_) => self.request_list(),
             Listing::Requested(time) if time.elapsed() < LIST_LIMIT => return Some(time + LIST_LIMIT),
             Listing::Requested(_) => {
-                self.listing = Listing::Failed;
-                self.link.problem(no_list(&format!("no answer within {LIST_LIMIT:?}")));
+                let problem = self.fail(&format!("no answer within {LIST_LIMIT:?}"));
+                self.link.problem(problem);
             }
-            Listing::Failed => {}
+            Listing::Failed(_) if self.names.is_empty() => {}
+            Listing::Failed(time) if time > Instant::now() => return Some(time),
+            Listing::Failed(_) => self.subscribe_names(),
         }
         None
     }
@@ -229,13 +253,6 @@ fn status(status: &Tree<'_>) -> Result<(), String> {
 fn described(value: Option<&Tree<'_>>) -> String {
     let text = value.and_then(Tree::as_str).map(|text| format!("{:?}", excerpt(text)));
     text.unwrap_or_else(|| value.map_or_else(|| "no text".to_owned(), Tree::excerpt))
-}
-
-fn no_list(reason: &str) -> String {
-    format!(
-        "{LIST_SERVICE} doesn't list the topics: {reason}. Start rosapi_node in addition to rosbridge, or name the \
-         topics with --topics"
-    )
 }
 
 /// The name and the type of a listed topic.

@@ -79,6 +79,16 @@ fn listed_topics_are_received_and_checked() {
 }
 
 #[test]
+fn named_topics_are_received_without_rosapi() {
+    let (server, address) = serve(false);
+    let probed = Probed::with(&address, 4, &["--topics", TOPIC]);
+    server.join().expect("the server");
+    let topic = probed.topic(TOPIC);
+    assert!(topic["messages"].as_u64() > Some(10), "{topic}");
+    assert_eq!((probed.verdict("PX-JSON-01"), probed.verdict("PX-JSON-02")), ("pass", "fail"), "{probed:#?}");
+}
+
+#[test]
 fn a_missing_rosapi_is_explained() {
     let (server, address) = serve(false);
     let probed = Probed::new(&address, 2);

@@ -24,6 +24,9 @@ use crate::vehicle::{Options, probe};
 /// The default time to listen.
 const TIME: Duration = Duration::from_secs(20);
 
+/// The characters with a special meaning in patterns.
+const PATTERN: &[char] = &['*', '?', '[', ']', '{', '}', '!', '\\'];
+
 /// Arguments for PX4 vehicles.
 #[derive(Args, Debug)]
 #[command(next_help_heading = "Options for PX4 vehicles")]
@@ -33,7 +36,8 @@ pub(super) struct VehicleArgs {
     time: Option<Duration>,
     /// Topics to receive, as a glob pattern (repeatable; default: all).
     ///
-    /// For example, '/fmu/out/*'. Publishers and subscribers of other topics are compared as well.
+    /// For example, '/fmu/out/*'. Publishers and subscribers of other topics are compared as well. A rosbridge server
+    /// without rosapi can't list its topics, so they must be named without patterns.
     #[arg(long, value_name = "GLOB", value_delimiter = ',')]
     topics: Vec<Glob>,
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
@@ -82,6 +86,12 @@ impl VehicleArgs {
         })
     }
 
+    /// The names in `--topics` that aren't patterns.
+    fn names(&self) -> Vec<String> {
+        let names = self.topics.iter().map(Glob::glob).filter(|glob| !glob.contains(PATTERN));
+        names.map(str::to_owned).collect()
+    }
+
     /// The patterns of `--topics`; `None` for all topics.
     fn selected(&self) -> Option<GlobSet> {
         let mut set = GlobSetBuilder::new();
@@ -106,7 +116,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         terminal::error(format_args!("{address}: {problem}"), None);
         Status::Unreadable
     };
-    let mut bus = bus::connect(address, &args.vehicle.peer).map_err(failed)?;
+    let mut bus = bus::connect(address, &args.vehicle.peer, &args.vehicle.names()).map_err(failed)?;
     let is_stopped = move || stop.stop.is_requested();
     let options = Options {
         time: args.vehicle.time.unwrap_or(TIME),

@@ -27,7 +27,7 @@ pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Status {
 fn run(args: &ServeArgs, address: &Address) -> Result<(), String> {
     let (side, name) =
         if args.component { (Side::Component, "component") } else { (Side::Autopilot, "autopilot") };
-    let mut bus = bus::connect(address, &args.peer)?;
+    let mut bus = bus::connect(address, &args.peer, &[])?;
     let (sender, ending) = channel();
     end_on_request(args, sender)?;
     match args.format {

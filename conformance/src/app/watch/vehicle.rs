@@ -77,7 +77,7 @@ pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Result<Statu
     let playback = Playback::new(Kind::Live);
     let receiving = Arc::clone(&playback);
     let receiver = thread::spawn(move || {
-        let connect = || bus::connect(&address, &peers);
+        let connect = || bus::connect(&address, &peers, &[]);
         let live = Live { connect: &connect, is_stopped: || IS_STOPPED.load(Ordering::Relaxed) };
         watch_live(&live, &library, &texts, &receiving);
     });

@@ -4,7 +4,7 @@ use crate::bus::websocket::tests::{Peer, events, problems, send, server, text, t
 const CALL: &str = r#"{"op":"call_service","id":"topics","service":"/rosapi/topics","args":{}}"#;
 
 fn client(run: impl FnOnce(&mut Peer) + Send + 'static) -> Rosbridge {
-    Rosbridge::connect(&server(run)).expect("connect")
+    Rosbridge::connect(&server(run), &[]).expect("connect")
 }
 
 fn list_of(topics: &str, types: &str) -> String {
@@ -95,6 +95,30 @@ fn explains_a_missing_rosapi() {
     let events = events(&mut bus);
     let problem = problems(&events)[0];
     assert!(problem.contains("\"does not exist\"") && problem.ends_with("with --topics"), "{problem}");
+}
+
+#[test]
+fn subscribes_to_named_topics_without_rosapi_until_messages_arrive() {
+    let peer = server(|peer| {
+        assert_eq!(text(peer), CALL);
+        send(
+            peer,
+            &[r#"{"op":"service_response","service":"/rosapi/topics","values":"none","result":false}"#],
+        );
+        for _ in 0..2 {
+            assert_eq!(text(peer), r#"{"op":"subscribe","topic":"/a","compression":"none"}"#);
+        }
+        send(peer, &[r#"{"op":"publish","topic":"/a","msg":{}}"#]);
+    });
+    let mut bus = Rosbridge::connect(&peer, &["/a".to_owned()]).expect("connect");
+    let problem = bus.receive(Instant::now() + Duration::from_secs(20));
+    let Some(Event::Problem(problem)) = problem else { panic!("{problem:?}") };
+    assert!(problem.contains("names without patterns"), "{problem}");
+    bus.subscribe_names();
+    bus.subscribe_names();
+    let events = events(&mut bus);
+    assert_eq!(received(&events), [("/a", "", "{}")]);
+    assert_eq!(bus.names, Vec::<String>::new());
 }
 
 #[test]
