@@ -10,7 +10,7 @@
 //! - The subscribers of a probe request best effort and volatile, so they match all publishers without partitions. If a
 //!   publisher stores messages, a second subscriber requests them, with reliable delivery. A reliable publisher waits for its
 //!   subscribers: if it keeps all messages, this program can delay it.
-//! - DDS doesn't announce the history. rustdds ignores partitions, and can't announce the type hash of our endpoints.
+//! - DDS doesn't announce the history. rustdds can't announce partitions or the type hash of our endpoints.
 //! - The subscribers of a topic share the type of the first one. Publishers with another type are reported.
 //! - The name of a node is the name of its participant.
 //!
@@ -28,6 +28,7 @@
 mod endpoints;
 mod names;
 mod peers;
+mod partitions;
 mod qos;
 mod reader;
 mod source;

@@ -211,9 +211,12 @@ impl fmt::Display for Qos {
                 write!(formatter, ", {name} {time:?}")?;
             }
         }
-        match self.liveliness {
-            Liveliness::Automatic => Ok(()),
-            liveliness => write!(formatter, ", liveliness {liveliness}"),
+        if self.liveliness != Liveliness::Automatic {
+            write!(formatter, ", liveliness {}", self.liveliness)?;
+        }
+        match &self.partitions[..] {
+            [] => Ok(()),
+            partitions => write!(formatter, ", partition {}", partitions.join(" ").escape_debug()),
         }
     }
 }
@@ -342,9 +345,10 @@ mod tests {
             history: None,
             deadline: Some(Duration::from_millis(1_500)),
             liveliness: Liveliness::ManualByTopic,
+            partitions: vec!["wing".to_owned()],
             ..Qos::PX4
         };
-        let text = "reliable, transient local, deadline 1.5s, liveliness manual by topic";
+        let text = "reliable, transient local, deadline 1.5s, liveliness manual by topic, partition wing";
         assert_eq!(slow.to_string(), text);
     }
 }

@@ -24,7 +24,11 @@ pub(crate) const CYCLONE: &str = r#"<CycloneDDS><Domain>
 </Domain></CycloneDDS>"#;
 
 fn peer(domain: &str, action: &str, reliability: &str) -> Peer {
-    Peer::start("dds.py", &[domain, action, reliability], &[("CYCLONEDDS_URI", CYCLONE)])
+    run(&[domain, action, reliability])
+}
+
+fn run(arguments: &[&str]) -> Peer {
+    Peer::start("dds.py", arguments, &[("CYCLONEDDS_URI", CYCLONE)])
 }
 
 /// The result of a probe.
@@ -111,6 +115,34 @@ fn reports_a_subscriber_that_requests_more_than_is_offered() {
                 the subscriber receives nothing";
     assert_eq!(probed.findings(), [("PX-QOS-01", text)]);
     assert_eq!(probed.status, Some(1));
+}
+
+#[test]
+fn endpoints_in_different_partitions_are_not_compared() {
+    let _peers = [
+        run(&["70", "publish", "best_effort"]),
+        run(&["70", "publish", "best_effort", "wing"]),
+        run(&["70", "subscribe", "best_effort"]),
+        run(&["70", "subscribe", "reliable", "fleet"]),
+    ];
+    let is_complete = |probed: &Probed| {
+        let bus = probed.texts("bus");
+        let are_found = ["partition wing", "partition fleet"].iter().all(|name| bus.contains(name));
+        probed.messages() > 0 && probed.covered("PX-QOS-01") > 0 && are_found
+    };
+    let probed = probe_until("70", "7", is_complete);
+    assert_eq!(probed.findings(), []);
+    assert_eq!(probed.covered("PX-QOS-01"), 1);
+    let note = "the messages of a publisher in partition wing aren't received";
+    assert!(probed.texts("notes").contains(note), "{}", probed.texts("notes"));
+}
+
+#[test]
+fn endpoints_in_the_same_partition_are_compared() {
+    let _peers =
+        [run(&["76", "publish", "best_effort", "wing"]), run(&["76", "subscribe", "reliable", "wing"])];
+    let probed = probe_until("76", "7", |probed| probed.covered("PX-QOS-01") > 0);
+    assert!(matches!(probed.findings()[..], [("PX-QOS-01", _)]), "{:?}", probed.findings());
 }
 
 #[test]

@@ -6,8 +6,12 @@ use rustdds::discovery::{DiscoveredReaderData, DiscoveredWriterData};
 use rustdds::{EndpointDescription, GUID, QosPolicies};
 
 use super::super::{Event, MAX_ENDPOINTS, MAX_NAME};
+use super::partitions::Partitions;
 use super::{names, qos};
-use crate::model::{Durability, Endpoint, EndpointKind, Reliability};
+use crate::model::{Durability, Endpoint, EndpointKind, Qos, Reliability};
+
+/// The start of the names of built-in topics. Programs with this transport subscribe to them.
+const BUILT_IN: &str = "DCPS";
 
 /// The first 12 bytes of a GUID, which identify the participant.
 pub(crate) type Prefix = [u8; 12];
@@ -62,7 +66,7 @@ impl<'a> Found<'a> {
         }
     }
 
-    fn endpoint(&self, node: Option<String>) -> Endpoint {
+    fn endpoint(&self, node: Option<String>, partitions: Vec<String>) -> Endpoint {
         Endpoint {
             id: data_encoding::HEXLOWER.encode(&self.guid.to_bytes()),
             kind: self.kind,
@@ -70,7 +74,7 @@ impl<'a> Found<'a> {
             topic: names::topic_to_ros(self.topic).to_owned(),
             type_name: names::type_to_ros(self.type_name).into_owned(),
             type_hash: names::type_hash(self.user_data).map(str::to_owned),
-            qos: Some(qos::from_policies(&self.qos, self.kind)),
+            qos: Some(Qos { partitions, ..qos::from_policies(&self.qos, self.kind) }),
             is_matched_by_qos: true,
         }
     }
@@ -82,12 +86,13 @@ pub(crate) struct Endpoints {
     known: HashMap<GUID, Endpoint>,
     /// The participants with their names.
     participants: HashMap<Prefix, Option<String>>,
+    partitions: Partitions,
 }
 
 impl Endpoints {
     /// Endpoints of the participant `own` are skipped.
-    pub(crate) fn new(own: GUID) -> Self {
-        Self { own: prefix(own), known: HashMap::new(), participants: HashMap::new() }
+    pub(crate) fn new(own: GUID, partitions: Partitions) -> Self {
+        Self { own: prefix(own), known: HashMap::new(), participants: HashMap::new(), partitions }
     }
 
     /// True if an endpoint belongs to this program.
@@ -108,7 +113,7 @@ impl Endpoints {
 
     /// Adds an endpoint. Reports it if it is new, or changed.
     pub(crate) fn add(&mut self, found: &Found<'_>, events: &mut Vec<Event>) -> Result<(), String> {
-        if self.is_own(found.guid) {
+        if self.is_own(found.guid) || found.topic.starts_with(BUILT_IN) {
             return Ok(());
         }
         if found.topic.len() > MAX_NAME || found.type_name.len() > MAX_NAME {
@@ -117,13 +122,23 @@ impl Endpoints {
             return Ok(());
         }
         let participant = prefix(found.guid);
-        let endpoint = found.endpoint(self.participants.get(&participant).cloned().flatten());
+        if !self.known.contains_key(&found.guid) {
+            self.read_partitions();
+        }
+        let partitions = self.partitions.of(&found.guid.to_bytes());
+        let endpoint = found.endpoint(self.participants.get(&participant).cloned().flatten(), partitions);
         if self.known.get(&found.guid) == Some(&endpoint) {
             return Ok(());
         }
         events.push(Event::Endpoint(endpoint.clone()));
         self.known.insert(found.guid, endpoint);
         limit(self.known.len(), "endpoints")
+    }
+
+    /// Reads new announcements of partitions.
+    pub(crate) fn read_partitions(&mut self) {
+        let known = &self.known;
+        self.partitions.read(|guid| known.contains_key(&GUID::from_bytes(*guid)));
     }
 
     /// The name of a participant, or its GUID.
@@ -175,9 +190,8 @@ impl Endpoints {
 
 /// True if an endpoint is a publisher that stores messages for new subscribers.
 pub(crate) fn stores(endpoint: &Endpoint) -> bool {
-    let stores = |qos: &crate::model::Qos| {
-        qos.reliability == Reliability::Reliable && qos.durability != Durability::Volatile
-    };
+    let stores =
+        |qos: &Qos| qos.reliability == Reliability::Reliable && qos.durability != Durability::Volatile;
     endpoint.kind == EndpointKind::Publisher && endpoint.qos.as_ref().is_some_and(stores)
 }
 

@@ -16,6 +16,7 @@ use rustdds::{
 use super::super::queue::Sender;
 use super::super::{Event, Topic};
 use super::endpoints::{Endpoints, Found, limit, stores};
+use super::partitions::Partitions;
 use super::peers::Announcer;
 use super::reader::Readers;
 use super::source::Source;
@@ -60,6 +61,7 @@ impl Worker {
         events: Sender,
     ) -> Result<Self, String> {
         let readers = Readers::new(participant)?;
+        let partitions = Partitions::new(&readers)?;
         let (commands, received) = mpsc::channel();
         let start = || -> io::Result<Self> {
             let poll = Poll::new()?;
@@ -67,7 +69,7 @@ impl Worker {
             let mut status = participant.status_listener();
             poll.registry().register(&mut status, STATUS, Interest::READABLE)?;
             let state = State {
-                endpoints: Endpoints::new(participant.guid()),
+                endpoints: Endpoints::new(participant.guid(), partitions),
                 participant: participant.clone(),
                 poll,
                 status,
@@ -311,6 +313,7 @@ impl State {
         let writers = self.participant.discovered_writers();
         let readers = self.participant.discovered_readers();
         limit(writers.len() + readers.len(), "endpoints")?;
+        self.endpoints.read_partitions();
         let (mut events, mut present) = (Vec::new(), HashSet::new());
         for found in writers.iter().map(Found::writer).chain(readers.iter().map(Found::reader)) {
             present.insert(found.guid);
@@ -330,14 +333,29 @@ impl State {
             match event {
                 Event::Problem(text) => self.problem(text),
                 event => {
-                    if let Event::Endpoint(endpoint) = &event
-                        && stores(endpoint)
-                    {
-                        self.follow(endpoint);
+                    if let Event::Endpoint(endpoint) = &event {
+                        if stores(endpoint) {
+                            self.follow(endpoint);
+                        }
+                        self.problems_of(endpoint);
                     }
                     self.events.send(event);
                 }
             }
+        }
+    }
+
+    /// Reports a publisher whose messages aren't received. Our subscribers are in the default partition, whose name is
+    /// empty. A partition may be a pattern.
+    fn problems_of(&mut self, endpoint: &Endpoint) {
+        let partitions = endpoint.qos.as_ref().map_or(&[][..], |qos| &qos.partitions);
+        let is_received = partitions.is_empty() || partitions.iter().any(|name| matches!(&**name, "" | "*"));
+        if endpoint.kind == EndpointKind::Publisher && endpoint.topic.starts_with('/') && !is_received {
+            let (topic, names) = (endpoint.topic.escape_debug(), partitions.join(", "));
+            self.problem(format!(
+                "{topic}: the messages of a publisher in partition {} aren't received",
+                names.escape_debug()
+            ));
         }
     }
 

@@ -6,7 +6,7 @@
     dds.py DOMAIN store RELIABILITY     publishes it once, and stores it for new subscribers
     dds.py DOMAIN relay RELIABILITY     publishes what it receives from /fmu/in/arming_check_request_v1
 
-RELIABILITY is `best_effort` or `reliable`.
+RELIABILITY is `best_effort` or `reliable`. A fourth argument is the partition.
 """
 
 import sys
@@ -17,8 +17,8 @@ from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import IdlStruct
 from cyclonedds.idl.types import uint8, uint32, uint64
-from cyclonedds.pub import DataWriter
-from cyclonedds.sub import DataReader
+from cyclonedds.pub import DataWriter, Publisher
+from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
@@ -45,6 +45,7 @@ policies = [
     Policy.Reliability.Reliable(duration(seconds=1)) if is_reliable else Policy.Reliability.BestEffort,
     Policy.History.KeepLast(5),
 ]
+partition = Qos(Policy.Partition(sys.argv[4:]))
 participant = DomainParticipant(domain, qos=Qos(Policy.EntityName(f"/{action}")))
 
 
@@ -54,11 +55,11 @@ def topic(direction, kind=Request):
 
 def writer(kind=Request):
     qos = Qos(*policies, Policy.Durability.TransientLocal, Policy.Userdata(HASH))
-    return DataWriter(participant, topic("out", kind), qos=qos)
+    return DataWriter(Publisher(participant, qos=partition), topic("out", kind), qos=qos)
 
 
 def reader(direction):
-    return DataReader(participant, topic(direction), qos=Qos(*policies, Policy.Durability.Volatile))
+    return DataReader(Subscriber(participant, qos=partition), topic(direction), qos=Qos(*policies, Policy.Durability.Volatile))
 
 
 def now():
