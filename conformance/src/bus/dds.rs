@@ -19,16 +19,17 @@
 //! Above [`MAX_ENDPOINTS`](super::MAX_ENDPOINTS) endpoints, topics or participants, the connection ends, which frees the
 //! memory of rustdds. The number of subscribers depends on the number of files that the process may open.
 //!
-//! One gap remains: rustdds reserves the memory for a fragmented message when its first fragment arrives. It trusts the
-//! total size in the fragment, up to 4 GiB, and doesn't check that the sender is known. It stores up to 128 incomplete
-//! messages of each sender, and discards a message 10 s after its last fragment. No setting of rustdds 0.15 limits this:
-//! resource limits and history apply to complete messages only, and its sockets accept datagrams from all networks. A
-//! single forged datagram can therefore exhaust the memory of the process.
+//! rustdds reserves and clears the memory for a fragmented message when its first fragment arrives. It trusts the total
+//! size in the fragment, up to 4 GiB, and doesn't check that the sender is known. It stores up to 128 incomplete messages
+//! of each sender, and discards a message 10 s after its last fragment. No setting of rustdds 0.15 limits this: resource
+//! limits and history apply to complete messages only, and its sockets accept datagrams from all networks. The connection
+//! therefore ends if the process uses much memory, see [`memory`].
 
 mod endpoints;
+mod memory;
 mod names;
-mod peers;
 mod partitions;
+mod peers;
 mod qos;
 mod reader;
 mod source;

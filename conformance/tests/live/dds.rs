@@ -177,6 +177,13 @@ fn ends_above_the_maximum_number_of_endpoints() {
 }
 
 #[test]
+fn ends_if_a_forged_fragment_claims_a_large_message() {
+    let _hostile = Peer::start("dds_hostile.py", &["78", "fragment"], &[]);
+    let probed = probe("78", "180");
+    assert!(probed.texts("incomplete").contains("more than 2 GiB of memory"), "{}", probed.subject);
+}
+
+#[test]
 fn reports_long_names() {
     let _hostile = Peer::start("dds_hostile.py", &["67", "names"], &[]);
     let probed = probe("67", "5");

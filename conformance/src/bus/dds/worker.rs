@@ -16,6 +16,7 @@ use rustdds::{
 use super::super::queue::Sender;
 use super::super::{Event, Topic};
 use super::endpoints::{Endpoints, Found, limit, stores};
+use super::memory::{self, Memory};
 use super::partitions::Partitions;
 use super::peers::Announcer;
 use super::reader::Readers;
@@ -70,6 +71,7 @@ impl Worker {
             poll.registry().register(&mut status, STATUS, Interest::READABLE)?;
             let state = State {
                 endpoints: Endpoints::new(participant.guid(), partitions),
+                memory: Memory::start(),
                 participant: participant.clone(),
                 poll,
                 status,
@@ -144,6 +146,7 @@ struct State {
     /// True if topics wait to be subscribed.
     has_more_topics: bool,
     endpoints: Endpoints,
+    memory: Memory,
     participant: DomainParticipant,
     events: Sender,
     problems: HashSet<String>,
@@ -156,6 +159,7 @@ impl State {
         let mut next = Instant::now();
         loop {
             self.wait(&mut events, next)?;
+            self.memory.check()?;
             if !self.subscribe() {
                 return Ok(());
             }
@@ -175,7 +179,7 @@ impl State {
         } else if self.has_more_topics {
             PAUSE
         } else {
-            until.saturating_duration_since(Instant::now())
+            until.saturating_duration_since(Instant::now()).min(memory::INTERVAL)
         };
         match self.poll.poll(events, Some(timeout)) {
             Err(error) if error.kind() != io::ErrorKind::Interrupted => {

@@ -3,6 +3,7 @@
     dds_hostile.py DOMAIN corrupt   packets with random content, and packets with errors
     dds_hostile.py DOMAIN endpoints publishers, without end
     dds_hostile.py DOMAIN names     a publisher with a long name
+    dds_hostile.py DOMAIN fragment  the first fragment of a message of 3 GiB
 """
 
 import random
@@ -89,6 +90,11 @@ if sys.argv[2] == "corrupt":
         time.sleep(0.02)
 PREFIX = RANDOM.randbytes(12)
 number = 0
+while sys.argv[2] == "fragment":
+    ids = b"\0\0\3\xc7" + b"\0\0\3\xc2"
+    fragment = struct.pack("<HH", 0, 28) + ids + struct.pack("<iIIHHI", 0, 1, 1, 1, 65_000, 3 << 30) + bytes(100)
+    send(header(PREFIX) + submessage(0x16, fragment))
+    time.sleep(1)
 while True:
     send(participant(PREFIX))
     time.sleep(0.2)
