@@ -139,7 +139,7 @@ impl Rosbridge {
         for name in self.names.clone() {
             self.subscribed.remove(&*name);
             let topic = Topic { name: name.into(), type_name: "".into(), type_hash: None };
-            if let Err(problem) = self.subscribe(&topic) {
+            if let Err(problem) = self.subscribe(&topic, &Qos::WEAKEST) {
                 self.link.problem(format!("{}: {problem}", topic.name.escape_debug()));
             }
         }

@@ -214,7 +214,7 @@ impl Row {
 /// # Errors
 /// The text describes the problem.
 pub(crate) fn check_bus(address: &Address) -> Result<(), String> {
-    let mut bus = bus::connect(address, &PEERS)?;
+    let mut bus = bus::connect(address, &PEERS, &[])?;
     let end = Instant::now() + DISCOVERY_TIME;
     while let Some(event) = bus.receive(end) {
         match event {
@@ -250,7 +250,7 @@ pub(crate) fn pairs(cases: &[Case], buses: &[Address], mut take: impl FnMut(io::
 
 /// Runs a case over a bus.
 fn over(case: Case, address: &Address, library: &Library) -> io::Result<Row> {
-    let connect = |_: &str| bus::connect(address, &PEERS);
+    let connect = |_: &str| bus::connect(address, &PEERS, &[]);
     let announces_types = address.announces_types();
     case.run(&Place { connect: &connect, announces_types, time: BUS_TIME }, library)
 }

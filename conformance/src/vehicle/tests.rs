@@ -244,8 +244,6 @@ fn recordings_contain_problems_and_the_reason_of_an_early_end() {
 #[test]
 fn topics_without_a_ros_name_are_noted() {
     let found = probed(TIME, |network| {
-        let bus = network.connect("/server");
-        let topic = |name: &str| Topic { name: name.into(), type_name: "T".into(), type_hash: None };
         let endpoint = |name: &str, is_matched_by_qos| Endpoint {
             id: name.to_owned(),
             kind: EndpointKind::Publisher,
@@ -256,7 +254,7 @@ fn topics_without_a_ros_name_are_noted() {
             qos: None,
             is_matched_by_qos,
         };
-        bus.announce(EndpointKind::Publisher, &topic("rq/service"), &Qos::PX4);
+        network.send(&Event::Endpoint(endpoint("rq/service", true)), usize::MAX);
         network.send(&Event::Endpoint(endpoint("wind", false)), usize::MAX);
         thread::sleep(TIME);
     });

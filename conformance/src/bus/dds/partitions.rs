@@ -42,7 +42,7 @@ impl Partitions {
         let qos = Qos {
             durability: Durability::Persistent,
             history: Some(History::KeepLast(DEPTH)),
-            ..super::reader::ALL
+            ..Qos::WEAKEST
         };
         let create = |name: &str| {
             let topic = Topic { name: name.into(), type_name: "".into(), type_hash: None };
