@@ -18,6 +18,9 @@ pub(crate) struct Platform {
     pub(crate) wheel: &'static str,
 }
 
+/// The features of the programs, in addition to the default ones.
+pub(crate) const FEATURES: &str = "live";
+
 /// All platforms. The programs are static, so they run on every Linux distribution.
 pub(crate) static PLATFORMS: [Platform; 2] = [
     Platform {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::command::{cargo, found, output, run};
-use crate::platform::Platform;
+use crate::platform::{FEATURES, Platform};
 
 /// The crate of the program.
 const CRATE: &str = "uavspec-conformance";
@@ -57,6 +57,7 @@ pub(super) fn build(
     fs::create_dir_all(target).map_err(|error| format!("{}: {error}", target.display()))?;
     let mut command = Command::new(cargo());
     command.args(["build", "--locked", "--profile", PROFILE, "--package", CRATE, "--bin", "uavspec"]);
+    command.args(["--features", FEATURES]);
     command.args(["--target", platform.target]).arg("--target-dir").arg(target).arg("--manifest-path");
     command.arg(root.join("Cargo.toml")).env("SOURCE_DATE_EPOCH", time.to_string());
     command.env("CARGO_ENCODED_RUSTFLAGS", flags(root, target)?);

@@ -8,6 +8,8 @@ use std::process::Command;
 
 use serde::Deserialize;
 
+use crate::platform::FEATURES;
+
 /// The crate of the program.
 const PROGRAM: &str = "uavspec-conformance";
 
@@ -64,7 +66,7 @@ impl Crates {
 
     /// Reads the crates that are linked into the program for a target of the compiler.
     pub(crate) fn linked(root: &Path, target: &str) -> Result<Self, String> {
-        Self::parse(root, &["--edges", "normal,no-proc-macro", "--target", target])
+        Self::parse(root, &["--edges", "normal,no-proc-macro", "--target", target, "--features", FEATURES])
     }
 
     fn parse(root: &Path, selection: &[&str]) -> Result<Self, String> {
