@@ -111,7 +111,7 @@ pub struct Options {
     pub charge: f64,
     /// Initial error codes of UAVs (see [`error`]).
     pub errors: Vec<(String, u16)>,
-    /// UAVs that get lost, each with the time of its loss, measured from the start of the server (see [`loss`]).
+    /// UAVs that get lost, each with the time of its loss, measured from the first connection (see [`loss`]).
     pub losses: Vec<(String, Duration)>,
     /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
     pub stay: Option<Duration>,

@@ -2,6 +2,7 @@
 
 mod compile;
 mod derive;
+mod live;
 
 use std::path::Path;
 use std::process::Command;
@@ -19,6 +20,8 @@ pub(crate) enum Benchmark {
     Codec,
     /// Log and JSON checks
     Conformance,
+    /// Live vehicles with many large messages
+    Live,
 }
 
 pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
@@ -26,6 +29,7 @@ pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
         Benchmark::Codegen => benches(&[("uavspec-codegen", "codegen")]),
         Benchmark::Compile => compile::run(),
         Benchmark::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
+        Benchmark::Live => live::run(),
         Benchmark::Conformance => benches(&["ulog", "checking"].map(|bench| ("uavspec-conformance", bench))),
     }
     .map(|()| true)

@@ -121,7 +121,7 @@ pub(super) struct ServeArgs {
     errors: Vec<(String, u16)>,
     /// Lose contact with a UAV (repeatable).
     ///
-    /// SECONDS is the time since startup.
+    /// SECONDS is the time since the first connection.
     #[arg(long = "lose", value_name = "UAV@SECONDS", value_parser = loss)]
     losses: Vec<(String, Duration)>,
     /// Disconnect clients after this time.

@@ -30,7 +30,7 @@ const LANDING_LIMIT: Duration = Duration::from_secs(10);
 /// The time limit for operations. The simulated operations progress within a tenth of it.
 const PROGRESS_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// The time after which a UAV is lost.
+/// The time from the first connection to the loss of a UAV.
 const LOSS: Duration = Duration::from_millis(700);
 
 /// The maximum duration of a connection, for servers that send a farewell. This limit is longer than any trial on a

@@ -130,7 +130,11 @@ impl Case {
         Ok(Row {
             case: self,
             details: details(&result.findings),
-            found: Found::new(&result, &recorded.result, failure.or_else(|| result.cut_short.first().cloned())),
+            found: Found::new(
+                &result,
+                &recorded.result,
+                failure.or_else(|| result.cut_short.first().cloned()),
+            ),
             notes: result.notes,
         })
     }

@@ -115,6 +115,8 @@ pub(super) struct Hub {
     pub(super) subscribed: usize,
     simulated: f64,
     notified: Duration,
+    /// The time of the first connection.
+    first_contact: Option<Duration>,
     /// UAVs that are lost but still listed; used only with the FW-OBJ-DEL-02 bug.
     ghosts: Vec<String>,
     /// Notifications for all connections that wait to be sent, by type.
@@ -143,6 +145,7 @@ impl Hub {
             subscribed: 0,
             simulated: 0.0,
             notified: Duration::ZERO,
+            first_contact: None,
             ghosts: Vec::new(),
             announcements: BTreeMap::new(),
             next_announcement: Duration::ZERO,
@@ -187,6 +190,7 @@ impl Hub {
             answered: Vec::new(),
         };
         self.sessions.insert(id, session);
+        self.first_contact.get_or_insert(self.elapsed);
         if self.may_receive(id) {
             self.greet(id);
         }
@@ -324,7 +328,8 @@ impl Hub {
 
     /// Removes the UAVs whose configured time of loss has come.
     fn apply_losses(&mut self) {
-        let elapsed = self.elapsed;
+        let Some(first) = self.first_contact else { return };
+        let elapsed = self.elapsed.saturating_sub(first);
         let lost: Vec<(String, Duration)> =
             self.options.losses.extract_if(.., |(_, time)| *time <= elapsed).collect();
         let ids: Vec<String> = lost.into_iter().map(|(id, _)| id).collect();

@@ -1,0 +1,120 @@
+//! The load of a live vehicle: many large messages over each transport.
+
+use std::fs;
+use std::io::{BufRead as _, BufReader, Write as _};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+/// The transports with their addresses, and the port of the publisher.
+const TRANSPORTS: [(&str, &str, &str); 3] = [
+    ("dds", "dds://88", "88"),
+    ("zenoh", "zenoh://127.0.0.1:17447", "17447"),
+    ("foxglove", "foxglove://127.0.0.1:18765", "18765"),
+];
+
+/// The number of topics, the rate of each in Hz, and the size of a message in bytes.
+const LOAD: [&str; 3] = ["60", "250", "1336"];
+
+/// The time of the load in seconds, and the longer time of the probe.
+const SECONDS: [&str; 2] = ["20", "26"];
+
+/// The time between two readings of the memory.
+const INTERVAL: Duration = Duration::from_millis(250);
+
+/// The packages of the publisher, which the tests of the transports install.
+const PYTHON: &str = "target/live-peers/bin/python";
+
+/// Prints the losses, the processor time and the memory of a probe.
+pub(super) fn run() -> Result<(), String> {
+    if !Path::new(PYTHON).exists() {
+        let help = "cargo test -p uavspec-conformance --features live --test live";
+        return Err(format!("{PYTHON} doesn't exist\n  help: run {help}"));
+    }
+    super::cargo(
+        Path::new("."),
+        &["build", "--release", "--package", "uavspec-conformance", "--features", "live"],
+    )?;
+    let [topics, rate, size] = LOAD;
+    println!("{topics} topics, {rate} Hz each, {size} bytes a message, {} s, one core each", SECONDS[0]);
+    println!("transport    sent      received  lost    CPU      memory at 25, 50, 75 and 100 % of the time");
+    TRANSPORTS.iter().try_for_each(|(transport, address, port)| measure(transport, address, port))
+}
+
+fn measure(transport: &str, address: &str, port: &str) -> Result<(), String> {
+    let (mut publisher, mut output) = start_publisher(transport, port)?;
+    let report = format!("target/live-load-{transport}.json");
+    let mut probe = on_core("0", "target/release/uavspec");
+    probe.args(["probe", address, "--peer", "127.0.0.1", "--for", SECONDS[1], "--report"]);
+    probe.arg(format!("json={report}")).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut probe = probe.spawn().map_err(|error| format!("cannot run uavspec: {error}"))?;
+    thread::sleep(Duration::from_secs(3));
+    if let Some(input) = &mut publisher.stdin {
+        input.write_all(b"\n").map_err(|error| error.to_string())?;
+    }
+    let usage = watch(&mut probe)?;
+    let mut sent = String::new();
+    output.read_line(&mut sent).map_err(|error| error.to_string())?;
+    let _ = publisher.wait();
+    let sent: u64 = sent.split(' ').next().and_then(|count| count.parse().ok()).unwrap_or_default();
+    let report = fs::read(&report).map_err(|error| error.to_string())?;
+    let report: Value = serde_json::from_slice(&report).map_err(|error| error.to_string())?;
+    let received = report["subjects"][0]["records"].as_u64().unwrap_or_default();
+    let memory: Vec<String> = (1..=4)
+        .filter_map(|part| usage.memory.get((usage.memory.len() * part / 4).saturating_sub(1)))
+        .map(|kilobytes| format!("{} MB", kilobytes / 1_000))
+        .collect();
+    let (lost, time) = (sent.saturating_sub(received), usage.time.as_secs_f64());
+    println!("{transport:<12} {sent:<9} {received:<9} {lost:<7} {time:<6.2} s {}", memory.join(", "));
+    Ok(())
+}
+
+/// Starts a publisher, which waits until a line arrives.
+fn start_publisher(transport: &str, port: &str) -> Result<(Child, BufReader<ChildStdout>), String> {
+    let mut command = on_core("1", PYTHON);
+    command.arg("conformance/tests/live/peers/load.py").args([transport, port]).args(LOAD).arg(SECONDS[0]);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    let mut publisher = command.spawn().map_err(|error| format!("cannot run {PYTHON}: {error}"))?;
+    let mut output = BufReader::new(publisher.stdout.take().ok_or("the publisher has no output")?);
+    let mut ready = String::new();
+    output.read_line(&mut ready).map_err(|error| error.to_string())?;
+    if ready.trim() == "ready" { Ok((publisher, output)) } else { Err(format!("{transport}: no publisher")) }
+}
+
+/// A command that runs on a single core.
+fn on_core(core: &str, program: &str) -> Command {
+    let mut command = Command::new("taskset");
+    command.args(["--cpu-list", core, program]);
+    command
+}
+
+/// The resources that a process used.
+#[derive(Default)]
+struct Usage {
+    time: Duration,
+    /// The resident memory in kB.
+    memory: Vec<u64>,
+}
+
+/// Reads the resources of a process until it ends.
+fn watch(child: &mut Child) -> Result<Usage, String> {
+    let (folder, mut usage) = (format!("/proc/{}", child.id()), Usage::default());
+    let started = Instant::now();
+    while child.try_wait().map_err(|error| error.to_string())?.is_none() {
+        let status = fs::read_to_string(format!("{folder}/status")).unwrap_or_default();
+        let resident = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
+        usage
+            .memory
+            .extend(resident.and_then(|text| text.trim().trim_end_matches(" kB").parse::<u64>().ok()));
+        let times = fs::read_to_string(format!("{folder}/stat")).unwrap_or_default();
+        // The user time and the system time, in hundredths of a second.
+        let ticks = times.rsplit(')').next().unwrap_or_default().split_whitespace().skip(11).take(2);
+        let ticks: u64 = ticks.filter_map(|text| text.parse::<u64>().ok()).sum();
+        usage.time = usage.time.max(Duration::from_millis(ticks * 10));
+        thread::sleep(INTERVAL);
+    }
+    if started.elapsed() < INTERVAL { Err("the probe ended at once".to_owned()) } else { Ok(usage) }
+}
