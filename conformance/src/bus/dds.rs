@@ -42,6 +42,7 @@ use rustdds::bytes::Bytes;
 use rustdds::no_key::DataWriter;
 use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, RTPSEntity, TopicKind};
 
+use self::memory::Memory;
 use self::peers::{Announcer, Identity};
 use self::reader::{DEPTH, RawAdapter};
 use self::worker::Worker;
@@ -91,6 +92,8 @@ impl DdsBus {
             None => builder,
         };
         let failed = |error: &dyn std::fmt::Display| format!("can't join DDS domain {domain}: {error}");
+        // The participant receives from now on.
+        let memory = Memory::start();
         let participant = builder.build().map_err(|error| failed(&error))?;
         let guid = participant.guid().to_bytes();
         let announcer =
@@ -98,7 +101,7 @@ impl DdsBus {
         let publisher = participant.create_publisher(&QosPolicies::qos_none());
         let publisher = publisher.map_err(|error| failed(&error))?;
         let (sender, events) = queue();
-        let worker = Worker::start(&participant, announcer, sender)?;
+        let worker = Worker::start(&participant, announcer, memory, sender)?;
         let connection = Connection { worker, writers: Vec::new(), publisher, participant };
         Ok(Self { events, connection: Some(connection) })
     }

@@ -59,6 +59,7 @@ impl Worker {
     pub(crate) fn start(
         participant: &DomainParticipant,
         announcer: Announcer,
+        memory: Memory,
         events: Sender,
     ) -> Result<Self, String> {
         let readers = Readers::new(participant)?;
@@ -71,7 +72,7 @@ impl Worker {
             poll.registry().register(&mut status, STATUS, Interest::READABLE)?;
             let state = State {
                 endpoints: Endpoints::new(participant.guid(), partitions),
-                memory: Memory::start(),
+                memory,
                 participant: participant.clone(),
                 poll,
                 status,
