@@ -256,6 +256,7 @@ impl<'d> Channels<'d> {
         let is_unknown = open.status == CheckStatus::Checked(Basis::NoSchema) && !has_hash;
         if is_unknown && definitions.is_undecided(message_id) {
             open.status = CheckStatus::Checked(Basis::Undecided);
+            self.run.undecided(&open.identity.channel());
             return;
         }
         if let (None, Some(defect)) = (&stated, definitions.types().get(message_id).defect()) {

@@ -10,6 +10,9 @@ pub(crate) trait Observer {
     /// Handles a new channel, and returns the observer's interest in it.
     fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest;
 
+    /// Handles a channel whose release is unknown. Its messages don't follow.
+    fn undecided(&mut self, _channel: &Channel<'_>, _definitions: &Definitions) {}
+
     /// Receives a message of any channel.
     fn message(
         &mut self,

@@ -169,6 +169,13 @@ impl<'d> CheckRun<'d> {
         self.channels[channel.index] = subscribers;
     }
 
+    /// Handles an open channel whose messages aren't read, because their release is unknown.
+    pub(super) fn undecided(&mut self, channel: &Channel<'_>) {
+        if let Some(observer) = &mut self.observer {
+            observer.undecided(channel, self.definitions);
+        }
+    }
+
     pub(super) fn closed(&mut self, channel: &Channel<'_>) {
         self.followers.iter_mut().for_each(|follower| follower.checker.closed(channel));
     }

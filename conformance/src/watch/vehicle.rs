@@ -18,6 +18,7 @@ pub(crate) mod source;
 #[cfg(test)]
 pub(crate) mod tests;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -77,6 +78,8 @@ pub(crate) struct Vehicle {
     pub latest: Option<u64>,
     /// A topic that several channels carry: the messages of several vehicles can't be distinguished.
     pub ambiguous: Option<&'static str>,
+    /// The topics of the display whose release is unknown.
+    pub undecided: BTreeSet<&'static str>,
     /// The number of messages that can't be read, on the topics of the display.
     pub unreadable: u64,
     rate: Rate,
@@ -119,6 +122,11 @@ impl Status {
 }
 
 impl Vehicle {
+    /// Handles a channel whose release is unknown.
+    pub(crate) fn undecided(&mut self, channel: &Channel<'_>, definitions: &Definitions) {
+        self.undecided.extend(topic_name(channel, definitions).filter(|topic| TOPICS.contains(topic)));
+    }
+
     /// Handles a new channel. Returns the display's interest in its messages.
     pub(crate) fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest {
         self.release = Some(definitions.name.as_str().into());

@@ -1,5 +1,7 @@
 //! The load of a live vehicle: many large messages over each transport.
 
+use std::env;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
@@ -25,6 +27,15 @@ const SECONDS: [&str; 2] = ["20", "26"];
 /// The time between two readings of the memory.
 const INTERVAL: Duration = Duration::from_millis(250);
 
+/// The environment variable that names another program.
+const PROGRAM: &str = "UAVSPEC";
+
+/// The settings of Cyclone DDS: only the loopback interface, without multicast.
+const CYCLONE: &str = "<CycloneDDS><Domain>\
+    <General><Interfaces><NetworkInterface address='127.0.0.1'/></Interfaces><AllowMulticast>false</AllowMulticast></General>\
+    <Discovery><ParticipantIndex>auto</ParticipantIndex><Peers><Peer address='127.0.0.1'/></Peers></Discovery>\
+    </Domain></CycloneDDS>";
+
 /// The packages of the publisher, which the tests of the transports install.
 const PYTHON: &str = "target/live-peers/bin/python";
 
@@ -34,21 +45,31 @@ pub(super) fn run() -> Result<(), String> {
         let help = "cargo test -p uavspec-conformance --features live --test live";
         return Err(format!("{PYTHON} doesn't exist\n  help: run {help}"));
     }
-    super::cargo(
-        Path::new("."),
-        &["build", "--release", "--package", "uavspec-conformance", "--features", "live"],
-    )?;
+    let program = program()?;
     let [topics, rate, size] = LOAD;
     println!("{topics} topics, {rate} Hz each, {size} bytes a message, {} s, one core each", SECONDS[0]);
     println!("transport    sent      received  lost    CPU      memory at 25, 50, 75 and 100 % of the time");
-    TRANSPORTS.iter().try_for_each(|(transport, address, port)| measure(transport, address, port))
+    TRANSPORTS.iter().try_for_each(|(transport, address, port)| measure(&program, transport, address, port))
 }
 
-fn measure(transport: &str, address: &str, port: &str) -> Result<(), String> {
+/// The program to measure: the one that the environment names, or the release build.
+fn program() -> Result<OsString, String> {
+    if let Some(program) = env::var_os(PROGRAM) {
+        return Ok(program);
+    }
+    let build = ["build", "--release", "--package", "uavspec-conformance", "--features", "live"];
+    super::cargo(Path::new("."), &build)?;
+    Ok("target/release/uavspec".into())
+}
+
+fn measure(program: &OsStr, transport: &str, address: &str, port: &str) -> Result<(), String> {
     let (mut publisher, mut output) = start_publisher(transport, port)?;
     let report = format!("target/live-load-{transport}.json");
-    let mut probe = on_core("0", "target/release/uavspec");
-    probe.args(["probe", address, "--peer", "127.0.0.1", "--for", SECONDS[1], "--report"]);
+    let mut probe = on_core("0", program);
+    probe.args(["probe", address, "--for", SECONDS[1], "--report"]);
+    if transport == "dds" {
+        probe.args(["--peer", "127.0.0.1"]);
+    }
     probe.arg(format!("json={report}")).stdout(Stdio::null()).stderr(Stdio::null());
     let mut probe = probe.spawn().map_err(|error| format!("cannot run uavspec: {error}"))?;
     thread::sleep(Duration::from_secs(3));
@@ -76,7 +97,7 @@ fn measure(transport: &str, address: &str, port: &str) -> Result<(), String> {
 fn start_publisher(transport: &str, port: &str) -> Result<(Child, BufReader<ChildStdout>), String> {
     let mut command = on_core("1", PYTHON);
     command.arg("conformance/tests/live/peers/load.py").args([transport, port]).args(LOAD).arg(SECONDS[0]);
-    command.stdin(Stdio::piped()).stdout(Stdio::piped());
+    command.env("CYCLONEDDS_URI", CYCLONE).stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut publisher = command.spawn().map_err(|error| format!("cannot run {PYTHON}: {error}"))?;
     let mut output = BufReader::new(publisher.stdout.take().ok_or("the publisher has no output")?);
     let mut ready = String::new();
@@ -85,9 +106,9 @@ fn start_publisher(transport: &str, port: &str) -> Result<(Child, BufReader<Chil
 }
 
 /// A command that runs on a single core.
-fn on_core(core: &str, program: &str) -> Command {
+fn on_core(core: &str, program: impl AsRef<OsStr>) -> Command {
     let mut command = Command::new("taskset");
-    command.args(["--cpu-list", core, program]);
+    command.args(["--cpu-list", core]).arg(program);
     command
 }
 

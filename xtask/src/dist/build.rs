@@ -15,6 +15,9 @@ const CRATE: &str = "uavspec-conformance";
 /// The profile in the workspace's `Cargo.toml`.
 const PROFILE: &str = "dist";
 
+/// The folder with an empty libdl, which crates of zenoh link. In musl, libc contains its functions.
+const LIBRARIES: &str = "xtask/src/dist/musl";
+
 /// The reason why the program can't be built for a platform, with the missing requirement; none if it can be built.
 pub(super) fn obstacle(platform: &Platform) -> Option<String> {
     let Platform { target, machine, debian, .. } = platform;
@@ -56,7 +59,7 @@ pub(super) fn build(
     eprintln!("dist: building for {}", platform.target);
     fs::create_dir_all(target).map_err(|error| format!("{}: {error}", target.display()))?;
     let mut command = Command::new(cargo());
-    command.args(["build", "--locked", "--profile", PROFILE, "--package", CRATE, "--bin", "uavspec"]);
+    command.args(["rustc", "--locked", "--profile", PROFILE, "--package", CRATE, "--bin", "uavspec"]);
     command.args(["--features", FEATURES]);
     command.args(["--target", platform.target]).arg("--target-dir").arg(target).arg("--manifest-path");
     command.arg(root.join("Cargo.toml")).env("SOURCE_DATE_EPOCH", time.to_string());
@@ -71,6 +74,8 @@ pub(super) fn build(
         format!("CFLAGS_{lower}"),
         format!("-nostdinc -isystem {} -isystem {own}", headers(platform).display()),
     );
+    // The path is relative, so that it doesn't change the program.
+    command.arg("--").arg(format!("-Clink-arg=-L{LIBRARIES}"));
     run(&mut command)?;
     Ok(Built { platform, path: target.join(platform.target).join(PROFILE).join("uavspec") })
 }

@@ -290,6 +290,10 @@ impl Observer for Watcher<'_> {
         self.playback.lock().vehicle.opened(channel, definitions)
     }
 
+    fn undecided(&mut self, channel: &Channel<'_>, definitions: &Definitions) {
+        self.playback.lock().vehicle.undecided(channel, definitions);
+    }
+
     fn message(
         &mut self,
         channel: &Channel<'_>,

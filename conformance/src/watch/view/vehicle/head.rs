@@ -78,7 +78,9 @@ fn state(scene: &Scene<'_>) -> Vec<Span<'static>> {
         spans.push(failed("failsafe"));
     }
     if spans.is_empty() {
-        spans.push(Span::styled("no vehicle_status yet", theme.faint()));
+        let is_unknown = scene.shown.vehicle.undecided.contains("vehicle_status");
+        let text = if is_unknown { "vehicle_status of an unknown release" } else { "no vehicle_status yet" };
+        spans.push(Span::styled(text, theme.faint()));
     }
     spans
 }

@@ -8,7 +8,7 @@ use super::Scene;
 use crate::story::{Label, Part, Severity, Value};
 use crate::text::shown;
 use crate::watch::format;
-use crate::watch::vehicle::{Battery, Component, Flag, Known, Readiness, age};
+use crate::watch::vehicle::{Battery, Component, Flag, Known, Readiness, Vehicle, age};
 use crate::watch::view::theme::Theme;
 use crate::watch::view::wrap::wrapped;
 use crate::watch::words::truncated;
@@ -18,12 +18,21 @@ const INDENT: usize = 10;
 
 type Lines = Vec<Line<'static>>;
 
+/// The reason why a topic isn't shown.
+pub(super) fn missing(vehicle: &Vehicle, topic: &str) -> String {
+    if vehicle.undecided.contains(topic) {
+        format!("{topic} of an unknown release: name it with --definitions, such as px4@1.18")
+    } else {
+        format!("no {topic} yet: the vehicle must publish this topic")
+    }
+}
+
 /// The flags that are set, by group, most severe first.
 pub(super) fn set_flags(scene: &Scene<'_>, filter: &str, width: usize) -> Lines {
     let (theme, vehicle) = (scene.theme(), scene.shown.vehicle);
     if vehicle.flags.is_empty() {
-        let text = "no failsafe_flags yet: the vehicle must publish this topic";
-        return [title(theme, "FAILSAFE FLAGS", ""), row("", Style::new(), text, theme.faint(), width)]
+        let text = missing(vehicle, "failsafe_flags");
+        return [title(theme, "FAILSAFE FLAGS", ""), row("", Style::new(), &text, theme.faint(), width)]
             .concat();
     }
     let mode = vehicle.status.mode;
