@@ -66,11 +66,11 @@ fn measure(program: &OsStr, transport: &str, address: &str, port: &str) -> Resul
     let (mut publisher, mut output) = start_publisher(transport, port)?;
     let report = format!("target/live-load-{transport}.json");
     let mut probe = on_core("0", program);
-    probe.args(["probe", address, "--for", SECONDS[1], "--report"]);
+    probe.args(["probe", address, "--for", SECONDS[1]]);
     if transport == "dds" {
         probe.args(["--peer", "127.0.0.1"]);
     }
-    probe.arg(format!("json={report}")).stdout(Stdio::null()).stderr(Stdio::null());
+    probe.args(["--report", &format!("json={report}")]).stdout(Stdio::null());
     let mut probe = probe.spawn().map_err(|error| format!("cannot run uavspec: {error}"))?;
     thread::sleep(Duration::from_secs(3));
     if let Some(input) = &mut publisher.stdin {
@@ -137,5 +137,6 @@ fn watch(child: &mut Child) -> Result<Usage, String> {
         usage.time = usage.time.max(Duration::from_millis(ticks * 10));
         thread::sleep(INTERVAL);
     }
-    if started.elapsed() < INTERVAL { Err("the probe ended at once".to_owned()) } else { Ok(usage) }
+    let status = child.wait().map_err(|error| error.to_string())?;
+    if started.elapsed() < INTERVAL { Err(format!("the probe ended early: {status}")) } else { Ok(usage) }
 }

@@ -65,7 +65,7 @@ pub(super) fn third_party(root: &Path, target: &str) -> Result<Vec<File>, String
 fn crates(root: &Path, target: &str, standard: &Standard) -> Result<Vec<Part>, String> {
     let mut command = Command::new(cargo());
     command
-        .args(["metadata", "--locked", "--format-version", "1", "--manifest-path"])
+        .args(["metadata", "--locked", "--all-features", "--format-version", "1", "--manifest-path"])
         .arg(root.join("Cargo.toml"));
     let metadata: Metadata =
         serde_json::from_str(&output(&mut command)?).map_err(|error| error.to_string())?;
@@ -127,12 +127,16 @@ impl Standard {
         Ok(Part { name: name.to_owned(), licence: licence.to_owned(), origin, texts })
     }
 
-    /// The texts for an SPDX expression, for code that is distributed without a text.
+    /// The texts for an SPDX expression, for code that is distributed without a text. One of several alternatives suffices.
     fn text(&self, name: &str, licence: &str, copyright: &str) -> Result<String, String> {
         let words = licence.split([' ', '(', ')']);
         let is_licence = |word: &&str| !matches!(*word, "" | "AND" | "OR" | "WITH");
+        let found = words.filter(is_licence).map(|id| read(&self.folder.join(format!("{id}.txt"))));
+        let is_choice = licence.contains(" OR ") && !licence.contains(" AND ");
+        let (known, unknown): (Vec<_>, Vec<_>) = found.partition(Result::is_ok);
+        let is_enough = unknown.is_empty() || is_choice && !known.is_empty();
         let texts: Result<Vec<String>, String> =
-            words.filter(is_licence).map(|id| read(&self.folder.join(format!("{id}.txt")))).collect();
+            if is_enough { known } else { unknown }.into_iter().collect();
         Ok(format!("{name}: {copyright}\n\n{}", texts?.join("\n\n")))
     }
 }
