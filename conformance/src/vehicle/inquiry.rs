@@ -19,7 +19,7 @@ const START_TIME: u64 = 300_000;
 /// The time after which a question without a response is repeated, in µs.
 const RETRY_TIME: u64 = 300_000;
 
-/// The maximum number of times that a question is asked.
+/// The maximum number of attempts for a question.
 const ATTEMPTS: u32 = 5;
 
 /// The number of questions without any response after which the flight controller counts as silent.
@@ -31,7 +31,8 @@ const MAX_LISTED: usize = 8;
 /// The folders of the topics that PX4 exchanges with applications.
 const FOLDERS: [&str; 2] = ["/fmu/in/", "/fmu/out/"];
 
-/// The questions of an application to a flight controller. PX4 stores a single question, so one is asked at a time.
+/// The questions of an application to a flight controller. PX4 stores a single question, so the next one follows
+/// after the response.
 pub(super) struct Inquiry {
     /// The topics that the application defines, without folder and version.
     defined: HashSet<String>,
@@ -173,7 +174,7 @@ fn listed(topics: &[&String]) -> String {
     let names: Vec<&str> = topics.iter().take(MAX_LISTED).map(|topic| topic.as_str()).collect();
     let more = if topics.len() > MAX_LISTED { ", …" } else { "" };
     format!(
-        "{} of the application, which weren't compared: {}{more}",
+        "{} of the application (not compared): {}{more}",
         plural(topics.len() as u64, "topic"),
         names.join(", ").escape_debug()
     )
@@ -236,7 +237,7 @@ mod tests {
         let notes = inquiry.notes();
         assert_eq!(
             notes,
-            ["the vehicle doesn't know 1 topic of the application, which weren't compared: /fmu/in/wind"]
+            ["the vehicle doesn't know 1 topic of the application (not compared): /fmu/in/wind"]
         );
     }
 

@@ -52,7 +52,7 @@ pub(super) fn run() -> Result<(), String> {
     TRANSPORTS.iter().try_for_each(|(transport, address, port)| measure(&program, transport, address, port))
 }
 
-/// The program to measure: the one that the environment names, or the release build.
+/// The program to measure: the release build, unless the environment names another program.
 fn program() -> Result<OsString, String> {
     if let Some(program) = env::var_os(PROGRAM) {
         return Ok(program);

@@ -4,7 +4,7 @@
 //! flight controller's responses.
 //!
 //! PX4's message translation node offers the topics of older versions. A difference is not reported if the application's
-//! version of a topic exists beside another version. Endpoints appear at any time, so this is decided at the end.
+//! version of a topic exists in addition to another version. Endpoints appear at any time, so this is decided at the end.
 
 use std::collections::{BTreeSet, HashMap};
 
@@ -150,7 +150,7 @@ impl Difference {
         }
     }
 
-    /// `other` is the vehicle's topic if the application uses one that doesn't exist.
+    /// `other` is the vehicle's topic if that of the application doesn't exist.
     fn detail(&self, other: Option<&String>) -> Detail {
         let Self { ty, hash, .. } = self;
         let [own, vehicle] = [ty.hash, *hash].map(|hash| released_type(&ty.name, hash));
