@@ -229,20 +229,34 @@ struct LogChecker<'d> {
     dropouts: u64,
     /// The location of the previous item, if it is a record.
     latest: Option<Location>,
+    /// True if the item is a corrupt part.
+    is_gap: bool,
+    /// True if the previous item is a corrupt part.
+    is_behind_gap: bool,
 }
 
 impl<'d> LogChecker<'d> {
     fn new(run: CheckRun<'d>) -> Self {
         let (open, timed) = (Vec::new(), BTreeSet::new());
         let parts = Parts::default();
-        Self { run, open, timed, parts, firmware: None, dropouts: 0, latest: None }
+        Self {
+            run,
+            open,
+            timed,
+            parts,
+            firmware: None,
+            dropouts: 0,
+            latest: None,
+            is_gap: false,
+            is_behind_gap: false,
+        }
     }
 
     fn item(&mut self, item: &Item<'_>) {
         let location = Location::Byte(item.offset);
-        if let (Some(record), Event::Problem(problem)) = (self.latest.take(), &item.event)
-            && problem.extent() != Extent::Whole
-        {
+        let is_gap = matches!(&item.event, Event::Problem(problem) if problem.extent() != Extent::Whole);
+        self.is_behind_gap = std::mem::replace(&mut self.is_gap, is_gap);
+        if let Some(record) = self.latest.take().filter(|_| is_gap) {
             // The corrupt part may begin within the record before it.
             self.run.findings.retract(record);
         }
@@ -359,6 +373,11 @@ impl<'d> LogChecker<'d> {
         let detail = Detail::new(problem.to_string());
         let is_whole = self.run.extent == Extent::Whole;
         match problem {
+            // The size may be the end of the corrupt part.
+            LogProblem::DataSize { .. } if self.is_behind_gap => {
+                self.run.corruption(location, problem.to_string(), Extent::WithGaps);
+                self.run.lost_any(location);
+            }
             LogProblem::DataSize { id, padded, no_padding, found } => {
                 let expected = if padded == no_padding {
                     format!("{padded} bytes")
