@@ -318,6 +318,14 @@ pub(crate) fn unversioned(topic: &str) -> Option<&str> {
     (!version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit())).then_some(name)
 }
 
+/// The name of a topic with its version at the end. PX4 appends the version of the message, if it isn't 0.
+pub(crate) fn versioned(topic: &str, version: Option<u32>) -> String {
+    match version {
+        None | Some(0) => topic.to_owned(),
+        Some(version) => format!("{topic}_v{version}"),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeSet;

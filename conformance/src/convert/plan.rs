@@ -15,7 +15,7 @@ use uavspec_codegen::{Failure, SourceMap};
 use uavspec_definitions::PX4_HINTS;
 
 use crate::check::topic_of;
-use crate::definitions::{Definitions, Library, LoadedRelease};
+use crate::definitions::{Definitions, Library, LoadedRelease, versioned};
 use crate::text::terminal;
 
 /// The length of a separator line in the text of a type.
@@ -260,8 +260,7 @@ impl Plan {
             _ => name,
         };
         let renamed = self.counterpart(unversioned, source, target);
-        let renamed =
-            if is_versioned && after > 0 { format!("{renamed}_v{after}") } else { renamed.to_owned() };
+        let renamed = versioned(renamed, is_versioned.then_some(after));
         let start = topic.rfind(name).filter(|_| renamed != name)?;
         Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
     }

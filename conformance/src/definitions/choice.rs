@@ -211,20 +211,20 @@ mod tests {
         let index = Index::built_in();
         let topics =
             [("vehicle_status", "px4@1.14"), ("battery_status", "px4@1.14"), ("failsafe_flags", "px4@1.16")];
-        let mut clues = clues(&index, &topics);
+        let mut clues = clues(index, &topics);
         clues.formats.insert("winch".to_owned(), FormatClue::Layout(7));
         clues.formats.insert("airspeed".to_owned(), FormatClue::Layout(7));
         clues.version = Some((1, 16));
         let others = vec!["px4_msgs/msg/FailsafeFlags px4@1.16".to_owned()];
-        assert_eq!(chosen(&index, &clues), Some(("px4@1.14".to_owned(), 2, 4, others)));
+        assert_eq!(chosen(index, &clues), Some(("px4@1.14".to_owned(), 2, 4, others)));
     }
 
     #[test]
     fn the_version_decides_between_equal_releases() {
         let index = Index::built_in();
         // All releases define this message in one way.
-        let mut clues = clues(&index, &[("cpuload", "px4@1.13")]);
-        let release = |clues: &Clues| chosen(&index, clues).expect("a release").0;
+        let mut clues = clues(index, &[("cpuload", "px4@1.13")]);
+        let release = |clues: &Clues| chosen(index, clues).expect("a release").0;
         let newest = release(&clues);
         assert!(newest != "px4@main" && newest != "px4@1.14", "{newest}");
         clues.version = Some((1, 14));
@@ -240,8 +240,8 @@ mod tests {
             formats: [(topic.to_owned(), FormatClue::Layout(7))].into(),
             ..Clues::default()
         };
-        assert_eq!(chosen(&index, &other("winch")), None);
-        assert_eq!(chosen(&index, &other("vehicle_status")), None);
+        assert_eq!(chosen(index, &other("winch")), None);
+        assert_eq!(chosen(index, &other("vehicle_status")), None);
         let forced = index.find("px4@1.15");
         let choice = index.choose(&other("vehicle_status"), Family::Px4, forced).expect("a choice");
         assert_eq!((Some(choice.release), choice.matching, choice.known), (forced, 0, 1));

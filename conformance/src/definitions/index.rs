@@ -1,6 +1,7 @@
 //! The fingerprints of the definitions in all releases.
 
 use std::collections::HashMap;
+use std::sync::LazyLock;
 
 use uavspec_codegen::release::age;
 use uavspec_definitions::releases::{RELEASES, Release, fingerprints};
@@ -118,9 +119,10 @@ pub(crate) struct Index {
 }
 
 impl Index {
-    /// Reads the built-in fingerprints.
-    pub(crate) fn built_in() -> Self {
-        Self::read(RELEASES, &fingerprints())
+    /// The built-in fingerprints, read when they are first needed.
+    pub(crate) fn built_in() -> &'static Self {
+        static INDEX: LazyLock<Index> = LazyLock::new(|| Index::read(RELEASES, &fingerprints()));
+        &INDEX
     }
 
     fn read(releases: &'static [Release], text: &str) -> Self {

@@ -39,7 +39,7 @@ pub struct Library {
     /// The releases that the user demands, by family.
     forced: BTreeMap<Family, ReleaseId>,
     schemas: Arc<Schemas>,
-    index: OnceLock<Index>,
+    index: OnceLock<&'static Index>,
     documented: OnceLock<Documented>,
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
 }
@@ -135,7 +135,7 @@ impl Library {
     }
 
     /// The fingerprints of all releases.
-    pub(crate) fn index(&self) -> &Index {
+    pub(crate) fn index(&self) -> &'static Index {
         self.index.get_or_init(Index::built_in)
     }
 

@@ -11,6 +11,7 @@ use super::autopilot::{self, Autopilot};
 use super::component::Component;
 use super::role::{Purpose, Role};
 use crate::bus::{self, Bus, Encoding, Event, Publisher, Received, Topic};
+use crate::definitions::versioned;
 use crate::model::{Endpoint, EndpointKind, Qos, Reliability};
 use crate::rules::px4::{Bug, Sent, Side};
 
@@ -243,14 +244,11 @@ pub(super) fn role(side: Side, purpose: Purpose) -> Box<dyn Role> {
     }
 }
 
-/// The name of a topic, such as `/fmu/out/arming_check_request_v1`. PX4 appends the version of the message, if it
-/// isn't 0.
+/// The name of a topic, such as `/fmu/out/arming_check_request_v1`.
 fn topic_name(definition: &Definition) -> String {
     let topic = definition.topics.first().copied().unwrap_or_default();
-    let version = definition.version.filter(|version| *version > 0);
-    let suffix = version.map(|version| format!("_v{version}")).unwrap_or_default();
     let direction = if is_input(definition) { "in" } else { "out" };
-    format!("/fmu/{direction}/{topic}{suffix}")
+    versioned(&format!("/fmu/{direction}/{topic}"), definition.version)
 }
 
 /// True if the flight controller receives messages of this type.

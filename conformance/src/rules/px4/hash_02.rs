@@ -17,7 +17,7 @@ use super::{
     ApplicationType, Change, Channel, Check, Checker, Detail, Endpoint, Interest, Level, Location, Message,
     Mutant, Px4Rule, Rule, RuleContext, Status,
 };
-use crate::definitions::{ReleasedType, released_type, unversioned};
+use crate::definitions::{ReleasedType, released_type, unversioned, versioned};
 use crate::model::EndpointKind;
 use crate::px4::comparison::compare_texts;
 
@@ -142,12 +142,9 @@ impl Application {
 }
 
 impl Difference {
-    /// The topic that the application uses. PX4 appends the version of the message, if it isn't 0.
+    /// The topic that the application uses.
     fn own_topic(&self) -> String {
-        match self.ty.version {
-            None | Some(0) => self.topic.clone(),
-            Some(version) => format!("{}_v{version}", self.topic),
-        }
+        versioned(&self.topic, self.ty.version)
     }
 
     /// `other` is the vehicle's topic if that of the application doesn't exist.
