@@ -94,19 +94,44 @@ pub(crate) fn compare_declared(declared: MessageType<'_>, defined: MessageType<'
 
 /// Compares two texts that PX4's message hash covers: a line with type and name for each field.
 pub(crate) fn compare_texts(found: &str, defined: &str) -> Differences {
-    let (found, expected) = (by_name(found), by_name(defined));
+    let relation =
+        |found: &str, defined: &str| if found == defined { Relation::Equal } else { Relation::OtherType };
+    differences(&by_name(found), &by_name(defined), str::to_owned, relation)
+}
+
+/// The relation between two fields of the same name.
+enum Relation {
+    Equal,
+    OtherType,
+    /// The nested messages differ.
+    OtherContent,
+}
+
+/// The differences between the fields of two unequal types, by name. `text` is the type of a field.
+fn differences<T: Copy>(
+    found: &BTreeMap<&str, T>,
+    expected: &BTreeMap<&str, T>,
+    text: impl Fn(T) -> String,
+    relation: impl Fn(T, T) -> Relation,
+) -> Differences {
     let mut differences = Differences::default();
-    for (name, ty) in &expected {
-        match found.get(name) {
-            None => differences.missing.push(format!("{name} ({ty})")),
-            Some(other) if other != ty => {
-                differences.retyped.push(format!("{name} ({other}, defined as {ty})"));
+    for (name, field) in expected {
+        let Some(other) = found.get(name) else {
+            differences.missing.push(format!("{name} ({})", text(*field)));
+            continue;
+        };
+        match relation(*other, *field) {
+            Relation::Equal => {}
+            Relation::OtherType => {
+                let (found, defined) = (text(*other), text(*field));
+                differences.retyped.push(format!("{name} ({found}, defined as {defined})"));
             }
-            Some(_) => {}
+            Relation::OtherContent => differences.nested.push((*name).to_owned()),
         }
     }
     let extra = found.iter().filter(|(name, _)| !expected.contains_key(*name));
-    differences.extra = extra.map(|(name, ty)| format!("{name} ({ty})")).collect();
+    differences.extra = extra.map(|(name, field)| format!("{name} ({})", text(*field))).collect();
+    // If the fields are equal, only their positions can differ.
     differences.is_moved = differences == Differences::default();
     differences
 }
@@ -173,26 +198,16 @@ impl Order {
         let by_name = |message_type| -> BTreeMap<&str, Placed<'_>> {
             MessageType::layout(message_type).map(|field| (field.name, field)).collect()
         };
-        let (found, expected) = (by_name(format), by_name(defined));
-        let mut differences = Differences::default();
-        for (name, field) in &expected {
-            match found.get(name) {
-                None => differences.missing.push(format!("{name} ({})", type_text(*field))),
-                Some(other) if !self.is_same_type(*other, *field) => {
-                    let (found, defined) = (type_text(*other), type_text(*field));
-                    differences.retyped.push(format!("{name} ({found}, defined as {defined})"));
-                }
-                Some(other) if !self.is_same_content(*other, *field) => {
-                    differences.nested.push((*name).to_owned());
-                }
-                Some(_) => {}
+        let relation = |found: Placed<'_>, defined: Placed<'_>| {
+            if !self.is_same_type(found, defined) {
+                Relation::OtherType
+            } else if self.is_same_content(found, defined) {
+                Relation::Equal
+            } else {
+                Relation::OtherContent
             }
-        }
-        let extra = found.iter().filter(|(name, _)| !expected.contains_key(*name));
-        differences.extra = extra.map(|(name, field)| format!("{name} ({})", type_text(*field))).collect();
-        // If the fields are equal, only their positions can differ.
-        differences.is_moved = differences == Differences::default();
-        differences
+        };
+        differences(&by_name(format), &by_name(defined), type_text, relation)
     }
 }
 
