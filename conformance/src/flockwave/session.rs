@@ -415,7 +415,12 @@ impl Sessions {
         let serial = self.states[exchange.record.connection.index].serial;
         for receipt in receipts.into_iter().take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
             let before = self.operations.remove(serial, &receipt);
-            let type_name = exchange.type_name.map(str::to_owned);
+            // If operations of several types had this receipt, a notification doesn't say which one it is about. Others
+            // may be pending even after an end.
+            let is_shared = before.as_ref().is_some_and(|operation| {
+                operation.stage != Stage::Early && operation.type_name.as_deref() != exchange.type_name
+            });
+            let type_name = exchange.type_name.filter(|_| !is_shared).map(str::to_owned);
             let size = receipt.len() + type_name.as_ref().map_or(0, String::len);
             let operation = Operation { type_name, stage: Stage::Open, was_suspended: false };
             self.operations.insert(serial, &receipt, operation, size);

@@ -310,6 +310,17 @@ fn checks_results_against_the_command_of_the_receipt() {
     assert_eq!(violated_by(&session), [("FW-ASY-09", 1), ("FW-ASY-22", 1)]);
 }
 
+/// With a shared receipt, a result may be that of any of the operations.
+#[test]
+fn does_not_check_results_of_a_receipt_of_several_types() {
+    let mut session = Session::opened();
+    let value = json!({ "type": "PRM-GET", "ids": ["kite"], "name": "FLAPS" });
+    session.exchange(value, json!({ "receipt": { "kite": "r-1" } }));
+    session.exchange(land(&["kite"]), json!({ "receipt": { "kite": "r-1" } }));
+    session.notify(json!({ "type": "ASYNC-RESP", "id": "r-1", "result": 7 }));
+    assert_eq!(violated_by(&session), [("FW-ASY-04I", 1)]);
+}
+
 #[test]
 fn a_rejection_is_not_an_incomplete_answer() {
     let mut session = Session::opened();

@@ -19,7 +19,7 @@ pub(crate) enum Stage {
 /// An operation.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Operation {
-    /// The type of the response that issued the operation's receipt, if known.
+    /// The type of the response that issued the operation's receipt, if known. Unknown for a receipt of several types.
     pub type_name: Option<String>,
     /// The stage.
     pub stage: Stage,

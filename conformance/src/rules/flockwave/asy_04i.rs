@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_10,
-    asy_22, body, mutant, source,
+    body, mutant, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -25,8 +25,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(check)],
     covers: &[],
-    bug: Bug::behaviour("All operations have the same receipt.")
-        .with(&[&asy_10::RULE.rule, &asy_22::RULE.rule]),
+    bug: Bug::behaviour("All operations have the same receipt.").with(&[&asy_10::RULE.rule]),
     trial: None,
     mutants: &[Mutant {
         name: "two UAVs with the same receipt",
