@@ -170,6 +170,8 @@ pub(crate) struct Received {
     pub time: u64,
     /// The message.
     pub payload: Vec<u8>,
+    /// True if this program sent it, in a role.
+    pub is_own: bool,
 }
 
 /// The time in ns since 1970.

@@ -36,7 +36,7 @@ use self::index::Index;
 pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;
 pub(crate) use self::library::ros_package;
-pub(crate) use self::released::{ReleasedType, released_type, topic_hashes};
+pub(crate) use self::released::{ReleasedType, released_type};
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
 use crate::text::terminal;
 
@@ -316,6 +316,17 @@ fn embedded(name: &str, form: Form, folder: &Dir<'_>, sources: &mut SourceMap) -
 pub(crate) fn unversioned(topic: &str) -> Option<&str> {
     let (name, version) = topic.rsplit_once("_v")?;
     (!version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit())).then_some(name)
+}
+
+/// The folders of the topics that PX4 exchanges with applications. A namespace may precede them.
+pub(crate) const FOLDERS: [&str; 2] = ["/fmu/in/", "/fmu/out/"];
+
+/// The version in the name of a topic that PX4 exchanges with applications; 0 if the name doesn't end with a version.
+pub(crate) fn version_of_topic(topic: &str) -> Option<u32> {
+    FOLDERS.iter().any(|folder| topic.contains(folder)).then(|| match unversioned(topic) {
+        Some(name) => topic[name.len()..].trim_start_matches("_v").parse().ok(),
+        None => Some(0),
+    })?
 }
 
 /// The name of a topic with its version at the end. PX4 appends the version of the message, if it isn't 0.

@@ -15,8 +15,10 @@ mod actor;
 mod autopilot;
 mod component;
 mod inquiry;
+mod namespace;
 mod recorder;
 mod reference;
+mod release;
 mod role;
 #[cfg(test)]
 mod tests;
@@ -33,8 +35,10 @@ use tempfile::TempPath;
 
 use self::actor::{Actor, Step, role, step};
 use self::inquiry::Inquiry;
+pub(crate) use self::namespace::Namespace;
 use self::recorder::{MAX_SIZE, Recorder};
 pub(crate) use self::reference::serve;
+use self::release::Release;
 use self::role::{Purpose, Role};
 use crate::bus::{Bus, Event, Topic};
 use crate::capture::mcap::Reader;
@@ -62,6 +66,8 @@ pub(crate) struct Options {
     pub topics: Option<GlobSet>,
     /// The role of the probe. `None` if it publishes nothing.
     pub role: Option<Side>,
+    /// The namespace of the vehicle, for the roles. `None` if there is only one vehicle.
+    pub namespace: Option<Namespace>,
     /// The types of an application that are compared with those of the flight controller, if there is one.
     pub application: Option<Vec<ApplicationType>>,
     /// The file of the recording.
@@ -185,6 +191,8 @@ struct Probe<'p> {
     options: &'p Options,
     recorder: Recorder,
     actors: Vec<Actor>,
+    /// The endpoints that were discovered before the roles joined.
+    endpoints: Vec<Endpoint>,
     started: Instant,
     subscribed: HashSet<Topic>,
     progress: Progress,
@@ -207,6 +215,7 @@ impl<'p> Probe<'p> {
             options,
             recorder,
             actors: Vec::new(),
+            endpoints: Vec::new(),
             started: Instant::now(),
             subscribed: HashSet::new(),
             progress: Progress::default(),
@@ -218,21 +227,35 @@ impl<'p> Probe<'p> {
     }
 
     /// Joins the bus in all roles of the probe.
-    fn join_all(&mut self) -> io::Result<()> {
+    fn join_all(&mut self, definitions: &Arc<Definitions>, library: &Library) -> io::Result<()> {
+        if self.options.role.is_none() && self.options.application.is_none() {
+            return Ok(());
+        }
+        let namespace = self.options.namespace.clone();
+        let namespace = match namespace.map_or_else(|| Namespace::of_vehicle(&self.endpoints), Ok) {
+            Ok(namespace) => namespace,
+            Err(problem) => {
+                self.cut_short = Some(problem);
+                return Ok(());
+            }
+        };
+        let release = &Arc::new(Release::new(definitions, library, namespace.clone()));
         if let Some(side) = self.options.role {
-            self.join(role(side, Purpose::Judge))?;
+            self.join(role(side, Purpose::Judge, release), release)?;
         }
         if let Some(application) = &self.options.application {
             application.iter().try_for_each(|ty| self.recorder.application(ty))?;
-            self.join(Box::new(Inquiry::new(application, self.options.topics.clone())))?;
+            let inquiry = Inquiry::new(application, namespace, self.options.topics.clone());
+            self.join(Box::new(inquiry), release)?;
         }
         Ok(())
     }
 
     /// Announces the topics of a role.
-    fn join(&mut self, role: Box<dyn Role>) -> io::Result<()> {
-        match Actor::join(self.bus, role, None) {
-            Ok((actor, endpoints)) => {
+    fn join(&mut self, role: Box<dyn Role>, release: &Arc<Release>) -> io::Result<()> {
+        match Actor::join(self.bus, role, Arc::clone(release), None) {
+            Ok((mut actor, endpoints)) => {
+                actor.discover(&self.endpoints);
                 self.actors.push(actor);
                 endpoints.iter().try_for_each(|endpoint| self.recorder.record(endpoint, None))
             }
@@ -243,12 +266,14 @@ impl<'p> Probe<'p> {
         }
     }
 
-    /// Records events until the release of the vehicle can be chosen.
+    /// Records events until the release of the vehicle can be chosen. The roles then join in this release.
     fn start(&mut self, library: &Library) -> io::Result<Arc<Definitions>> {
-        self.join_all()?;
         self.listen(START.min(self.options.time), None)?;
         self.recorder.flush()?;
-        choose_for_recording(self.recorder.path(), library)
+        let definitions = choose_for_recording(self.recorder.path(), library)?;
+        self.join_all(&definitions, library)?;
+        self.recorder.flush()?;
+        Ok(definitions)
     }
 
     /// Ends the roles. Returns their last messages.
@@ -292,13 +317,18 @@ impl<'p> Probe<'p> {
     /// Subscribes to new topics, and notes problems.
     fn follow(&mut self, event: Event) {
         match event {
-            Event::Endpoint(endpoint) if endpoint.kind == EndpointKind::Publisher => {
-                self.subscribe(endpoint);
+            Event::Endpoint(endpoint) => {
+                if self.actors.is_empty() {
+                    self.endpoints.push(endpoint.clone());
+                }
+                if endpoint.kind == EndpointKind::Publisher {
+                    self.subscribe(endpoint);
+                }
             }
             Event::Message(_) => self.progress.messages += 1,
             Event::Problem(problem) => self.note(problem),
             Event::Closed(reason) => self.cut_short = Some(reason),
-            Event::Endpoint(_) | Event::Ended(_) | Event::Lost { .. } => {}
+            Event::Ended(_) | Event::Lost { .. } => {}
         }
     }
 

@@ -120,15 +120,16 @@ fn fingerprints(folder: &Path) -> Result<String, String> {
             known.entry(fingerprint).or_default().push(format!("{}@{name}", family.dialect().name()));
         }
     }
-    let mut text = String::from("name\treleases\ttopics\tlayout\tCDR size\tkeys\tuORB hash\ttype hash\n");
+    let mut text =
+        String::from("name\treleases\ttopics\tlayout\tCDR size\tkeys\tuORB hash\ttype hash\tversion\n");
     for (fingerprint, releases) in known {
-        let Fingerprint { name, topics, layout, cdr_size, keys, hash, type_hash } = fingerprint;
+        let Fingerprint { name, topics, layout, cdr_size, keys, hash, type_hash, version } = fingerprint;
         let hex = |hash: Option<u64>| hash.map(|hash| format!("{hash:016x}")).unwrap_or_default();
         let (layout, keys) = (hex(layout), hex(keys));
         let size = cdr_size.map(|size| size.to_string()).unwrap_or_default();
         let _ = writeln!(
             text,
-            "{name}\t{}\t{}\t{layout}\t{size}\t{keys}\t{hash:08x}\t{type_hash}",
+            "{name}\t{}\t{}\t{layout}\t{size}\t{keys}\t{hash:08x}\t{type_hash}\t{version}",
             releases.join(" "),
             topics.join(" ")
         );

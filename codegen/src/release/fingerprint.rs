@@ -9,7 +9,7 @@ use crate::msg::Kind;
 use crate::schema::fingerprint::{interface_name, ros_name};
 use crate::schema::{Form, Schema, shape_text};
 
-/// The fingerprints of a definition. Comments, constants and units don't change them.
+/// The fingerprints of a definition. Comments, units and constants, other than the version, don't change them.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Fingerprint {
     /// The full ROS name: `px4_msgs/msg/BatteryStatus`.
@@ -26,6 +26,8 @@ pub struct Fingerprint {
     pub hash: u32,
     /// The ROS type hash (RIHS01). An event of a service has the hash of the service.
     pub type_hash: String,
+    /// The version of the message (PX4); 0 if it has none.
+    pub version: u32,
 }
 
 /// The fingerprints of all messages and services, by name.
@@ -45,6 +47,7 @@ pub fn fingerprints(schema: &Schema) -> Vec<Fingerprint> {
                 keys: Some(keys_hash(message.fields.iter().map(|field| field.name.as_str()))),
                 hash: message.hash,
                 type_hash: message.type_hash.clone(),
+                version: message.version.unwrap_or_default(),
             }
         }));
         let services = package.interfaces.iter().filter(|interface| interface.kind == Kind::Service);
@@ -57,6 +60,7 @@ pub fn fingerprints(schema: &Schema) -> Vec<Fingerprint> {
                 keys: None,
                 hash: 0,
                 type_hash: service.type_hash.clone()?,
+                version: 0,
             })
         }));
     }

@@ -28,6 +28,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 use crate::model::Rule;
 use crate::probe::{Options, Probed, Selection, probe};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
+use crate::tables::Origin;
 use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
@@ -257,9 +258,12 @@ fn report(
     }
     let settings =
         Settings { is_unrecorded: args.record.is_none(), command: Some(super::command()), ..settings };
-    let mut outputs = args.report.start(Action::Probe, &args.known);
+    let mut outputs = match args.report.start(Action::Probe, &args.known, false) {
+        Ok(outputs) => outputs,
+        Err(status) => return status,
+    };
     if let Some(checked) = checked {
-        outputs.add(Subject::from_capture(checked, definitions, &settings));
+        outputs.add(Subject::from_capture(checked, definitions, &settings), &Origin::default(), None);
     }
     let (totals, command) = (outputs.finish(), super::command());
     let reasons = uncovered(required, &totals);

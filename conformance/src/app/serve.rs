@@ -5,6 +5,7 @@ mod vehicle;
 
 use std::io::{self, Read as _};
 use std::net::{IpAddr, SocketAddr};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -18,6 +19,7 @@ use super::test::seconds;
 use crate::bus::Address;
 use crate::serve::{Options, Server, Transport, error, loss, raise_open_files};
 use crate::text::terminal;
+use crate::vehicle::Namespace;
 
 /// The default address, with the port that Flockwave clients try first.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5001";
@@ -88,11 +90,17 @@ pub(super) struct ServeArgs {
     /// Be an external component, instead of a flight controller.
     #[arg(long, requires = "px4")]
     component: bool,
+    /// Namespace of the vehicle, such as alpha for topics in /alpha/fmu (default: none).
+    #[arg(long, value_name = "NAMESPACE", requires = "px4", default_value = "", hide_default_value = true)]
+    namespace: Namespace,
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
     ///
     /// With 127.0.0.1, only programs on this computer are found.
     #[arg(long, value_name = "ADDRESS", requires = "px4")]
     peer: Vec<IpAddr>,
+    /// Definitions of the messages on the bus: a PX4 release such as px4@1.16, or a path (default: the newest release).
+    #[arg(long, value_name = "PATH|RELEASE", requires = "px4")]
+    definitions: Option<PathBuf>,
     /// Number of UAVs.
     ///
     /// Their ids are glider-1, glider-2 and so on.

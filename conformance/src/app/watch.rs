@@ -18,7 +18,7 @@ use super::access::AccessArgs;
 use super::report::print_result;
 use super::target::Target;
 use super::test::seconds;
-use crate::capture::input::is_capture;
+use crate::capture::names::is_capture;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::Endpoint;

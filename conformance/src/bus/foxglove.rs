@@ -210,6 +210,7 @@ impl Foxglove {
             encoding,
             time: now(),
             payload: payload.to_vec(),
+            is_own: false,
         }));
         Ok(())
     }

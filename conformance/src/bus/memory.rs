@@ -123,7 +123,7 @@ impl Bus for MemoryBus {
         let (topic, offered) = self.published.get(publisher.0).ok_or("an unknown publisher")?.clone();
         let name = Arc::clone(&topic.name);
         let (time, payload) = (now(), payload.to_vec());
-        let message = Received { topic, schema: None, encoding: Encoding::Cdr, time, payload };
+        let message = Received { topic, schema: None, encoding: Encoding::Cdr, time, payload, is_own: false };
         self.network.send_if(&Event::Message(message), self.index, |member| {
             member.subscribed.get(&name).is_some_and(|requested| is_compatible(&offered, requested))
         });

@@ -112,7 +112,14 @@ mod tests {
     fn message(size: usize) -> Event {
         let topic = Topic { name: "/wind".into(), type_name: "sky_msgs/msg/Wind".into(), type_hash: None };
         let payload = vec![0; size];
-        Event::Message(Received { topic, schema: None, encoding: Encoding::Cdr, time: 1, payload })
+        Event::Message(Received {
+            topic,
+            schema: None,
+            encoding: Encoding::Cdr,
+            time: 1,
+            payload,
+            is_own: false,
+        })
     }
 
     fn next(queue: &mut Queue) -> Option<Event> {

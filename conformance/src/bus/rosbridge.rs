@@ -77,7 +77,8 @@ impl Rosbridge {
             topic.type_name = Arc::clone(listed);
         }
         let (topic, payload) = (topic.clone(), payload.as_bytes().to_vec());
-        let message = Received { topic, schema: None, encoding: Encoding::Json, time: now(), payload };
+        let message =
+            Received { topic, schema: None, encoding: Encoding::Json, time: now(), payload, is_own: false };
         self.link.push(Event::Message(message));
         Ok(())
     }

@@ -65,6 +65,12 @@ pub(crate) const NOTE: &str = "uavspec:note";
 /// The name of the metadata record of a recording that was cut short. The value is `reason`.
 pub(crate) const CUT_SHORT: &str = "uavspec:cut_short";
 
+/// The metadata key of a channel whose messages were sent by this program. The value is `true`.
+pub(crate) const OWN: &str = "uavspec:own";
+
+/// The start of the library's name in the header of a file that this program wrote.
+pub(crate) const LIBRARY: &str = "uavspec ";
+
 /// The magic bytes at the start and at the end of a file.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 

@@ -38,13 +38,14 @@ pub use self::network::{BusEndpoint, BusTopic};
 pub use self::open::{BagChannel, Basis, CheckStatus};
 use self::open::{Identity, Open, Reading};
 use self::schemas::Schemas;
-pub(super) use self::sqlite::{ROS1, SQLITE};
+pub(super) use self::sqlite::{ROS1, SQLITE, copy};
 use self::stated::Stated;
 pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Unit};
 use super::release::{ReleaseMatch, release_matches};
 use super::topic::{definition_of, is_same_type};
 use super::{CaptureResult, CheckRun, Logged, Summary};
+use crate::capture::mcap::OWN;
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Detail, Endpoint, Extent, Findings, Location, Message};
@@ -254,7 +255,9 @@ impl<'d> Channels<'d> {
         }
         let has_hash = declared.metadata.get(HASH).is_some_and(|hash| is_comparable(hash));
         let is_unknown = open.status == CheckStatus::Checked(Basis::NoSchema) && !has_hash;
-        if is_unknown && definitions.is_undecided(message_id) {
+        // This program may have sent messages before the release was known.
+        let is_outdated = declared.metadata.contains_key(OWN) && !self.has_defined_hash(declared, message_id);
+        if is_outdated || is_unknown && definitions.is_undecided(message_id) {
             open.status = CheckStatus::Checked(Basis::Undecided);
             self.run.undecided(&open.identity.channel());
             return;

@@ -30,6 +30,12 @@ pub struct ReleaseMatch {
 }
 
 impl ReleaseMatch {
+    /// The release that a topic was checked against, if it is one of the others.
+    #[cfg(feature = "tables")]
+    pub(crate) fn other_of(&self, topic: &str) -> Option<&str> {
+        self.others.iter().find(|other| other.topic == topic).map(|other| other.release.as_str())
+    }
+
     /// The reason why the capture is probably from another release: most topics match no known release.
     pub(crate) fn problem(&self) -> Option<String> {
         let Self { title, matching, topics, others, .. } = self;

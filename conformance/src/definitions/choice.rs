@@ -11,6 +11,8 @@ pub(crate) struct Clues {
     pub(crate) formats: BTreeMap<String, FormatClue>,
     /// The types in a bag or of JSON messages, by full ROS name.
     pub(crate) types: BTreeMap<String, TypeClue>,
+    /// The versions of the types of PX4's topics in ROS, by full ROS name. Subscribers also show them.
+    pub(crate) topic_versions: BTreeMap<String, BTreeSet<u32>>,
     /// The firmware's version, as two numbers.
     pub(crate) version: Option<(u8, u8)>,
 }
@@ -42,6 +44,8 @@ pub(crate) struct TypeClue {
     pub(crate) size: Option<u64>,
     /// The hash of the keys of a JSON message.
     pub(crate) keys: Option<u64>,
+    /// The versions in the names of PX4's topics with messages of this type.
+    pub(crate) versions: BTreeSet<u32>,
 }
 
 /// The release that a capture agrees with best.
@@ -73,7 +77,7 @@ struct Match<'c> {
     agreeing: ReleaseSet,
     /// True if the capture doesn't show which of several definitions is meant.
     is_undecided: bool,
-    /// The releases of each definition that agrees, if only the size of the messages is known.
+    /// The releases of each definition that agrees, if the messages have no hash.
     by_size: Option<Vec<ReleaseSet>>,
 }
 
@@ -91,15 +95,19 @@ impl Index {
     /// Chooses a release of a family. `None` if the capture has no topic or type of the family, or if no release agrees
     /// with it. `forced` is the release that the user demands.
     pub(crate) fn choose(&self, clues: &Clues, family: Family, forced: Option<ReleaseId>) -> Option<Choice> {
-        let matches = self.matches(clues, family);
-        if matches.is_empty() {
+        let own = self.all_of(family);
+        let matches = self.matches(clues, own);
+        let has_row = |name: &String| self.of_name(name).any(|row| row.is_in(own));
+        if matches.is_empty() && !clues.topic_versions.keys().any(has_row) {
             return None;
         }
         let count = |release: ReleaseId| {
             matches.iter().filter(|found| !found.is_undecided && found.agreeing.contains(release)).count()
         };
+        let agreement = |release: ReleaseId| (count(release), self.count_versions(clues, release));
         let rank = |release: &ReleaseId| {
-            (count(*release), self.has_version(*release, clues.version), !self.is_moving(*release), *release)
+            let has_version = self.has_version(*release, clues.version);
+            (agreement(*release), has_version, !self.is_moving(*release), *release)
         };
         let has_sizes = matches.iter().any(|found| found.by_size.is_some());
         let release = match forced {
@@ -107,10 +115,11 @@ impl Index {
             None => self
                 .releases_of(family)
                 .max_by_key(rank)
-                .filter(|release| has_sizes || count(*release) > 0)?,
+                .filter(|release| has_sizes || agreement(*release) > (0, 0))?,
         };
-        let is_equal =
-            |other: &ReleaseId| *other == release || forced.is_none() && count(*other) == count(release);
+        let is_equal = |other: &ReleaseId| {
+            *other == release || forced.is_none() && agreement(*other) == agreement(release)
+        };
         let equal = self.releases_of(family).filter(is_equal).fold(ReleaseSet::default(), ReleaseSet::with);
         let mut choice = Choice { known: matches.len(), ..Choice::without_clues(release) };
         for found in &matches {
@@ -126,30 +135,32 @@ impl Index {
         Some(choice)
     }
 
-    fn matches<'c>(&'c self, clues: &'c Clues, family: Family) -> Vec<Match<'c>> {
+    /// Compares the clues with the definitions of these releases.
+    fn matches<'c>(&'c self, clues: &'c Clues, own: ReleaseSet) -> Vec<Match<'c>> {
         let mut matches = Vec::new();
-        let own = self.releases_of(family).fold(ReleaseSet::default(), ReleaseSet::with);
         for (topic, format) in &clues.formats {
-            let mut rows =
-                self.of_topic(topic).filter(|row| !row.releases.intersection(own).is_empty()).peekable();
+            let mut rows = self.of_topic(topic).filter(|row| row.is_in(own)).peekable();
             if rows.peek().is_none() {
                 continue;
             }
             let equal: Vec<_> = rows.filter(|row| format.agrees(row)).collect();
             let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
             let name = equal.first().map_or(topic.as_str(), |row| &row.name);
-            let is_undecided = matches!(format, FormatClue::Keys(_)) && equal.len() > 1;
+            let is_undecided = matches!(format, FormatClue::Keys(_)) && definitions(&equal).len() > 1;
             matches.push(Match { name, agreeing, is_undecided, by_size: None });
         }
         for (name, clue) in &clues.types {
-            let rows: Vec<_> =
-                self.of_name(name).filter(|row| !row.releases.intersection(own).is_empty()).collect();
+            let rows: Vec<_> = self.of_name(name).filter(|row| row.is_in(own)).collect();
             if rows.is_empty() {
                 continue;
             }
+            let has_version = |row: &&Row| {
+                clue.versions.is_empty() || clue.versions.len() == 1 && clue.versions.contains(&row.version)
+            };
             let agrees = |row: &&Row| match (&clue.type_hash, clue.size, row.cdr_size) {
                 (Some(hash), ..) => *hash == row.type_hash,
                 _ if clue.keys.is_some() => clue.keys == row.keys,
+                _ if !has_version(row) => false,
                 // Some writers pad payloads to a multiple of four bytes.
                 (None, Some(size), Some(expected)) => {
                     size == expected || size == expected.next_multiple_of(4)
@@ -158,12 +169,21 @@ impl Index {
             };
             let equal: Vec<_> = rows.into_iter().filter(agrees).collect();
             let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
-            let is_undecided = clue.type_hash.is_none() && equal.len() > 1;
+            let definitions = definitions(&equal);
+            let is_undecided = clue.type_hash.is_none() && definitions.len() > 1;
             let is_by_size = clue.type_hash.is_none() && clue.keys.is_none() && clue.size.is_some();
-            let by_size = is_by_size.then(|| equal.iter().map(|row| row.releases).collect());
+            let by_size = is_by_size.then_some(definitions);
             matches.push(Match { name, agreeing, is_undecided, by_size });
         }
         matches
+    }
+
+    /// The number of types that have the version of their topics in a release.
+    fn count_versions(&self, clues: &Clues, release: ReleaseId) -> usize {
+        let has_version = |name: &str, versions: &BTreeSet<u32>| {
+            self.of_name(name).any(|row| row.releases.contains(release) && versions.contains(&row.version))
+        };
+        clues.topic_versions.iter().filter(|(name, versions)| has_version(name, versions)).count()
     }
 
     /// True if the release has this version.
@@ -171,6 +191,16 @@ impl Index {
         let Some((major, minor)) = version else { return false };
         self.release(release).name == format!("{major}.{minor}")
     }
+}
+
+/// The releases of each definition. A definition has several rows if only its version differs.
+fn definitions(rows: &[&Row]) -> Vec<ReleaseSet> {
+    let mut found: BTreeMap<&str, ReleaseSet> = BTreeMap::new();
+    for row in rows {
+        let releases = found.entry(&row.type_hash).or_default();
+        *releases = releases.union(row.releases);
+    }
+    found.into_values().collect()
 }
 
 /// The release of a set that is nearest to another release; the newer one of two.
@@ -278,5 +308,48 @@ mod tests {
         // No release has one of this size.
         let unknown = clues(&[("VehicleStatus", 86), ("CpuLoad", 7), ("Cpuload", 7)]).expect("a release");
         assert_eq!(unknown.undecided, [name("Cpuload")].into());
+    }
+
+    #[test]
+    fn versions_of_topics_decide() {
+        let index = Index::built_in();
+        let name = "px4_msgs/msg/BatteryStatus".to_owned();
+        let choose = |versions: &[u32], topic_versions: &[u32]| {
+            let clue = TypeClue {
+                size: Some(180),
+                versions: versions.iter().copied().collect(),
+                ..TypeClue::default()
+            };
+            let topic_versions = [(name.clone(), topic_versions.iter().copied().collect())];
+            let clues = Clues {
+                types: [(name.clone(), clue)].into(),
+                topic_versions: topic_versions.into(),
+                ..Clues::default()
+            };
+            let choice = index.choose(&clues, Family::Px4, None).expect("a release");
+            (index.label(choice.release), choice.undecided.len())
+        };
+        // PX4 1.15 and 1.17 have different messages of the same size.
+        assert_eq!(choose(&[], &[]).1, 1);
+        assert_eq!(choose(&[0], &[0]), ("px4@1.15".to_owned(), 0));
+        assert_eq!(choose(&[1], &[1]), ("px4@1.18".to_owned(), 0));
+        assert_eq!(choose(&[7], &[7]).1, 1);
+        // A subscriber of another version doesn't change the meaning of the messages.
+        assert_eq!(choose(&[0], &[0, 1]), ("px4@1.15".to_owned(), 0));
+        // The messages on two topics may have different types.
+        assert_eq!(choose(&[0, 1], &[0, 1]).1, 1);
+    }
+
+    #[test]
+    fn subscribers_show_a_release() {
+        let index = Index::built_in();
+        let choose = |name: &str, version: u32| {
+            let topic_versions = [(name.to_owned(), [version].into())].into();
+            let choice = index.choose(&Clues { topic_versions, ..Clues::default() }, Family::Px4, None);
+            choice.map(|choice| index.label(choice.release))
+        };
+        assert_eq!(choose("px4_msgs/msg/ArmingCheckRequest", 0), Some("px4@1.16".to_owned()));
+        assert_eq!(choose("px4_msgs/msg/ArmingCheckRequest", 99), None);
+        assert_eq!(choose("std_msgs/msg/String", 0), None);
     }
 }

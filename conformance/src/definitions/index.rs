@@ -104,6 +104,15 @@ pub(crate) struct Row {
     pub(crate) hash: u32,
     /// The ROS type hash.
     pub(crate) type_hash: String,
+    /// The version of the message, which PX4 appends to the topic if it isn't 0.
+    pub(crate) version: u32,
+}
+
+impl Row {
+    /// True if one of these releases contains the definition.
+    pub(crate) fn is_in(&self, releases: ReleaseSet) -> bool {
+        !self.releases.intersection(releases).is_empty()
+    }
 }
 
 /// The fingerprints of the definitions in all releases, with lookup tables.
@@ -153,6 +162,11 @@ impl Index {
     /// The releases of a family, from the oldest to the newest.
     pub(crate) fn releases_of(&self, family: Family) -> impl Iterator<Item = ReleaseId> {
         self.releases().filter(move |release| self.family(*release) == family)
+    }
+
+    /// The set of all releases of a family.
+    pub(crate) fn all_of(&self, family: Family) -> ReleaseSet {
+        self.releases_of(family).fold(ReleaseSet::default(), ReleaseSet::with)
     }
 
     /// The release with a name such as `px4@1.16`.
@@ -206,6 +220,7 @@ fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
     let mut next = || columns.next();
     let (name, releases, topics) = (next()?.to_owned(), next()?, next()?);
     let (layout, cdr_size, keys, hash, type_hash) = (next()?, next()?, next()?, next()?, next()?);
+    let version = next()?.parse().ok()?;
     let releases = releases.split(' ').filter_map(|label| ids.get(label));
     Some(Row {
         name,
@@ -216,6 +231,7 @@ fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
         keys: u64::from_str_radix(keys, 16).ok(),
         hash: u32::from_str_radix(hash, 16).ok()?,
         type_hash: type_hash.to_owned(),
+        version,
     })
 }
 

@@ -119,6 +119,14 @@ impl Library {
         })
     }
 
+    /// The newest release of PX4 whose name denotes a fixed state.
+    pub(crate) fn newest_px4(&self) -> Arc<Definitions> {
+        let index = self.index();
+        let newest = index.releases_of(Family::Px4).filter(|release| !index.is_moving(*release)).last();
+        let choice = newest.map(Choice::without_clues);
+        choice.map_or_else(|| Arc::clone(self.base()), |choice| Arc::new(self.read(&[choice])))
+    }
+
     /// The paths of definitions that were left out, because they refer to other packages.
     pub(crate) fn left_out(&self) -> &[String] {
         self.base.get().map_or(&[], |base| &base.left_out)

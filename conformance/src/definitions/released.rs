@@ -1,14 +1,13 @@
 //! The definitions of a PX4 type in all releases.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::BTreeSet;
 
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Message;
 use uavspec_codegen::schema::fingerprint::{hashed_text, ros_name};
 use uavspec_codegen::{SourceMap, read, release};
-use uavspec_runtime::Definition;
 
-use super::index::{Family, Index, ReleaseId, Row};
+use super::index::{Index, Row};
 
 /// A definition that releases contain.
 #[derive(Debug)]
@@ -41,21 +40,6 @@ pub(crate) fn released_type(name: &str, hash: u32) -> Option<ReleasedType> {
     let is_named = |message: &&Message| ros_name(&schema, message) == name;
     let fields = hashed_text(&schema, schema.messages.iter().find(is_named)?);
     Some(ReleasedType { releases: releases.into_iter().map(|id| index.label(id)).collect(), fields })
-}
-
-/// PX4's hash of each topic in a firmware that has these types. The other types are those of the release that has most of
-/// these types.
-pub(crate) fn topic_hashes(types: &[Definition]) -> HashMap<String, u32> {
-    let index = Index::built_in();
-    let is_shared = |row: &&Row| types.iter().any(|ty| ty.type_hash == row.type_hash);
-    let shared: Vec<&Row> = index.rows().iter().filter(is_shared).collect();
-    let count = |release: &ReleaseId| shared.iter().filter(|row| row.releases.contains(*release)).count();
-    let releases = index.releases_of(Family::Px4).filter(|release| !index.is_moving(*release));
-    let Some(release) = releases.max_by_key(count) else { return HashMap::new() };
-    let rows = index.rows().iter().filter(|row| row.releases.contains(release));
-    let others = rows.flat_map(|row| row.topics.iter().map(|topic| (topic.clone(), row.hash)));
-    let own = types.iter().flat_map(|ty| ty.topics.iter().map(|topic| ((*topic).to_owned(), ty.hash)));
-    others.chain(own).collect()
 }
 
 #[cfg(test)]

@@ -20,7 +20,7 @@ use crate::check::{Checked, check_path, parallel};
 use crate::definitions::Library;
 use crate::model::{ApplicationType, Findings};
 use crate::rules::px4::{Bug, Px4Rule, RULES, Side};
-use crate::vehicle::{Options, probe, serve};
+use crate::vehicle::{Namespace, Options, probe, serve};
 
 /// The time of each probe within the process.
 const TIME: Duration = Duration::from_millis(6_500);
@@ -73,7 +73,6 @@ type Connect<'c> = dyn Fn(&str) -> Result<Box<dyn Bus>, String> + Sync + 'c;
 /// The bus of a pair.
 struct Place<'p> {
     connect: &'p Connect<'p>,
-    announces_types: bool,
     time: Duration,
 }
 
@@ -152,8 +151,9 @@ impl Case {
         let options = Options {
             time: place.time,
             topics: None,
+            namespace: None,
             role: self.role,
-            application: is_component.then(|| ApplicationType::all(&library.base().schema)),
+            application: is_component.then(|| ApplicationType::all(&library.newest_px4().schema)),
             record: Some(record.to_path_buf()),
             is_stopped: Box::new(|| false),
         };
@@ -163,7 +163,7 @@ impl Case {
                 let is_over = &is_over;
                 scope.spawn(move || {
                     thread::sleep(PAUSE * index);
-                    self.serve(*side, place, is_over)
+                    self.serve(*side, place, library, is_over)
                 })
             });
             let references: Vec<_> = references.collect();
@@ -179,10 +179,16 @@ impl Case {
     }
 
     /// Serves a reference until the probe is over.
-    fn serve(self, side: Side, place: &Place<'_>, is_over: &AtomicBool) -> Result<(), String> {
+    fn serve(
+        self,
+        side: Side,
+        place: &Place<'_>,
+        library: &Library,
+        is_over: &AtomicBool,
+    ) -> Result<(), String> {
         let mut bus = (place.connect)(&format!("/{side:?}"))?;
         let is_over = || is_over.load(Ordering::Relaxed);
-        serve(&mut *bus, side, place.announces_types, self.bug(), &is_over)
+        serve(&mut *bus, library, &Namespace::default(), side, self.bug(), &is_over)
     }
 }
 
@@ -255,15 +261,14 @@ pub(crate) fn pairs(cases: &[Case], buses: &[Address], mut take: impl FnMut(io::
 /// Runs a case over a bus.
 fn over(case: Case, address: &Address, library: &Library) -> io::Result<Row> {
     let connect = |_: &str| bus::connect(address, &PEERS, &[]);
-    let announces_types = address.announces_types();
-    case.run(&Place { connect: &connect, announces_types, time: BUS_TIME }, library)
+    case.run(&Place { connect: &connect, time: BUS_TIME }, library)
 }
 
 /// Runs a case within this process.
 fn within(case: Case, library: &Library) -> io::Result<Row> {
     let network = Network::default();
     let connect = |node: &str| -> Result<Box<dyn Bus>, String> { Ok(Box::new(network.connect(node))) };
-    case.run(&Place { connect: &connect, announces_types: true, time: TIME }, library)
+    case.run(&Place { connect: &connect, time: TIME }, library)
 }
 
 fn details(findings: &Findings) -> Vec<String> {

@@ -27,6 +27,38 @@ pub(crate) struct Endpoint {
     pub is_matched_by_qos: bool,
 }
 
+/// The start of the ids of this program's endpoints.
+const OWN: &str = "uavspec ";
+
+impl Endpoint {
+    /// The id of an endpoint of this program.
+    pub(crate) fn own_id(kind: EndpointKind, topic: &str) -> String {
+        format!("{OWN}{kind} {topic}")
+    }
+
+    /// True if the endpoint belongs to this program.
+    pub(crate) fn is_own(&self) -> bool {
+        self.id.starts_with(OWN)
+    }
+}
+
+#[cfg(test)]
+impl Endpoint {
+    /// A publisher of a topic.
+    pub(crate) fn publisher(topic: &str) -> Self {
+        Self {
+            id: topic.to_owned(),
+            kind: EndpointKind::Publisher,
+            node: None,
+            topic: topic.to_owned(),
+            type_name: "sky_msgs/msg/Wind".to_owned(),
+            type_hash: None,
+            qos: None,
+            is_matched_by_qos: true,
+        }
+    }
+}
+
 /// The kind of an endpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum EndpointKind {

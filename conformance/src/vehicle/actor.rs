@@ -3,15 +3,14 @@
 use std::collections::HashMap;
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher as _, Hasher as _};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use uavspec_runtime::Definition;
-
-use super::autopilot::{self, Autopilot};
+use super::autopilot::Autopilot;
 use super::component::Component;
+use super::release::Release;
 use super::role::{Purpose, Role};
 use crate::bus::{self, Bus, Encoding, Event, Publisher, Received, Topic};
-use crate::definitions::versioned;
 use crate::model::{Endpoint, EndpointKind, Qos, Reliability};
 use crate::rules::px4::{Bug, Sent, Side};
 
@@ -25,21 +24,19 @@ const MAX_POSTPONED: Duration = Duration::from_secs(2);
 /// The maximum number of problems.
 const MAX_PROBLEMS: usize = 16;
 
-/// The node of the endpoints in recordings.
-const NODE: &str = "/uavspec";
-
 /// A hash that no type has.
 const OTHER_HASH: &str = "RIHS01_0000000000000000000000000000000000000000000000000000000000000000";
 
 /// A role on a bus.
 pub(super) struct Actor {
     role: Box<dyn Role>,
+    release: Arc<Release>,
     bug: Option<&'static Bug>,
     started: Instant,
     /// For each published type, its publisher, topic, and number of messages.
     outputs: HashMap<&'static str, Output>,
     /// The types of the subscribed topics.
-    inputs: HashMap<String, Definition>,
+    inputs: HashMap<String, &'static str>,
     /// Problems with publishing.
     pub(super) problems: Vec<String>,
     /// Problems with received messages.
@@ -69,37 +66,45 @@ pub(super) fn step(actors: &mut [Actor], bus: &mut dyn Bus, deadline: Instant) -
 }
 
 impl Actor {
-    /// Announces the topics of a role. Also returns its endpoints.
+    /// Announces the topics of a role, in a release. Also returns its endpoints.
     pub(super) fn join(
         bus: &mut dyn Bus,
         role: Box<dyn Role>,
+        release: Arc<Release>,
         bug: Option<&'static Bug>,
     ) -> Result<(Self, Vec<Event>), String> {
         let (started, outputs, inputs) = (Instant::now(), HashMap::new(), HashMap::new());
-        let mut actor =
-            Self { role, bug, started, outputs, inputs, problems: Vec::new(), remarks: Vec::new() };
+        let (problems, remarks) = (Vec::new(), Vec::new());
+        let mut actor = Self { role, release, bug, started, outputs, inputs, problems, remarks };
+        let (sending, receiving) = if actor.role.folder() == "in" { ("in", "out") } else { ("out", "in") };
         let mut endpoints = Vec::new();
-        for (index, definition) in actor.role.received().iter().enumerate() {
-            let (topic, qos) = (topic(definition), requested(index, bug));
+        for (index, name) in actor.role.received().iter().enumerate() {
+            let (topic, qos) = (actor.release.topic(name, receiving)?, requested(index, bug));
             bus.subscribe(&topic, &qos)?;
-            actor.inputs.insert(topic.name.to_string(), *definition);
+            actor.inputs.insert(topic.name.to_string(), name);
             // The probe adapts to the vehicle.
             endpoints.push(endpoint(EndpointKind::Subscriber, &topic, qos, false));
         }
-        for definition in actor.role.published() {
-            let topic = topic(definition);
+        // An autopilot offers the same quality of service as PX4, but components choose theirs.
+        let is_matched_by_qos = bus.is_matched_by_qos() && sending == "out";
+        for (index, name) in actor.role.published().iter().enumerate() {
+            let topic = actor.release.topic(name, sending)?;
             let publisher = bus.advertise(&topic, &Qos::PX4)?;
-            // An autopilot offers the same quality of service as PX4, but components choose theirs.
-            let is_matched_by_qos = bus.is_matched_by_qos() && !is_input(definition);
+            if index == 0 && bug.is_some_and(Bug::announces_other_type) {
+                bus.advertise(&Topic { type_hash: Some(OTHER_HASH.into()), ..topic.clone() }, &Qos::PX4)?;
+            }
             endpoints.push(endpoint(EndpointKind::Publisher, &topic, Qos::PX4, is_matched_by_qos));
-            actor.outputs.insert(definition.name, Output { publisher, topic, count: 0 });
-        }
-        if bug.is_some_and(Bug::announces_other_type)
-            && let Some(definition) = actor.role.published().first()
-        {
-            bus.advertise(&Topic { type_hash: Some(OTHER_HASH.into()), ..topic(definition) }, &Qos::PX4)?;
+            actor.outputs.insert(name, Output { publisher, topic, count: 0 });
         }
         Ok((actor, endpoints))
+    }
+
+    /// Passes endpoints that were discovered before to the role.
+    pub(super) fn discover(&mut self, endpoints: &[Endpoint]) {
+        let now = self.now();
+        for endpoint in endpoints {
+            self.role.discovered(endpoint, now);
+        }
     }
 
     /// The time at which messages are due.
@@ -138,38 +143,42 @@ impl Actor {
     }
 
     fn receive(&mut self, bus: &mut dyn Bus, message: &Received) -> Vec<Event> {
-        let Some(definition) = self.inputs.get(&*message.topic.name) else { return Vec::new() };
-        if let Some(problem) = problem(message, definition) {
-            note(&mut self.remarks, format!("{}: {problem}", message.topic.name.escape_debug()));
-            return Vec::new();
+        let Some(name) = self.inputs.get(&*message.topic.name) else { return Vec::new() };
+        let decoded = match message.encoding {
+            Encoding::Cdr => self.release.decode(name, &message.payload),
+            Encoding::Json => Err("a role can't read messages in JSON".to_owned()),
+        };
+        match decoded {
+            Ok(message) => {
+                let replies = self.role.receive(&message, self.now());
+                self.send(bus, replies)
+            }
+            Err(problem) => {
+                note(&mut self.remarks, format!("{}: {problem}", message.topic.name.escape_debug()));
+                Vec::new()
+            }
         }
-        let message = Sent { definition: *definition, payload: message.payload.clone() };
-        let replies = self.role.receive(&message, self.now());
-        self.send(bus, replies)
     }
 
     fn send(&mut self, bus: &mut dyn Bus, messages: Vec<Sent>) -> Vec<Event> {
         let mut sent = Vec::new();
         for message in messages {
-            let Some(output) = self.outputs.get_mut(message.definition.name) else { continue };
+            let Some(output) = self.outputs.get_mut(message.name) else { continue };
             output.count += 1;
             let messages = match self.bug {
                 Some(bug) => bug.apply(message, output.count),
                 None => vec![message],
             };
-            for Sent { payload, .. } in messages {
-                if let Err(problem) = bus.publish(output.publisher, &payload) {
-                    note(&mut self.problems, format!("{}: {problem}", output.topic.name));
-                    continue;
+            for message in messages {
+                let payload = self.release.encode(&message);
+                let published = payload.and_then(|payload| {
+                    bus.publish(output.publisher, &payload)?;
+                    Ok(payload)
+                });
+                match published {
+                    Ok(payload) => sent.push(recorded(&output.topic, payload)),
+                    Err(problem) => note(&mut self.problems, format!("{}: {problem}", output.topic.name)),
                 }
-                let (topic, time) = (output.topic.clone(), bus::now());
-                sent.push(Event::Message(Received {
-                    topic,
-                    schema: None,
-                    encoding: Encoding::Cdr,
-                    time,
-                    payload,
-                }));
             }
         }
         sent
@@ -192,21 +201,19 @@ fn requested(index: usize, bug: Option<&Bug>) -> Qos {
     Qos { reliability, ..Qos::WEAKEST }
 }
 
-fn topic(definition: &Definition) -> Topic {
-    Topic {
-        name: topic_name(definition).into(),
-        type_name: format!("px4_msgs/msg/{}", definition.name).into(),
-        type_hash: Some(definition.type_hash.into()),
-    }
+/// A message of this program, for the recording.
+fn recorded(topic: &Topic, payload: Vec<u8>) -> Event {
+    let (topic, time) = (topic.clone(), bus::now());
+    Event::Message(Received { topic, schema: None, encoding: Encoding::Cdr, time, payload, is_own: true })
 }
 
 /// An endpoint of this program, for the recording. It has no type hash, so that a vehicle of another release isn't
 /// blamed for the definitions of this program.
 fn endpoint(kind: EndpointKind, topic: &Topic, qos: Qos, is_matched_by_qos: bool) -> Event {
     Event::Endpoint(Endpoint {
-        id: format!("uavspec {kind} {}", topic.name),
+        id: Endpoint::own_id(kind, &topic.name),
         kind,
-        node: Some(NODE.to_owned()),
+        node: Some("/uavspec".to_owned()),
         topic: topic.name.to_string(),
         type_name: topic.type_name.to_string(),
         type_hash: None,
@@ -221,37 +228,14 @@ fn note(notes: &mut Vec<String>, text: String) {
     }
 }
 
-/// The reason why a role can't read a message.
-fn problem(message: &Received, definition: &Definition) -> Option<&'static str> {
-    if message.encoding != Encoding::Cdr {
-        return Some("a role can't read messages in JSON");
-    }
-    let length = message.payload.len();
-    // A payload may be padded to a multiple of four bytes.
-    let is_right = definition.cdr_size.is_none_or(|size| (size..=size.next_multiple_of(4)).contains(&length));
-    (!is_right).then_some("a role can't read messages of other releases, or of another size")
-}
-
 /// Creates a participant of the arming checks.
-pub(super) fn role(side: Side, purpose: Purpose) -> Box<dyn Role> {
+pub(super) fn role(side: Side, purpose: Purpose, release: &Arc<Release>) -> Box<dyn Role> {
     match side {
-        Side::Autopilot => Box::new(Autopilot::new(purpose, BOOT)),
+        Side::Autopilot => Box::new(Autopilot::new(purpose, BOOT, Arc::clone(release))),
         Side::Component => {
             // Each `RandomState` has other keys.
             let seed = RandomState::new().build_hasher().finish();
             Box::new(Component::new(purpose, seed, BOOT))
         }
     }
-}
-
-/// The name of a topic, such as `/fmu/out/arming_check_request_v1`.
-fn topic_name(definition: &Definition) -> String {
-    let topic = definition.topics.first().copied().unwrap_or_default();
-    let direction = if is_input(definition) { "in" } else { "out" };
-    versioned(&format!("/fmu/{direction}/{topic}"), definition.version)
-}
-
-/// True if the flight controller receives messages of this type.
-fn is_input(definition: &Definition) -> bool {
-    autopilot::RECEIVED.iter().any(|known| known.name == definition.name)
 }

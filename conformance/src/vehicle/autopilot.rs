@@ -1,17 +1,17 @@
 //! The flight controller's part in arming checks, as PX4 implements it.
 
-use std::cell::OnceCell;
-use std::collections::HashMap;
+use std::sync::Arc;
 
+use serde_json::{Value, json};
 use uavspec::px4::battery_status::BatteryWarning;
 use uavspec::px4::{
     ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, MessageFormatRequest,
     MessageFormatResponse, RegisterExtComponentReply, RegisterExtComponentRequest, UnregisterExtComponent,
 };
-use uavspec_runtime::{Definition, Message};
+use uavspec_runtime::Message as _;
 
+use super::release::Release;
 use super::role::{Purpose, Role};
-use crate::definitions::topic_hashes;
 use crate::rules::px4::Sent;
 
 /// The maximum number of registrations.
@@ -63,41 +63,46 @@ const EVENT: u32 = 1_011;
 /// The log levels of the published events: info.
 const INFO: u8 = 0x66;
 
+/// `ARMING_STATE_DISARMED` of `VehicleStatus`.
+const DISARMED: u8 = 1;
+
+/// `NAVIGATION_STATE_AUTO_LOITER` of `VehicleStatus`.
+const HOLD: u8 = 4;
+
+/// The modes from 0 to this one.
+const VALID_MODES: u32 = (1 << 5) - 1;
+
+/// `VEHICLE_TYPE_ROTARY_WING` of `VehicleStatus`.
+const ROTARY_WING: u8 = 1;
+
+/// `MAV_TYPE_QUADROTOR` of `MAVLink`.
+const QUADROTOR: u8 = 2;
+
 /// All modes.
 const ALL_MODES: u32 = u32::MAX;
 
-/// The types that the flight controller receives.
-pub(super) const RECEIVED: &[Definition] = &[
-    RegisterExtComponentRequest::DEFINITION,
-    UnregisterExtComponent::DEFINITION,
-    ArmingCheckReply::DEFINITION,
-    MessageFormatRequest::DEFINITION,
+const RECEIVED: &[&str] = &[
+    RegisterExtComponentRequest::NAME,
+    UnregisterExtComponent::NAME,
+    ArmingCheckReply::NAME,
+    MessageFormatRequest::NAME,
 ];
 
-const JUDGE: &[Definition] = &[
-    ArmingCheckRequest::DEFINITION,
-    RegisterExtComponentReply::DEFINITION,
-    MessageFormatResponse::DEFINITION,
+const JUDGE: &[&str] =
+    &[ArmingCheckRequest::NAME, RegisterExtComponentReply::NAME, MessageFormatResponse::NAME];
+
+const REFERENCE: &[&str] = &[
+    ArmingCheckRequest::NAME,
+    RegisterExtComponentReply::NAME,
+    MessageFormatResponse::NAME,
+    Event::NAME,
+    FailsafeFlags::NAME,
+    BatteryStatus::NAME,
+    VEHICLE_STATUS,
 ];
 
-const REFERENCE: &[Definition] = &[
-    ArmingCheckRequest::DEFINITION,
-    RegisterExtComponentReply::DEFINITION,
-    MessageFormatResponse::DEFINITION,
-    Event::DEFINITION,
-    FailsafeFlags::DEFINITION,
-    BatteryStatus::DEFINITION,
-];
-
-/// The types of a bus that announces no type hashes. `BatteryStatus` of several releases has the same size, but other
-/// fields, so receivers would have to guess.
-const WITHOUT_BATTERY: &[Definition] = &[
-    ArmingCheckRequest::DEFINITION,
-    RegisterExtComponentReply::DEFINITION,
-    MessageFormatResponse::DEFINITION,
-    Event::DEFINITION,
-    FailsafeFlags::DEFINITION,
-];
+/// The type of the vehicle's state. The fields differ among releases, so there is no Rust type.
+const VEHICLE_STATUS: &str = "VehicleStatus";
 
 /// A flight controller. It never arms.
 pub(super) struct Autopilot {
@@ -112,8 +117,7 @@ pub(super) struct Autopilot {
     /// The number of published events.
     events: u16,
     replies: u64,
-    /// PX4's hash of each topic; read when a component asks.
-    hashes: OnceCell<HashMap<String, u32>>,
+    release: Arc<Release>,
 }
 
 /// A registered component.
@@ -126,7 +130,7 @@ struct Registration {
 }
 
 impl Autopilot {
-    pub(super) fn new(purpose: Purpose, now: u64) -> Self {
+    pub(super) fn new(purpose: Purpose, now: u64, release: Arc<Release>) -> Self {
         Self {
             purpose,
             registrations: Default::default(),
@@ -136,7 +140,7 @@ impl Autopilot {
             next_state: (purpose != Purpose::Judge).then_some(now),
             events: 0,
             replies: 0,
-            hashes: OnceCell::new(),
+            release,
         }
     }
 
@@ -167,16 +171,15 @@ impl Autopilot {
 
     /// Answers the question of a component that compares its definitions with those of the flight controller.
     fn answer_format(&self, request: &MessageFormatRequest, now: u64) -> Sent {
-        let hashes = self.hashes.get_or_init(|| topic_hashes(&[RECEIVED, self.published()].concat()));
         let topic = request.topic_name.as_str().ok().and_then(|name| name.rsplit_once('/'));
         let is_known = request.protocol_version == MessageFormatRequest::LATEST_PROTOCOL_VERSION;
-        let hash = topic.and_then(|(_, topic)| hashes.get(topic)).filter(|_| is_known);
+        let hash = topic.and_then(|(_, topic)| self.release.hash(topic)).filter(|_| is_known);
         Sent::new(&MessageFormatResponse {
             timestamp: now,
             protocol_version: MessageFormatRequest::LATEST_PROTOCOL_VERSION,
             topic_name: request.topic_name,
             success: hash.is_some(),
-            message_hash: hash.copied().unwrap_or_default(),
+            message_hash: hash.unwrap_or_default(),
         })
     }
 
@@ -253,22 +256,23 @@ impl Autopilot {
         (self.purpose != Purpose::Judge).then(|| Sent::new(&event))
     }
 
-    fn state(&mut self, now: u64) -> [Sent; 2] {
+    fn state(&mut self, now: u64) -> [Sent; 3] {
         self.next_state = Some(now + STATE_INTERVAL);
-        [Sent::new(&battery(now)), Sent::new(&failsafe_flags(now))]
+        let status = Sent::json(VEHICLE_STATUS, vehicle_status(now));
+        [Sent::new(&battery(now)), Sent::new(&failsafe_flags(now)), status]
     }
 }
 
 impl Role for Autopilot {
-    fn published(&self) -> &'static [Definition] {
-        match self.purpose {
-            Purpose::Judge => JUDGE,
-            Purpose::Reference { has_battery: true } => REFERENCE,
-            Purpose::Reference { has_battery: false } => WITHOUT_BATTERY,
-        }
+    fn folder(&self) -> &'static str {
+        "out"
     }
 
-    fn received(&self) -> &'static [Definition] {
+    fn published(&self) -> &'static [&'static str] {
+        if self.purpose == Purpose::Judge { JUDGE } else { REFERENCE }
+    }
+
+    fn received(&self) -> &'static [&'static str] {
         RECEIVED
     }
 
@@ -344,6 +348,26 @@ fn battery(now: u64) -> BatteryStatus {
     battery
 }
 
+/// The state of a disarmed multicopter.
+fn vehicle_status(now: u64) -> Value {
+    json!({
+        "timestamp": now,
+        "arming_state": DISARMED,
+        "nav_state": HOLD,
+        "nav_state_user_intention": HOLD,
+        "nav_state_display": HOLD,
+        "valid_nav_states_mask": VALID_MODES,
+        "can_set_nav_states_mask": VALID_MODES,
+        "vehicle_type": ROTARY_WING,
+        "system_type": QUADROTOR,
+        "system_id": 1,
+        "component_id": 1,
+        "pre_flight_checks_pass": true,
+        "safety_off": true,
+        "power_input_valid": true,
+    })
+}
+
 /// The flags of a vehicle on the ground without a radio.
 fn failsafe_flags(now: u64) -> FailsafeFlags {
     FailsafeFlags {
@@ -358,7 +382,16 @@ fn failsafe_flags(now: u64) -> FailsafeFlags {
 
 #[cfg(test)]
 mod tests {
+    use uavspec_runtime::Message;
+
     use super::*;
+    use crate::definitions::Library;
+    use crate::vehicle::Namespace;
+
+    fn autopilot(purpose: Purpose) -> Autopilot {
+        let library = Library::built_in();
+        Autopilot::new(purpose, 0, Arc::new(Release::new(library.base(), &library, Namespace::default())))
+    }
 
     fn registration(name: &str, id: u64) -> Sent {
         Sent::new(&RegisterExtComponentRequest {
@@ -392,7 +425,7 @@ mod tests {
 
     #[test]
     fn accepts_eight_components() {
-        let mut autopilot = Autopilot::new(Purpose::Judge, 0);
+        let mut autopilot = autopilot(Purpose::Judge);
         for number in 0..8 {
             let reply = registered(&mut autopilot, &format!("component {number}"));
             assert_eq!((reply.success, reply.arming_check_id), (true, number));
@@ -407,7 +440,7 @@ mod tests {
 
     #[test]
     fn a_component_without_replies_is_unresponsive() {
-        let mut autopilot = Autopilot::new(Purpose::Reference { has_battery: true }, 0);
+        let mut autopilot = autopilot(Purpose::Reference);
         autopilot.next_state = None;
         registered(&mut autopilot, "silent");
         let masks: Vec<u32> = requests(&mut autopilot, 5, false)
@@ -421,7 +454,7 @@ mod tests {
 
     #[test]
     fn a_judge_sends_unusual_requests() {
-        let mut autopilot = Autopilot::new(Purpose::Judge, 0);
+        let mut autopilot = autopilot(Purpose::Judge);
         registered(&mut autopilot, "component");
         let requests = requests(&mut autopilot, 24, true);
         let pairs = || requests.iter().zip(&requests[1..]);

@@ -4,19 +4,16 @@ use uavspec::px4::{
     ArmingCheckReply, ArmingCheckRequest, Event, RegisterExtComponentReply, RegisterExtComponentRequest,
     UnregisterExtComponent,
 };
-use uavspec_runtime::{Definition, Message, Text};
+use uavspec_runtime::{Message as _, Text};
 
 use super::role::{Purpose, Role};
 use crate::rules::px4::Sent;
 
 /// The types of the messages that a component publishes.
-pub(super) const PUBLISHED: &[Definition] = &[
-    ArmingCheckReply::DEFINITION,
-    RegisterExtComponentRequest::DEFINITION,
-    UnregisterExtComponent::DEFINITION,
-];
+const PUBLISHED: &[&str] =
+    &[ArmingCheckReply::NAME, RegisterExtComponentRequest::NAME, UnregisterExtComponent::NAME];
 
-const RECEIVED: &[Definition] = &[ArmingCheckRequest::DEFINITION, RegisterExtComponentReply::DEFINITION];
+const RECEIVED: &[&str] = &[ArmingCheckRequest::NAME, RegisterExtComponentReply::NAME];
 
 /// The time after which a registration without a reply is repeated, in µs.
 const RETRY_TIME: u64 = 1_000_000;
@@ -78,7 +75,7 @@ enum State {
 impl Component {
     pub(super) fn new(purpose: Purpose, seed: u64, now: u64) -> Self {
         let members = match purpose {
-            Purpose::Reference { .. } => vec![Member::new("uavspec reference", seed, now)],
+            Purpose::Reference => vec![Member::new("uavspec reference", seed, now)],
             Purpose::Judge => vec![
                 Member::new("uavspec probe", seed, now),
                 Member {
@@ -99,7 +96,7 @@ impl Component {
         let replies = (0..).zip(members).filter_map(|(index, member)| {
             let is_refused = match purpose {
                 Purpose::Judge => index == 0 && member.replies + 1 == REFUSAL,
-                Purpose::Reference { .. } => (member.replies + 1).is_multiple_of(REFUSAL_INTERVAL),
+                Purpose::Reference => (member.replies + 1).is_multiple_of(REFUSAL_INTERVAL),
             };
             member.answer(request.request_id, is_refused)
         });
@@ -205,11 +202,15 @@ impl Member {
 }
 
 impl Role for Component {
-    fn published(&self) -> &'static [Definition] {
+    fn folder(&self) -> &'static str {
+        "in"
+    }
+
+    fn published(&self) -> &'static [&'static str] {
         PUBLISHED
     }
 
-    fn received(&self) -> &'static [Definition] {
+    fn received(&self) -> &'static [&'static str] {
         RECEIVED
     }
 
@@ -266,7 +267,7 @@ mod tests {
 
     #[test]
     fn repeats_a_registration_without_a_reply() {
-        let mut component = Component::new(Purpose::Reference { has_battery: true }, 5, 0);
+        let mut component = Component::new(Purpose::Reference, 5, 0);
         for attempt in 0..5 {
             assert_eq!(component.next_tick(), Some(attempt * RETRY_TIME));
             assert_eq!(registration(&mut component, attempt * RETRY_TIME).request_id, 5);

@@ -5,8 +5,9 @@ use std::collections::{HashSet, VecDeque};
 use globset::GlobSet;
 use uavspec::px4::{MessageFormatRequest, MessageFormatResponse};
 use uavspec_codegen::emit::docs::markdown::plural;
-use uavspec_runtime::{Definition, Message};
+use uavspec_runtime::Message as _;
 
+use super::namespace::Namespace;
 use super::role::Role;
 use crate::definitions::unversioned;
 use crate::model::{ApplicationType, Endpoint};
@@ -28,14 +29,12 @@ const MAX_SILENT: usize = 2;
 /// The maximum number of topics in a note.
 const MAX_LISTED: usize = 8;
 
-/// The folders of the topics that PX4 exchanges with applications.
-const FOLDERS: [&str; 2] = ["/fmu/in/", "/fmu/out/"];
-
 /// The questions of an application to a flight controller. PX4 stores a single question, so the next one follows
 /// after the response.
 pub(super) struct Inquiry {
     /// The topics that the application defines, without folder and version.
     defined: HashSet<String>,
+    namespace: Namespace,
     selected: Option<GlobSet>,
     known: HashSet<String>,
     waiting: VecDeque<String>,
@@ -54,9 +53,14 @@ struct Question {
 
 impl Inquiry {
     /// Creates the questions of an application. `selected` are the topics that the user selected, if any.
-    pub(super) fn new(application: &[ApplicationType], selected: Option<GlobSet>) -> Self {
+    pub(super) fn new(
+        application: &[ApplicationType],
+        namespace: Namespace,
+        selected: Option<GlobSet>,
+    ) -> Self {
         Self {
             defined: application.iter().flat_map(|ty| ty.topics.iter().cloned()).collect(),
+            namespace,
             selected,
             known: HashSet::new(),
             waiting: VecDeque::new(),
@@ -67,13 +71,12 @@ impl Inquiry {
         }
     }
 
-    /// The name of an endpoint's topic in a question. `None` if the application doesn't use the topic.
+    /// The name of an endpoint's topic in a question, without a namespace. `None` if the application doesn't use the topic.
     fn asked_name(&self, topic: &str) -> Option<String> {
-        let folder = FOLDERS.into_iter().find(|folder| topic.starts_with(folder))?;
-        let name = &topic[folder.len()..];
+        let (folder, name) = self.namespace.strip(topic)?.rsplit_once('/')?;
         let name = unversioned(name).filter(|_| !self.defined.contains(name)).unwrap_or(name);
         let is_selected = self.selected.as_ref().is_none_or(|selected| selected.is_match(topic));
-        (is_selected && self.defined.contains(name)).then(|| format!("{folder}{name}"))
+        (is_selected && self.defined.contains(name)).then(|| format!("{folder}/{name}"))
     }
 
     /// Asks the next question.
@@ -88,12 +91,16 @@ impl Inquiry {
 }
 
 impl Role for Inquiry {
-    fn published(&self) -> &'static [Definition] {
-        &[MessageFormatRequest::DEFINITION]
+    fn folder(&self) -> &'static str {
+        "in"
     }
 
-    fn received(&self) -> &'static [Definition] {
-        &[MessageFormatResponse::DEFINITION]
+    fn published(&self) -> &'static [&'static str] {
+        &[MessageFormatRequest::NAME]
+    }
+
+    fn received(&self) -> &'static [&'static str] {
+        &[MessageFormatResponse::NAME]
     }
 
     fn discovered(&mut self, endpoint: &Endpoint, now: u64) {
@@ -183,7 +190,6 @@ fn listed(topics: &[&String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::EndpointKind;
 
     fn inquiry() -> Inquiry {
         let ty = |topic: &str| ApplicationType {
@@ -193,21 +199,11 @@ mod tests {
             hash: 0,
             fields: String::new(),
         };
-        Inquiry::new(&["wind", "vehicle_status"].map(ty), None)
+        Inquiry::new(&["wind", "vehicle_status"].map(ty), Namespace::default(), None)
     }
 
     fn discover(inquiry: &mut Inquiry, topic: &str) {
-        let endpoint = Endpoint {
-            id: topic.to_owned(),
-            kind: EndpointKind::Publisher,
-            node: None,
-            topic: topic.to_owned(),
-            type_name: String::new(),
-            type_hash: None,
-            qos: None,
-            is_matched_by_qos: true,
-        };
-        inquiry.discovered(&endpoint, 0);
+        inquiry.discovered(&Endpoint::publisher(topic), 0);
     }
 
     fn asked(sent: &[Sent]) -> Vec<String> {

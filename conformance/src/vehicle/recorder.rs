@@ -10,7 +10,7 @@ use ::mcap::records::MessageHeader;
 
 use crate::bus::{Encoding, Event, Received, Schema, Topic};
 use crate::capture::mcap::{
-    self, APPLICATION, CUT_SHORT, ENDPOINT, LOST, NOTE, Packing, Writer, metadata_body,
+    self, APPLICATION, CUT_SHORT, ENDPOINT, LOST, NOTE, OWN, Packing, Writer, metadata_body,
 };
 use crate::check::{HASH, LiveBag};
 use crate::model::ApplicationType;
@@ -21,8 +21,8 @@ const MAX_CHANNELS: usize = 10_000;
 /// The maximum size of a recording, in bytes.
 pub(super) const MAX_SIZE: u64 = 8 << 30;
 
-/// A channel: a topic with its schema and encoding.
-type Key = (Topic, Option<Arc<Schema>>, Encoding);
+/// A channel: a topic with its schema and encoding, and whether this program sends its messages.
+type Key = (Topic, Option<Arc<Schema>>, Encoding, bool);
 
 /// Writes a bag. Each record can be checked at the same time.
 pub(super) struct Recorder {
@@ -139,7 +139,7 @@ impl Recorder {
     }
 
     fn message(&mut self, message: &Received, mut live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
-        let key = (message.topic.clone(), message.schema.clone(), message.encoding);
+        let key = (message.topic.clone(), message.schema.clone(), message.encoding, message.is_own);
         let is_full = self.channels.len() >= MAX_CHANNELS;
         let (channel, sequence) = match self.channels.get_mut(&key) {
             Some((id, sequence)) => {
@@ -163,7 +163,7 @@ impl Recorder {
 
     /// Declares a channel. Returns its id.
     fn channel(&mut self, key: Key, mut live: Option<&mut LiveBag<'_>>) -> io::Result<u16> {
-        let (topic, schema, encoding) = &key;
+        let (topic, schema, encoding, is_own) = &key;
         let schema = self.schema(topic, schema.as_ref(), live.as_deref_mut())?;
         let id = u16::try_from(self.channels.len()).map_err(io::Error::other)?;
         let encoding = match encoding {
@@ -171,7 +171,8 @@ impl Recorder {
             Encoding::Json => "json",
         };
         let hash = topic.type_hash.as_ref().map(|hash| (HASH.to_owned(), hash.to_string()));
-        let metadata: BTreeMap<String, String> = hash.into_iter().collect();
+        let own = is_own.then(|| (OWN.to_owned(), true.to_string()));
+        let metadata: BTreeMap<String, String> = hash.into_iter().chain(own).collect();
         self.writer.channel((id, schema), (&topic.name, encoding), &metadata);
         if let Some(live) = live {
             let (topic, encoding) = (topic.name.to_string(), encoding.to_owned());

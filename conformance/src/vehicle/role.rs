@@ -2,18 +2,19 @@
 //!
 //! A role is a state machine without input, output or clock. An [`Actor`](super::actor::Actor) connects a role to a bus.
 
-use uavspec_runtime::Definition;
-
 use crate::model::Endpoint;
 use crate::rules::px4::Sent;
 
 /// A participant of the bus. All times are in µs since boot.
 pub(crate) trait Role {
+    /// The folder of the topics that this participant publishes: `in` or `out`. The received topics are in the other one.
+    fn folder(&self) -> &'static str;
+
     /// The types of the published messages.
-    fn published(&self) -> &'static [Definition];
+    fn published(&self) -> &'static [&'static str];
 
     /// The types of the received messages.
-    fn received(&self) -> &'static [Definition];
+    fn received(&self) -> &'static [&'static str];
 
     /// Handles a publisher or subscriber that was discovered.
     fn discovered(&mut self, _endpoint: &Endpoint, _now: u64) {}
@@ -42,8 +43,5 @@ pub(crate) enum Purpose {
     /// The role tests another participant: it sends unusual messages, which are all valid.
     Judge,
     /// The role is a reference for other programs.
-    Reference {
-        /// True if a reference autopilot publishes its battery.
-        has_battery: bool,
-    },
+    Reference,
 }

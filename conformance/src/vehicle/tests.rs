@@ -20,8 +20,12 @@ const TIME: Duration = Duration::from_millis(2_200);
 /// The time for messages after the release was chosen, even on a slow machine.
 const LONG: Duration = Duration::from_secs(5);
 
-/// Publishes the messages of a flight on these topics.
+/// Publishes the messages of a flight on these topics, which announce their type hashes.
 fn fly(bus: &mut MemoryBus, flight: &Flight<'_>, is_flown: impl Fn(&str) -> bool) {
+    fly_as(bus, flight, true, is_flown);
+}
+
+fn fly_as(bus: &mut MemoryBus, flight: &Flight<'_>, has_hashes: bool, is_flown: impl Fn(&str) -> bool) {
     let schema = &flight.definitions.schema;
     let publishers: Vec<_> = flight
         .topics
@@ -31,7 +35,7 @@ fn fly(bus: &mut MemoryBus, flight: &Flight<'_>, is_flown: impl Fn(&str) -> bool
             let topic = Topic {
                 name: format!("/fmu/out/{}", topic.name).into(),
                 type_name: ros_name(schema, message).into(),
-                type_hash: Some(message.type_hash.as_str().into()),
+                type_hash: has_hashes.then(|| message.type_hash.as_str().into()),
             };
             is_flown(&message.name).then(|| bus.advertise(&topic, &Qos::PX4).expect("a publisher"))
         })
@@ -47,7 +51,15 @@ fn fly(bus: &mut MemoryBus, flight: &Flight<'_>, is_flown: impl Fn(&str) -> bool
 
 fn options(time: Duration, record: Option<&Path>) -> Options {
     let record = record.map(Path::to_path_buf);
-    Options { time, topics: None, role: None, application: None, record, is_stopped: Box::new(|| false) }
+    Options {
+        time,
+        topics: None,
+        role: None,
+        namespace: None,
+        application: None,
+        record,
+        is_stopped: Box::new(|| false),
+    }
 }
 
 /// The numbers of findings, by rule and subject.
@@ -160,6 +172,42 @@ fn topics_that_appear_late_choose_the_release_again() {
 }
 
 #[test]
+fn names_of_topics_show_the_release_of_a_vehicle_without_type_hashes() {
+    let options = Options { role: Some(Side::Component), ..options(LONG, None) };
+    let found = probed_with(options, |network| {
+        let library = Library::release("px4@1.15").expect("a release");
+        fly_as(&mut network.connect("/px4"), &Flight::new(library.base()), false, |_| true);
+        thread::sleep(LONG);
+    });
+    // Newer releases have other messages of the same size, on topics with a version.
+    assert_eq!(found.definitions.name, "PX4 1.15");
+    assert_eq!(counts(&found.result.findings), BTreeMap::new());
+}
+
+#[test]
+fn several_components_answer_the_same_requests() {
+    let options = Options { role: Some(Side::Component), ..options(LONG, None) };
+    let found = probed_with(options, |network| {
+        let end = Instant::now() + LONG;
+        let is_over = || Instant::now() > end;
+        let library = Library::built_in();
+        thread::scope(|scope| {
+            for side in [Side::Autopilot, Side::Component] {
+                let (is_over, library) = (&is_over, &library);
+                let serve = move || {
+                    let mut bus = network.connect(&format!("/{side:?}"));
+                    serve(&mut bus, library, &Namespace::default(), side, None, is_over)
+                };
+                scope.spawn(move || serve().expect("served"));
+            }
+        });
+    });
+    assert_eq!(counts(&found.result.findings), BTreeMap::new());
+    let covered = found.result.findings.covered(rule("PX-EXT-01").expect("a rule"));
+    assert!(covered > 5, "{covered}");
+}
+
+#[test]
 fn only_selected_topics_are_received() {
     let network = Network::default();
     let mut bus = network.connect("/probe");
@@ -178,39 +226,91 @@ fn only_selected_topics_are_received() {
     assert_eq!(found.result.records, flights.counts()["failsafe_flags"]);
 }
 
-/// Compares an application with the reference autopilot.
-fn compared_with(definitions: &Definitions) -> Checked {
-    let application = ApplicationType::all(&definitions.schema);
-    let options = Options { application: Some(application), ..options(TIME, None) };
+/// Compares an application of a release with the reference autopilot of PX4 1.18.
+fn compared_with(release: &str) -> Checked {
+    let library = Library::release(release).expect("a release");
+    let application = ApplicationType::all(&library.base().schema);
+    let options = Options { application: Some(application), ..options(LONG, None) };
     probed_with(options, |network| {
-        let end = Instant::now() + TIME;
+        let end = Instant::now() + LONG;
         let is_over = || Instant::now() > end;
-        serve(&mut network.connect("/px4"), Side::Autopilot, true, None, &is_over).expect("served");
+        let library = Library::release("px4@1.18").expect("a release");
+        serve(&mut network.connect("/px4"), &library, &Namespace::default(), Side::Autopilot, None, &is_over)
+            .expect("served");
     })
 }
 
 #[test]
 fn an_application_with_the_definitions_of_the_vehicle_conforms() {
-    let found = compared_with(&Definitions::built_in());
+    let found = compared_with("px4@1.18");
     assert_eq!(counts(&found.result.findings), BTreeMap::new());
     let rule = rule("PX-HASH-02").expect("a rule");
-    assert_eq!(found.result.findings.covered(rule), 10);
+    assert_eq!(found.result.findings.covered(rule), 11);
     assert_eq!(found.result.notes, Vec::<String>::new());
+}
+
+/// Probes a reference participant of a release as the other one.
+fn probed_reference(release: &str, namespace: &str, side: Side) -> Checked {
+    let role = if side == Side::Autopilot { Side::Component } else { Side::Autopilot };
+    probed_with(Options { role: Some(role), ..options(LONG, None) }, |network| {
+        let end = Instant::now() + LONG;
+        let is_over = || Instant::now() > end;
+        let library = Library::release(release).expect("a release");
+        let namespace = namespace.parse().expect("a namespace");
+        serve(&mut network.connect("/px4"), &library, &namespace, side, None, &is_over).expect("served");
+    })
+}
+
+#[test]
+fn roles_speak_the_release_of_the_vehicle() {
+    let releases = ["1.15", "1.16", "1.17", "1.18", "main"];
+    thread::scope(|scope| {
+        for (release, side) in releases.into_iter().flat_map(|release| {
+            [Side::Autopilot, Side::Component].map(|side| (format!("px4@{release}"), side))
+        }) {
+            scope.spawn(move || {
+                let found = probed_reference(&release, "", side);
+                assert_eq!(counts(&found.result.findings), BTreeMap::new(), "{release} {side:?}");
+                assert_eq!(found.result.notes, Vec::<String>::new(), "{release} {side:?}");
+                let replies = rule("PX-EXT-01").expect("a rule");
+                assert!(found.result.findings.covered(replies) > 0, "{release} {side:?}");
+            });
+        }
+    });
+}
+
+#[test]
+fn roles_use_the_namespace_of_the_vehicle() {
+    let found = probed_reference("px4@1.17", "fleet/uav_1", Side::Autopilot);
+    assert_eq!(counts(&found.result.findings), BTreeMap::new());
+    assert_eq!(found.result.notes, Vec::<String>::new());
+    assert!(found.result.findings.covered(rule("PX-EXT-01").expect("a rule")) > 0);
+}
+
+#[test]
+fn several_vehicles_require_a_choice() {
+    let found = probed_with(Options { role: Some(Side::Component), ..options(TIME, None) }, |network| {
+        for topic in ["/a/fmu/out/wind", "/b/fmu/out/wind"] {
+            network.send(&Event::Endpoint(Endpoint::publisher(topic)), usize::MAX);
+        }
+        thread::sleep(TIME);
+    });
+    let problem = "there are several vehicles: choose one with --namespace /a or /b";
+    assert_eq!(found.result.cut_short, [problem]);
 }
 
 #[test]
 fn an_application_of_another_release_is_found() {
-    let found = compared_with(Library::release("px4@1.14").expect("a release").base());
+    let found = compared_with("px4@1.17");
     let groups: Vec<_> = found.result.findings.groups().collect();
-    assert_eq!(groups.len(), 1, "{groups:?}");
-    assert_eq!((groups[0].rule.id, &*groups[0].subject), ("PX-HASH-02", "/fmu/out/failsafe_flags"));
-    let (_, detail) = &groups[0].examples[0];
-    assert_eq!(
-        detail.message,
-        "FailsafeFlags: the application has that of px4@1.14, but the vehicle has that of px4@1.15: missing fields: \
-         geofence_breached (bool); additional fields: primary_geofence_breached (bool). All other values are at the \
-         same positions"
-    );
+    let subjects: Vec<_> = groups.iter().map(|group| (group.rule.id, &*group.subject)).collect();
+    let topics = [
+        "/fmu/in/register_ext_component_request",
+        "/fmu/out/failsafe_flags",
+        "/fmu/out/register_ext_component_reply",
+        "/fmu/out/vehicle_status",
+    ];
+    assert_eq!(subjects, topics.map(|topic| ("PX-HASH-02", topic)), "{groups:?}");
 }
 
 #[test]
@@ -244,18 +344,9 @@ fn recordings_contain_problems_and_the_reason_of_an_early_end() {
 #[test]
 fn topics_without_a_ros_name_are_noted() {
     let found = probed(TIME, |network| {
-        let endpoint = |name: &str, is_matched_by_qos| Endpoint {
-            id: name.to_owned(),
-            kind: EndpointKind::Publisher,
-            node: None,
-            topic: name.to_owned(),
-            type_name: "T".to_owned(),
-            type_hash: None,
-            qos: None,
-            is_matched_by_qos,
-        };
-        network.send(&Event::Endpoint(endpoint("rq/service", true)), usize::MAX);
-        network.send(&Event::Endpoint(endpoint("wind", false)), usize::MAX);
+        network.send(&Event::Endpoint(Endpoint::publisher("rq/service")), usize::MAX);
+        let wind = Endpoint { is_matched_by_qos: false, ..Endpoint::publisher("wind") };
+        network.send(&Event::Endpoint(wind), usize::MAX);
         thread::sleep(TIME);
     });
     assert_eq!(found.result.notes, ["wind: not checked, because the names of ROS topics start with `/`"]);

@@ -42,6 +42,35 @@ impl Probed {
         &self.report["subjects"][0]
     }
 
+    /// The findings: the rule, and the first message.
+    pub(crate) fn findings(&self) -> Vec<(&str, &str)> {
+        let findings = self.vehicle()["findings"].as_array().expect("a list");
+        let found = findings.iter().map(|finding| {
+            (
+                finding["rule"].as_str().expect("a rule"),
+                finding["examples"][0]["message"].as_str().expect("a text"),
+            )
+        });
+        found.collect()
+    }
+
+    /// The number of values to which a rule applied.
+    pub(crate) fn covered(&self, rule: &str) -> u64 {
+        let rules = self.vehicle()["rules"].as_array().expect("a list");
+        let found = rules.iter().find(|found| found["id"] == rule).expect("the rule");
+        found["exercised"].as_u64().expect("a number")
+    }
+
+    /// The number of messages.
+    pub(crate) fn messages(&self) -> u64 {
+        self.vehicle()["records"].as_u64().expect("a number")
+    }
+
+    /// The texts of a list.
+    pub(crate) fn texts(&self, list: &str) -> String {
+        self.vehicle()[list].to_string()
+    }
+
     /// The member of the report about a topic.
     pub(crate) fn topic(&self, name: &str) -> &Value {
         let channels = self.vehicle()["channels"].as_array().expect("channels");

@@ -1,7 +1,6 @@
 //! The load of a live vehicle: many large messages over each transport.
 
-use std::env;
-use std::ffi::{OsStr, OsString};
+use std::ffi::OsStr;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::path::Path;
@@ -11,24 +10,47 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-/// The transports with their addresses, and the port of the publisher.
-const TRANSPORTS: [(&str, &str, &str); 3] = [
-    ("dds", "dds://88", "88"),
-    ("zenoh", "zenoh://127.0.0.1:17447", "17447"),
-    ("foxglove", "foxglove://127.0.0.1:18765", "18765"),
+/// A publisher of many messages.
+struct Load {
+    transport: &'static str,
+    address: &'static str,
+    /// The port, or the domain.
+    port: &'static str,
+    ty: &'static str,
+    /// The size of a message in bytes.
+    size: &'static str,
+}
+
+/// A type that no rule judges.
+const UNKNOWN: &str = "load_msgs/msg/Load";
+
+const LOADS: [Load; 4] = [
+    Load { transport: "dds", address: "dds://88", port: "88", ty: UNKNOWN, size: "1336" },
+    Load {
+        transport: "dds",
+        address: "dds://89",
+        port: "89",
+        ty: "px4_msgs/msg/EstimatorStates",
+        size: "220",
+    },
+    Load { transport: "zenoh", address: "zenoh://127.0.0.1:17447", port: "17447", ty: UNKNOWN, size: "1336" },
+    Load {
+        transport: "foxglove",
+        address: "foxglove://127.0.0.1:18765",
+        port: "18765",
+        ty: UNKNOWN,
+        size: "1336",
+    },
 ];
 
-/// The number of topics, the rate of each in Hz, and the size of a message in bytes.
-const LOAD: [&str; 3] = ["60", "250", "1336"];
+/// The number of topics, and the rate of each in Hz.
+const TOPICS: [&str; 2] = ["60", "250"];
 
 /// The time of the load in seconds, and the longer time of the probe.
 const SECONDS: [&str; 2] = ["20", "26"];
 
 /// The time between two readings of the memory.
 const INTERVAL: Duration = Duration::from_millis(250);
-
-/// The environment variable that names another program.
-const PROGRAM: &str = "UAVSPEC";
 
 /// The settings of Cyclone DDS: only the loopback interface, without multicast.
 const CYCLONE: &str = "<CycloneDDS><Domain>\
@@ -45,29 +67,22 @@ pub(super) fn run() -> Result<(), String> {
         let help = "cargo test -p uavspec-conformance --features live --test live";
         return Err(format!("{PYTHON} doesn't exist\n  help: run {help}"));
     }
-    let program = program()?;
-    let [topics, rate, size] = LOAD;
-    println!("{topics} topics, {rate} Hz each, {size} bytes a message, {} s, one core each", SECONDS[0]);
-    println!("transport    sent      received  lost    CPU      memory at 25, 50, 75 and 100 % of the time");
-    TRANSPORTS.iter().try_for_each(|(transport, address, port)| measure(&program, transport, address, port))
+    let program = super::program("live")?;
+    let [topics, rate] = TOPICS;
+    println!("{topics} topics, {rate} Hz each, {} s, one core each", SECONDS[0]);
+    println!(
+        "transport    bytes  judged    sent      received  lost    CPU      memory at 25, 50, 75 and 100 % of the time"
+    );
+    LOADS.iter().try_for_each(|load| measure(&program, load))
 }
 
-/// The program to measure: the release build, unless the environment names another program.
-fn program() -> Result<OsString, String> {
-    if let Some(program) = env::var_os(PROGRAM) {
-        return Ok(program);
-    }
-    let build = ["build", "--release", "--package", "uavspec-conformance", "--features", "live"];
-    super::cargo(Path::new("."), &build)?;
-    Ok("target/release/uavspec".into())
-}
-
-fn measure(program: &OsStr, transport: &str, address: &str, port: &str) -> Result<(), String> {
-    let (mut publisher, mut output) = start_publisher(transport, port)?;
+fn measure(program: &OsStr, load: &Load) -> Result<(), String> {
+    let Load { transport, address, size, .. } = load;
+    let (mut publisher, mut output) = start_publisher(load)?;
     let report = format!("target/live-load-{transport}.json");
     let mut probe = on_core("0", program);
     probe.args(["probe", address, "--for", SECONDS[1]]);
-    if transport == "dds" {
+    if *transport == "dds" {
         probe.args(["--peer", "127.0.0.1"]);
     }
     probe.args(["--report", &format!("json={report}")]).stdout(Stdio::null());
@@ -83,20 +98,26 @@ fn measure(program: &OsStr, transport: &str, address: &str, port: &str) -> Resul
     let sent: u64 = sent.split(' ').next().and_then(|count| count.parse().ok()).unwrap_or_default();
     let report = fs::read(&report).map_err(|error| error.to_string())?;
     let report: Value = serde_json::from_slice(&report).map_err(|error| error.to_string())?;
-    let received = report["subjects"][0]["records"].as_u64().unwrap_or_default();
+    let records = &report["subjects"][0]["coverage"]["records"];
+    let [received, judged] = ["total", "checked"].map(|part| records[part].as_u64().unwrap_or_default());
     let memory: Vec<String> = (1..=4)
         .filter_map(|part| usage.memory.get((usage.memory.len() * part / 4).saturating_sub(1)))
         .map(|kilobytes| format!("{} MB", kilobytes / 1_000))
         .collect();
     let (lost, time) = (sent.saturating_sub(received), usage.time.as_secs_f64());
-    println!("{transport:<12} {sent:<9} {received:<9} {lost:<7} {time:<6.2} s {}", memory.join(", "));
+    println!(
+        "{transport:<12} {size:<6} {judged:<9} {sent:<9} {received:<9} {lost:<7} {time:<6.2} s {}",
+        memory.join(", ")
+    );
     Ok(())
 }
 
 /// Starts a publisher, which waits until a line arrives.
-fn start_publisher(transport: &str, port: &str) -> Result<(Child, BufReader<ChildStdout>), String> {
+fn start_publisher(load: &Load) -> Result<(Child, BufReader<ChildStdout>), String> {
     let mut command = on_core("1", PYTHON);
-    command.arg("conformance/tests/live/peers/load.py").args([transport, port]).args(LOAD).arg(SECONDS[0]);
+    let Load { transport, port, ty, size, .. } = *load;
+    command.arg("conformance/tests/live/peers/load.py").args([transport, port, ty]).args(TOPICS);
+    command.args([size, SECONDS[0]]);
     command.env("CYCLONEDDS_URI", CYCLONE).stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut publisher = command.spawn().map_err(|error| format!("cannot run {PYTHON}: {error}"))?;
     let mut output = BufReader::new(publisher.stdout.take().ok_or("the publisher has no output")?);

@@ -19,7 +19,7 @@ use crate::probe;
 use crate::report::CheckedCapture;
 use crate::rules::px4::Side;
 use crate::text::terminal;
-use crate::vehicle::{Options, probe};
+use crate::vehicle::{Namespace, Options, probe};
 
 /// The default time to listen.
 const TIME: Duration = Duration::from_secs(20);
@@ -40,6 +40,11 @@ pub(super) struct VehicleArgs {
     /// without rosapi can't list its topics, so they must be named without patterns.
     #[arg(long, value_name = "GLOB", value_delimiter = ',')]
     topics: Vec<Glob>,
+    /// Namespace of the vehicle, such as alpha for topics in /alpha/fmu (default: that of the only vehicle).
+    ///
+    /// For --as and --application.
+    #[arg(long, value_name = "NAMESPACE")]
+    namespace: Option<Namespace>,
     /// IP address of a computer that multicast doesn't reach (DDS, repeatable).
     #[arg(long, value_name = "ADDRESS")]
     peer: Vec<IpAddr>,
@@ -71,6 +76,7 @@ impl VehicleArgs {
         let options = [
             ("--for", self.time.is_some()),
             ("--topics", !self.topics.is_empty()),
+            ("--namespace", self.namespace.is_some()),
             ("--peer", !self.peer.is_empty()),
             ("--application", self.application.is_some()),
             ("--as", self.role.is_some()),
@@ -121,6 +127,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let options = Options {
         time: args.vehicle.time.unwrap_or(TIME),
         topics: args.vehicle.selected(),
+        namespace: args.vehicle.namespace.clone(),
         role: args.vehicle.side(),
         application,
         record: args.record.clone(),

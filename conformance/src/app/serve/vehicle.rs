@@ -4,18 +4,24 @@ use std::sync::mpsc::{TryRecvError, channel};
 use std::time::Instant;
 
 use serde_json::json;
+use uavspec_codegen::msg::Dialect;
 
 use super::bug::{self, ServedBug};
 use super::{ServeArgs, end_on_request};
-use crate::app::{Format, Status};
+use crate::app::{Format, Status, library};
 use crate::bus::{self, Address};
+use crate::definitions::Library;
 use crate::rules::px4::Side;
 use crate::text::terminal;
 use crate::vehicle;
 
 /// Serves a reference participant until the time has passed or the end is requested.
 pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Status {
-    match run(args, address) {
+    let library = match library(args.definitions.as_deref(), Some(Dialect::Px4), &[]) {
+        Ok(library) => library,
+        Err(status) => return status,
+    };
+    match run(args, address, &library) {
         Ok(()) => Status::Conforms,
         Err(problem) => {
             terminal::error(format_args!("{address}: {problem}"), None);
@@ -24,7 +30,7 @@ pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Status {
     }
 }
 
-fn run(args: &ServeArgs, address: &Address) -> Result<(), String> {
+fn run(args: &ServeArgs, address: &Address, library: &Library) -> Result<(), String> {
     let (side, name) =
         if args.component { (Side::Component, "component") } else { (Side::Autopilot, "autopilot") };
     let mut bus = bus::connect(address, &args.peer, &[])?;
@@ -43,5 +49,5 @@ fn run(args: &ServeArgs, address: &Address) -> Result<(), String> {
         is_requested || args.time.is_some_and(|time| started.elapsed() >= time)
     };
     let bug = args.bug.and_then(ServedBug::of_vehicle);
-    vehicle::serve(&mut *bus, side, address.announces_types(), bug, &is_over)
+    vehicle::serve(&mut *bus, library, &args.namespace, side, bug, &is_over)
 }

@@ -105,7 +105,14 @@ impl Source {
         }
         let time = nanoseconds(message.receive_instant);
         let payload = message.sample;
-        events.send(Event::Message(Received { topic, schema: None, encoding: Encoding::Cdr, time, payload }));
+        events.send(Event::Message(Received {
+            topic,
+            schema: None,
+            encoding: Encoding::Cdr,
+            time,
+            payload,
+            is_own: false,
+        }));
     }
 
     /// The state of a publisher whose next message has this sequence number.

@@ -51,6 +51,7 @@ impl Intake {
             encoding: Encoding::Cdr,
             time: now(),
             payload: sample.payload().to_bytes().into_owned(),
+            is_own: false,
         }));
     }
 

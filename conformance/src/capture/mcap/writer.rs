@@ -14,7 +14,8 @@ use mcap::records::{MessageHeader, op};
 use self::chunk::Chunk;
 pub(crate) use self::chunk::compressed;
 use self::record::{bytes, prefixed, record, text, texts};
-use super::{AttachmentHead, MAGIC, Packing};
+
+use super::{AttachmentHead, LIBRARY, MAGIC, Packing};
 
 /// The size of a chunk, in bytes. A larger chunk has fewer bytes in the summary, but readers need more memory.
 const CHUNK_SIZE: usize = 4 << 20;
@@ -71,7 +72,7 @@ impl<W: Write> Writer<W> {
         let mut start = MAGIC.to_vec();
         record(&mut start, op::HEADER, |out| {
             text(out, profile);
-            text(out, &format!("uavspec {}", env!("CARGO_PKG_VERSION")));
+            text(out, &format!("{LIBRARY}{}", env!("CARGO_PKG_VERSION")));
         });
         writer.put(&start)?;
         Ok(writer)

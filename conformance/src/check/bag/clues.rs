@@ -7,13 +7,14 @@ use std::path::Path;
 
 use super::{HASH, Stated, is_type_hash};
 use crate::capture::MCAP_MAGIC;
-use crate::capture::mcap::{Event, Reader};
-use crate::capture::rosbag::metadata::{self, Metadata};
+use crate::capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadata};
+use crate::capture::rosbag::metadata::{Metadata, open};
 use crate::check::Source;
 use crate::check::json::Found;
 use crate::check::release::MAX_AHEAD;
 use crate::check::topic::{full_name, plain, service_of};
-use crate::definitions::{Clues, TypeClue};
+use crate::definitions::{Clues, TypeClue, version_of_topic};
+use crate::model::Endpoint;
 
 /// The maximum number of types.
 const MAX_TYPES: usize = 10_000;
@@ -28,13 +29,21 @@ const FOOTER: usize = 9 + 20 + 8;
 pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
     let summary = source.file.and_then(summary).map(declarations).unwrap_or_default();
     let has_hash = |clue: &TypeClue| clue.type_hash.is_some();
-    if summary != Clues::default() && summary.types.values().all(has_hash) {
+    // The summary of a recording lacks the endpoints.
+    if !source.file.is_some_and(is_recording)
+        && summary != Clues::default()
+        && summary.types.values().all(has_hash)
+    {
         return summary;
     }
     // The messages at the start show the sizes of types without a hash.
     let mut clues = declarations(&mut *source.bytes);
+    for (name, versions) in summary.topic_versions {
+        clues.topic_versions.entry(name).or_default().extend(versions);
+    }
     for (name, clue) in summary.types {
-        clues.types.entry(name).or_insert(clue);
+        let known = clues.types.entry(name).or_insert_with(|| clue.clone());
+        known.versions.extend(clue.versions);
     }
     clues
 }
@@ -42,6 +51,14 @@ pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
 /// Reads the declarations in an MCAP file that is still being written.
 pub(in crate::check) fn recording(path: &Path) -> io::Result<Clues> {
     Ok(declarations(File::open(path)?.take(MAX_AHEAD)))
+}
+
+/// True if this program wrote a file.
+fn is_recording(path: &Path) -> bool {
+    let Ok(file) = File::open(path) else { return false };
+    let mut reader = Reader::new(file);
+    let first = reader.next();
+    matches!(first, Ok(Some(Item { event: Event::Header { library, .. }, .. })) if library.starts_with(LIBRARY))
 }
 
 /// The summary of an MCAP file, preceded by the magic.
@@ -71,10 +88,11 @@ fn declarations(input: impl Read) -> Clues {
                 let hash = (encoding == "ros2msg").then(|| schema_hash(&name, text)).flatten();
                 schemas.insert(id, (name, hash));
             }
-            Event::Channel { id, schema, encoding, metadata, .. } if encoding == "cdr" => {
+            Event::Channel { metadata, .. } if metadata.contains_key(OWN) => {}
+            Event::Channel { id, schema, topic, encoding, metadata } if encoding == "cdr" => {
                 let Some((name, hash)) = schemas.get(&schema) else { continue };
                 let stated = metadata.get(HASH).filter(|hash| is_type_hash(hash));
-                if let Some(name) = add(&mut clues, name, hash.as_ref().or(stated)) {
+                if let Some(name) = add(&mut clues, &topic, name, hash.as_ref().or(stated)) {
                     unknown.insert(id, name);
                 }
             }
@@ -90,6 +108,13 @@ fn declarations(input: impl Read) -> Clues {
                 }
                 if let Some(clue) = unknown.remove(&channel).and_then(|name| clues.types.get_mut(&name)) {
                     clue.size = Some(payload.len() as u64);
+                }
+            }
+            Event::Metadata { body } => {
+                let values = metadata(body).filter(|(name, _)| name == ENDPOINT).map(|(_, values)| values);
+                let endpoint = values.as_ref().and_then(Endpoint::from_values);
+                if let Some(endpoint) = endpoint.filter(|endpoint| !endpoint.is_own()) {
+                    add_version(&mut clues, &endpoint.topic, &full_name(&endpoint.type_name));
                 }
             }
             _ => {}
@@ -124,7 +149,7 @@ pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
         let stated = Some(&topic.hash).filter(|hash| is_type_hash(hash));
         let hash = hashes.get(&topic.ty).or(stated);
         if topic.encoding == "cdr"
-            && let Some(name) = add(&mut clues, &topic.ty, hash)
+            && let Some(name) = add(&mut clues, &topic.name, &topic.ty, hash)
         {
             unknown.insert(topic.id, name);
         }
@@ -150,16 +175,17 @@ pub(in crate::check) fn folder(folder: &Path) -> Clues {
     let mut clues = Clues::default();
     for file in metadata.files.iter().take(MAX_FILES) {
         let path = folder.join(file);
-        let Ok(mut bytes) = metadata::open(&path) else { continue };
+        let Ok(mut bytes) = open(&path) else { continue };
         let mut source = Source { bytes: &mut bytes, file: Some(&path) };
         let found = if summary(&path).is_some() { mcap(&mut source) } else { sqlite(&mut source) };
         clues.types.extend(found.types);
+        clues.topic_versions.extend(found.topic_versions);
     }
     clues
 }
 
-/// Adds a type. Returns its name if its hash isn't known.
-fn add(clues: &mut Clues, name: &str, hash: Option<&String>) -> Option<String> {
+/// Adds the type of a topic. Returns its name if its hash isn't known.
+fn add(clues: &mut Clues, topic: &str, name: &str, hash: Option<&String>) -> Option<String> {
     let name = full_name(name);
     if clues.types.len() >= MAX_TYPES {
         return None;
@@ -168,7 +194,20 @@ fn add(clues: &mut Clues, name: &str, hash: Option<&String>) -> Option<String> {
     if clue.type_hash.is_none() {
         clue.type_hash = hash.cloned();
     }
-    clue.type_hash.is_none().then_some(name)
+    clue.versions.extend(version_of_topic(topic));
+    let is_unknown = clue.type_hash.is_none();
+    add_version(clues, topic, &name);
+    is_unknown.then_some(name)
+}
+
+/// Adds the version in the name of a topic.
+fn add_version(clues: &mut Clues, topic: &str, name: &str) {
+    let is_known = clues.topic_versions.contains_key(name);
+    if let Some(version) = version_of_topic(topic)
+        && (is_known || clues.topic_versions.len() < MAX_TYPES)
+    {
+        clues.topic_versions.entry(name.to_owned()).or_default().insert(version);
+    }
 }
 
 /// The type hash of a schema. The hash of a service can't be calculated from an event. rosbag2 writes an empty schema for

@@ -120,6 +120,8 @@ impl Basis {
 pub(super) struct Identity {
     pub(super) index: usize,
     pub(super) name: String,
+    /// The name with its namespace.
+    pub(super) topic: String,
     pub(super) definition: Option<MessageId>,
     pub(super) version: Option<u32>,
     pub(super) location: Location,
@@ -128,7 +130,6 @@ pub(super) struct Identity {
 /// A channel with its state.
 pub(super) struct Open {
     pub(super) identity: Identity,
-    topic: String,
     encoding: String,
     pub(super) schema: Option<(String, String)>,
     pub(super) reading: Reading,
@@ -151,6 +152,7 @@ impl Identity {
         Channel {
             index: self.index,
             topic: &self.name,
+            full_topic: &self.topic,
             multi_id: None,
             definition: self.definition,
             version: self.version,
@@ -173,11 +175,11 @@ impl Open {
             identity: Identity {
                 index,
                 name: escaped(topic_of(&declared.topic)),
+                topic: escaped(&declared.topic),
                 definition,
                 version: None,
                 location,
             },
-            topic: escaped(&declared.topic),
             encoding: escaped(&declared.encoding),
             schema: schema.map(|(name, encoding)| (escaped(name), escaped(encoding))),
             reading: Reading::Skipped,
@@ -198,7 +200,7 @@ impl Open {
             | CheckStatus::Checked(Basis::Undecided) => false,
             CheckStatus::Checked(_) => true,
         };
-        ComparedTopic { topic: &self.topic, definition: self.identity.definition, is_equal }
+        ComparedTopic { topic: &self.identity.topic, definition: self.identity.definition, is_equal }
     }
 
     /// The differences between the channel's schema and the definition.
@@ -226,9 +228,14 @@ impl Open {
         if other_cdr > 0 {
             result = result.max(PartResult::Unsupported);
         }
-        parts.add(&self.topic, result, self.tally, self.fields.unwrap_or_default().times(checked, records));
+        parts.add(
+            &self.identity.topic,
+            result,
+            self.tally,
+            self.fields.unwrap_or_default().times(checked, records),
+        );
         BagChannel {
-            topic: self.topic,
+            topic: self.identity.topic,
             encoding: self.encoding,
             schema: self.schema,
             messages: records,

@@ -1,7 +1,9 @@
 //! Reads a `SQLite` file of rosbag2, and names ROS 1 bags.
 
-use std::io::Read as _;
+use std::io::{self, Read};
 use std::path::Path;
+
+use tempfile::{NamedTempFile, TempPath};
 
 use super::{BagContent, BagFile, BagSummary, Channels};
 use crate::capture::rosbag::{CONVERT_ROS1, ROS1_MAGIC, SQLITE_MAGIC};
@@ -47,33 +49,28 @@ pub(super) fn read_source(
     if let Some(path) = source.file {
         return read(path, bag, file, distribution);
     }
-    // SQLite reads its files in any order.
-    let copy = tempfile::NamedTempFile::new().map(|mut file| {
-        let copied = std::io::copy(&mut source.take(MAX_UNPACKED), &mut file);
-        (file.into_temp_path(), copied)
-    });
-    let mut failed = |error: &std::io::Error| {
-        let text = format!("the rest is unreadable: {error}");
-        bag.corruption(file.name, Location::Byte(0), &text, Extent::Unreadable);
+    let (path, problem) = copy(source);
+    if let Some((location, text)) = problem {
+        bag.corruption(file.name, location, &text, Extent::Unreadable);
+    }
+    path.map_or(0, |path| read(&path, bag, file, distribution))
+}
+
+/// Copies a `SQLite` file, which is read in any order, to a temporary file. Also returns the problem that ended the copy.
+pub(in crate::check) fn copy(source: &mut dyn Read) -> (Option<TempPath>, Option<(Location, String)>) {
+    let unreadable = |error: io::Error| (Location::Byte(0), format!("the rest is unreadable: {error}"));
+    let mut file = match NamedTempFile::new() {
+        Ok(file) => file,
+        Err(error) => return (None, Some(unreadable(error))),
     };
-    let path = match copy {
-        Ok((path, copied)) => {
-            if let Err(error) = copied {
-                failed(&error);
-            }
-            path
-        }
-        Err(error) => {
-            failed(&error);
-            return 0;
-        }
-    };
+    if let Err(error) = io::copy(&mut source.take(MAX_UNPACKED), &mut file) {
+        return (Some(file.into_temp_path()), Some(unreadable(error)));
+    }
     if source.read(&mut [0]).is_ok_and(|read| read > 0) {
         let text = format!("the bag has more than {MAX_UNPACKED} bytes: decompress it first");
-        bag.corruption(file.name, Location::Byte(MAX_UNPACKED), &text, Extent::Unreadable);
-        return 0;
+        return (None, Some((Location::Byte(MAX_UNPACKED), text)));
     }
-    read(&path, bag, file, distribution)
+    (Some(file.into_temp_path()), None)
 }
 
 #[cfg(not(feature = "db3"))]

@@ -1,7 +1,9 @@
 //! Bugs in the reference autopilot and the reference component. Each bug violates a rule.
 
-use uavspec_runtime::cdr::ByteOrder;
-use uavspec_runtime::{Definition, Message};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use uavspec_runtime::Message;
 
 use super::Px4Rule;
 use crate::bus::Address;
@@ -71,27 +73,57 @@ enum Change {
     Reliable,
 }
 
+/// A Rust type of messages.
+pub(crate) trait Typed: Message + Default + Serialize + DeserializeOwned {}
+
+impl<M: Message + Default + Serialize + DeserializeOwned> Typed for M {}
+
 /// A message of a participant.
 #[derive(Clone, Debug)]
 pub(crate) struct Sent {
-    /// The type.
-    pub definition: Definition,
-    /// The message in CDR, including the encapsulation header.
-    pub payload: Vec<u8>,
+    /// The type, such as `ArmingCheckReply`.
+    pub name: &'static str,
+    /// The message in JSON.
+    pub value: Value,
+    /// A bug in the encoded message.
+    pub corrupt: Option<fn(&mut Vec<u8>)>,
 }
 
 impl Sent {
-    /// Encodes a message.
-    pub(crate) fn new<M: Message>(message: &M) -> Self {
-        // Messages of fixed size can always be encoded.
-        let payload = message.to_cdr(ByteOrder::LittleEndian).unwrap_or_default();
-        Self { definition: M::DEFINITION, payload }
+    /// Creates a message.
+    pub(crate) fn new<M: Message + Serialize>(message: &M) -> Self {
+        // All messages can be represented.
+        Self::json(M::NAME, serde_json::to_value(message).unwrap_or_default())
     }
 
-    /// The message, if it has this type and can be read.
-    pub(crate) fn read<M: Message>(&self) -> Option<M> {
-        let is_of_type = self.definition.name == M::NAME;
-        is_of_type.then(|| M::from_cdr(&self.payload).ok()).flatten()
+    /// Creates a message of a type that this program has no Rust type for.
+    pub(crate) fn json(name: &'static str, value: Value) -> Self {
+        Self { name, value, corrupt: None }
+    }
+
+    /// The message, if it has this type and can be read. Fields that the release lacks are 0.
+    pub(crate) fn read<M: Typed>(&self) -> Option<M> {
+        if self.name != M::NAME {
+            return None;
+        }
+        let mut value = serde_json::to_value(M::default()).ok()?;
+        merge(&mut value, &self.value);
+        serde_json::from_value(value).ok()
+    }
+}
+
+/// Copies the members and items that two values have in common.
+pub(crate) fn merge(into: &mut Value, from: &Value) {
+    match (into, from) {
+        (Value::Object(into), Value::Object(from)) => {
+            for (name, value) in into {
+                from.get(name).into_iter().for_each(|other| merge(value, other));
+            }
+        }
+        (Value::Array(into), Value::Array(from)) => {
+            into.iter_mut().zip(from).for_each(|(value, other)| merge(value, other));
+        }
+        (into, from) => *into = from.clone(),
     }
 }
 
@@ -111,8 +143,7 @@ impl Bug {
         Self { side, description, needs: Needs::Qos, also: &[], change: Change::Reliable }
     }
 
-    /// Marks a bug that only some buses show. The size of `FailsafeFlags` and `BatteryStatus` doesn't show their release, so
-    /// bugs in them need type hashes.
+    /// Marks a bug that only some buses show.
     pub(super) const fn needing(self, needs: Needs) -> Self {
         Self { needs, ..self }
     }
@@ -153,12 +184,12 @@ impl Outgoing {
 
     /// True for each message of this type whose number is a multiple of `interval`.
     fn is_due<M: Message>(&self, interval: u64) -> bool {
-        let is_of_type = self.message.as_ref().is_some_and(|sent| sent.definition.name == M::NAME);
+        let is_of_type = self.message.as_ref().is_some_and(|sent| sent.name == M::NAME);
         is_of_type && self.number.is_multiple_of(interval)
     }
 
     /// Changes each `interval`-th message of this type.
-    pub(super) fn edit<M: Message>(&mut self, interval: u64, change: impl FnOnce(&mut M)) {
+    pub(super) fn edit<M: Typed>(&mut self, interval: u64, change: impl FnOnce(&mut M)) {
         if !self.is_due::<M>(interval) {
             return;
         }
@@ -169,16 +200,16 @@ impl Outgoing {
     }
 
     /// Changes the payload of each `interval`-th message of this type.
-    pub(super) fn edit_payload<M: Message>(&mut self, interval: u64, change: impl FnOnce(&mut Vec<u8>)) {
+    pub(super) fn edit_payload<M: Message>(&mut self, interval: u64, change: fn(&mut Vec<u8>)) {
         if self.is_due::<M>(interval)
             && let Some(sent) = &mut self.message
         {
-            change(&mut sent.payload);
+            sent.corrupt = Some(change);
         }
     }
 
     /// Sends a changed copy after each `interval`-th message of this type.
-    pub(super) fn follow<M: Message>(&mut self, interval: u64, change: impl FnOnce(&mut M)) {
+    pub(super) fn follow<M: Typed>(&mut self, interval: u64, change: impl FnOnce(&mut M)) {
         if self.is_due::<M>(interval)
             && let Some(mut message) = self.message.as_ref().and_then(Sent::read::<M>)
         {

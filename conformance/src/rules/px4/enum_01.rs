@@ -1,9 +1,9 @@
 //! `PX-ENUM-01`.
 
-use uavspec::px4::FailsafeFlags;
+use uavspec::px4::BatteryStatus;
 use uavspec::px4::battery_status::BatteryWarning;
 
-use super::bug::{Bug, Needs, Side};
+use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Violated;
 
@@ -25,12 +25,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             definition.",
     },
     check: Check::Value,
-    bug: Some(
-        Bug::message(Side::Autopilot, "`battery_warning` of every third FailsafeFlags is 5.", |out| {
-            out.edit(3, |flags: &mut FailsafeFlags| flags.battery_warning = BatteryWarning(5));
-        })
-        .needing(Needs::TypeHashes),
-    ),
+    bug: Some(Bug::message(Side::Autopilot, "`warning` of every third BatteryStatus is 100.", |out| {
+        out.edit(3, |battery: &mut BatteryStatus| battery.warning = BatteryWarning(100));
+    })),
     mutants: &[Mutant {
         name: "an undocumented value",
         change: Change::Flight(|flight| flight.violating(Violated::Enum)),

@@ -105,8 +105,9 @@ pub(super) trait Listener: Default {
 #[derive(Default)]
 pub(super) struct Talk<L> {
     listener: L,
-    /// For each role, the first channel that had a message.
-    channels: [Option<usize>; ROLES.len()],
+    /// For each role, the first channel that had a message, with its full topic. A bag may contain several channels of a
+    /// topic.
+    channels: [Option<(usize, String)>; ROLES.len()],
     /// True if there are several flight controllers, whose messages can't be distinguished.
     is_ambiguous: bool,
     latest: Option<(u8, Option<u64>)>,
@@ -118,7 +119,9 @@ impl<L: Listener> Checker for Talk<L> {
     }
 
     fn closed(&mut self, channel: &Channel<'_>) {
-        let is_closed = |known: &&mut Option<usize>| **known == Some(channel.index);
+        let is_closed = |known: &&mut Option<(usize, String)>| {
+            known.as_ref().is_some_and(|(index, _)| *index == channel.index)
+        };
         self.channels.iter_mut().filter(is_closed).for_each(|known| *known = None);
     }
 
@@ -129,10 +132,14 @@ impl<L: Listener> Checker for Talk<L> {
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(role) = role(channel, context) else { return };
         // Loggers subscribe to instances that are never published, so only channels with messages count.
-        let first = *self.channels[role as usize].get_or_insert(channel.index);
+        let first = self.channels[role as usize]
+            .get_or_insert_with(|| (channel.index, channel.full_topic.to_owned()));
         // Components may use several instances of a topic, but only one flight controller sends requests.
-        let is_instance = channel.multi_id.is_some() && role != Role::Request;
-        self.is_ambiguous |= first != channel.index && !is_instance;
+        let is_same = match channel.multi_id {
+            Some(_) => role != Role::Request,
+            None => first.1 == channel.full_topic,
+        };
+        self.is_ambiguous |= first.0 != channel.index && !is_same;
         if !self.is_ambiguous && self.dispatch(role, channel, message, context).is_none() {
             self.forget();
         }

@@ -43,6 +43,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
                 });
             },
         )
+        // The flags of several releases have the same size.
         .needing(Needs::TypeHashes),
     ),
     mutants: &[Mutant {

@@ -2,7 +2,7 @@
 
 use uavspec::px4::BatteryStatus;
 
-use super::bug::{Bug, Needs, Side};
+use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Violated;
 
@@ -23,12 +23,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             the definition.",
     },
     check: Check::Value,
-    bug: Some(
-        Bug::message(Side::Autopilot, "`remaining` of every third BatteryStatus is NaN.", |out| {
-            out.edit(3, |battery: &mut BatteryStatus| battery.remaining = f32::NAN);
-        })
-        .needing(Needs::TypeHashes),
-    ),
+    bug: Some(Bug::message(Side::Autopilot, "`remaining` of every third BatteryStatus is NaN.", |out| {
+        out.edit(3, |battery: &mut BatteryStatus| battery.remaining = f32::NAN);
+    })),
     mutants: &[Mutant {
         name: "NaN in a field without `@invalid NaN`",
         change: Change::Flight(|flight| flight.violating(Violated::Nan)),

@@ -2,7 +2,7 @@
 
 use uavspec::px4::BatteryStatus;
 
-use super::bug::{Bug, Needs, Side};
+use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_runtime::Rule as Violated;
 
@@ -23,12 +23,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
               value is valid, extend the range in the definition.",
     },
     check: Check::Value,
-    bug: Some(
-        Bug::message(Side::Autopilot, "`remaining` of every third BatteryStatus is 1.5.", |out| {
-            out.edit(3, |battery: &mut BatteryStatus| battery.remaining = 1.5);
-        })
-        .needing(Needs::TypeHashes),
-    ),
+    bug: Some(Bug::message(Side::Autopilot, "`remaining` of every third BatteryStatus is 1.5.", |out| {
+        out.edit(3, |battery: &mut BatteryStatus| battery.remaining = 1.5);
+    })),
     mutants: &[Mutant {
         name: "a value outside its range",
         change: Change::Flight(|flight| flight.violating(Violated::Range)),

@@ -6,6 +6,9 @@ use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
 use uavspec_codegen::dynamic::{Placed, PlacedElement};
 
+/// The position of the `name` in the payload, after the encapsulation header, `timestamp` and `request_id`.
+const NAME: usize = 4 + 8 + 8;
+
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-STR-01",
@@ -23,10 +26,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::Value,
     bug: Some(Bug::message(Side::Component, "The name of the component ends with an invalid byte.", |out| {
-        out.edit(1, |request: &mut RegisterExtComponentRequest| {
-            let length = request.name.bytes().len();
-            if let Some(byte) = request.name.0.get_mut(length) {
-                *byte = 0xff;
+        out.edit_payload::<RegisterExtComponentRequest>(1, |payload| {
+            if let Some(end) = payload.iter_mut().skip(NAME).find(|byte| **byte == 0) {
+                *end = 0xff;
             }
         });
     })),

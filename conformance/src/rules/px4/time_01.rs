@@ -1,8 +1,8 @@
 //! `PX-TIME-01`.
 
-use uavspec::px4::FailsafeFlags;
+use uavspec::px4::BatteryStatus;
 
-use super::bug::{Bug, Needs, Side};
+use super::bug::{Bug, Side};
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
     Rule, RuleContext, Status,
@@ -27,18 +27,15 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             that only one module publishes each topic instance.",
     },
     check: Check::State(|| Box::new(Times::default())),
-    bug: Some(
-        Bug::message(
-            Side::Autopilot,
-            "The `timestamp` of every third FailsafeFlags is 3 s too early.",
-            |out| {
-                out.edit(3, |flags: &mut FailsafeFlags| {
-                    flags.timestamp = flags.timestamp.saturating_sub(3_000_000);
-                });
-            },
-        )
-        .needing(Needs::TypeHashes),
-    ),
+    bug: Some(Bug::message(
+        Side::Autopilot,
+        "The `timestamp` of every third BatteryStatus is 3 s too early.",
+        |out| {
+            out.edit(3, |battery: &mut BatteryStatus| {
+                battery.timestamp = battery.timestamp.saturating_sub(3_000_000);
+            });
+        },
+    )),
     mutants: &[Mutant {
         name: "a final message with an earlier timestamp than the ones before it",
         change: Change::Flight(back),

@@ -45,6 +45,7 @@ pub(crate) fn watch_live(live: &Live<'_>, library: &Library, texts: &Texts, play
                     time: MAX_TIME,
                     topics: topics(),
                     role: None,
+                    namespace: None,
                     application: None,
                     record: None,
                     is_stopped: Box::new(live.is_stopped),

@@ -1,7 +1,7 @@
-"""A publisher of many large messages: load.py TRANSPORT PORT TOPICS RATE SIZE SECONDS
+"""A publisher of many messages: load.py TRANSPORT PORT TYPE TOPICS RATE SIZE SECONDS
 
-TRANSPORT is `dds`, `zenoh` or `foxglove`. PORT is the domain for DDS. RATE is in Hz for each topic, and SIZE is that of a payload
-in bytes. Prints the number of messages that were sent in SECONDS, and the time that the computer took for them.
+TRANSPORT is `dds`, `zenoh` or `foxglove`. PORT is the domain for DDS. TYPE is a ROS type, such as `px4_msgs/msg/EstimatorStates`.
+RATE is in Hz for each topic, and SIZE is that of a payload in bytes. A payload consists of the time in µs, and zeros. Prints the number of messages that were sent in SECONDS, and the time that the computer took for them.
 """
 
 import os
@@ -10,9 +10,16 @@ import sys
 import time
 from dataclasses import dataclass
 
-TRANSPORT = sys.argv[1]
-PORT, TOPICS, RATE, SIZE, SECONDS = map(int, sys.argv[2:7])
+TRANSPORT, PORT, TYPE = sys.argv[1], int(sys.argv[2]), sys.argv[3]
+TOPICS, RATE, SIZE, SECONDS = map(int, sys.argv[4:8])
+DDS_TYPE = "{}::{}::dds_::{}_".format(*TYPE.split("/"))
+HEADER = b"\0\1\0\0"
 NAMES = [f"/fmu/out/load_{index}" for index in range(TOPICS)]
+
+
+def fields():
+    """A message without the encapsulation header."""
+    return struct.pack("<Q", time.monotonic_ns() // 1000) + bytes(SIZE - 12)
 
 
 def dds():
@@ -24,14 +31,13 @@ def dds():
     from cyclonedds.topic import Topic
 
     @dataclass
-    class Load(IdlStruct, typename="load_msgs::msg::dds_::Load_"):
+    class Load(IdlStruct, typename=DDS_TYPE):
         data: array[uint8, SIZE - 4]
 
     participant = DomainParticipant(PORT)
     qos = Qos(Policy.Reliability.BestEffort, Policy.Durability.TransientLocal, Policy.History.KeepLast(1))
     writers = [DataWriter(participant, Topic(participant, f"rt{name}", Load), qos=qos) for name in NAMES]
-    message = Load(bytes(SIZE - 4))
-    return [lambda writer=writer: writer.write(message) for writer in writers]
+    return [lambda writer=writer: writer.write(Load(fields())) for writer in writers]
 
 
 def zenoh():
@@ -46,19 +52,19 @@ def zenoh():
         config.insert_json5(key, value)
     session = zenoh.open(config)
     tokens, puts = [], []
-    kind, hash = "load_msgs::msg::dds_::Load_", "RIHS01_" + "0" * 64
+    hash = "RIHS01_" + "0" * 64
 
     def put(publisher, attachment):
         number = 0
         while True:
             number += 1
-            publisher.put(bytes(SIZE), attachment=struct.pack("<qq", number, time.time_ns()) + attachment)
+            publisher.put(HEADER + fields(), attachment=struct.pack("<qq", number, time.time_ns()) + attachment)
             yield
 
     for index, name in enumerate(NAMES):
-        token = f"@ros2_lv/0/{session.zid()}/0/{index}/MP/%/%/load/{name.replace('/', '%')}/{kind}/{hash}/2:1:,1:,:,:,,"
+        token = f"@ros2_lv/0/{session.zid()}/0/{index}/MP/%/%/load/{name.replace('/', '%')}/{DDS_TYPE}/{hash}/2:1:,1:,:,:,,"
         tokens.append(session.liveliness().declare_token(token))
-        publisher = session.declare_publisher(f"0{name}/{kind}/{hash}", congestion_control=zenoh.CongestionControl.BLOCK)
+        publisher = session.declare_publisher(f"0{name}/{DDS_TYPE}/{hash}", congestion_control=zenoh.CongestionControl.BLOCK)
         puts.append(put(publisher, b"\x10" + os.urandom(16)))
     # The session must live as long as its publishers.
     return [lambda put=put, _=(session, tokens): next(put) for put in puts]
@@ -69,11 +75,10 @@ def foxglove():
     from foxglove import Channel, Schema
 
     text = f"uint8[{SIZE - 4}] data\n".encode()
-    schema = Schema(name="load_msgs/msg/Load", encoding="ros2msg", data=text)
+    schema = Schema(name=TYPE, encoding="ros2msg", data=text)
     channels = [Channel(name, schema=schema, message_encoding="cdr") for name in NAMES]
     server = foxglove.start_server(name="load", host="127.0.0.1", port=PORT)
-    message = b"\0\1\0\0" + bytes(SIZE - 4)
-    return [lambda channel=channel, _=server: channel.log(message) for channel in channels]
+    return [lambda channel=channel, _=server: channel.log(HEADER + fields()) for channel in channels]
 
 
 publish = {"dds": dds, "zenoh": zenoh, "foxglove": foxglove}[TRANSPORT]()
