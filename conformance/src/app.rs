@@ -22,6 +22,7 @@ mod completions;
 mod convert;
 mod explain;
 mod init;
+mod inputs;
 mod interrupt;
 mod known;
 mod lsp;

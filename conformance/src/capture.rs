@@ -3,7 +3,10 @@
 pub(crate) mod input;
 pub(crate) mod json;
 pub(crate) mod mcap;
+pub(crate) mod names;
 pub(crate) mod rosbag;
+#[cfg(feature = "stores")]
+pub(crate) mod store;
 pub mod ulog;
 
 /// The first bytes of MCAP files.

@@ -64,8 +64,10 @@ pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 pub(crate) use self::topic::{definition_of, topic_of};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
-use crate::capture::input;
+use crate::capture::input::{self, Input};
 use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
+#[cfg(feature = "stores")]
+use crate::capture::store::{Failure, Object};
 use crate::definitions::{Clues, Definitions, Library};
 use crate::model::{Extent, Findings, Location};
 
@@ -309,6 +311,44 @@ pub(crate) fn observe_path(
     check_path_with(path, None, library, Some(observer), reading)
 }
 
+/// Like [`check_path`], for an object in an object store, and also passes the records to an observer.
+///
+/// # Errors
+/// Fails if the object can't be read completely.
+#[cfg(feature = "stores")]
+fn check_object(
+    object: &Object,
+    message_id: Option<MessageId>,
+    library: &Library,
+    observer: Option<&mut dyn Observer>,
+    reading: Reading<'_>,
+) -> io::Result<Checked> {
+    let failure = Failure::default();
+    let input = reading(object.open(&failure)?);
+    let checked = check_stream(input, None, message_id, library, observer);
+    failure.take().map_or(Ok(checked), |problem| Err(io::Error::other(problem)))
+}
+
+/// Like [`check_path`], for any input, and also passes the records to an observer.
+pub(crate) fn check_input(
+    input: &Input,
+    message_id: Option<MessageId>,
+    library: &Library,
+    observer: Option<&mut dyn Observer>,
+    reading: Reading<'_>,
+) -> io::Result<Checked> {
+    match input {
+        Input::Path(path) => check_path_with(path, message_id, library, observer, reading),
+        #[cfg(feature = "stores")]
+        Input::Object(object) => check_object(object, message_id, library, observer, reading),
+        #[cfg(feature = "tables")]
+        Input::Bytes(_, bytes) => {
+            let bytes = reading(Box::new(io::Cursor::new(Arc::clone(bytes))));
+            Ok(check_stream(bytes, None, message_id, library, observer))
+        }
+    }
+}
+
 fn check_path_with(
     path: &Path,
     message_id: Option<MessageId>,
@@ -323,14 +363,58 @@ fn check_path_with(
         return Ok(Checked { result, definitions });
     }
     let input = reading(input::open(path)?);
+    Ok(check_stream(input, Some(path).filter(|path| path.is_file()), message_id, library, observer))
+}
+
+/// Checks a copy of a `SQLite` file, whose release only a file shows.
+fn check_copy(
+    bytes: &mut dyn Read,
+    library: &Library,
+    observer: Option<&mut dyn Observer>,
+) -> io::Result<Checked> {
+    let (copy, problem) = bag::copy(bytes);
+    let mut checked = match &copy {
+        Some(path) => {
+            let source = Source { bytes: &mut File::open(path)?, file: Some(path) };
+            check_with(source, None, library, observer)?
+        }
+        None => Checked { result: CaptureResult::unknown(""), definitions: Arc::clone(library.base()) },
+    };
+    if let Some((location, text)) = problem {
+        if copy.is_none() {
+            checked.result = CaptureResult::unknown(text.clone());
+        }
+        checked.result.corruption.push((location, text));
+        checked.result.extent = Extent::Unreadable;
+    }
+    Ok(checked)
+}
+
+/// Checks the bytes of a capture. `file` consists of these bytes.
+fn check_stream(
+    input: Box<dyn Read + Send>,
+    file: Option<&Path>,
+    message_id: Option<MessageId>,
+    library: &Library,
+    observer: Option<&mut dyn Observer>,
+) -> Checked {
     let checked = input::decompressed(input).and_then(|(mut bytes, is_plain)| {
-        let file = (is_plain && path.is_file()).then_some(path);
-        check_with(Source { bytes: &mut bytes, file }, message_id, library, observer)
+        if let Some(file) = file.filter(|_| is_plain) {
+            return check_with(Source { bytes: &mut bytes, file: Some(file) }, message_id, library, observer);
+        }
+        let mut start = Vec::new();
+        bytes.by_ref().take(START as u64).read_to_end(&mut start)?;
+        let is_sqlite = (bag::SQLITE.detect)(&start);
+        let whole = &mut io::Cursor::new(start).chain(bytes);
+        if is_sqlite {
+            return check_copy(whole, library, observer);
+        }
+        check_with(Source { bytes: whole, file: None }, message_id, library, observer)
     });
-    Ok(checked.unwrap_or_else(|error| {
+    checked.unwrap_or_else(|error| {
         let result = CaptureResult::unknown(format!("the file can't be read: {error}"));
         Checked { result, definitions: Arc::clone(library.base()) }
-    }))
+    })
 }
 
 /// Like [`check_capture`], with the definitions that the library chooses.

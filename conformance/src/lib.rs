@@ -38,6 +38,7 @@ pub mod report;
 pub mod rules;
 pub mod serve;
 mod story;
+pub mod tables;
 pub mod testee;
 #[cfg(test)]
 mod tests;

@@ -63,6 +63,8 @@ pub use self::capture::{CheckedCapture, Settings};
 pub use self::kind::Kind;
 pub use self::outcome::{Outcome, OutcomeKind};
 pub(crate) use self::stream::Stream;
+#[cfg(all(test, feature = "tables"))]
+pub(crate) use self::stream::tests::subjects;
 pub use self::testee::{Case, CaseVerdict, Counts, Remark, Row, Testee, TesteeKind};
 pub(crate) use self::text::{end as end_text, subject as subject_text};
 pub(crate) use self::totals::Totals;
@@ -223,6 +225,9 @@ pub struct Subject {
     /// True if the capture is a file, so that its lines can be looked up. False for a live server without a recording.
     #[serde(skip)]
     pub is_readable_again: bool,
+    /// The start in UTC, in µs since 1970, if it is known.
+    #[serde(skip)]
+    pub start_utc: Option<u64>,
     /// The duration of the check, in milliseconds. The JSON report omits the duration because it differs between runs.
     #[serde(skip)]
     pub elapsed: u128,
@@ -309,6 +314,9 @@ pub struct Example {
     pub excerpt: String,
     /// The time of the record since the start of the capture, in seconds, if it is known.
     pub time_s: Option<f64>,
+    /// The time of the record in UTC, in µs since 1970, if it is known.
+    #[serde(skip)]
+    pub utc_us: Option<u64>,
     /// The time of the record in UTC, if it is known.
     pub utc: Option<String>,
     /// The log time of the record in nanoseconds, if it is in a bag.
@@ -380,6 +388,15 @@ impl Report {
     ) -> Self {
         let totals = Totals::of(&subjects);
         Self { subjects, ..Self::of_totals(action, command, &definitions.name, totals, unreadable, reasons) }
+    }
+
+    /// Creates the report of a single subject.
+    #[cfg(feature = "tables")]
+    pub(crate) fn of_subject(action: Action, command: String, definitions: &str, subject: Subject) -> Self {
+        let subjects = vec![subject];
+        let totals = Totals::of(&subjects);
+        let report = Self::of_totals(action, command, definitions, totals, Vec::new(), Vec::new());
+        Self { subjects, ..report }
     }
 
     /// Creates the report of a run whose subjects are only known by their totals.
@@ -498,6 +515,14 @@ impl Subject {
     /// The number of rules with this verdict.
     pub fn count(&self, verdict: Verdict) -> usize {
         self.rules.iter().filter(|rule| rule.verdict == verdict).count()
+    }
+
+    /// The numbers of violated rules of level MUST and SHOULD. Rules whose violations are all known don't count.
+    #[cfg(feature = "tables")]
+    pub(crate) fn violated(&self) -> [u64; 2] {
+        [Level::Must, Level::Should].map(|level| {
+            self.rules.iter().filter(|rule| rule.level == level && totals::is_violated(rule)).count() as u64
+        })
     }
 
     /// The number of corrupt or unreadable parts.

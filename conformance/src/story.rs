@@ -22,6 +22,7 @@ use std::io;
 use std::path::Path;
 
 use serde::Serialize;
+use uavspec_codegen::schema::MessageId;
 
 use self::context::Context;
 pub(crate) use self::label::{Item, Label, Texts};
@@ -30,6 +31,7 @@ pub(crate) use self::lane::{Change, Lane, LaneKind, MAX_ALL_CHANGES, MAX_CHANGES
 use self::px4::{Px4, TOPICS};
 pub(crate) use self::px4::{event_part, flags, number, required_flags, state_value, text, topic_name};
 use self::session::{Session, TYPES};
+use crate::capture::input::Input;
 use crate::check::{
     self, CaptureResult, Checked, Clock, Observer, Part as CheckedPart, PartResult, Reading, ReleaseMatch,
     Summary,
@@ -115,17 +117,30 @@ impl Story {
     pub(crate) fn read(
         path: &Path,
         library: &Library,
-        texts: Texts,
+        texts: &Texts,
         reading: Reading<'_>,
     ) -> io::Result<Result<Self, String>> {
+        let input = Input::Path(path.to_owned());
+        Ok(Self::check(&input, None, library, texts, reading)?.1)
+    }
+
+    /// Like [`Self::read`], and also checks the capture.
+    pub(crate) fn check(
+        input: &Input,
+        message_id: Option<MessageId>,
+        library: &Library,
+        texts: &Texts,
+        reading: Reading<'_>,
+    ) -> io::Result<(Checked, Result<Self, String>)> {
         let mut follower = Follower::new(texts);
-        let Checked { result, definitions } = check::observe_path(path, library, &mut follower, reading)?;
-        Ok(follower.finish(path.to_string_lossy().into_owned(), &result, &definitions))
+        let checked = check::check_input(input, message_id, library, Some(&mut follower), reading)?;
+        let story = follower.finish(input.name(), &checked.result, &checked.definitions);
+        Ok((checked, story))
     }
 
     /// Like [`Self::read`], for bytes in memory.
     #[cfg(any(fuzzing, test))]
-    pub(crate) fn of_bytes(bytes: &[u8], definitions: &Definitions, texts: Texts) -> Result<Self, String> {
+    pub(crate) fn of_bytes(bytes: &[u8], definitions: &Definitions, texts: &Texts) -> Result<Self, String> {
         let mut follower = Follower::new(texts);
         let result = check::observe_capture(bytes, definitions, &mut follower);
         let result = result.map_err(|error| error.to_string())?;
@@ -137,6 +152,12 @@ impl Story {
         self.clock.utc(self.start.checked_add_signed(time_us)?)
     }
 
+    /// The time in UTC of a time since the start, in µs since 1970.
+    #[cfg(feature = "tables")]
+    pub(crate) fn utc_micros(&self, time_us: i64) -> Option<u64> {
+        self.clock.utc_micros(self.start.checked_add_signed(time_us)?)
+    }
+
     /// The names of the topics with a status.
     pub(crate) fn topics(&self, status: TopicStatus) -> impl Iterator<Item = &str> {
         self.topics.iter().filter(move |topic| topic.status == status).map(|topic| &*topic.name)
@@ -144,8 +165,8 @@ impl Story {
 }
 
 /// Makes the lanes from the records of a capture.
-struct Follower {
-    texts: Texts,
+struct Follower<'t> {
+    texts: &'t Texts,
     lanes: Lanes,
     px4: Px4,
     session: Session,
@@ -156,7 +177,7 @@ struct Follower {
     unreadable: u64,
 }
 
-impl Observer for Follower {
+impl Observer for Follower<'_> {
     fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest {
         if self.px4.opened(channel, definitions) { Interest::Values } else { Interest::Nothing }
     }
@@ -169,7 +190,7 @@ impl Observer for Follower {
         definitions: &Definitions,
     ) {
         self.latest = time.unwrap_or(self.latest);
-        let (texts, lanes, time) = (&self.texts, &mut self.lanes, self.latest);
+        let (texts, lanes, time) = (self.texts, &mut self.lanes, self.latest);
         let mut context = Context { definitions, texts, lanes, time };
         match self.px4.message(channel, message, &mut context) {
             Some(Ok(topic)) => _ = self.seen.insert(topic),
@@ -183,14 +204,14 @@ impl Observer for Follower {
 
     fn session_record(&mut self, record: &SessionRecord<'_>, time: Option<u64>, definitions: &Definitions) {
         self.latest = time.unwrap_or(self.latest);
-        let (texts, lanes, time) = (&self.texts, &mut self.lanes, self.latest);
+        let (texts, lanes, time) = (self.texts, &mut self.lanes, self.latest);
         let mut context = Context { definitions, texts, lanes, time };
         self.seen.extend(self.session.record(record, &mut context));
     }
 }
 
-impl Follower {
-    fn new(texts: Texts) -> Self {
+impl<'t> Follower<'t> {
+    fn new(texts: &'t Texts) -> Self {
         Self {
             texts,
             lanes: Lanes::default(),

@@ -10,7 +10,7 @@ use graph::Imports;
 /// The modules in layers, from the top down: each imports only modules in lower layers.
 const LAYERS: &[&[&str]] = &[
     &["app", "fuzzing"],
-    &["explain"],
+    &["explain", "tables"],
     &["report"],
     &["matrix"],
     &["convert", "probe", "serve", "testee", "watch"],

@@ -10,8 +10,12 @@ mod init;
 mod known;
 mod outputs;
 mod probe;
+#[cfg(all(feature = "stores", feature = "tables"))]
+mod python;
 mod schema;
 mod serve;
+#[cfg(all(feature = "stores", feature = "tables"))]
+mod stores;
 #[allow(dead_code, reason = "the tests in src/tests use the rest")]
 mod support;
 mod testee;

@@ -1,10 +1,9 @@
 //! `uavspec check`.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Instant;
 
@@ -12,6 +11,8 @@ use clap::{Args, ValueEnum};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::MessageId;
 
+use super::explain::texts;
+use super::inputs::Found;
 use super::known::{KnownArgs, count_capture, count_unread};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
@@ -19,12 +20,14 @@ use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
 use super::{Status, outcome_statuses, print_unknown};
-use crate::capture::input::{self, Files};
+use crate::capture::input::Input;
 use crate::check::known::Scope;
 use crate::check::{self, Checked, parallel};
 use crate::definitions::{Definitions, Library};
 use crate::model::{Reason, Rule};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
+use crate::story::{Story, Texts};
+use crate::tables::{Done, Origin};
 use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
@@ -33,6 +36,8 @@ const EXAMPLES: &str = "Examples:
   uavspec check --definitions ../px4_msgs/msg logs/
   uavspec check --format json flight.ulg > report.json
   uavspec check --report html=report.html,junit=report.xml flight.ulg
+  uavspec check --report parquet=tables --timeline archive/
+  uavspec check --resume tables s3://flights/2026/
   uavspec check rosbridge.jsonl bag/bag_0.mcap
   uavspec check rosbag2_2026_11_23/
   ssh drone cat flight.ulg | uavspec check -
@@ -82,7 +87,11 @@ pub(super) struct CheckArgs {
     /// optionally compressed with gzip or zstd. The file type is detected from the content. Folders are searched for
     /// .ulg, .ulge, .mcap, .db3, .json, .jsonl and .ndjson files. The folder of a rosbag2 bag is one input. Symbolic links are followed. Other files in folders are listed as not checked,
     /// unless they are hidden.
-    #[arg(required = true, value_name = "FILE")]
+    ///
+    /// URLs are s3://BUCKET/PREFIX, gs://BUCKET/PREFIX, az://CONTAINER/PREFIX, and https://HOST/PATH: a capture, or a list
+    /// with a URL in each line. Credentials come from the environment, or from the machine in a cloud.
+    #[allow(clippy::doc_markdown, reason = "the help would show the marks of links")]
+    #[arg(required = true, value_name = "FILE|URL")]
     files: Vec<PathBuf>,
     /// Definitions to check against (default: chosen for each capture).
     ///
@@ -119,6 +128,17 @@ pub(super) struct CheckArgs {
     known: KnownArgs,
     #[command(flatten)]
     report: ReportArgs,
+    /// Write tables to this folder, like --report parquet=DIR, and skip the captures that it contains.
+    ///
+    /// Continues a run that was interrupted, or adds new captures. A capture is skipped if the object store states the same
+    /// version of it, or if a file has the same size. Captures that couldn't be read are tried again.
+    #[arg(long, value_name = "DIR")]
+    resume: Option<PathBuf>,
+    /// Also write the changes of failsafe flags, error codes, modes and arming checks, as a table.
+    ///
+    /// Requires --report parquet=DIR, --report arrow=DIR or --resume DIR.
+    #[arg(long)]
+    timeline: bool,
 }
 
 /// The name of a dialect.
@@ -140,24 +160,49 @@ impl From<DialectName> for Dialect {
 }
 
 pub(super) fn check(args: &CheckArgs) -> Status {
-    if let Some(problem) = args.report.problem() {
-        terminal::error(problem, None);
-        return Status::Usage;
+    match try_check(args) {
+        Ok(status) | Err(status) => status,
     }
-    let mut outputs = args.report.start(Action::Check, &args.known);
-    let checked = match run(args, |subject| outputs.add(subject)) {
-        Ok(checked) => checked,
-        Err(status) => return status,
-    };
+}
+
+fn try_check(args: &CheckArgs) -> Result<Status, Status> {
+    let has_tables = args.resume.is_some() || args.report.has_tables();
+    let missing = || "--timeline requires tables, such as --report parquet=tables".to_owned();
+    let problem = (args.timeline && !has_tables).then(missing);
+    if let Some(problem) = args.report.problem().or(problem) {
+        terminal::error(problem, None);
+        return Err(Status::Usage);
+    }
+    let mut outputs = args.report.start(Action::Check, &args.known, args.timeline)?;
+    let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
+    let checked = run(args, done.as_ref(), |item| match item {
+        Item::Checked(subject, origin, story) => outputs.add(*subject, &origin, story.as_deref()),
+        Item::Unreadable(file) => outputs.add_unreadable(file),
+    })?;
+    if checked.has_nothing_new {
+        return Ok(outputs.end_without_captures());
+    }
     let (status, totals) = (checked.status, outputs.finish());
-    outputs.deliver(&checked.report(totals)).max(status)
+    Ok(outputs.deliver(&checked.report(totals)).max(status))
+}
+
+/// A result of a run.
+enum Item<'i> {
+    Checked(Box<Subject>, Origin, Option<Box<Story>>),
+    /// A file that can't be opened.
+    Unreadable(&'i Unreadable),
 }
 
 /// The report of a run that keeps all subjects, and the status of the lists of known failures.
 #[cfg(test)]
 pub(super) fn report(args: &CheckArgs) -> (Report, Status) {
     let mut subjects = Vec::new();
-    let checked = run(args, |subject| subjects.push(subject)).expect("a report");
+    let checked = run(args, None, |item| {
+        if let Item::Checked(subject, ..) = item {
+            subjects.push(*subject);
+        }
+    });
+    let checked = checked.expect("a report");
     let status = checked.status;
     let mut report = checked.report(Totals::of(&subjects));
     report.subjects = subjects;
@@ -172,6 +217,8 @@ struct Finished {
     not_checked: Vec<Unreadable>,
     /// The outdated entries in lists of known failures.
     stale: Vec<Reason>,
+    /// True if tables of an earlier run contain all captures.
+    has_nothing_new: bool,
     /// The status of the lists of known failures.
     status: Status,
 }
@@ -186,36 +233,42 @@ impl Finished {
 }
 
 /// Checks all files. Passes each capture to `take` as soon as the captures before it are checked.
-fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Status> {
+/// Skips the captures that the tables contain already.
+fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) -> Result<Finished, Status> {
     let dialect = args.dialect.map(Dialect::from);
     let library = super::library(args.definitions.as_deref(), dialect, &args.schemas)?;
     let required = args.require.rules()?;
     let message_id = message_id(args, &library)?;
-    let files = find_files(&args.files)?;
-    check_outputs(args, &files)?;
+    let texts = if args.timeline { Some(texts(args.definitions.as_deref())?) } else { None };
+    let mut found = Found::new(&args.files)?;
+    check_outputs(args, &found.captures)?;
+    let has_nothing_new = done.is_some_and(|done| found.skip(done)) && found.unreadable.is_empty();
     let mut known = args.known.read()?;
     let settings = settings(args);
-    let mut unreadable = unfound(&files);
+    let mut unreadable = std::mem::take(&mut found.unreadable);
+    for file in &unreadable {
+        take(Item::Unreadable(file));
+    }
     let kept = Mutex::default();
-    let check = |path: &Path, progress: &Progress| {
-        let kept = kept.lock().map_or(None, |mut kept: MutexGuard<'_, Kept>| kept.remove(path));
-        kept.unwrap_or_else(|| check_file(path, message_id, &library, progress))
+    let check = |input: &Input, progress: &Progress| {
+        let kept = kept.lock().map_or(None, |mut kept: MutexGuard<'_, Kept>| kept.remove(&input.name()));
+        kept.unwrap_or_else(|| check_input(input, message_id, &library, texts.as_ref(), progress))
     };
     let updated = if known.is_fixing() {
         let mut sums = known.lists.sums(Scope::Rules);
         for file in &unreadable {
             count_unread(&known.lists, &mut sums, &file.path);
         }
-        check_all(&files, args.jobs, &check, |path, result, _| {
+        check_all(&found.captures, args.jobs, &check, |input, result, _| {
             match &result {
-                Ok((found, _)) => count_capture(&known.lists, &mut sums, found),
-                Err(_) => count_unread(&known.lists, &mut sums, &path.to_string_lossy()),
+                Ok(found) => count_capture(&known.lists, &mut sums, &found.capture),
+                Err(_) => count_unread(&known.lists, &mut sums, &input.name()),
             }
             // Standard input and pipes can't be read again.
-            if !(path.is_file() || path.is_dir())
+            if input.path().is_some_and(|path| !(path.is_file() || path.is_dir()))
                 && let Ok(mut kept) = kept.lock()
             {
-                kept.entry(path.to_owned()).or_insert(result);
+                kept.entry(input.name()).or_insert(result);
             }
         });
         known.update(&sums)
@@ -226,60 +279,67 @@ fn run(args: &CheckArgs, mut take: impl FnMut(Subject)) -> Result<Finished, Stat
     for file in &unreadable {
         count_unread(&known.lists, &mut sums, &file.path);
     }
-    check_all(&files, args.jobs, &check, |path, result, progress| match result {
-        Ok((mut found, definitions)) => {
+    check_all(&found.captures, args.jobs, &check, |input, result, progress| match result {
+        Ok(CheckedFile { capture: mut found, definitions, story }) => {
             count_capture(&known.lists, &mut sums, &found);
             known.excuse(&mut found);
             let subject = Subject::from_capture(found, &definitions, &settings);
-            progress.pausing(|| take(subject));
+            let item = Item::Checked(Box::new(subject), Origin::of(input), story.map(Box::new));
+            progress.pausing(|| take(item));
         }
         Err(error) => {
-            let path = path.to_string_lossy().into_owned();
+            let path = input.name();
             progress.pausing(|| terminal::error(format_args!("{path}: {error}"), None));
             count_unread(&known.lists, &mut sums, &path);
-            unreadable.push(Unreadable { path, message: error.to_string() });
+            let file = Unreadable { path, message: error.to_string() };
+            take(Item::Unreadable(&file));
+            unreadable.push(file);
         }
     });
     let status = updated.map_or_else(|status| status, |()| known.finish(&sums));
-    let not_checked = files.skipped.iter().map(|(path, reason)| unreadable_file(path, reason)).collect();
     Ok(Finished {
         definitions: library.name().to_owned(),
         required,
         unreadable,
-        not_checked,
+        not_checked: found.skipped,
         stale: known.stale,
+        has_nothing_new,
         status,
     })
 }
 
-/// The results of captures that can't be read again, by path.
-type Kept = BTreeMap<PathBuf, CheckedFile>;
+/// The results of captures that can't be read again, by name.
+type Kept = BTreeMap<String, io::Result<CheckedFile>>;
 
-/// A checked capture, with the definitions against which it was checked. An error means that it can't be opened.
-type CheckedFile = io::Result<(CheckedCapture, Arc<Definitions>)>;
+/// A checked capture.
+struct CheckedFile {
+    capture: CheckedCapture,
+    /// The definitions against which it was checked.
+    definitions: Arc<Definitions>,
+    /// The story for the timeline, if the user wants it and the capture can be read.
+    story: Option<Story>,
+}
 
 /// Checks all captures in parallel, and passes the results to `take` in order.
 fn check_all(
-    files: &Files,
+    captures: &[Input],
     jobs: Option<NonZeroUsize>,
-    check: &(impl Fn(&Path, &Progress) -> CheckedFile + Sync),
-    mut take: impl FnMut(&Path, CheckedFile, &Progress),
+    check: &(impl Fn(&Input, &Progress) -> io::Result<CheckedFile> + Sync),
+    mut take: impl FnMut(&Input, io::Result<CheckedFile>, &Progress),
 ) {
-    let sizes = files.captures.iter().filter_map(|path| Some(fs::metadata(path).ok()?.len()));
-    let progress = Progress::bytes(sizes.sum());
-    let captures = &files.captures;
+    let progress = Progress::bytes(captures.iter().filter_map(Input::size).sum());
     parallel::each(
         captures,
         jobs,
-        |path| check(path, &progress),
-        |path, result| take(path, result, &progress),
+        |input| check(input, &progress),
+        |input, result| take(input, result, &progress),
     );
 }
 
 /// Checks that no output replaces an input. Errors are printed.
-fn check_outputs(args: &CheckArgs, files: &Files) -> Result<(), Status> {
+fn check_outputs(args: &CheckArgs, captures: &[Input]) -> Result<(), Status> {
     let outputs: Vec<Output<'_>> = args.report.outputs().chain(args.known.outputs()).collect();
-    let captures = files.captures.iter().map(PathBuf::as_path);
+    let captures = captures.iter().filter_map(Input::path);
     let inputs = Inputs {
         files: captures.chain(args.known.inputs()).collect(),
         definitions: args.definitions.as_deref(),
@@ -304,29 +364,6 @@ fn message_id(args: &CheckArgs, library: &Library) -> Result<Option<MessageId>, 
         print_unknown(&problem, name, known.iter().map(String::as_str), help);
         Status::Usage
     })
-}
-
-/// The files to check. Errors are printed.
-fn find_files(paths: &[PathBuf]) -> Result<Files, Status> {
-    let files = input::files(paths).map_err(|(path, error)| {
-        terminal::error(format_args!("{}: {error}", terminal::path(path)), None);
-        Status::Usage
-    })?;
-    for (path, reason) in files.unreadable.iter().chain(&files.empty) {
-        terminal::error(format_args!("{}: {reason}", terminal::path(path)), None);
-    }
-    Ok(files)
-}
-
-/// The paths that can't be read, and the folders and patterns that yield no captures. If there are no captures at all,
-/// the latter aren't failures: the outcome is that nothing was checked.
-fn unfound(files: &Files) -> Vec<Unreadable> {
-    let empty = files.empty.iter().filter(|_| !files.captures.is_empty());
-    files.unreadable.iter().chain(empty).map(|(path, reason)| unreadable_file(path, reason)).collect()
-}
-
-fn unreadable_file(path: &Path, reason: &str) -> Unreadable {
-    Unreadable { path: path.to_string_lossy().into_owned(), message: reason.to_owned() }
 }
 
 /// The settings that affect reports.
@@ -354,22 +391,22 @@ fn settings(args: &CheckArgs) -> Settings {
     Settings { are_formats_strict: args.strict_formats, arguments, ..settings }
 }
 
-fn check_file(
-    path: &Path,
+fn check_input(
+    input: &Input,
     message_id: Option<MessageId>,
     library: &Library,
+    texts: Option<&Texts>,
     progress: &Progress,
-) -> CheckedFile {
-    let started = Instant::now();
-    let Checked { result, definitions } =
-        check::check_path(path, message_id, library, &|input| progress.reading(input))?;
-    let capture = CheckedCapture {
-        path: path.to_string_lossy().into_owned(),
-        result,
-        notes: Vec::new(),
-        requests: Vec::new(),
-        cut_short: Vec::new(),
-        elapsed: started.elapsed().as_millis(),
+) -> io::Result<CheckedFile> {
+    let (started, reading) = (Instant::now(), &|input| progress.reading(input));
+    let (checked, story) = match texts {
+        Some(texts) => {
+            let (checked, story) = Story::check(input, message_id, library, texts, reading)?;
+            (checked, story.ok())
+        }
+        None => (check::check_input(input, message_id, library, None, reading)?, None),
     };
-    Ok((capture, definitions))
+    let Checked { result, definitions } = checked;
+    let capture = CheckedCapture::new(input.name(), result, started.elapsed());
+    Ok(CheckedFile { capture, definitions, story })
 }

@@ -9,15 +9,13 @@ use std::str::FromStr;
 
 use clap::Args;
 use uavspec_codegen::emit::docs::markdown::plural;
-use uavspec_codegen::load::read_definitions_translated;
 use uavspec_codegen::stage::write_file;
-use uavspec_codegen::translation::Translations;
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::print;
 use super::{Format, Status};
-use crate::capture::input::is_capture;
+use crate::capture::names::is_capture;
 use crate::model::Extent;
 use crate::report::story::{to_html, to_json, to_text};
 use crate::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
@@ -25,9 +23,6 @@ use crate::text::terminal;
 
 /// The path that means standard input.
 const STANDARD_INPUT: &str = "-";
-
-/// The configuration file of definitions.
-const CONFIGURATION: &str = "uavspec.toml";
 
 /// The language of the definitions.
 const ENGLISH: &str = "en";
@@ -137,7 +132,7 @@ fn story(args: &ExplainArgs) -> Result<Status, Status> {
     let language = language(args.language.as_deref(), &texts.languages())?;
     check_outputs(args)?;
     let progress = Progress::bytes(std::fs::metadata(&args.what).map_or(0, |metadata| metadata.len()));
-    let story = Story::read(&args.what, &library, texts, &|input| progress.reading(input));
+    let story = Story::read(&args.what, &library, &texts, &|input| progress.reading(input));
     drop(progress);
     let unreadable = |error: &str| {
         terminal::error(format_args!("{}: {error}", terminal::path(&args.what)), None);
@@ -200,19 +195,10 @@ fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
 
 /// The texts of the definitions at a path, or of the built-in definitions. Errors are printed.
 pub(super) fn texts(path: Option<&Path>) -> Result<Texts, Status> {
-    // Only a configuration file names catalogues.
-    let is_configured = |path: &&Path| {
-        path.is_file() && path.extension().is_some_and(|extension| extension == "toml")
-            || path.join(CONFIGURATION).is_file()
-    };
-    let Some(path) = path.filter(is_configured) else { return Ok(Texts::of(Translations::default())) };
-    match read_definitions_translated(path) {
-        Ok((_, _, translations)) => Ok(Texts::of(translations)),
-        Err(failure) => {
-            terminal::eprintln!("{failure}");
-            Err(Status::Usage)
-        }
-    }
+    Texts::load(path).map_err(|failure| {
+        terminal::eprintln!("{failure}");
+        Status::Usage
+    })
 }
 
 /// The tag of the labels' language. Errors are printed.

@@ -39,7 +39,8 @@ impl Progress {
 
     /// Creates a bar that counts bytes up to a total.
     pub(super) fn bytes(total: u64) -> Self {
-        let progress = Self::shown("{wide_bar} {bytes} of {total_bytes} ({bytes_per_sec}), {elapsed}");
+        let progress =
+            Self::shown("{wide_bar} {bytes} of {total_bytes} ({bytes_per_sec}), {elapsed}, {eta} left");
         progress.0.set_length(total);
         progress
     }

@@ -12,11 +12,16 @@ use uavspec_codegen::stage::{folder_of, write_file};
 use super::Status;
 use super::known::{KnownArgs, NewList};
 use super::outputs::Output;
-use crate::report::{Action, Kind, Report, Stream, Subject, Totals, end_text, subject_text};
+use crate::report::{Action, Kind, Report, Stream, Subject, Totals, Unreadable, end_text, subject_text};
+use crate::story::Story;
+use crate::tables::{Dataset, Done, Origin, TableFormat};
 use crate::text::terminal;
 
 /// The path that means standard output.
 const STANDARD_OUTPUT: &str = "-";
+
+/// The help for a folder that can't be continued.
+const RESUMABLE: &str = "name a folder that `--report parquet=DIR` or `--resume DIR` wrote";
 
 /// The reports to write, and their paths.
 #[derive(Args, Clone, Debug)]
@@ -29,8 +34,9 @@ pub(super) struct ReportArgs {
     format: Option<Kind>,
     /// Write a report to a file (repeatable).
     ///
-    /// For example, html=report.html. KIND is one of the formats above. Separate multiple reports with commas. The
-    /// path `-` means standard output. A report never replaces an input.
+    /// For example, html=report.html. KIND is one of the formats above, or parquet or arrow: tables in the files of a new
+    /// folder. Separate multiple reports with commas. The path `-` means standard output. A report never replaces an
+    /// input.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
 }
@@ -39,6 +45,7 @@ pub(super) struct ReportArgs {
 pub(super) struct Outputs<'a> {
     args: &'a ReportArgs,
     stream: Stream,
+    tables: Vec<Dataset>,
     /// The list for `--init-known`.
     new_list: Option<NewList>,
     /// The first printing error, which is reported together with the errors from writing report files.
@@ -48,8 +55,39 @@ pub(super) struct Outputs<'a> {
 /// A value of `--report`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Target {
-    kind: Kind,
+    kind: TargetKind,
     path: PathBuf,
+}
+
+/// The kind of a report in files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum TargetKind {
+    /// A single file, which is written after the run.
+    File(Kind),
+    /// The files of a folder, which are written during the run.
+    Tables(TableFormat),
+}
+
+impl TargetKind {
+    /// All kinds, with their names.
+    fn all() -> impl Iterator<Item = (String, Self)> {
+        let files = Kind::value_variants()
+            .iter()
+            .filter_map(|kind| Some((kind.to_possible_value()?.get_name().to_owned(), Self::File(*kind))));
+        files.chain(TableFormat::ALL.map(|format| (format.name().to_owned(), Self::Tables(format))))
+    }
+
+    /// The kind of a report in a single file.
+    const fn file(self) -> Option<Kind> {
+        match self {
+            Self::File(kind) => Some(kind),
+            Self::Tables(_) => None,
+        }
+    }
+
+    fn name(self) -> String {
+        Self::all().find(|(_, kind)| *kind == self).map(|(name, _)| name).unwrap_or_default()
+    }
 }
 
 impl FromStr for Target {
@@ -59,68 +97,125 @@ impl FromStr for Target {
         let (name, path) = text.split_once('=').filter(|(_, path)| !path.is_empty()).ok_or_else(|| {
             format!("expected KIND=PATH, such as html=report.html; KIND is one of {}", kinds())
         })?;
-        let kind = Kind::from_str(name, false)
-            .map_err(|_| format!("unknown kind `{}`; expected one of {}", terminal::shown(name), kinds()))?;
-        Ok(Self { kind, path: path.into() })
+        let kind = TargetKind::all().find(|(known, _)| known == name).map(|(_, kind)| kind);
+        let unknown = || format!("unknown kind `{}`; expected one of {}", terminal::shown(name), kinds());
+        Ok(Self { kind: kind.ok_or_else(unknown)?, path: path.into() })
     }
 }
 
 fn kinds() -> String {
-    let names = Kind::value_variants()
-        .iter()
-        .filter_map(|kind| Some(kind.to_possible_value()?.get_name().to_owned()));
-    names.collect::<Vec<_>>().join(", ")
+    TargetKind::all().map(|(name, _)| name).collect::<Vec<_>>().join(", ")
 }
 
 impl ReportArgs {
     /// Returns an error if the arguments contradict each other.
     pub(super) fn problem(&self) -> Option<String> {
+        if let Some(target) =
+            self.report.iter().find(|target| target.is_printed() && target.kind.file().is_none())
+        {
+            return Some(format!(
+                "--report {}=-: tables can't be printed: name a folder",
+                target.kind.name()
+            ));
+        }
         let printed = self.report.iter().filter(|target| target.is_printed()).count();
         (printed + usize::from(self.format.is_some()) > 1).then(|| {
             "only one report can be printed to standard output: write the others to files".to_owned()
         })
     }
 
+    /// True if a report consists of tables.
+    pub(super) fn has_tables(&self) -> bool {
+        self.report.iter().any(|target| target.kind.file().is_none())
+    }
+
     /// The report files.
     pub(super) fn outputs(&self) -> impl Iterator<Item = Output<'_>> {
         self.report.iter().map(|target| {
-            let kind =
-                target.kind.to_possible_value().map_or_else(String::new, |kind| kind.get_name().to_owned());
+            let kind = target.kind.name();
             Output { name: format!("--report {kind}={}", terminal::path(&target.path)), path: &target.path }
         })
     }
 
     /// The kind of the report on standard output.
     pub(super) fn printed(&self) -> Kind {
-        let printed = self.report.iter().find(|target| target.is_printed()).map(|target| target.kind);
+        let mut printed = self.report.iter().filter(|target| target.is_printed());
+        let printed = printed.find_map(|target| target.kind.file());
         self.format.or(printed).unwrap_or(Kind::Text)
     }
 
-    /// The report files.
-    fn files(&self) -> impl Iterator<Item = &Target> {
-        self.report.iter().filter(|target| !target.is_printed())
+    /// The reports in a single file.
+    fn files(&self) -> impl Iterator<Item = (Kind, &Path)> {
+        let files = self.report.iter().filter(|target| !target.is_printed());
+        files.filter_map(|target| Some((target.kind.file()?, target.path.as_path())))
     }
 
-    /// Starts the reports of a run, and the list of new failures.
-    pub(super) fn start(&self, action: Action, known: &KnownArgs) -> Outputs<'_> {
+    /// Creates the folders of tables. Errors are printed.
+    fn tables(&self, has_timeline: bool) -> Result<Vec<Dataset>, Status> {
+        let tables = self.report.iter().filter_map(|target| match target.kind {
+            TargetKind::Tables(format) => Some((format, target.path.as_path())),
+            TargetKind::File(_) => None,
+        });
+        let created = tables.map(|(format, path)| {
+            Dataset::create(path, format, has_timeline).map_err(|error| {
+                let folder = terminal::path(path);
+                terminal::error(
+                    format_args!("{folder}: can't write the tables: {error}"),
+                    Some("name a new folder"),
+                );
+                Status::Usage
+            })
+        });
+        created.collect()
+    }
+
+    /// Starts the reports of a run, and the list of new failures. Errors are printed.
+    /// `has_timeline` adds the table of the stories.
+    pub(super) fn start(
+        &self,
+        action: Action,
+        known: &KnownArgs,
+        has_timeline: bool,
+    ) -> Result<Outputs<'_>, Status> {
         // The sections of a text report are printed immediately. The other formats follow the report files.
         let printed = Some(self.printed()).filter(|kind| *kind != Kind::Text).map(|kind| (kind, None));
-        let files = self.files().map(|target| (target.kind, folder_for_parts(&target.path)));
+        let files = self.files().map(|(kind, path)| (kind, folder_for_parts(path)));
         let stream = Stream::new(action, super::command(), files.chain(printed));
-        Outputs { args: self, stream, new_list: known.new_list(), unprinted: None }
+        let tables = self.tables(has_timeline)?;
+        Ok(Outputs { args: self, stream, tables, new_list: known.new_list(), unprinted: None })
     }
 }
 
 impl Outputs<'_> {
+    /// Continues the tables of an earlier run. Returns the captures that they contain. Errors are printed.
+    pub(super) fn resume(&mut self, folder: &Path, has_timeline: bool) -> Result<Done, Status> {
+        let (tables, done) = Dataset::resume(folder, has_timeline).map_err(|error| {
+            terminal::error(format_args!("--resume {}: {error}", terminal::path(folder)), Some(RESUMABLE));
+            Status::Usage
+        })?;
+        self.tables.push(tables);
+        Ok(done)
+    }
+
     /// Adds a subject to all reports. If the printed report is text, the section of the subject is printed.
-    pub(super) fn add(&mut self, subject: Subject) {
+    pub(super) fn add(&mut self, subject: Subject, origin: &Origin, story: Option<&Story>) {
         if self.args.printed() == Kind::Text {
             self.keep_error(print(&subject_text(&subject)));
         }
         if let Some(list) = &mut self.new_list {
             list.add(&subject);
         }
+        for tables in &mut self.tables {
+            tables.add(&subject, origin, story);
+        }
         self.stream.add(subject);
+    }
+
+    /// Adds a file that can't be opened to the tables. The other reports list it at their end.
+    pub(super) fn add_unreadable(&mut self, file: &Unreadable) {
+        for tables in &mut self.tables {
+            tables.add_unreadable(file);
+        }
     }
 
     /// The totals of all subjects. No subject can be added afterwards.
@@ -146,11 +241,31 @@ impl Outputs<'_> {
         self.new_list.map_or(status, |list| list.write(&report.command).max(status))
     }
 
+    /// Writes the rest of the tables. Returns the error messages.
+    fn finish_tables(&mut self) -> Vec<String> {
+        let tables = std::mem::take(&mut self.tables).into_iter();
+        let failures = tables.filter_map(|tables| {
+            let folder = terminal::path(tables.folder());
+            let error = tables.finish().err()?;
+            Some(format!("{folder}: can't write the tables: {error}"))
+        });
+        failures.collect()
+    }
+
+    /// Ends a run without new captures. Errors are printed.
+    pub(super) fn end_without_captures(mut self) -> Status {
+        let failures = self.finish_tables();
+        for failure in &failures {
+            terminal::error(failure, None);
+        }
+        if failures.is_empty() { Status::Conforms } else { Status::Unreadable }
+    }
+
     /// Writes all reports. Returns the error messages.
     fn write(&mut self, report: &Report) -> Vec<String> {
         let mut failures = Vec::new();
-        for (index, target) in self.args.files().enumerate() {
-            let written = write_file(&target.path, |file| match target.kind {
+        for (index, (kind, path)) in self.args.files().enumerate() {
+            let written = write_file(path, |file| match kind {
                 // Files have no colours.
                 Kind::Text => {
                     let mut plain = terminal::Guard::new(StripStream::new(file));
@@ -159,11 +274,12 @@ impl Outputs<'_> {
                 _ => self.stream.write(index, report, file),
             });
             failures.extend(
-                written.err().map(|error| {
-                    format!("{}: can't write the report: {error}", terminal::path(&target.path))
-                }),
+                written
+                    .err()
+                    .map(|error| format!("{}: can't write the report: {error}", terminal::path(path))),
             );
         }
+        failures.extend(self.finish_tables());
         let printed = if self.args.printed() == Kind::Text {
             print(&end_text(report))
         } else {
@@ -213,11 +329,15 @@ mod tests {
     #[test]
     fn parses_targets_and_lists_the_kinds_in_errors() {
         let target = |text: &str| text.parse::<Target>();
-        assert_eq!(target("html=a=b.html"), Ok(Target { kind: Kind::Html, path: "a=b.html".into() }));
+        assert_eq!(
+            target("html=a=b.html"),
+            Ok(Target { kind: TargetKind::File(Kind::Html), path: "a=b.html".into() })
+        );
         for wrong in ["html", "html=", "pdf=a", "=a", ""] {
             let error = target(wrong).expect_err(wrong);
             assert!(
-                error.contains("text, short, json, junit, sarif, codequality, html, markdown"),
+                error
+                    .contains("text, short, json, junit, sarif, codequality, html, markdown, parquet, arrow"),
                 "{error}"
             );
         }

@@ -19,6 +19,7 @@ use super::{Status, outcome_statuses};
 use crate::check::known::Scope;
 use crate::net::Address;
 use crate::report::{Action, Report, Subject};
+use crate::tables::Origin;
 use crate::testee::case::{Case, cases};
 use crate::testee::file::{dump, replay};
 use crate::testee::known::{case_outcomes, excuse_cases};
@@ -188,8 +189,11 @@ pub(super) fn test(args: &TestArgs) -> Status {
     });
     excuse_cases(&known.lists, &mut outcome);
     let subject = Subject::from_testee(&outcome, &definitions, &|case| rerun_command(args, case));
-    let mut outputs = args.report.start(Action::Test, &args.known);
-    outputs.add(subject);
+    let mut outputs = match args.report.start(Action::Test, &args.known, false) {
+        Ok(outputs) => outputs,
+        Err(status) => return status,
+    };
+    outputs.add(subject, &Origin::default(), None);
     let (totals, command) = (outputs.finish(), super::command());
     let report = Report::of_totals(Action::Test, command, &definitions.name, totals, Vec::new(), Vec::new());
     outputs.deliver(&report.with_stale(known.stale)).max(known_status)

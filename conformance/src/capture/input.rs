@@ -4,14 +4,19 @@ mod bags;
 mod search;
 pub(crate) mod zstd;
 
-use std::fs::File;
+use std::fs::{self, File, Metadata};
 use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
+#[cfg(feature = "tables")]
+use std::sync::Arc;
 
 use flate2::read::MultiGzDecoder;
 use globset::{Glob, GlobBuilder, GlobMatcher};
 
+use crate::capture::names::{EXTENSIONS, NOT_A_CAPTURE, ROS1_EXTENSION, has_extension, is_capture};
 use crate::capture::rosbag::CONVERT_ROS1;
+#[cfg(feature = "stores")]
+use crate::capture::store::{self, Object};
 
 use self::search::{DANGLING, Found, search};
 use self::zstd::Frames;
@@ -25,20 +30,95 @@ const GZIP: [u8; 2] = [0x1f, 0x8b];
 /// The number of bytes that are needed to detect a compression format.
 const START: usize = 4;
 
-/// The file extensions that identify captures in a folder. A compression extension may follow.
-const EXTENSIONS: [&str; 7] = ["ulg", "ulge", "mcap", "db3", "json", "jsonl", "ndjson"];
-
-/// The file extension of ROS 1 bags.
-const ROS1_EXTENSION: &str = "bag";
-
-/// The extensions of compressed files. rosbag2 uses `zstd`.
-const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
-
 /// The characters that make a path a pattern.
 const WILDCARDS: [char; 3] = ['*', '?', '['];
 
-/// The reason for skipping a file that has no capture extension.
-pub(crate) const NOT_A_CAPTURE: &str = "no capture by the file extension";
+/// A capture to check.
+#[derive(Clone, Debug)]
+pub(crate) enum Input {
+    /// A file, the folder of a bag, or standard input.
+    Path(PathBuf),
+    /// An object in an object store.
+    #[cfg(feature = "stores")]
+    Object(Object),
+    /// A name, and the content of a file.
+    #[cfg(feature = "tables")]
+    Bytes(String, Arc<[u8]>),
+}
+
+impl Input {
+    /// The path as given, or the URL.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Path(path) => path.to_string_lossy().into_owned(),
+            #[cfg(feature = "stores")]
+            Self::Object(object) => object.url().to_owned(),
+            #[cfg(feature = "tables")]
+            Self::Bytes(name, _) => name.clone(),
+        }
+    }
+
+    /// The capture with this path or URL.
+    ///
+    /// # Errors
+    /// Fails if a URL doesn't denote exactly one object.
+    #[cfg(feature = "tables")]
+    pub(crate) fn named(name: &str) -> Result<Self, String> {
+        #[cfg(feature = "stores")]
+        if store::is_url(Path::new(name)) {
+            let captures = store::list(name)?.captures;
+            let [object] = <[Object; 1]>::try_from(captures)
+                .map_err(|captures| format!("expected one capture, found {}", captures.len()))?;
+            return Ok(Self::Object(object));
+        }
+        Ok(Self::Path(name.into()))
+    }
+
+    /// The path, if there is one.
+    #[cfg_attr(
+        not(any(feature = "stores", feature = "tables")),
+        allow(clippy::unnecessary_wraps, reason = "other inputs have no path")
+    )]
+    pub(crate) fn path(&self) -> Option<&Path> {
+        match self {
+            Self::Path(path) => Some(path),
+            #[cfg(feature = "stores")]
+            Self::Object(_) => None,
+            #[cfg(feature = "tables")]
+            Self::Bytes(..) => None,
+        }
+    }
+
+    /// The size in bytes, before decompression, if it is known.
+    pub(crate) fn size(&self) -> Option<u64> {
+        match self {
+            Self::Path(path) => fs::metadata(path).ok().filter(Metadata::is_file).map(|file| file.len()),
+            #[cfg(feature = "stores")]
+            Self::Object(object) => object.size(),
+            #[cfg(feature = "tables")]
+            Self::Bytes(_, bytes) => Some(bytes.len() as u64),
+        }
+    }
+
+    /// The version that an object store states.
+    pub(crate) fn etag(&self) -> Option<&str> {
+        match self {
+            Self::Path(_) => None,
+            #[cfg(feature = "stores")]
+            Self::Object(object) => object.etag(),
+            #[cfg(feature = "tables")]
+            Self::Bytes(..) => None,
+        }
+    }
+}
+
+/// A path as given, or a URL without credentials.
+#[cfg(feature = "tables")]
+pub(crate) fn shown(name: &str) -> String {
+    #[cfg(feature = "stores")]
+    let name = &store::shown_url(name);
+    name.to_owned()
+}
 
 /// The files that paths denote.
 #[derive(Debug, Default, PartialEq, Eq)]
@@ -149,18 +229,6 @@ fn depth_of(pattern: &Path, folder: &Path) -> usize {
     if is_any_depth { usize::MAX } else { levels }
 }
 
-/// True if the file name has a capture extension.
-pub(crate) fn is_capture(path: &Path) -> bool {
-    let unpacked = if has_extension(path, &PACKED) { path.with_extension("") } else { path.to_path_buf() };
-    has_extension(&unpacked, &EXTENSIONS)
-}
-
-/// True if the file name has one of these extensions.
-fn has_extension(path: &Path, extensions: &[&str]) -> bool {
-    let extension = path.extension().and_then(|extension| extension.to_str());
-    extension.is_some_and(|found| extensions.iter().any(|known| found.eq_ignore_ascii_case(known)))
-}
-
 /// The raw bytes of a file or of standard input.
 pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     if path.as_os_str() == STANDARD_INPUT {
@@ -190,7 +258,6 @@ pub(crate) fn decompressed(
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
     use std::io::Write as _;
 
     use flate2::Compression;

@@ -39,9 +39,19 @@ impl Clock {
         Some(difference as f64 / 1e6)
     }
 
+    /// The time in UTC, in µs since 1970.
+    pub(crate) fn utc_micros(&self, time: u64) -> Option<u64> {
+        time.checked_add(self.utc_offset?)
+    }
+
+    /// The start in UTC, in µs since 1970.
+    pub(crate) fn start_utc(&self) -> Option<u64> {
+        self.utc_micros(self.start?)
+    }
+
     /// The time in UTC, such as `2026-11-23T10:20:30.123Z`.
     pub fn utc(&self, time: u64) -> Option<String> {
-        let millis = time.checked_add(self.utc_offset?)? / 1_000;
+        let millis = self.utc_micros(time)? / 1_000;
         let (seconds, millis) = (millis / 1_000, millis % 1_000);
         let (hour, minute, second) = (seconds / 3_600 % 24, seconds / 60 % 60, seconds % 60);
         Some(format!("{}T{hour:02}:{minute:02}:{second:02}.{millis:03}Z", Date::at(seconds)?))

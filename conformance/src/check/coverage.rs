@@ -195,12 +195,12 @@ impl PartResult {
     const UNCHECKED: [Self; 4] = [Self::Undefined, Self::Different, Self::Unsupported, Self::Undecodable];
 
     /// True if all records were checked against something.
-    fn is_covered(self) -> bool {
+    pub(crate) fn is_covered(self) -> bool {
         matches!(self, Self::Checked | Self::OwnSchema)
     }
 
     /// The result as a property of a topic or type.
-    const fn phrase(self) -> &'static str {
+    pub(crate) const fn phrase(self) -> &'static str {
         match self {
             Self::Checked => "fully checked",
             Self::OwnSchema => "checked against its own schema",

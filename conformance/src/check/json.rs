@@ -404,7 +404,9 @@ impl<'d> JsonChecker<'d> {
         let shown_name = shown_name.escape_debug().to_string();
         let key = Some(which.key());
         let (tally, has_keys) = (Tally::default(), false);
-        let mut open = Open { name: shown_name, defined, key, has_keys, tally, num_bytes: 0, line };
+        let full_name = name.escape_debug().to_string();
+        let mut open =
+            Open { name: shown_name, full_name, defined, key, has_keys, tally, num_bytes: 0, line };
         if let Some(channel) = open.channel() {
             self.run.opened(&channel);
             if self.run.wants_values(channel.index) {
@@ -465,6 +467,7 @@ impl Open {
         Some(Channel {
             index,
             topic: &self.name,
+            full_topic: &self.full_name,
             multi_id: None,
             definition: Some(id),
             version: None,

@@ -459,6 +459,7 @@ impl Open {
         Channel {
             index: self.index,
             topic: &self.topic,
+            full_topic: &self.topic,
             multi_id: Some(self.multi_id),
             definition: self.definition,
             version: None,

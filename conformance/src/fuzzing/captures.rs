@@ -136,7 +136,7 @@ fn capture(data: &[u8]) {
 /// Renders the story of a capture in each format. The text must not contain control characters, except line ends.
 fn story(data: &[u8]) {
     let texts = Texts::of(Translations::default());
-    let Ok(story) = Story::of_bytes(data, &DEFINITIONS, texts) else { return };
+    let Ok(story) = Story::of_bytes(data, &DEFINITIONS, &texts) else { return };
     for text in [to_text(&story, "en"), to_html(&story, "en", "uavspec"), to_json(&story)] {
         assert!(!text.contains(|character: char| character.is_control() && character != '\n'), "{text}");
     }

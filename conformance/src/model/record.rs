@@ -66,6 +66,8 @@ pub(crate) struct Channel<'c> {
     pub index: usize,
     /// The topic.
     pub topic: &'c str,
+    /// The topic with its namespace, such as `/uav_1/fmu/out/vehicle_status`, if the format distinguishes namespaces.
+    pub full_topic: &'c str,
     /// The instance of the topic, counted from 0, if the format distinguishes instances.
     pub multi_id: Option<u8>,
     /// The definition of the messages, if known.

@@ -17,13 +17,20 @@ pub enum Level {
     Must,
 }
 
-impl fmt::Display for Level {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.pad(match self {
+impl Level {
+    /// The name.
+    pub const fn name(self) -> &'static str {
+        match self {
             Self::Info => "INFO",
             Self::Should => "SHOULD",
             Self::Must => "MUST",
-        })
+        }
+    }
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.pad(self.name())
     }
 }
 

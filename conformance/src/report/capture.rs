@@ -1,5 +1,7 @@
 //! The result of checking a capture, as a subject of a report.
 
+use std::time::Duration;
+
 use crate::check::{CaptureResult, Clock, Coverage, Describe, ReleaseMatch, Summary};
 use crate::definitions::Definitions;
 use crate::model::{self, Extent, Findings, Group, Rule};
@@ -30,6 +32,14 @@ pub struct CheckedCapture {
     pub elapsed: u128,
 }
 
+impl CheckedCapture {
+    /// A capture from a file, an object or memory.
+    pub(crate) fn new(path: String, result: CaptureResult, elapsed: Duration) -> Self {
+        let (notes, requests, cut_short) = (Vec::new(), Vec::new(), Vec::new());
+        Self { path, result, notes, requests, cut_short, elapsed: elapsed.as_millis() }
+    }
+}
+
 /// The run settings that affect reports.
 #[allow(clippy::struct_excessive_bools)] // independent options of the command line
 #[derive(Clone, Debug, Default)]
@@ -52,7 +62,7 @@ pub struct Settings {
 
 impl Settings {
     /// The command that checks a capture again.
-    fn command(&self, path: &str) -> String {
+    pub(crate) fn command(&self, path: &str) -> String {
         if let Some(command) = &self.command {
             return command.clone();
         }
@@ -129,6 +139,7 @@ impl Subject {
             notes,
             requests,
             is_readable_again: !settings.is_unrecorded,
+            start_utc: result.clock.start_utc(),
             elapsed,
         };
         subject.set_outcome(settings);
@@ -290,6 +301,7 @@ fn finding(
         actual: detail.actual.clone(),
         excerpt: detail.excerpt.clone(),
         time_s: detail.time.and_then(|time| clock.seconds(time)),
+        utc_us: detail.time.and_then(|time| clock.utc_micros(time)),
         utc: detail.time.and_then(|time| clock.utc(time)),
         log_time_ns: detail.log_time,
         sequence: detail.sequence,

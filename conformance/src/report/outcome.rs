@@ -75,7 +75,7 @@ impl OutcomeKind {
     }
 
     /// The name in reports for people.
-    pub(crate) const fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Conforms => "conforms",
             Self::Partial => "partial coverage",

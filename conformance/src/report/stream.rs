@@ -74,6 +74,11 @@ impl Stream {
 }
 
 impl Report {
+    /// The report as text without colours.
+    pub fn to_plain_text(&self) -> String {
+        anstream::adapter::strip_str(&self.to_text(Kind::Text)).to_string()
+    }
+
     /// Renders the report. [`Kind::Text`] contains terminal colours, which `anstream` can remove.
     pub fn to_text(&self, kind: Kind) -> String {
         if kind == Kind::Json {
@@ -91,7 +96,9 @@ impl Report {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
+    use std::time::Duration;
+
     use clap::ValueEnum as _;
 
     use super::*;
@@ -102,19 +109,12 @@ mod tests {
     use crate::rules::sample::Flight;
 
     /// Captures that violate all rules of PX4, and captures that conform.
-    fn subjects(definitions: &Definitions) -> Vec<Subject> {
+    pub(crate) fn subjects(definitions: &Definitions) -> Vec<Subject> {
         let flight = Flight::new(definitions);
         let sources = mutants().flat_map(|mutant| mutant.captures(&flight));
         let subject = |(path, bytes): (String, Vec<u8>)| {
             let result = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
-            let checked = CheckedCapture {
-                path,
-                result,
-                notes: Vec::new(),
-                requests: Vec::new(),
-                cut_short: Vec::new(),
-                elapsed: 7,
-            };
+            let checked = CheckedCapture::new(path, result, Duration::from_millis(7));
             Subject::from_capture(checked, definitions, &Settings::default())
         };
         sources.map(subject).collect()

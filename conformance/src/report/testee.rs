@@ -236,6 +236,7 @@ impl Subject {
             notes: Vec::new(),
             requests: Vec::new(),
             is_readable_again: true,
+            start_utc: None,
             elapsed: 0,
         }
     }

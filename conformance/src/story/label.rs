@@ -1,13 +1,19 @@
 //! Labels: the texts of definitions in all languages.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde::Serialize;
+use uavspec_codegen::Failure;
 use uavspec_codegen::internal::gist;
+use uavspec_codegen::load::read_definitions_translated;
 use uavspec_codegen::schema::{ErrorTable, Message, MessageId, Schema};
 use uavspec_codegen::translation::{Language, MessageKeys, MessageText, Translations, error_code_key};
 
 use crate::definitions::Definitions;
+
+/// The configuration file of definitions.
+const CONFIGURATION: &str = "uavspec.toml";
 
 /// The maximum length of a label, in characters.
 const MAX_LABEL: usize = 120;
@@ -54,6 +60,17 @@ impl Label {
 }
 
 impl Texts {
+    /// The texts of the definitions at a path, or of the built-in definitions.
+    pub(crate) fn load(path: Option<&Path>) -> Result<Self, Failure> {
+        // Only a configuration file names catalogues.
+        let is_configured = |path: &&Path| {
+            path.is_file() && path.extension().is_some_and(|extension| extension == "toml")
+                || path.join(CONFIGURATION).is_file()
+        };
+        let Some(path) = path.filter(is_configured) else { return Ok(Self::of(Translations::default())) };
+        read_definitions_translated(path).map(|(_, _, translations)| Self::of(translations))
+    }
+
     /// The texts of definitions with these translations.
     pub(crate) fn of(translations: Translations) -> Self {
         Self { translations, built_in: Definitions::built_in_translated() }

@@ -16,7 +16,7 @@ fn texts() -> Texts {
 }
 
 fn story(bytes: &[u8], definitions: &Definitions) -> Story {
-    Story::of_bytes(bytes, definitions, texts()).expect("a readable capture")
+    Story::of_bytes(bytes, definitions, &texts()).expect("a readable capture")
 }
 
 /// A flight in which a flag is set in these rounds.
@@ -232,7 +232,7 @@ fn lists_the_topics_that_are_missing_or_have_no_definition() {
     assert_eq!(status("failsafe_flags"), Some(TopicStatus::Explained));
     assert_eq!(status("vehicle_status"), Some(TopicStatus::Undefined));
     let bytes = lines(&[("px4/Event", json!({ "timestamp": 7 }))]);
-    let story = Story::of_bytes(&bytes, &definitions, texts()).expect("a story");
+    let story = Story::of_bytes(&bytes, &definitions, &texts()).expect("a story");
     let status = |name: &str| story.topics.iter().find(|topic| topic.name == name).map(|topic| topic.status);
     assert_eq!((status("event"), story.unreadable_messages), (Some(TopicStatus::Explained), 1));
     assert_eq!(status("vehicle_status"), Some(TopicStatus::Absent));
@@ -329,6 +329,6 @@ fn recognizes_the_names_of_topics_in_captures() {
 fn a_file_that_is_no_capture_has_no_story() {
     let definitions = Definitions::built_in();
     for bytes in [&b""[..], b"not a capture", b"\x01\x02\x03\x04"] {
-        assert!(Story::of_bytes(bytes, &definitions, texts()).is_err(), "{bytes:?}");
+        assert!(Story::of_bytes(bytes, &definitions, &texts()).is_err(), "{bytes:?}");
     }
 }

@@ -90,7 +90,7 @@ fn mark(output: &Path) -> Result<(), String> {
 
 /// Runs mdBook on the collected documents.
 fn build(folder: &Path, gathered: &Gathered, output: &Path) -> Result<(), String> {
-    let of_book = |error: &dyn std::fmt::Display| format!("mdBook: {error}");
+    let of_book = |error: &dyn std::fmt::Display| format!("mdBook: {error:#}");
     let unsearched = |page: &String| format!("\n[output.html.search.chapter.\"{page}\"]\nenable = false\n");
     let text: String = gathered.translated.iter().map(unsearched).collect();
     let text = include_str!("../book.toml").to_owned() + &text;

@@ -44,6 +44,8 @@ impl NameKind {
 pub(super) struct Open {
     /// The name in findings.
     pub(super) name: String,
+    /// The name with its namespace.
+    pub(super) full_name: String,
     /// The definition and the channel index.
     pub(super) defined: Option<(MessageId, usize)>,
     /// The key of the message in the envelope, if messages have an envelope.

@@ -53,6 +53,7 @@ fn capture(coverage: Coverage, verdicts: &[Verdict], settings: &Settings) -> Sub
         notes: Vec::new(),
         requests: Vec::new(),
         is_readable_again: true,
+        start_utc: None,
         elapsed: 0,
     };
     subject.set_outcome(settings);

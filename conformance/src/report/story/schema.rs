@@ -20,7 +20,7 @@ fn the_published_schema_is_up_to_date_and_described() {
 fn the_story_of_a_flight_matches_the_schema() {
     let (definitions, translations) = (Definitions::built_in(), Translations::default());
     let bytes = Flight::new(&definitions).log().to_bytes();
-    let story = Story::of_bytes(&bytes, &definitions, Texts::of(translations)).expect("a story");
+    let story = Story::of_bytes(&bytes, &definitions, &Texts::of(translations)).expect("a story");
     let mut value: Value = serde_json::from_str(&to_json(&story)).expect("JSON");
     let schema = STORY.schema::<Story>();
     assert_eq!(errors(&schema, &value), Vec::<String>::new());

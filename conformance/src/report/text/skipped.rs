@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use crate::capture::input::NOT_A_CAPTURE;
+use crate::capture::names::NOT_A_CAPTURE;
 use crate::check::names;
 use crate::report::Unreadable;
 use crate::text::Grouped;

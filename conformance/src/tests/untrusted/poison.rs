@@ -214,6 +214,7 @@ fn poison_subject(subject: &mut Subject, text: &str) {
         notes,
         requests,
         is_readable_again: _,
+        start_utc: _,
         elapsed: _,
     } = subject;
     set(path);
@@ -269,6 +270,7 @@ fn finding(finding: &mut Finding, text: &str) {
             excerpt,
             time_s: _,
             utc: _,
+            utc_us: _,
             log_time_ns: _,
             sequence: _,
             connection,
@@ -340,7 +342,7 @@ fn testee(testee: &mut Testee, text: &str) {
 pub(super) fn story(text: &str) -> Story {
     let definitions = Definitions::built_in();
     let bytes = Flight::new(&definitions).log().to_bytes();
-    let story = Story::of_bytes(&bytes, &definitions, Texts::of(Translations::default()));
+    let story = Story::of_bytes(&bytes, &definitions, &Texts::of(Translations::default()));
     let mut story = story.expect("a readable capture");
     story.capture = text.to_owned();
     story.definitions = text.to_owned();

@@ -14,7 +14,7 @@ const HOSTILE: &str = "</script><script>alert(1)</script>\u{1b}[31m\u{202e}\n::e
 
 fn story(bytes: &[u8]) -> Story {
     let (definitions, translations) = (Definitions::built_in(), Translations::default());
-    Story::of_bytes(bytes, &definitions, Texts::of(translations)).expect("a readable capture")
+    Story::of_bytes(bytes, &definitions, &Texts::of(translations)).expect("a readable capture")
 }
 
 /// A session with hostile text in each place that a story shows.

@@ -1,0 +1,100 @@
+//! The inputs of a run: files, folders, patterns and the URLs of object stores.
+
+use std::path::{Path, PathBuf};
+
+use super::Status;
+use crate::capture::input::{self, Files, Input};
+#[cfg(feature = "stores")]
+use crate::capture::names::NOT_A_CAPTURE;
+#[cfg(feature = "stores")]
+use crate::capture::store::{self, Listed};
+use crate::report::Unreadable;
+use crate::tables::{Done, Origin};
+use crate::text::terminal;
+
+/// The help for a URL that can't be listed.
+#[cfg(feature = "stores")]
+const CREDENTIALS: &str = "credentials come from the environment, such as AWS_ACCESS_KEY_ID";
+
+/// The captures that a user names.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) captures: Vec<Input>,
+    /// The inputs that can't be read, or contain no captures.
+    pub(super) unreadable: Vec<Unreadable>,
+    /// The other files in folders.
+    pub(super) skipped: Vec<Unreadable>,
+    /// The folders and patterns that yield no captures.
+    empty: Vec<Unreadable>,
+}
+
+impl Found {
+    /// Finds the captures, in the order of the inputs. Errors are printed.
+    pub(super) fn new(inputs: &[PathBuf]) -> Result<Self, Status> {
+        let mut found = Self::default();
+        for input in inputs {
+            found.add(input)?;
+        }
+        // If there are no captures at all, empty folders aren't failures: the outcome is that nothing was checked.
+        if !found.captures.is_empty() {
+            found.unreadable.append(&mut found.empty);
+        }
+        Ok(found)
+    }
+
+    /// Skips the captures that are done. Returns true if no captures are left. Prints the numbers.
+    pub(super) fn skip(&mut self, done: &Done) -> bool {
+        let before = self.captures.len();
+        self.captures.retain(|input| !done.contains(&input.name(), &Origin::of(input)));
+        let (left, skipped) = (self.captures.len(), before - self.captures.len());
+        terminal::eprintln!("{skipped} of {before} captures are in the tables already; {left} are left");
+        left == 0 && skipped > 0
+    }
+
+    fn add(&mut self, input: &Path) -> Result<(), Status> {
+        #[cfg(feature = "stores")]
+        if let Some(url) = input.to_str().filter(|_| store::is_url(input)) {
+            return self.add_url(url);
+        }
+        self.add_path(input)
+    }
+
+    fn add_path(&mut self, path: &Path) -> Result<(), Status> {
+        let files = input::files(&[path.to_owned()]).map_err(|(path, error)| {
+            terminal::error(format_args!("{}: {error}", terminal::path(&path)), None);
+            Status::Usage
+        })?;
+        let Files { captures, skipped, unreadable, empty } = files;
+        for (path, reason) in unreadable.iter().chain(&empty) {
+            terminal::error(format_args!("{}: {reason}", terminal::path(path)), None);
+        }
+        let file = |path: PathBuf, reason: &str| Unreadable {
+            path: path.to_string_lossy().into_owned(),
+            message: reason.to_owned(),
+        };
+        self.captures.extend(captures.into_iter().map(Input::Path));
+        self.skipped.extend(skipped.into_iter().map(|(path, reason)| file(path, reason)));
+        self.unreadable.extend(unreadable.into_iter().map(|(path, reason)| file(path, &reason)));
+        self.empty.extend(empty.into_iter().map(|(path, reason)| file(path, &reason)));
+        Ok(())
+    }
+
+    /// Adds the objects that a URL denotes.
+    #[cfg(feature = "stores")]
+    fn add_url(&mut self, url: &str) -> Result<(), Status> {
+        let shown = store::shown_url(url);
+        let Listed { captures, skipped } = store::list(url).map_err(|problem| {
+            terminal::error(format_args!("{}: {problem}", terminal::shown(&shown)), Some(CREDENTIALS));
+            Status::Unreadable
+        })?;
+        if captures.is_empty() {
+            let file = Unreadable { path: shown, message: store::NOTHING.to_owned() };
+            terminal::error(format_args!("{}: {}", terminal::shown(&file.path), file.message), None);
+            self.empty.push(file);
+        }
+        self.captures.extend(captures.into_iter().map(Input::Object));
+        self.skipped
+            .extend(skipped.into_iter().map(|path| Unreadable { path, message: NOT_A_CAPTURE.to_owned() }));
+        Ok(())
+    }
+}

@@ -1,0 +1,202 @@
+//! Connects to object stores, and lists their objects.
+
+use std::io::Read as _;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use futures_util::TryStreamExt as _;
+use object_store::aws::{AmazonS3Builder, AmazonS3ConfigKey};
+use object_store::azure::{AzureConfigKey, MicrosoftAzureBuilder};
+use object_store::gcp::{GoogleCloudStorageBuilder, GoogleConfigKey};
+use object_store::http::HttpBuilder;
+use object_store::path::Path as Location;
+use object_store::{
+    ClientConfigKey, ClientOptions, ObjectStore, ObjectStoreExt as _, ObjectStoreScheme, RetryConfig,
+};
+use url::{Position, Url};
+
+use super::object::Object;
+use super::reader::{Failure, Known};
+use super::request::{attempts, runtime, text};
+use super::shown_url;
+use crate::capture::names::is_capture;
+
+/// The time limits of a request. The other settings come from the environment.
+const LIMITS: [(ClientConfigKey, &str); 3] = [
+    (ClientConfigKey::ConnectTimeout, "10 seconds"),
+    // Without any data.
+    (ClientConfigKey::ReadTimeout, "20 seconds"),
+    (ClientConfigKey::Timeout, "300 seconds"),
+];
+
+/// The maximum time for all attempts of a request.
+const RETRIES: Duration = Duration::from_secs(120);
+
+/// The maximum size of a list of URLs, in bytes.
+const MAX_LIST: u64 = 256 << 20;
+
+/// The objects that a URL denotes, and the others in its folder.
+#[derive(Debug, Default)]
+pub(crate) struct Listed {
+    pub(crate) captures: Vec<Object>,
+    /// The URLs of objects without the name of a capture.
+    pub(crate) skipped: Vec<String>,
+}
+
+/// Lists the captures that a URL denotes: a capture, the objects whose names start with a prefix, or the lines of a list on
+/// a web server.
+///
+/// # Errors
+/// The text describes the problem, without credentials.
+pub(crate) fn list(url: &str) -> Result<Listed, String> {
+    let url = Url::parse(url).map_err(|error| format!("not a URL: {error}"))?;
+    let (scheme, location) = ObjectStoreScheme::parse(&url).map_err(|error| text(&error.into()))?;
+    let store = connect(&url, &scheme)?;
+    let is_single = is_capture(Path::new(location.as_ref()));
+    if matches!(scheme, ObjectStoreScheme::Http) {
+        let object = Object::new(&store, location, shown(&url), None);
+        return if is_single { Ok(single(object)) } else { read_list(&url, &object) };
+    }
+    let runtime = runtime().map_err(|error| error.to_string())?;
+    if is_single {
+        let meta = runtime.block_on(store.head(&location)).map_err(|error| text(&error))?;
+        return Ok(single(Object::new(&store, location, shown(&url), Some(meta.into()))));
+    }
+    let metas = runtime.block_on(attempts(|| store.list(Some(&location)).try_collect::<Vec<_>>()));
+    let mut listed = Listed::default();
+    for meta in metas.map_err(|error| text(&error))? {
+        let url = url_of(&url, &meta.location);
+        if is_capture(Path::new(meta.location.as_ref())) {
+            let (location, known) = (meta.location.clone(), Known::from(meta));
+            listed.captures.push(Object::new(&store, location, url, Some(known)));
+        } else {
+            listed.skipped.push(url);
+        }
+    }
+    // Stores have different orders.
+    listed.captures.sort_by(|one, other| one.url().cmp(other.url()));
+    listed.skipped.sort();
+    Ok(listed)
+}
+
+fn single(object: Object) -> Listed {
+    Listed { captures: vec![object], skipped: Vec::new() }
+}
+
+/// Reads a list with a URL in each line. URLs may be relative to that of the list.
+fn read_list(url: &Url, object: &Object) -> Result<Listed, String> {
+    let mut list = String::new();
+    let read =
+        object.open(&Failure::default()).and_then(|reader| reader.take(MAX_LIST).read_to_string(&mut list));
+    read.map_err(|error| error.to_string())?;
+    let mut listed = Listed::default();
+    let mut stores: Vec<(Url, Arc<dyn ObjectStore>)> = Vec::new();
+    for (number, line) in (1..).zip(list.lines()) {
+        let line = line.trim();
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let url =
+            url.join(line).map_err(|error| format!("line {number} of the list is not a URL: {error}"))?;
+        let failed = |error: String| format!("line {number} of the list: {error}");
+        let (scheme, location) =
+            ObjectStoreScheme::parse(&url).map_err(|error| failed(text(&error.into())))?;
+        if !is_capture(Path::new(location.as_ref())) {
+            listed.skipped.push(shown(&url));
+            continue;
+        }
+        let same = |(other, _): &&(Url, _)| other[..Position::BeforePath] == url[..Position::BeforePath];
+        let store = if let Some((_, store)) = stores.iter().find(same) {
+            Arc::clone(store)
+        } else {
+            let store = connect(&url, &scheme).map_err(failed)?;
+            stores.push((url.clone(), Arc::clone(&store)));
+            store
+        };
+        listed.captures.push(Object::new(&store, location, shown(&url), None));
+    }
+    Ok(listed)
+}
+
+/// Connects to the store of a URL. Credentials come from the environment, or from the machine in a cloud.
+fn connect(url: &Url, scheme: &ObjectStoreScheme) -> Result<Arc<dyn ObjectStore>, String> {
+    prepare_tls();
+    let retry = RetryConfig { retry_timeout: RETRIES, ..RetryConfig::default() };
+    /// Builds a store with the limits.
+    macro_rules! build {
+        ($builder:expr, $key:expr) => {
+            LIMITS
+                .into_iter()
+                .fold($builder.with_url(url.as_str()), |builder, (key, time)| {
+                    builder.with_config($key(key), time)
+                })
+                .with_retry(retry)
+                .build()
+                .map(|store| Arc::new(store) as Arc<dyn ObjectStore>)
+        };
+    }
+    let store = match scheme {
+        ObjectStoreScheme::AmazonS3 => build!(AmazonS3Builder::from_env(), AmazonS3ConfigKey::Client),
+        ObjectStoreScheme::GoogleCloudStorage => {
+            build!(GoogleCloudStorageBuilder::from_env(), GoogleConfigKey::Client)
+        }
+        ObjectStoreScheme::MicrosoftAzure => {
+            build!(MicrosoftAzureBuilder::from_env(), AzureConfigKey::Client)
+        }
+        ObjectStoreScheme::Http => {
+            let options = ClientOptions::new().with_allow_http(true);
+            let options =
+                LIMITS.into_iter().fold(options, |options, (key, time)| options.with_config(key, time));
+            let builder =
+                HttpBuilder::new().with_url(root(url)).with_client_options(options).with_retry(retry);
+            builder.build().map(|store| Arc::new(store) as _)
+        }
+        _ => return Err("expected s3://, gs://, az://, or https://".to_owned()),
+    };
+    store.map_err(|error| text(&error))
+}
+
+/// Selects the implementation of TLS.
+fn prepare_tls() {
+    // It may be selected already.
+    let _ = rustls::crypto::ring::default_provider().install_default();
+}
+
+/// The bucket or server of a URL, and the container of an Azure URL.
+fn root(url: &Url) -> String {
+    url[..Position::BeforePath].to_owned()
+}
+
+/// A URL without its query and its password.
+fn shown(url: &Url) -> String {
+    shown_url(url.as_str())
+}
+
+/// The URL of an object in the same store, which [`list`] finds by it.
+fn url_of(url: &Url, location: &Location) -> String {
+    let mut url = url.clone();
+    // In names, a percent sign is no escape sequence.
+    url.set_path(&location.as_ref().replace('%', "%25"));
+    shown(&url)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_url_of_an_object_denotes_it() {
+        for root in
+            ["s3://logs/2026/", "https://host.example/list.txt", "abfss://logs@account.dfs.core.windows.net/"]
+        {
+            let root = Url::parse(root).expect("a URL");
+            for name in ["a.ulg", "2026/a b.ulg", "ä #?%41+&.ulg", "%"] {
+                let location = Location::parse(name).expect("a name");
+                let url = Url::parse(&url_of(&root, &location)).expect("a URL");
+                assert_eq!(ObjectStoreScheme::parse(&url).expect("a store").1, location);
+                assert_eq!(url[..Position::BeforePath], root[..Position::BeforePath]);
+            }
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! A folder with all tables, which grows during a run.
+//!
+//! ```text
+//!  tables/topics/part-00000.parquet
+//!  tables/findings/part-00000.parquet
+//!  tables/rules/part-00000.parquet
+//!  tables/captures/part-00000.parquet
+//!  tables/failures/part-00000.parquet
+//! ```
+//!
+//! A part contains the rows of some captures, in all tables. Each file appears when it is complete, and that of the captures
+//! appears last. After a run that was killed, the captures that are listed are therefore complete, and another run can
+//! continue. The failures of a run are written at its end.
+
+use std::fs;
+use std::io::{self, Write as _};
+use std::path::{Path, PathBuf};
+
+use arrow_array::RecordBatch;
+use arrow_ipc::writer::FileWriter;
+use parquet::arrow::ArrowWriter;
+use parquet::basic::Compression;
+use parquet::file::properties::WriterProperties;
+use uavspec_codegen::stage::write_file;
+
+use super::done::Done;
+use super::rows::{Rows, TABLES};
+use super::{Origin, TableFormat, captures, failures, timeline};
+use crate::report::{Subject, Unreadable};
+use crate::story::Story;
+use crate::text::terminal;
+
+/// The maximum number of captures in a part. A run that is killed loses the results of fewer captures.
+const MAX_CAPTURES: usize = 256;
+
+/// The number of rows, in all tables, above which a part is written.
+const MAX_ROWS: usize = 100_000;
+
+/// The number of rows in a row group. A query skips row groups by their statistics.
+const ROW_GROUP: usize = 8_192;
+
+/// The tables of a run.
+pub(crate) struct Dataset {
+    folder: PathBuf,
+    format: TableFormat,
+    /// True if the folder contains the timeline.
+    has_timeline: bool,
+    /// The rows of the next part.
+    rows: Rows,
+    /// The number of written parts.
+    parts: usize,
+    failures: Vec<Unreadable>,
+    /// The first error. Nothing is written after it.
+    error: Option<io::Error>,
+}
+
+impl TableFormat {
+    /// The content of a file.
+    fn encode(self, batch: &RecordBatch) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        match self {
+            Self::Parquet => {
+                let properties = WriterProperties::builder()
+                    .set_compression(Compression::SNAPPY)
+                    .set_max_row_group_row_count(Some(ROW_GROUP))
+                    .build();
+                let writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties));
+                let mut writer = writer.map_err(io::Error::other)?;
+                writer.write(batch).map_err(io::Error::other)?;
+                writer.close().map_err(io::Error::other)?;
+            }
+            Self::Arrow => {
+                let mut writer =
+                    FileWriter::try_new(&mut bytes, &batch.schema()).map_err(io::Error::other)?;
+                writer.write(batch).map_err(io::Error::other)?;
+                writer.finish().map_err(io::Error::other)?;
+            }
+        }
+        Ok(bytes)
+    }
+}
+
+impl Dataset {
+    /// Starts the tables in a folder.
+    ///
+    /// # Errors
+    /// Fails if the folder contains tables already.
+    pub(crate) fn create(folder: &Path, format: TableFormat, has_timeline: bool) -> io::Result<Self> {
+        for table in TABLES {
+            if !files(&folder.join(table))?.is_empty() {
+                let problem = format!("the folder `{table}` already contains files");
+                return Err(io::Error::new(io::ErrorKind::AlreadyExists, problem));
+            }
+        }
+        Ok(Self::new(folder, format, has_timeline, 0))
+    }
+
+    /// Continues the Parquet files of an earlier run. Also returns the captures that they contain. If there are no files
+    /// yet, starts them.
+    ///
+    /// # Errors
+    /// Fails if the files can't be read, or if only one of the runs has a timeline.
+    pub(crate) fn resume(folder: &Path, has_timeline: bool) -> io::Result<(Self, Done)> {
+        let (format, mut done) = (TableFormat::Parquet, Done::default());
+        let captures = files(&folder.join(captures::TABLE.name))?;
+        for file in &captures {
+            done.read(file).map_err(|error| {
+                io::Error::new(error.kind(), format!("{}: {error}", terminal::path(file)))
+            })?;
+        }
+        let parts =
+            captures.iter().filter_map(|file| number(file)).map(|number| number + 1).max().unwrap_or(0);
+        if parts > 0 && has_timeline == files(&folder.join(timeline::TABLE.name))?.is_empty() {
+            let problem =
+                if has_timeline { "the tables have no timeline" } else { "the tables have a timeline" };
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
+        }
+        // A run that was killed may have written some files of the next part.
+        for table in TABLES {
+            for file in files(&folder.join(table))? {
+                if number(&file).is_some_and(|number| number >= parts) {
+                    fs::remove_file(file)?;
+                }
+            }
+        }
+        // The failures of the earlier run are tried again.
+        for file in files(&folder.join(failures::TABLE.name))? {
+            fs::remove_file(file)?;
+        }
+        Ok((Self::new(folder, format, has_timeline, parts), done))
+    }
+
+    fn new(folder: &Path, format: TableFormat, has_timeline: bool, parts: usize) -> Self {
+        let (folder, rows, failures) = (folder.to_owned(), Rows::default(), Vec::new());
+        Self { folder, format, has_timeline, rows, parts, failures, error: None }
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Adds a capture.
+    pub(crate) fn add(&mut self, subject: &Subject, origin: &Origin, story: Option<&Story>) {
+        self.rows.add(subject, origin.clone(), story);
+        self.write_if_full();
+    }
+
+    /// Adds a capture that can't be read.
+    pub(crate) fn add_unreadable(&mut self, file: &Unreadable) {
+        self.failures.push(file.clone());
+    }
+
+    /// Writes the last part. A run without captures has a part without rows.
+    ///
+    /// # Errors
+    /// Fails if a part couldn't be written.
+    pub(crate) fn finish(mut self) -> io::Result<()> {
+        if let Some(error) = self.error.take() {
+            return Err(error);
+        }
+        if self.parts == 0 || self.rows.num_captures() > 0 {
+            self.write()?;
+        }
+        let failures = failures::TABLE.batch(&self.failures).map_err(io::Error::other)?;
+        self.write_file(failures::TABLE.name, 0, &failures)
+    }
+
+    fn write_if_full(&mut self) {
+        if self.rows.num_captures() >= MAX_CAPTURES || self.rows.num_rows() >= MAX_ROWS {
+            // After an error, further rows are dropped.
+            self.error = self.error.take().or_else(|| self.write().err());
+            self.rows = Rows::default();
+        }
+    }
+
+    /// Writes a part.
+    fn write(&mut self) -> io::Result<()> {
+        let mut rows = std::mem::take(&mut self.rows);
+        rows.sort();
+        for (table, batch) in TABLES.iter().zip(rows.batches().map_err(io::Error::other)?) {
+            if *table == timeline::TABLE.name && !self.has_timeline {
+                continue;
+            }
+            self.write_file(table, self.parts, &batch)?;
+        }
+        self.parts += 1;
+        Ok(())
+    }
+
+    fn write_file(&self, table: &str, part: usize, batch: &RecordBatch) -> io::Result<()> {
+        let folder = self.folder.join(table);
+        fs::create_dir_all(&folder)?;
+        let bytes = self.format.encode(batch)?;
+        write_file(&folder.join(format!("part-{part:05}.{}", self.format.name())), |file| {
+            file.write_all(&bytes)
+        })
+    }
+}
+
+/// The files of a table, in order.
+fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries?,
+    };
+    let files: io::Result<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
+    // A run that was killed may leave a hidden folder.
+    let mut files: Vec<PathBuf> = files?.into_iter().filter(|path| path.is_file()).collect();
+    files.sort();
+    Ok(files)
+}
+
+/// The number of the part in a file's name.
+fn number(file: &Path) -> Option<usize> {
+    file.file_stem()?.to_str()?.strip_prefix("part-")?.parse().ok()
+}
