@@ -2,12 +2,18 @@
 
 mod compile;
 mod derive;
+mod fleet;
 mod live;
 
+use std::env;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 use std::process::Command;
 
 use clap::ValueEnum;
+
+/// The environment variable that names another program to measure.
+const PROGRAM: &str = "UAVSPEC";
 
 /// A group of benchmarks.
 #[derive(Clone, Copy, ValueEnum)]
@@ -20,6 +26,8 @@ pub(crate) enum Benchmark {
     Codec,
     /// Log and JSON checks
     Conformance,
+    /// Thousands of captures with the program, Python, Spark and Ray. Requires 20 GB of disk space
+    Fleet,
     /// Live vehicles with many large messages
     Live,
 }
@@ -29,6 +37,7 @@ pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
         Benchmark::Codegen => benches(&[("uavspec-codegen", "codegen")]),
         Benchmark::Compile => compile::run(),
         Benchmark::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
+        Benchmark::Fleet => fleet::run(),
         Benchmark::Live => live::run(),
         Benchmark::Conformance => benches(&["ulog", "checking"].map(|bench| ("uavspec-conformance", bench))),
     }
@@ -43,9 +52,34 @@ fn benches(benches: &[(&str, &str)]) -> Result<(), String> {
     benches.iter().try_for_each(run)
 }
 
+/// The program to measure: the release build with these features, unless the environment names another program.
+fn program(features: &str) -> Result<OsString, String> {
+    if let Some(program) = env::var_os(PROGRAM) {
+        return Ok(program);
+    }
+    let build = ["build", "--release", "--package", "uavspec-conformance", "--features", features];
+    cargo(Path::new("."), &build)?;
+    Ok("target/release/uavspec".into())
+}
+
 fn cargo(folder: &Path, arguments: &[&str]) -> Result<(), String> {
-    let mut command = Command::new("cargo");
-    command.args(arguments).current_dir(folder).env("CARGO_INCREMENTAL", "0");
-    let status = command.status().map_err(|error| format!("cannot run cargo: {error}"))?;
-    if status.success() { Ok(()) } else { Err(format!("cargo {} failed", arguments.join(" "))) }
+    execute(Command::new("cargo").args(arguments).current_dir(folder).env("CARGO_INCREMENTAL", "0"))
+}
+
+/// Runs a command without the variables that describe the package of this program. Build scripts that read them would run
+/// again.
+fn execute(command: &mut Command) -> Result<(), String> {
+    for (name, _) in env::vars_os() {
+        if name
+            .to_str()
+            .is_some_and(|name| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_"))
+        {
+            command.env_remove(name);
+        }
+    }
+    let status = command.status();
+    let words = [command.get_program()].into_iter().chain(command.get_args()).map(OsStr::to_string_lossy);
+    let line = words.collect::<Vec<_>>().join(" ");
+    let status = status.map_err(|error| format!("cannot run {line}: {error}"))?;
+    if status.success() { Ok(()) } else { Err(format!("{line} failed: {status}")) }
 }

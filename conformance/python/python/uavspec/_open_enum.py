@@ -1,0 +1,1 @@
+../../../../generated/python/_open_enum.py

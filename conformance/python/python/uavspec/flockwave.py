@@ -1,0 +1,1 @@
+../../../../generated/python/flockwave.py

@@ -1,0 +1,1 @@
+../../../../../generated/python/labels/__init__.py

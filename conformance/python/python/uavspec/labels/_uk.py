@@ -1,0 +1,1 @@
+../../../../../generated/python/labels/_uk.py

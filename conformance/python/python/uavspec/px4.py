@@ -1,0 +1,1 @@
+../../../../generated/python/px4.py

@@ -1,0 +1,92 @@
+//! The Python package, in Python.
+
+use std::fs::{self, File};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use walkdir::WalkDir;
+
+use crate::support::cargo;
+
+/// The packages that the tests use.
+const PACKAGES: [&str; 12] = [
+    "duckdb==2.0.1",
+    "mypy==2.4.1",
+    "numpy==2.4.6",
+    "pandas==2.3.3",
+    "polars==2.1.0",
+    "psutil==7.2.2",
+    "pyarrow==26.0.1",
+    "pyright==1.1.414",
+    "pyspark==4.3.0",
+    "pytest==9.2.0",
+    "pyulog==1.3.0",
+    "ray[data]==2.60.0",
+];
+
+fn run(command: &mut Command) {
+    let status = command.status().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(status.success(), "{command:?} failed: {status}");
+}
+
+/// The folder with Python and the packages.
+fn folder() -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/python-peers");
+    if !folder.join("installed").exists() {
+        fs::create_dir_all(&folder).expect("a folder");
+        run(Command::new("python3").args(["-m", "venv"]).arg(&folder));
+        run(Command::new(folder.join("bin/python")).args(["-m", "pip", "install", "--quiet"]).args(PACKAGES));
+        File::create(folder.join("installed")).expect("a file");
+    }
+    folder.canonicalize().expect("a folder")
+}
+
+/// Builds the module, and copies the package to the folder of installed packages.
+fn install(python: &Path) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    // The module must share the library that these tests use, so the features of its dependencies must be the same: those
+    // that tests require, too.
+    let packages = ["--package", "uavspec-conformance", "--package", "uavspec-python"];
+    let mut build = cargo();
+    build.args(["build", "--quiet", "--all-features", "--lib", "--test", "all"]).args(packages);
+    run(build.current_dir(root));
+    let output = Command::new(python)
+        .args(["-c", "import sysconfig; print(sysconfig.get_path('purelib'))"])
+        .output()
+        .expect("Python");
+    let installed = Path::new(String::from_utf8_lossy(&output.stdout).trim_end()).join("uavspec");
+    // Files of an earlier run must not be found.
+    let _ = fs::remove_dir_all(&installed);
+    let source = root.join("python/python/uavspec");
+    for entry in WalkDir::new(&source).follow_links(true) {
+        let entry = entry.expect("an entry");
+        let target = installed.join(entry.path().strip_prefix(&source).expect("below"));
+        if entry.file_type().is_dir() {
+            fs::create_dir_all(target).expect("a folder");
+        } else {
+            fs::copy(entry.path(), target).expect("a file");
+        }
+    }
+    let module = Path::new(env!("CARGO_BIN_EXE_uavspec")).with_file_name("lib_native.so");
+    fs::copy(module, installed.join("_native.abi3.so")).expect("the module");
+}
+
+#[test]
+#[ignore = "compiles the Python package and installs other ones"]
+fn the_package_works_in_python() {
+    let (programs, package) = (folder().join("bin"), Path::new(env!("CARGO_MANIFEST_DIR")).join("python"));
+    install(&programs.join("python"));
+    run(Command::new(programs.join("python"))
+        .args(["-m", "pytest", "--quiet", "tests"])
+        .env("UAVSPEC", env!("CARGO_BIN_EXE_uavspec"))
+        .current_dir(&package));
+    run(Command::new(programs.join("mypy")).args(["--strict", "python/uavspec"]).current_dir(&package));
+    let pyright = Command::new(programs.join("pyright"))
+        .arg("--pythonpath")
+        .arg(programs.join("python"))
+        .arg("python/uavspec")
+        .current_dir(&package)
+        .output()
+        .expect("pyright");
+    assert!(pyright.status.success(), "{}", String::from_utf8_lossy(&pyright.stdout));
+}
