@@ -39,6 +39,9 @@ const MAX_ROWS: usize = 100_000;
 /// The number of rows in a row group. A query skips row groups by their statistics.
 const ROW_GROUP: usize = 8_192;
 
+/// The file in the folder of the captures that an engine writes last.
+const SUCCESS: &str = "_SUCCESS";
+
 /// The tables of a run.
 pub(crate) struct Dataset {
     folder: PathBuf,
@@ -98,11 +101,22 @@ impl Dataset {
     /// Continues the Parquet files of an earlier run. Also returns the captures that they contain. If there are no files
     /// yet, starts them.
     ///
+    /// An engine such as Spark may have written them.
+    ///
     /// # Errors
-    /// Fails if the files can't be read, or if only one of the runs has a timeline.
+    /// Fails if the files can't be read, if an engine didn't complete them, or if only one of the runs has a timeline.
     pub(crate) fn resume(folder: &Path, has_timeline: bool) -> io::Result<(Self, Done)> {
         let (format, mut done) = (TableFormat::Parquet, Done::default());
         let captures = files(&folder.join(captures::TABLE.name))?;
+        if !folder.join(captures::TABLE.name).join(SUCCESS).exists() {
+            for table in TABLES {
+                if let Some(file) = files(&folder.join(table))?.iter().find(|file| number(file).is_none()) {
+                    let problem =
+                        format!("{}: the engine that wrote this file did not finish", terminal::path(file));
+                    return Err(io::Error::new(io::ErrorKind::InvalidData, problem));
+                }
+            }
+        }
         for file in &captures {
             done.read(file).map_err(|error| {
                 io::Error::new(error.kind(), format!("{}: {error}", terminal::path(file)))
@@ -110,7 +124,7 @@ impl Dataset {
         }
         let parts =
             captures.iter().filter_map(|file| number(file)).map(|number| number + 1).max().unwrap_or(0);
-        if parts > 0 && has_timeline == files(&folder.join(timeline::TABLE.name))?.is_empty() {
+        if !captures.is_empty() && has_timeline == files(&folder.join(timeline::TABLE.name))?.is_empty() {
             let problem =
                 if has_timeline { "the tables have no timeline" } else { "the tables have a timeline" };
             return Err(io::Error::new(io::ErrorKind::InvalidInput, problem));
@@ -204,8 +218,12 @@ fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
         entries => entries?,
     };
     let files: io::Result<Vec<PathBuf>> = entries.map(|entry| Ok(entry?.path())).collect();
-    // A run that was killed may leave a hidden folder.
-    let mut files: Vec<PathBuf> = files?.into_iter().filter(|path| path.is_file()).collect();
+    // A run that was killed may leave a hidden folder. Engines write further hidden files.
+    let is_visible = |path: &Path| {
+        path.file_name().is_some_and(|name| !matches!(name.as_encoded_bytes(), [b'.' | b'_', ..]))
+    };
+    let mut files: Vec<PathBuf> =
+        files?.into_iter().filter(|path| path.is_file() && is_visible(path)).collect();
     files.sort();
     Ok(files)
 }

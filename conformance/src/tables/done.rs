@@ -9,11 +9,12 @@ use std::path::Path;
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::Int64Type;
 use arrow_array::{Array as _, RecordBatch};
+use arrow_schema::Schema;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 
-use super::Origin;
 use super::column::{TABLES_KEY, VERSION};
+use super::{Origin, captures};
 
 /// The columns that identify a version of a capture.
 const COLUMNS: [&str; 3] = ["capture", "etag", "size"];
@@ -33,7 +34,7 @@ impl Done {
     pub(super) fn read(&mut self, file: &Path) -> io::Result<()> {
         let builder =
             ParquetRecordBatchReaderBuilder::try_new(File::open(file)?).map_err(io::Error::other)?;
-        if builder.schema().metadata().get(TABLES_KEY) != Some(&VERSION.to_string()) {
+        if !is_current(builder.schema()) {
             return Err(io::Error::other("these are no tables of this version"));
         }
         let mask = ProjectionMask::columns(builder.parquet_schema(), COLUMNS);
@@ -60,6 +61,16 @@ impl Done {
         }
         Ok(())
     }
+}
+
+/// True if a file of the table `captures` has the current version. Engines write files without a version, so their columns
+/// must be the same.
+fn is_current(schema: &Schema) -> bool {
+    if let Some(version) = schema.metadata().get(TABLES_KEY) {
+        return *version == VERSION.to_string();
+    }
+    let names = schema.fields().iter().map(|field| field.name().as_str());
+    names.eq(captures::TABLE.columns.iter().map(|column| column.name))
 }
 
 fn hash(capture: &str, etag: Option<&str>, size: Option<u64>) -> u64 {

@@ -218,6 +218,31 @@ fn other_files_are_not_continued() {
     assert!(problem(false).contains("there is no column `etag`"), "{}", problem(false));
 }
 
+#[test]
+fn tables_of_an_engine_are_continued_if_they_are_complete() {
+    let folder = TempDir::new().expect("a folder");
+    write(folder.path(), [&SUBJECTS[0]]);
+    for table in ["captures", "failures", "findings", "rules", "topics"] {
+        let file = &files(folder.path(), table)[0];
+        fs::rename(file, file.with_file_name("part-00000-c000.snappy.parquet")).expect("renamed");
+    }
+    let problem = Dataset::resume(folder.path(), false).err().expect("an error").to_string();
+    assert!(problem.ends_with(": the engine that wrote this file did not finish"), "{problem}");
+    let hidden = ["_SUCCESS", ".part-00000.crc"].map(|name| folder.path().join("captures").join(name));
+    for file in &hidden {
+        File::create(file).expect("a file");
+    }
+    let (mut tables, done) = resume(folder.path());
+    let origin = Origin { size: Some(7), etag: None };
+    assert!(done.contains(&SUBJECTS[0].path, &origin));
+    tables.add(&SUBJECTS[0], &origin, None);
+    tables.finish().expect("written");
+    for file in &hidden {
+        fs::remove_file(file).expect("removed");
+    }
+    assert_eq!(texts(folder.path(), "captures", "capture").len(), 2);
+}
+
 /// Arming check requests with these ids.
 fn requests(ids: &[u64]) -> Capture {
     let lines = ids.iter().map(|id| {
