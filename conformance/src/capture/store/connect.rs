@@ -12,12 +12,13 @@ use object_store::gcp::{GoogleCloudStorageBuilder, GoogleConfigKey};
 use object_store::http::HttpBuilder;
 use object_store::path::Path as Location;
 use object_store::{
-    ClientConfigKey, ClientOptions, ObjectStore, ObjectStoreExt as _, ObjectStoreScheme, RetryConfig,
+    ClientConfigKey, ClientOptions, ObjectMeta, ObjectStore, ObjectStoreExt as _, ObjectStoreScheme,
+    RetryConfig,
 };
 use url::{Position, Url};
 
 use super::object::Object;
-use super::reader::{Failure, Known};
+use super::reader::Failure;
 use super::request::{attempts, runtime, text};
 use super::shown_url;
 use crate::capture::names::is_capture;
@@ -63,21 +64,32 @@ pub(crate) fn list(url: &str) -> Result<Listed, String> {
         let meta = runtime.block_on(store.head(&location)).map_err(|error| text(&error))?;
         return Ok(single(Object::new(&store, location, shown(&url), Some(meta.into()))));
     }
-    let metas = runtime.block_on(attempts(|| store.list(Some(&location)).try_collect::<Vec<_>>()));
-    let mut listed = Listed::default();
-    for meta in metas.map_err(|error| text(&error))? {
-        let url = url_of(&url, &meta.location);
-        if is_capture(Path::new(meta.location.as_ref())) {
-            let (location, known) = (meta.location.clone(), Known::from(meta));
-            listed.captures.push(Object::new(&store, location, url, Some(known)));
-        } else {
-            listed.skipped.push(url);
+    let read = || async {
+        let mut listed = Listed::default();
+        let mut objects = store.list(Some(&location));
+        while let Some(meta) = objects.try_next().await? {
+            listed.add(&store, &url, meta);
         }
-    }
+        Ok(listed)
+    };
+    let mut listed = runtime.block_on(attempts(read)).map_err(|error| text(&error))?;
     // Stores have different orders.
     listed.captures.sort_by(|one, other| one.url().cmp(other.url()));
     listed.skipped.sort();
     Ok(listed)
+}
+
+impl Listed {
+    /// Adds an object in the store of a URL.
+    fn add(&mut self, store: &Arc<dyn ObjectStore>, url: &Url, meta: ObjectMeta) {
+        let url = url_of(url, &meta.location);
+        if is_capture(Path::new(meta.location.as_ref())) {
+            let location = meta.location.clone();
+            self.captures.push(Object::new(store, location, url, Some(meta.into())));
+        } else {
+            self.skipped.push(url);
+        }
+    }
 }
 
 fn single(object: Object) -> Listed {
