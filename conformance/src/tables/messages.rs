@@ -2,7 +2,7 @@
 
 mod columns;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use arrow_array::{ArrayRef, RecordBatch, UInt64Array};
@@ -51,8 +51,8 @@ struct Reader<'t> {
     instance: u8,
     /// The topics of the capture.
     topics: BTreeSet<String>,
-    /// The instances of the topic, and its full names, with the number of the channel.
-    found: BTreeMap<(String, Option<u8>), usize>,
+    /// The full names of the topic, with their instances.
+    found: BTreeSet<(String, Option<u8>)>,
     /// The number of messages that can't be read.
     unreadable: usize,
     has_definition: bool,
@@ -74,7 +74,7 @@ impl Observer for Reader<'_> {
         if !self.is_named(channel) {
             return Interest::Nothing;
         }
-        self.found.insert((channel.full_topic.to_owned(), channel.multi_id), channel.index);
+        self.found.insert((channel.full_topic.to_owned(), channel.multi_id));
         if !self.is_wanted(channel) {
             return Interest::Nothing;
         }
@@ -147,7 +147,7 @@ impl Reader<'_> {
     /// The reason why the topic has no rows, or not those of one topic.
     fn problem(&self) -> Option<String> {
         let Self { topic, instance, .. } = self;
-        let names: BTreeSet<&str> = self.found.keys().map(|(name, _)| name.as_str()).collect();
+        let names: BTreeSet<&str> = self.found.iter().map(|(name, _)| name.as_str()).collect();
         if names.len() > 1 {
             let names: Vec<&str> = names.into_iter().collect();
             return Some(format!("there are several topics `{topic}`: name one of {}", names.join(", ")));
@@ -160,7 +160,7 @@ impl Reader<'_> {
         if self.rows.is_some() {
             return None;
         }
-        let instances: Vec<u8> = self.found.keys().filter_map(|(_, instance)| *instance).collect();
+        let instances: Vec<u8> = self.found.iter().filter_map(|(_, instance)| *instance).collect();
         if !instances.is_empty() && !instances.contains(instance) {
             let instances: Vec<String> = instances.iter().map(u8::to_string).collect();
             return Some(format!(
