@@ -37,10 +37,15 @@ pub(crate) struct Peer(Child);
 impl Peer {
     /// Runs a script of `tests/live/peers` with these arguments and environment variables.
     pub(crate) fn start(script: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Self {
+        Self::run(&mut Self::command(script, arguments, environment))
+    }
+
+    /// The command that runs a script of `tests/live/peers`.
+    pub(crate) fn command(script: &str, arguments: &[&str], environment: &[(&str, &str)]) -> Command {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/live/peers").join(script);
         let mut command = Command::new(python());
         command.arg(path).args(arguments).envs(environment.iter().copied());
-        Self::run(&mut command)
+        command
     }
 
     /// Runs a program.
