@@ -20,6 +20,8 @@ use uavspec_conformance::testee::{
 };
 use uavspec_runtime::Scalar;
 
+use crate::support::cargo;
+
 struct Suite {
     types: Types,
     cases: Vec<Case>,
@@ -40,7 +42,7 @@ fn suite() -> &'static Suite {
 fn testee() -> &'static Path {
     static TESTEE: OnceLock<PathBuf> = OnceLock::new();
     TESTEE.get_or_init(|| {
-        let mut cargo = Command::new(env!("CARGO"));
+        let mut cargo = cargo();
         // With `--workspace`, dependencies are built with the same features as by `cargo test --workspace`.
         cargo.args(["build", "--quiet", "--workspace", "--example", "testee"]);
         cargo.args(["--message-format", "json"]).current_dir(env!("CARGO_MANIFEST_DIR"));

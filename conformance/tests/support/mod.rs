@@ -3,9 +3,11 @@
 pub(crate) mod proxy;
 pub(crate) mod server;
 
+use std::env;
 use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// A folder of the corpus, such as `corpus/ulog` or `oracle/ulog`; `None` without a corpus.
 ///
@@ -14,18 +16,32 @@ use std::path::{Path, PathBuf};
 /// Panics if the folder is missing although `UAVSPEC_REQUIRE_CORPUS` is set.
 pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/corpus");
-    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
+    let corpus = env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
     let found = corpus.parent()?.join(path);
     if found.exists() {
         return Some(found);
     }
     assert!(
-        std::env::var_os("UAVSPEC_REQUIRE_CORPUS").is_none_or(|value| value == "0"),
+        env::var_os("UAVSPEC_REQUIRE_CORPUS").is_none_or(|value| value == "0"),
         "{} is required but missing",
         found.display()
     );
     eprintln!("skipped: {path} is missing; set UAVSPEC_CORPUS to the corpus to run this test");
     None
+}
+
+/// Cargo, as from a shell. Tests have variables that describe this package. Build scripts that read them, such as that of
+/// ring, would run again, and all that depends on ring would be compiled again.
+pub(crate) fn cargo() -> Command {
+    let mut command = Command::new(env!("CARGO"));
+    for (name, _) in env::vars_os() {
+        let describes_package =
+            |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
+        if name.to_str().is_some_and(describes_package) {
+            command.env_remove(name);
+        }
+    }
+    command
 }
 
 #[cfg(unix)]
@@ -36,7 +52,7 @@ pub(crate) fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
 
 /// The first value if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise the second value.
 pub(crate) fn extent<T>(full: T, quick: T) -> T {
-    if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
+    if env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
 /// Writes a file in a folder, and creates the folders of its path.
