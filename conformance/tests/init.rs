@@ -40,6 +40,8 @@ fn run_cargo(command: &mut Command) {
         .env("CARGO_NET_OFFLINE", "true")
         // Reuse the compiled dependencies of this build.
         .env("CARGO_TARGET_DIR", Path::new(env!("CARGO_TARGET_TMPDIR")).join(".."))
+        // The generator runs once, so optimising it takes more time than it saves.
+        .env("CARGO_PROFILE_DEV_OPT_LEVEL", "0")
         .output()
         .expect("cargo runs");
     let errors = String::from_utf8_lossy(&output.stderr);

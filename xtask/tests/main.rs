@@ -6,6 +6,7 @@ mod breaking;
 mod cli;
 mod compile;
 mod conversions;
+mod dependencies;
 mod files;
 mod lint;
 mod modules;
