@@ -301,16 +301,6 @@ pub(crate) fn check_path(
     check_path_with(path, message_id, library, None, reading)
 }
 
-/// Like [`check_path`], and also passes the records to an observer.
-pub(crate) fn observe_path(
-    path: &Path,
-    library: &Library,
-    observer: &mut dyn Observer,
-    reading: Reading<'_>,
-) -> io::Result<Checked> {
-    check_path_with(path, None, library, Some(observer), reading)
-}
-
 /// Like [`check_path`], for an object in an object store, and also passes the records to an observer.
 ///
 /// # Errors

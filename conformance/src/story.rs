@@ -138,6 +138,21 @@ impl Story {
         Ok((checked, story))
     }
 
+    /// Checks a capture. With texts, also reads its story, if anything can be read.
+    pub(crate) fn check_with(
+        texts: Option<&Texts>,
+        input: &Input,
+        message_id: Option<MessageId>,
+        library: &Library,
+        reading: Reading<'_>,
+    ) -> io::Result<(Checked, Option<Self>)> {
+        let Some(texts) = texts else {
+            return Ok((check::check_input(input, message_id, library, None, reading)?, None));
+        };
+        let (checked, story) = Self::check(input, message_id, library, texts, reading)?;
+        Ok((checked, story.ok()))
+    }
+
     /// Like [`Self::read`], for bytes in memory.
     #[cfg(any(fuzzing, test))]
     pub(crate) fn of_bytes(bytes: &[u8], definitions: &Definitions, texts: &Texts) -> Result<Self, String> {

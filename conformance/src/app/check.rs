@@ -22,7 +22,7 @@ use super::required::{RequireArgs, uncovered};
 use super::{Status, outcome_statuses, print_unknown};
 use crate::capture::input::Input;
 use crate::check::known::Scope;
-use crate::check::{self, Checked, parallel};
+use crate::check::{Checked, parallel};
 use crate::definitions::{Definitions, Library};
 use crate::model::{Reason, Rule};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
@@ -399,13 +399,7 @@ fn check_input(
     progress: &Progress,
 ) -> io::Result<CheckedFile> {
     let (started, reading) = (Instant::now(), &|input| progress.reading(input));
-    let (checked, story) = match texts {
-        Some(texts) => {
-            let (checked, story) = Story::check(input, message_id, library, texts, reading)?;
-            (checked, story.ok())
-        }
-        None => (check::check_input(input, message_id, library, None, reading)?, None),
-    };
+    let (checked, story) = Story::check_with(texts, input, message_id, library, reading)?;
     let Checked { result, definitions } = checked;
     let capture = CheckedCapture::new(input.name(), result, started.elapsed());
     Ok(CheckedFile { capture, definitions, story })

@@ -14,7 +14,7 @@ use super::messages::{self, Messages};
 use super::rows::{Rows, TABLES};
 use super::timeline;
 use crate::capture::input::{Input, shown};
-use crate::check::{self, Checked as CheckedInput, parallel};
+use crate::check::{Checked as CheckedInput, parallel};
 use crate::definitions::Library;
 use crate::flockwave::body_schema::Schemas;
 use crate::report::story::{to_json, to_text};
@@ -228,12 +228,8 @@ impl Checker {
     /// The results of a capture, or the reason why it can't be read.
     fn subject(&self, capture: &Capture) -> Result<(Input, Subject, Option<CaptureStory>), String> {
         let (input, started) = (capture.input()?, Instant::now());
-        let checked = match &self.texts {
-            Some(texts) => CaptureStory::check(&input, None, &self.library, texts, &|bytes| bytes)
-                .map(|(checked, story)| (checked, story.ok())),
-            None => check::check_input(&input, None, &self.library, None, &|bytes| bytes)
-                .map(|checked| (checked, None)),
-        };
+        let checked =
+            CaptureStory::check_with(self.texts.as_ref(), &input, None, &self.library, &|bytes| bytes);
         let (CheckedInput { result, definitions }, story) = checked.map_err(|error| error.to_string())?;
         let found = CheckedCapture::new(input.name(), result, started.elapsed());
         Ok((input, Subject::from_capture(found, &definitions, &self.settings), story))

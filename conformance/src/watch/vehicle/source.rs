@@ -10,7 +10,8 @@ use uavspec_codegen::emit::docs::markdown::plural;
 use super::TOPICS;
 use super::playback::{Playback, Watcher};
 use crate::bus::{Bus, Event, Publisher, Topic};
-use crate::check::{Checked, Summary, observe_path};
+use crate::capture::input::Input;
+use crate::check::{Checked, Summary, check_input};
 use crate::definitions::Library;
 use crate::model::Qos;
 use crate::story::Texts;
@@ -117,7 +118,8 @@ impl Bus for Tap<'_> {
 
 /// Replays a capture.
 pub(crate) fn replay(path: &Path, library: &Library, texts: &Texts, playback: &Playback) {
-    let observed = observe_path(path, library, &mut Watcher { playback, texts }, &|input| input);
+    let (input, mut watcher) = (Input::Path(path.to_owned()), Watcher { playback, texts });
+    let observed = check_input(&input, None, library, Some(&mut watcher), &|input| input);
     let ended = observed.map_err(|error| error.to_string()).and_then(|Checked { result, .. }| {
         if let Summary::Unknown(unknown) = result.summary {
             return Err(unknown.reason);
