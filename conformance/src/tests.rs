@@ -23,6 +23,8 @@ mod rule_list;
 #[allow(dead_code, reason = "the tests of the program use the rest")]
 #[path = "../tests/support/mod.rs"]
 pub(crate) mod support;
+#[cfg(feature = "tables")]
+mod tables;
 mod texts;
 mod trials;
 mod ulog;

@@ -1,15 +1,16 @@
 //! The Python package, in Python.
 
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::process::Command;
 
 use walkdir::WalkDir;
 
 use crate::support::cargo;
+use crate::support::python::{python, run};
 
 /// The packages that the tests use.
-const PACKAGES: [&str; 12] = [
+const PACKAGES: &[&str] = &[
     "duckdb==2.0.1",
     "mypy==2.4.1",
     "numpy==2.4.6",
@@ -23,23 +24,6 @@ const PACKAGES: [&str; 12] = [
     "pyulog==1.3.0",
     "ray[data]==2.60.0",
 ];
-
-fn run(command: &mut Command) {
-    let status = command.status().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    assert!(status.success(), "{command:?} failed: {status}");
-}
-
-/// The folder with Python and the packages.
-fn folder() -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/python-peers");
-    if !folder.join("installed").exists() {
-        fs::create_dir_all(&folder).expect("a folder");
-        run(Command::new("python3").args(["-m", "venv"]).arg(&folder));
-        run(Command::new(folder.join("bin/python")).args(["-m", "pip", "install", "--quiet"]).args(PACKAGES));
-        File::create(folder.join("installed")).expect("a file");
-    }
-    folder.canonicalize().expect("a folder")
-}
 
 /// Builds the module, and copies the package to the folder of installed packages.
 fn install(python: &Path) {
@@ -74,16 +58,19 @@ fn install(python: &Path) {
 #[test]
 #[ignore = "compiles the Python package and installs other ones"]
 fn the_package_works_in_python() {
-    let (programs, package) = (folder().join("bin"), Path::new(env!("CARGO_MANIFEST_DIR")).join("python"));
-    install(&programs.join("python"));
-    run(Command::new(programs.join("python"))
+    let (python, package) =
+        (python("python-peers", PACKAGES), Path::new(env!("CARGO_MANIFEST_DIR")).join("python"));
+    install(&python);
+    run(Command::new(&python)
         .args(["-m", "pytest", "--quiet", "tests"])
         .env("UAVSPEC", env!("CARGO_BIN_EXE_uavspec"))
         .current_dir(&package));
-    run(Command::new(programs.join("mypy")).args(["--strict", "python/uavspec"]).current_dir(&package));
-    let pyright = Command::new(programs.join("pyright"))
+    run(Command::new(python.with_file_name("mypy"))
+        .args(["--strict", "python/uavspec"])
+        .current_dir(&package));
+    let pyright = Command::new(python.with_file_name("pyright"))
         .arg("--pythonpath")
-        .arg(programs.join("python"))
+        .arg(&python)
         .arg("python/uavspec")
         .current_dir(&package)
         .output()

@@ -1,11 +1,10 @@
-//! Tests of the tables, with the reader of Parquet files and with other programs.
+//! Tests of the tables, with the reader of Parquet files.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 use std::sync::LazyLock;
 
 use arrow_array::RecordBatch;
@@ -13,7 +12,6 @@ use arrow_array::cast::AsArray as _;
 use arrow_array::types::UInt8Type;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use tempfile::TempDir;
-use uavspec_codegen::translation::Translations;
 
 use super::column::Table;
 use super::rows::TABLES;
@@ -23,7 +21,6 @@ use super::{
 };
 use crate::definitions::Definitions;
 use crate::report::{Subject, Unreadable, subjects};
-use crate::rules::sample::Flight;
 
 /// The page of the guide that describes the tables.
 const PAGE: &str = "../xtask/site/guide/query.md";
@@ -334,43 +331,4 @@ fn the_guide_lists_all_columns() {
     }
     let update = "UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-conformance --features tables --lib tables";
     assert!(fs::read_to_string(&path).expect("a page") == expected, "run `{update}`");
-}
-
-/// Python with the engines, in `target/table-engines`.
-fn python() -> PathBuf {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/table-engines");
-    let program = folder.join("bin/python");
-    let run = |command: &mut Command| assert!(command.status().expect("a program").success(), "{command:?}");
-    if !folder.join("installed").exists() {
-        run(Command::new("python3").args(["-m", "venv"]).arg(&folder));
-        let packages = ["duckdb==2.0.1", "polars==2.1.0", "datafusion==55.0.0", "pyarrow==26.0.1"];
-        run(Command::new(&program).args(["-m", "pip", "install", "--quiet"]).args(packages));
-        File::create(folder.join("installed")).expect("a file");
-    }
-    program
-}
-
-#[test]
-#[ignore = "installs DuckDB, Polars and DataFusion for Python"]
-fn engines_run_the_queries_of_the_guide() {
-    let folder = TempDir::new().expect("a folder");
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let (definitions, texts) = (Definitions::built_in(), crate::story::Texts::of(Translations::default()));
-    let mut tables = Dataset::create(folder.path(), TableFormat::Parquet, true).expect("a new folder");
-    for subject in &*SUBJECTS {
-        tables.add(subject, &Origin::default(), None);
-    }
-    let flight = Flight::new(&definitions).log().to_bytes();
-    let story = crate::story::Story::of_bytes(&flight, &definitions, &texts).expect("a story");
-    tables.add(&SUBJECTS[0], &Origin::default(), Some(&story));
-    tables.finish().expect("written");
-    let output = Command::new(python())
-        .arg(root.join("tests/engines/queries.py"))
-        .args([root.join(PAGE).as_path(), folder.path()])
-        .output()
-        .expect("Python");
-    let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{errors}");
-    // Each query ran in each engine.
-    assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 9, "{errors}");
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use super::{GUST, Project, commit, example, git, path_with_uavspec, repository};
+use crate::support::python::python;
 use crate::support::write;
 
 /// The version of pre-commit.
@@ -12,17 +13,7 @@ const VERSION: &str = "pre-commit==4.7.0";
 
 /// Installs pre-commit in the target folder.
 fn program() -> PathBuf {
-    let environment = Path::new(env!("CARGO_TARGET_TMPDIR")).join("pre-commit");
-    let run = |program: &Path, arguments: &[&str]| {
-        let output = Command::new(program).args(arguments).output().expect("this test requires Python");
-        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-    };
-    let path = environment.join("bin/pre-commit");
-    if !path.exists() {
-        run(Path::new("python3"), &["-m", "venv", environment.to_str().expect("UTF-8")]);
-        run(&environment.join("bin/python"), &["-m", "pip", "install", "--quiet", VERSION]);
-    }
-    path
+    python("pre-commit", &[VERSION]).with_file_name("pre-commit")
 }
 
 /// A repository with the hooks of this repository. Returns its revision.

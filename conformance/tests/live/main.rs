@@ -8,4 +8,6 @@ mod python;
 mod roles;
 mod rosbridge;
 mod self_test;
+#[path = "../support/python.rs"]
+mod support;
 mod zenoh;

@@ -1,34 +1,18 @@
 //! Peers in Python, and the probe.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 
+use super::support;
+
 /// The packages of the peers.
 const REQUIREMENTS: &str = include_str!("requirements.txt");
 
-/// Python with the packages of the peers, in `target/live-peers`.
+/// Python with the packages of the peers. The folder also contains a peer in Rust.
 fn python() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/live-peers");
-        let (program, installed) = (folder.join("bin/python"), folder.join("requirements.txt"));
-        if fs::read_to_string(&installed).is_ok_and(|text| text == REQUIREMENTS) {
-            return program;
-        }
-        // The folder also contains a peer in Rust.
-        run(Command::new("python3").args(["-m", "venv"]).arg(&folder));
-        let packages = REQUIREMENTS.lines();
-        run(Command::new(&program).args(["-m", "pip", "install", "--quiet"]).args(packages));
-        fs::write(&installed, REQUIREMENTS).expect("written");
-        program
-    })
-}
-
-fn run(command: &mut Command) {
-    let status = command.status().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-    assert!(status.success(), "{command:?} failed: {status}");
+    PYTHON.get_or_init(|| support::python("live-peers", &REQUIREMENTS.lines().collect::<Vec<_>>()))
 }
 
 /// A peer, which ends when it is dropped.

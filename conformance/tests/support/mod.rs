@@ -1,6 +1,7 @@
 //! Shared helpers of tests: the corpus, and a writer of logs.
 
 pub(crate) mod proxy;
+pub(crate) mod python;
 pub(crate) mod server;
 
 use std::env;
