@@ -4,6 +4,8 @@ mod compile;
 mod derive;
 mod fleet;
 mod live;
+mod log;
+mod peers;
 
 use std::env;
 use std::ffi::{OsStr, OsString};
@@ -30,6 +32,8 @@ pub(crate) enum Benchmark {
     Fleet,
     /// Live vehicles with many large messages
     Live,
+    /// Other libraries on the same inputs, in separate processes
+    Peers,
 }
 
 pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
@@ -39,6 +43,7 @@ pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
         Benchmark::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
         Benchmark::Fleet => fleet::run(),
         Benchmark::Live => live::run(),
+        Benchmark::Peers => peers::run(),
         Benchmark::Conformance => benches(&["ulog", "checking"].map(|bench| ("uavspec-conformance", bench))),
     }
     .map(|()| true)

@@ -1,7 +1,5 @@
 //! Thousands of captures, which the program, Python, Spark and Ray check.
 
-mod log;
-
 use std::fs::{self, File};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -10,8 +8,8 @@ use std::process::Command;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-use self::log::{Log, Violation};
 use super::execute;
+use super::log::{Log, Violation};
 
 /// The captures, and the list of violations.
 const FOLDER: &str = "target/fleet";

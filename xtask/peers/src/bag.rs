@@ -1,0 +1,138 @@
+//! Makes bags with the data of logs.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::Path;
+
+use mcap::records::MessageHeader;
+use mcap::{Compression, WriteOptions, Writer};
+use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement, Types, ULOG_PACKAGE};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_runtime::cdr::ByteOrder;
+
+use crate::Result;
+
+/// The number of messages in a bag.
+const MESSAGES: u64 = 600_000;
+
+const BAGS: [(&str, Option<Compression>); 3] =
+    [("plain", None), ("zstd", Some(Compression::Zstd)), ("lz4", Some(Compression::Lz4))];
+
+/// Writes the data of `flight.ulg` as CDR to bags with each compression. Only topics whose formats agree with
+/// `definitions` are written. Returns the number of messages.
+pub(crate) fn make(folder: &Path, definitions: &Path) -> Result<u64> {
+    let log = fs::read(folder.join("flight.ulg"))?;
+    let defined = types(definitions)?;
+    let mut total = 0;
+    for (name, compression) in BAGS {
+        let file = BufWriter::new(File::create(folder.join(format!("{name}.mcap")))?);
+        let mut bag = WriteOptions::new().profile("ros2").compression(compression).create(file)?;
+        total += copy(&log, definitions, &defined, &mut bag)?;
+        bag.finish()?;
+    }
+    Ok(total)
+}
+
+/// The types that a folder defines.
+fn types(folder: &Path) -> Result<Types> {
+    let mut sources = SourceMap::default();
+    let mut package = PackageInput::new("px4_msgs", Form::Msg(Dialect::Px4), Vec::new());
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        let source = sources.add(path.to_string_lossy(), fs::read(&path)?);
+        package.sources.push(source.map_err(|_| format!("{}: not UTF-8", path.display()))?);
+    }
+    Ok(Types::new(&read(&sources, &[package]).0))
+}
+
+/// Copies the data of a log to a bag. Returns the number of messages.
+fn copy(log: &[u8], definitions: &Path, defined: &Types, bag: &mut Writer<BufWriter<File>>) -> Result<u64> {
+    let mut formats = Vec::new();
+    for (kind, content) in messages(log) {
+        if kind == b'F' {
+            formats.push(std::str::from_utf8(content)?.split_once(':').ok_or("a format without a name")?);
+        }
+    }
+    let (types, _) = Types::from_ulog_formats(formats);
+    // The type, the channel and the number of messages of each subscription.
+    let mut topics: BTreeMap<u16, (MessageType<'_>, u16, u32)> = BTreeMap::new();
+    let mut count = 0;
+    for (kind, content) in messages(log) {
+        match (kind, content) {
+            (b'A', [instance, low, high, topic @ ..]) => {
+                let topic = std::str::from_utf8(topic)?;
+                let definition = defined.iter().find(|ty| snake(ty.name()) == topic);
+                let Some((ty, definition)) = types.find(ULOG_PACKAGE, topic).zip(definition) else {
+                    continue;
+                };
+                if !is_same(ty, definition) {
+                    continue;
+                }
+                let name = definition.name();
+                let text = fs::read(definitions.join(format!("{name}.msg")))?;
+                let schema = bag.add_schema(&format!("px4_msgs/msg/{name}"), "ros2msg", &text)?;
+                let instance = if *instance > 0 { instance.to_string() } else { String::new() };
+                let topic = format!("/fmu/out/{topic}{instance}");
+                let channel = bag.add_channel(schema, &topic, "cdr", &BTreeMap::new())?;
+                topics.insert(u16::from_le_bytes([*low, *high]), (ty, channel, 0));
+            }
+            (b'D', [low, high, payload @ ..]) if count < MESSAGES => {
+                let topic = topics.get_mut(&u16::from_le_bytes([*low, *high]));
+                let time = payload.first_chunk().map(|time| u64::from_le_bytes(*time) * 1_000);
+                let Some(((ty, channel_id, sequence), time)) = topic.zip(time) else { continue };
+                *sequence += 1;
+                let header = MessageHeader {
+                    channel_id: *channel_id,
+                    sequence: *sequence,
+                    log_time: time,
+                    publish_time: time,
+                };
+                let payload = ty.view_uorb(payload)?.to_cdr(ByteOrder::LittleEndian)?;
+                bag.write_to_known_channel(&header, &payload)?;
+                count += 1;
+            }
+            _ => {}
+        }
+    }
+    Ok(count)
+}
+
+/// The messages of a log: their kinds and contents.
+fn messages(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
+    let mut rest = bytes.get(16..).unwrap_or_default();
+    std::iter::from_fn(move || {
+        let (header, others) = rest.split_first_chunk::<3>()?;
+        let size = u16::from_le_bytes([header[0], header[1]]);
+        let (content, others) = others.split_at_checked(size.into())?;
+        rest = others;
+        Some((header[2], content))
+    })
+}
+
+/// True if two types have the same fields in memory. Types that contain others are never the same.
+fn is_same(left: MessageType<'_>, right: MessageType<'_>) -> bool {
+    let is_same = |(left, right): (Placed<'_>, Placed<'_>)| {
+        let element = match (left.element, right.element) {
+            (PlacedElement::Scalar(left), PlacedElement::Scalar(right)) => left == right,
+            (PlacedElement::Text(left), PlacedElement::Text(right)) => left == right,
+            _ => false,
+        };
+        element && (left.name, left.offset, left.shape) == (right.name, right.offset, right.shape)
+    };
+    left.layout().len() == right.layout().len() && left.layout().zip(right.layout()).all(is_same)
+}
+
+/// The name of the topic of a message.
+fn snake(name: &str) -> String {
+    let mut topic = String::new();
+    for letter in name.chars() {
+        if letter.is_ascii_uppercase() && !topic.is_empty() {
+            topic.push('_');
+        }
+        topic.push(letter.to_ascii_lowercase());
+    }
+    topic
+}

@@ -1,0 +1,60 @@
+//! Compares the program with other libraries. Each library runs in a separate process.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::log::Log;
+use super::{cargo, execute};
+
+/// The folder of the inputs and the peers.
+const FOLDER: &str = "target/peers";
+
+/// The number of logs, and the size of each in bytes.
+const LOGS: usize = 80;
+const LOG: usize = 3_200_000;
+
+/// The size of the log whose data the bags contain, in bytes.
+const FLIGHT: usize = 160_000_000;
+
+/// Makes the inputs, and prints the table.
+pub(super) fn run() -> Result<(), String> {
+    let program = super::program("")?;
+    let peers = Path::new("xtask/peers");
+    cargo(peers, &["build", "--release", "--target-dir", "../../target/peers/build"])?;
+    let folder = Path::new(FOLDER);
+    let library = folder.join("build/release/uavspec-peers");
+    let corpus = std::env::var_os("UAVSPEC_CORPUS").map_or("../shared/corpus".into(), PathBuf::from);
+    // Written last: after an interruption, the inputs are made again.
+    let made = folder.join("made");
+    let at = |error: std::io::Error| format!("{FOLDER}: {error}");
+    if !made.exists() {
+        make(folder, &corpus).map_err(at)?;
+        execute(Command::new(&library).arg("make").arg(folder).arg(corpus.join("px4/1.13/msg")))?;
+        fs::write(made, "").map_err(at)?;
+    }
+    execute(
+        Command::new("python3").args(["xtask/peers/table.py", FOLDER]).arg(program).arg(library).arg(corpus),
+    )
+}
+
+/// Makes the logs.
+fn make(folder: &Path, corpus: &Path) -> std::io::Result<()> {
+    let logs = folder.join("ulog");
+    fs::create_dir_all(&logs)?;
+    let mut paths = fs::read_dir(corpus.join("ulog"))?
+        .map(|entry| Ok(entry?.path()))
+        .collect::<std::io::Result<Vec<PathBuf>>>()?;
+    paths.sort();
+    let mut sources = Vec::new();
+    for path in &paths {
+        sources.extend(Log::read(&fs::read(path)?));
+    }
+    if let Some(source) = sources.last() {
+        fs::write(folder.join("flight.ulg"), source.make(FLIGHT, None).0)?;
+    }
+    for (number, source) in sources.iter().cycle().take(LOGS).enumerate() {
+        fs::write(logs.join(format!("{number:02}.ulg")), source.make(LOG, None).0)?;
+    }
+    Ok(())
+}
