@@ -250,7 +250,7 @@ pub(crate) fn decompressed(
     Ok(if is_gzip {
         (Box::new(MultiGzDecoder::new(whole)), false)
     } else if is_zstd {
-        (Box::new(Frames::new(BufReader::new(whole))), false)
+        (Box::new(Frames::new(BufReader::new(whole))?), false)
     } else {
         (Box::new(whole), true)
     })

@@ -8,12 +8,11 @@
 //! The crate parses single records ([`mcap::parse_record`]). The crate's file readers are not used, for these reasons:
 //!
 //! - They stop at the first invalid record, and report neither its offset nor the next valid record.
-//! - They decompress chunks with C libraries, or not at all.
 //! - In version 0.26.0, a record longer than its chunk causes an integer underflow, and an attachment that is too short
 //!   causes a panic. Attachments, and records with contradictory lengths, are therefore never passed to the crate.
 //!   Messages are not passed either, because most records are messages.
 //!
-//! This module parses the framing of records, and `ruzstd` and `lz4_flex` decompress chunks.
+//! This module parses the framing of records, and `zstd` or `ruzstd`, and `lz4_flex`, decompress chunks.
 //!
 //! # Memory
 //!

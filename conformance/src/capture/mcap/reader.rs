@@ -427,7 +427,7 @@ impl<R: Read> Reader<R> {
                     self.report(offset, Problem::Truncated { missing: (packed - taken) as u64 + added });
                     self.stage = Stage::End;
                 }
-                Records::Packed(Box::new(Window::new(Unpacker::new(packing, room))), taken < packed)
+                Records::Packed(Box::new(Window::new(Unpacker::new(packing, room)?)), taken < packed)
             }
         };
         self.chunk = Some(Chunk { offset, size, checksum, packing, added, records });

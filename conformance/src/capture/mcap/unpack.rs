@@ -34,12 +34,12 @@ pub(super) enum Unpacker {
 }
 
 impl Unpacker {
-    pub(super) fn new(packing: Packing, packed: Vec<u8>) -> Self {
+    pub(super) fn new(packing: Packing, packed: Vec<u8>) -> io::Result<Self> {
         let packed = Cursor::new(packed);
-        match packing {
-            Packing::Zstd => Self::Zstd(Box::new(Zstd::new(packed))),
+        Ok(match packing {
+            Packing::Zstd => Self::Zstd(Box::new(Zstd::new(packed)?)),
             Packing::Lz4 => Self::Lz4(Box::new(Lz4::new(packed))),
-        }
+        })
     }
 
     /// Returns the buffer of the compressed bytes for reuse.
@@ -97,7 +97,7 @@ mod tests {
 
     fn decompressed(packing: Packing, packed: Vec<u8>) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
-        Unpacker::new(packing, packed).read_to_end(&mut bytes)?;
+        Unpacker::new(packing, packed)?.read_to_end(&mut bytes)?;
         Ok(bytes)
     }
 

@@ -219,7 +219,8 @@ pub(crate) fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
         return Ok(Cow::Borrowed(payload));
     }
     let mut bytes = Vec::new();
-    match Frames::new(payload).take(MAX_UNPACKED + 1).read_to_end(&mut bytes) {
+    let read = Frames::new(payload).and_then(|frames| frames.take(MAX_UNPACKED + 1).read_to_end(&mut bytes));
+    match read {
         Ok(_) if bytes.len() as u64 > MAX_UNPACKED => {
             Err(format!("the compressed message has more than {MAX_UNPACKED} bytes"))
         }
