@@ -369,13 +369,12 @@ impl<'d> FlockwaveChecker<'d> {
         let is_known = self.run.definitions.body_schemas().has(name);
         self.run.checked += u64::from(is_from_server && is_known);
         let types = if is_known { &mut source.types } else { &mut source.unknown };
-        if !types.contains_key(name) {
-            if name.len() > MAX_NAME || types.len() >= MAX_TYPES {
-                return source.uncounted += u64::from(is_from_server);
-            }
-            types.insert(name.to_owned(), TypeCount::default());
-        }
-        let Some(count) = types.get_mut(name) else { return };
+        let has_room = name.len() <= MAX_NAME && types.len() < MAX_TYPES;
+        let count = match types.get_mut(name) {
+            Some(count) => count,
+            None if has_room => types.entry(name.to_owned()).or_default(),
+            None => return source.uncounted += u64::from(is_from_server),
+        };
         *(if is_from_server { &mut count.incoming } else { &mut count.out }) += 1;
         if is_from_server {
             self.cover(name, is_known, message, record.time);
@@ -384,10 +383,10 @@ impl<'d> FlockwaveChecker<'d> {
 
     /// Counts a message from the server, with its values.
     fn cover(&mut self, name: &str, is_known: bool, message: &Tree<'_>, time: Option<f64>) {
-        if !self.types.contains_key(name) {
-            self.types.insert(name.to_owned(), <(Tally, u64)>::default());
-        }
-        let Some((tally, values)) = self.types.get_mut(name) else { return };
+        let (tally, values) = match self.types.get_mut(name) {
+            Some(known) => known,
+            None => self.types.entry(name.to_owned()).or_default(),
+        };
         tally.records += 1;
         tally.count(is_known, time.and_then(microseconds));
         *values += match message.get("body") {

@@ -34,7 +34,7 @@ use crate::json::Tree;
 use crate::model::Location;
 
 /// The size limit of each list of remembered entries, in bytes.
-const MEMORY_LIMIT: usize = 16 << 20;
+const MEMORY_LIMIT: usize = 8 << 20;
 
 /// The maximum length of a stored id, in bytes. Message ids have at most 36 characters, and object ids at most 64. Each
 /// character has up to four bytes.
@@ -397,8 +397,9 @@ impl Sessions {
         let connection = exchange.record.connection;
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else { return };
         let serial = self.states[connection.index].serial;
-        exchange.is_id_in_use = connection.is_ordered && self.sent.contains(serial, id);
-        if !exchange.is_id_in_use {
+        if connection.is_ordered {
+            exchange.is_id_in_use = !self.sent.insert_new(serial, id, is_notification, id.len());
+        } else {
             self.sent.insert(serial, id, is_notification, id.len());
         }
     }

@@ -68,8 +68,24 @@ impl<V> Ids<V> {
 
     /// Inserts a value of roughly this size in bytes, replacing any existing value for the key.
     pub(crate) fn insert(&mut self, serial: u64, id: &str, value: V, size: usize) {
-        self.remove(serial, id);
-        let (hash, size) = (self.hash(serial, id), size + OVERHEAD);
+        let hash = self.hash(serial, id);
+        self.remove_hashed(hash, serial, id);
+        self.insert_hashed(hash, serial, id, value, size);
+    }
+
+    /// Inserts a value of roughly this size in bytes, unless there is a value for the key. Returns true if the value was
+    /// inserted.
+    pub(crate) fn insert_new(&mut self, serial: u64, id: &str, value: V, size: usize) -> bool {
+        let hash = self.hash(serial, id);
+        let is_new = self.find(hash, serial, id).is_none();
+        if is_new {
+            self.insert_hashed(hash, serial, id, value, size);
+        }
+        is_new
+    }
+
+    fn insert_hashed(&mut self, hash: u64, serial: u64, id: &str, value: V, size: usize) {
+        let size = size + OVERHEAD;
         self.size += size;
         let number = self.first + self.entries.len() as u64;
         self.entries.push_back(Some(Entry { serial, id: id.into(), hash, size, value }));
@@ -94,7 +110,11 @@ impl<V> Ids<V> {
         if self.table.is_empty() {
             return None;
         }
-        let at = self.find(self.hash(serial, id), serial, id)?;
+        self.remove_hashed(self.hash(serial, id), serial, id)
+    }
+
+    fn remove_hashed(&mut self, hash: u64, serial: u64, id: &str) -> Option<V> {
+        let at = self.find(hash, serial, id)?;
         let entry = self.entries[at].take()?;
         self.size -= entry.size;
         self.unlist(entry.hash, self.first + at as u64);
@@ -161,6 +181,7 @@ mod tests {
     #[derive(Clone, Copy, Debug)]
     enum Step {
         Insert(usize),
+        InsertNew(usize),
         Remove,
         Get,
         Clear,
@@ -168,7 +189,8 @@ mod tests {
 
     fn step() -> impl Strategy<Value = Step> {
         prop_oneof![
-            20 => (0_usize..100).prop_map(Step::Insert),
+            10 => (0_usize..100).prop_map(Step::Insert),
+            10 => (0_usize..100).prop_map(Step::InsertNew),
             10 => Just(Step::Remove),
             10 => Just(Step::Get),
             1 => Just(Step::Clear),
@@ -198,6 +220,13 @@ mod tests {
                     Step::Insert(size) => {
                         ids.insert(serial, &id, number, size);
                         other.insert(key, number, size);
+                    }
+                    Step::InsertNew(size) => {
+                        let is_new = !other.contains(&key);
+                        prop_assert_eq!(ids.insert_new(serial, &id, number, size), is_new);
+                        if is_new {
+                            other.insert(key, number, size);
+                        }
                     }
                     Step::Remove => prop_assert_eq!(ids.remove(serial, &id), other.remove(&key)),
                     Step::Get => {
