@@ -56,6 +56,9 @@ pub fn each<T: Sync, R: Send>(
 ) {
     let jobs = jobs.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let jobs = jobs.min(items.len());
+    if jobs <= 1 {
+        return items.iter().for_each(|item| take(item, work(item)));
+    }
     let max_early = jobs.saturating_mul(MAX_EARLY);
     let (next, taken) = (AtomicUsize::new(0), Taken::default());
     let (sender, results) = mpsc::channel();
