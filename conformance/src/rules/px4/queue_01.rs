@@ -56,28 +56,29 @@ struct Bursts {
 struct Burst {
     timestamp: u64,
     count: u32,
-    /// The queue length; `None` if there is no definition.
-    length: Option<u32>,
+    /// The length of the queue.
+    length: u32,
 }
 
 impl Checker for Bursts {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
         let message = channel.definition.map(|id| context.definitions.schema.message(id));
-        let length = message.map(|message| message.queue_length.unwrap_or(DEFAULT));
+        let length = message.and_then(|message| message.queue_length).unwrap_or(DEFAULT);
         self.channels.open(channel, Burst { length, ..Burst::default() });
-        if length.is_some() { Interest::Times } else { Interest::Nothing }
+        // Publishers rely on a longer queue only if the definition states one.
+        if length > DEFAULT { Interest::Times } else { Interest::Nothing }
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(burst) = self.channels.get(channel) else { return };
-        let (Some(timestamp), Some(length)) = (message.timestamp, burst.length) else { return };
+        let (Some(timestamp), length) = (message.timestamp, burst.length) else { return };
         // A message that was never published has time 0.
         if timestamp != burst.timestamp || timestamp == 0 {
             (burst.timestamp, burst.count) = (timestamp, 0);
         }
         burst.count += 1;
         context.covered();
-        if burst.count == length.saturating_add(1) && length > DEFAULT {
+        if burst.count == length.saturating_add(1) {
             let definition = context.defined(channel.definition);
             context.violation_of(channel.topic, message.location, definition, || {
                 Detail::new(format!(
