@@ -59,7 +59,7 @@ pub(crate) use self::observer::Observer;
 pub(crate) use self::open::{Opened, open_path};
 use self::release::Ahead;
 pub use self::release::{OtherRelease, ReleaseMatch};
-use self::run::{CheckRun, Logged, microseconds, time_offset};
+use self::run::{CheckRun, Logged, microseconds};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 pub(crate) use self::topic::{definition_of, topic_of};
 #[cfg(test)]
@@ -68,6 +68,7 @@ use crate::capture::input::{self, Input};
 use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
 #[cfg(feature = "stores")]
 use crate::capture::store::{Failure, Object};
+use crate::capture::ulog::FormatCache;
 use crate::definitions::{Clues, Definitions, Library};
 use crate::model::{Extent, Findings, Location};
 
@@ -87,7 +88,7 @@ struct Kind {
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
     /// Finds the facts that show the release of a capture. Reads as much of the capture as necessary.
-    clues: fn(&mut Source<'_>) -> Clues,
+    clues: fn(&mut Source<'_>, &Arc<FormatCache>) -> Clues,
     /// Checks the readable part of a capture of this kind.
     check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
 }
@@ -442,7 +443,7 @@ fn choose(
         return (library.choose(&Clues::default()), Vec::new());
     }
     let mut ahead = Ahead::new(bytes);
-    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file });
+    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file }, library.formats());
     (library.choose(&clues), ahead.bytes)
 }
 

@@ -37,7 +37,9 @@ pub(crate) use self::index::{ReleaseId, Row};
 pub use self::library::Library;
 pub(crate) use self::library::ros_package;
 pub(crate) use self::released::{ReleasedType, released_type};
+use crate::capture::ulog::{FormatCache, FormatSet};
 use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
+use crate::px4::format_plan::{FormatPlans, PlanCache};
 use crate::text::terminal;
 
 /// The start of the line with the version of a message in a release.
@@ -65,6 +67,9 @@ pub struct Definitions {
     types: OnceLock<Types>,
     defined_schemas: OnceLock<DefinedSchemas>,
     schemas: Arc<Schemas>,
+    /// The formats of the logs that were checked against these definitions.
+    formats: Arc<FormatCache>,
+    plans: PlanCache,
 }
 
 /// A release that definitions were read from.
@@ -162,6 +167,8 @@ impl Definitions {
             types: OnceLock::new(),
             defined_schemas: OnceLock::new(),
             schemas: Arc::default(),
+            formats: Arc::default(),
+            plans: PlanCache::default(),
         }
     }
 
@@ -290,6 +297,16 @@ impl Definitions {
     /// The body schemas of Flockwave messages.
     pub(crate) fn body_schemas(&self) -> BodySchemas<'_> {
         BodySchemas { defined_schemas: self.defined_schemas(), schemas: &self.schemas }
+    }
+
+    /// The formats of the logs of a run.
+    pub(crate) fn formats(&self) -> &Arc<FormatCache> {
+        &self.formats
+    }
+
+    /// The plans of a log's formats, for checks against these definitions.
+    pub(crate) fn plans(&self, formats: &Arc<FormatSet>) -> Arc<FormatPlans> {
+        self.plans.get(formats)
     }
 
     /// The line of a definition.

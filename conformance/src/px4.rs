@@ -2,6 +2,7 @@
 
 pub(crate) mod comparison;
 pub(crate) mod format;
+pub(crate) mod format_plan;
 pub(crate) mod json;
 pub(crate) mod memory;
 pub(crate) mod values;

@@ -41,7 +41,7 @@ pub(crate) const ROS: &str = "ros2msg";
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
     detect: |start| !is_binary(start),
-    clues: clues::clues,
+    clues: |source, _| clues::clues(source),
     check: |input, message_id, run| check_with(input, message_id, JsonChecker::new(message_id, run)),
 };
 

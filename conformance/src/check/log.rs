@@ -2,29 +2,32 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
+use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 use uavspec_codegen::dynamic::{FormatProblem, MessageType};
 use uavspec_codegen::emit::docs::markdown::plural;
-use uavspec_codegen::release::LayoutHashes;
 use uavspec_codegen::schema::MessageId;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
-use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic, time_offset};
-use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
+use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
+use crate::capture::ulog::{
+    Data, Event, FormatCache, FormatSet, Item, Log, LogProblem, Problem, Reader, Record,
+};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::{Clues, FormatClue};
 use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
 use crate::px4::comparison::{Comparison, compare};
-use crate::px4::memory::{Plan, shared_fields};
+use crate::px4::format_plan::{FormatPlan, FormatPlans};
+use crate::px4::memory::time_offset;
 use crate::rules::px4;
 use crate::text::shown;
 
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
     detect: |start| has_magic(start, &ULOG_MAGIC),
-    clues: |source| clues(&mut *source.bytes),
+    clues: |source, formats| clues(&mut *source.bytes, formats),
     check: |input, _, run| check_log(input, run),
 };
 
@@ -32,7 +35,7 @@ pub(super) const KIND: Kind = Kind {
 pub(super) const ENCRYPTED: Kind = Kind {
     name: "ULog",
     detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
-    clues: |_| Clues::default(),
+    clues: |_, _| Clues::default(),
     check: |_, _, _| CaptureResult::unknown(ENCRYPTED_TEXT),
 };
 
@@ -129,8 +132,9 @@ impl Describe for LogSummary {
 }
 
 /// Reads the formats and the version of a log, up to its first data.
-fn clues(input: impl Read) -> Clues {
-    let (mut reader, mut log, mut clues) = (Reader::new(input), Log::default(), Clues::default());
+fn clues(input: impl Read, formats: &Arc<FormatCache>) -> Clues {
+    let (mut reader, mut clues) = (Reader::new(input), Clues::default());
+    let mut log = Log::with_cache(Arc::clone(formats));
     while let Ok(Some(item)) = reader.next() {
         match item.event {
             Event::Data { .. } => break,
@@ -142,13 +146,12 @@ fn clues(input: impl Read) -> Clues {
         log.take(&item, &mut |_, _| {});
     }
     let topics: BTreeSet<&str> = log.subscriptions().map(|subscription| &*subscription.topic).collect();
-    let mut layouts = LayoutHashes::default();
     // A log that ends early may have no subscriptions.
     let is_topic = |name: &str| topics.is_empty() || topics.contains(name);
-    let formats = log.types().iter().filter(|format| is_topic(format.name()));
-    let formats = formats
-        .filter_map(|format| Some((format.name().to_owned(), FormatClue::Layout(layouts.get(format)?))));
-    clues.formats = formats.collect();
+    let formats = log.types().iter().zip(log.format_set().layouts());
+    let formats = formats.filter(|(format, _)| is_topic(format.name()));
+    let formats = formats.filter_map(|(format, layout)| Some((format.name().to_owned(), (*layout)?)));
+    clues.formats = formats.map(|(name, layout)| (name, FormatClue::Layout(layout))).collect();
     clues
 }
 
@@ -161,8 +164,11 @@ pub(crate) fn check_ulog(input: impl Read, definitions: &crate::definitions::Def
 fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
     let mut checker = LogChecker::new(run);
     let mut reader = Reader::new(input);
-    let mut log = Log::default();
+    let mut log = Log::with_cache(Arc::clone(checker.run.definitions.formats()));
     loop {
+        while let Some(data) = reader.next_data() {
+            checker.data(data, &mut log);
+        }
         let item = match reader.next() {
             Ok(Some(item)) => item,
             Ok(None) => break,
@@ -172,15 +178,16 @@ fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
                 break;
             }
         };
+        if let Event::Data { id, payload } = item.event {
+            checker.data(Data { offset: item.offset, id, payload }, &mut log);
+            continue;
+        }
         checker.item(&item);
         let topic = match item.event {
             Event::Subscription { id, .. } => Some(id),
             _ => None,
         };
-        let record = log.take(&item, &mut |offset, problem| checker.report_problem(offset, &problem));
-        if let Some(record) = record {
-            checker.record(&record, item.offset);
-        }
+        log.take(&item, &mut |offset, problem| checker.report_problem(offset, &problem));
         match topic.map(|id| (id, log.subscription(id))) {
             Some((id, Some(subscription))) => {
                 checker.open(id, &subscription.topic, subscription.multi_id, item.offset);
@@ -206,21 +213,17 @@ struct Open {
     multi_id: u8,
     offset: u64,
     definition: Option<MessageId>,
-    /// Created when the first message arrives.
-    plan: Option<Plan>,
-    /// The offset of `timestamp` in the payload.
-    timestamp: Option<usize>,
-    /// The offset of `time_utc_usec` in the payload, the time of a satellite navigation receiver.
-    utc: Option<usize>,
+    /// Set when the first message arrives.
+    plan: Option<Arc<FormatPlan>>,
     tally: Tally,
-    /// The fields that the format and the definition share, once the first message has arrived.
-    fields: Option<Share>,
 }
 
 struct LogChecker<'d> {
     run: CheckRun<'d>,
     /// The topics by message id.
     open: Vec<Option<Box<Open>>>,
+    /// The plans of the log's formats, once data has arrived.
+    plans: Option<(Arc<FormatSet>, Arc<FormatPlans>)>,
     /// The topics whose format has already been checked for a `timestamp`. A log has one format for each topic.
     timed: BTreeSet<String>,
     /// The topics whose subscription has ended.
@@ -242,6 +245,7 @@ impl<'d> LogChecker<'d> {
         Self {
             run,
             open,
+            plans: None,
             timed,
             parts,
             firmware: None,
@@ -274,16 +278,24 @@ impl<'d> LogChecker<'d> {
                 self.dropouts += 1;
                 self.run.dropout(*milliseconds, location);
             }
-            Event::Data { id, .. } => {
-                self.run.records += 1;
-                if let Some(Some(open)) = self.open.get_mut(usize::from(*id)) {
-                    open.tally.records += 1;
-                }
-            }
             // Version 0 of the log format has no flag bits.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
             Event::Problem(problem) => self.run.corruption(location, problem.to_string(), problem.extent()),
             _ => {}
+        }
+    }
+
+    /// Checks data.
+    fn data(&mut self, data: Data<'_>, log: &mut Log) {
+        self.is_behind_gap = std::mem::take(&mut self.is_gap);
+        self.latest = None;
+        self.run.records += 1;
+        if let Some(Some(open)) = self.open.get_mut(usize::from(data.id)) {
+            open.tally.records += 1;
+        }
+        let record = log.data(data, &mut |offset, problem| self.report_problem(offset, &problem));
+        if let Some(record) = record {
+            self.record(&record, data.offset);
         }
     }
 
@@ -305,10 +317,7 @@ impl<'d> LogChecker<'d> {
             offset,
             definition: self.run.definitions.message_of_topic(topic),
             plan: None,
-            timestamp: None,
-            utc: None,
             tally: Tally::default(),
-            fields: None,
         };
         self.run.opened(&open.channel());
         self.open[slot] = Some(Box::new(open));
@@ -331,30 +340,32 @@ impl<'d> LogChecker<'d> {
         let plan = match &mut open.plan {
             Some(plan) => plan,
             empty => {
-                open.timestamp = time_offset(record.message_type, "timestamp");
-                open.utc = time_offset(record.message_type, "time_utc_usec");
-                let schema = &self.run.definitions.schema;
-                open.fields = Some(shared_fields(record.message_type, open.definition, schema).into());
                 if self.timed.insert(open.topic.clone()) {
                     check_timestamp(record.message_type, location, &mut self.run);
                 }
-                empty.insert(Plan::new(
-                    record.message_type,
-                    open.definition,
-                    &self.run.definitions.schema,
-                    &open.topic,
-                    &px4::VALUES,
-                ))
+                let definitions = self.run.definitions;
+                let compile = || {
+                    let definition = open.definition;
+                    FormatPlan::new(record.message_type, definition, &definitions.schema, &px4::VALUES)
+                };
+                let plans = match &mut self.plans {
+                    Some((formats, plans)) if Arc::ptr_eq(formats, record.formats) => plans,
+                    plans => {
+                        let new = (Arc::clone(record.formats), definitions.plans(record.formats));
+                        &mut plans.insert(new).1
+                    }
+                };
+                empty.insert(plans.plan(&open.topic, compile))
             }
         };
-        plan.check(record.payload, location, &mut self.run.findings);
+        plan.values.check(record.payload, location, &mut self.run.findings);
         self.latest = Some(location);
         let time_at = |offset: Option<usize>| {
             let bytes = offset.and_then(|at| record.payload.get(at..at + 8))?;
             Some(u64::from_le_bytes(bytes.try_into().ok()?))
         };
-        let timestamp = time_at(open.timestamp);
-        if let Some((timestamp, utc)) = timestamp.zip(time_at(open.utc)) {
+        let timestamp = time_at(plan.timestamp);
+        if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
             self.run.clock.set_utc(timestamp, utc);
         }
         open.tally.count(open.definition.is_some(), timestamp);
@@ -468,11 +479,12 @@ impl Open {
     }
 
     fn close(self, findings: &mut Findings, parts: &mut Parts) {
-        let Self { tally, fields, .. } = self;
-        if let Some(plan) = self.plan {
-            plan.count(tally.decoded, findings);
+        let Self { tally, plan, .. } = self;
+        if let Some(plan) = &plan {
+            plan.values.count(tally.decoded, findings);
         }
-        let values = fields.unwrap_or_default().times(tally.checked, tally.records);
+        let fields = plan.map_or_else(Share::default, |plan| plan.shared_fields.into());
+        let values = fields.times(tally.checked, tally.records);
         parts.add(&self.topic, PartResult::Checked, tally, values);
     }
 }
@@ -498,6 +510,7 @@ fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(
     for subscription in log.subscriptions() {
         opened.entry(&subscription.topic).or_insert(subscription.offset);
     }
+    let plans = definitions.plans(log.format_set());
     let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
     for format in log.types().iter() {
         run.findings.cover(&px4::FMT_02.rule, 1);
@@ -507,10 +520,11 @@ fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(
         if !timed.contains(format.name()) && format.defect().is_none() {
             check_timestamp(format, location, run);
         }
-        let comparison = match definitions.message_of_topic(format.name()) {
-            None => Comparison::Undefined,
-            Some(id) => compare(format, definitions.types().get(id)),
-        };
+        let comparison =
+            plans.comparison(format.name(), || match definitions.message_of_topic(format.name()) {
+                None => Comparison::Undefined,
+                Some(id) => compare(format, definitions.types().get(id)),
+            });
         if comparison != Comparison::Undefined {
             run.findings.cover(&px4::FMT_01.rule, 1);
         }

@@ -4,10 +4,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io;
 
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::Shape;
 use uavspec_codegen::source::Span;
-use uavspec_runtime::Scalar;
 
 use super::coverage::Parts;
 use super::flockwave::Listeners;
@@ -436,14 +433,4 @@ fn add(texts: &mut Vec<String>, text: &str) {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the cast saturates
 pub(super) fn microseconds(seconds: f64) -> Option<u64> {
     (seconds >= 0.0).then_some((seconds * 1e6) as u64)
-}
-
-/// The offset of a field of type `uint64_t` in messages of a type, in bytes.
-pub(super) fn time_offset(message_id: MessageType<'_>, name: &str) -> Option<usize> {
-    let is_time = |field: &Placed<'_>| {
-        field.name == name
-            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
-            && field.shape == Shape::Single
-    };
-    message_id.layout().find(is_time).map(|field| field.offset)
 }

@@ -12,7 +12,7 @@ use uavspec_definitions::PX4;
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, LoadedRelease, Schemas};
+use super::{Definitions, FormatCache, LoadedRelease, Schemas};
 
 /// The maximum number of releases, with different messages of other releases, that stay in memory.
 const MAX_STORED: usize = 8;
@@ -39,6 +39,7 @@ pub struct Library {
     /// The releases that the user demands, by family.
     forced: BTreeMap<Family, ReleaseId>,
     schemas: Arc<Schemas>,
+    formats: Arc<FormatCache>,
     index: OnceLock<&'static Index>,
     documented: OnceLock<Documented>,
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
@@ -90,6 +91,7 @@ impl Library {
             is_fixed,
             forced: BTreeMap::new(),
             schemas: Arc::default(),
+            formats: Arc::default(),
             index: OnceLock::new(),
             documented: OnceLock::new(),
             stored: Mutex::default(),
@@ -112,7 +114,8 @@ impl Library {
             let forced = self.forced.values();
             let choices: Vec<Choice> = forced.map(|release| Choice::without_clues(*release)).collect();
             Arc::new(if choices.is_empty() {
-                Definitions::built_in().with_schemas(Arc::clone(&self.schemas))
+                let built_in = Definitions::built_in().with_schemas(Arc::clone(&self.schemas));
+                Definitions { formats: Arc::clone(&self.formats), ..built_in }
             } else {
                 self.read(&choices)
             })
@@ -140,6 +143,11 @@ impl Library {
     /// True if the definitions of a capture depend on its release.
     pub(crate) fn depends_on_capture(&self) -> bool {
         !self.is_fixed
+    }
+
+    /// The formats of the logs of a run.
+    pub(crate) fn formats(&self) -> &Arc<FormatCache> {
+        &self.formats
     }
 
     /// The fingerprints of all releases.
@@ -219,7 +227,7 @@ impl Library {
             .with_replacements(&replacements)
             .with_schemas(Arc::clone(&self.schemas));
         let undecided = choices.iter().flat_map(|choice| choice.undecided.iter().cloned()).collect();
-        Definitions { releases, origins, undecided, ..definitions }
+        Definitions { releases, origins, undecided, formats: Arc::clone(&self.formats), ..definitions }
     }
 
     fn loaded(&self, release: ReleaseId) -> LoadedRelease {

@@ -180,7 +180,15 @@ impl Findings {
 
     /// Completes the details of the findings in a record that has just been checked. Findings in earlier records stay
     /// as they are.
+    #[inline]
     pub(crate) fn complete(&mut self, location: Location, complete: impl Fn(&mut Detail)) {
+        if !self.incomplete.is_empty() {
+            self.complete_all(location, complete);
+        }
+    }
+
+    #[cold]
+    fn complete_all(&mut self, location: Location, complete: impl Fn(&mut Detail)) {
         for (key, at) in self.incomplete.drain(..) {
             let example = self.groups.get_mut(&key).and_then(|group| group.examples.get_mut(at));
             if let Some((_, detail)) = example.filter(|(found, _)| *found == location) {

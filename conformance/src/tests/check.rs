@@ -1,6 +1,7 @@
 //! Tests of logs: each rule finds its violations, and conforming logs have no findings.
 
 mod counted;
+mod shared;
 use crate::tests::support;
 mod time;
 

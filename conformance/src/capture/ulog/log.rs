@@ -1,14 +1,16 @@
 //! Tracks the formats and subscriptions of a log, since data messages depend on them.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use uavspec_codegen::dynamic::{FormatProblem, MessageType, Types};
 use uavspec_codegen::schema::MessageId;
 use uavspec_runtime::layout::Size;
 
+use super::formats::{FormatCache, FormatSet};
 use super::log_problem::{LogProblem, MAX_FORMATS, MAX_TEXT};
 use super::message::Event;
-use super::reader::Item;
+use super::reader::{Data, Item};
 
 /// The maximum total size of compiled formats, in bytes. A format counts each time it is compiled. The limit is
 /// sufficient for a log that writes each of PX4's 261 formats just before the first data of its topic. Because of the
@@ -21,7 +23,9 @@ pub struct Log {
     /// The formats in order of appearance. The index of a format is the id of its type.
     formats: Vec<Format>,
     by_name: BTreeMap<Box<str>, usize>,
-    types: Types,
+    /// The compiled formats.
+    set: Arc<FormatSet>,
+    cache: Arc<FormatCache>,
     /// The number of formats that have types.
     known: usize,
     /// The total size of compiled formats, in bytes.
@@ -90,6 +94,8 @@ pub struct Record<'l> {
     pub subscription: &'l Subscription,
     /// The type.
     pub message_type: MessageType<'l>,
+    /// The formats of the log, which contain the type.
+    pub formats: &'l Arc<FormatSet>,
     /// The message in memory layout. The padding at the end of the message may be missing.
     pub payload: &'l [u8],
 }
@@ -99,10 +105,18 @@ type OnProblem<'t> = &'t mut dyn FnMut(u64, LogProblem);
 
 impl Default for Log {
     fn default() -> Self {
+        Self::with_cache(Arc::default())
+    }
+}
+
+impl Log {
+    /// A log that takes its compiled formats from a cache.
+    pub fn with_cache(cache: Arc<FormatCache>) -> Self {
         Self {
             formats: Vec::new(),
             by_name: BTreeMap::new(),
-            types: Types::from_ulog_formats([]).0,
+            set: cache.get(std::iter::empty()),
+            cache,
             known: 0,
             compiled: 0,
             text: 0,
@@ -112,9 +126,7 @@ impl Default for Log {
             is_limit_reported: false,
         }
     }
-}
 
-impl Log {
     /// Processes the next item of a reader, and calls `on_problem` with each problem and its offset. Returns a record
     /// if the item is valid data.
     #[inline]
@@ -124,7 +136,7 @@ impl Log {
         on_problem: &mut dyn FnMut(u64, LogProblem),
     ) -> Option<Record<'l>> {
         if let Event::Data { id, payload } = item.event {
-            self.data(item.offset, id, payload, on_problem)
+            self.data(Data { offset: item.offset, id, payload }, on_problem)
         } else {
             self.learn(item, on_problem);
             None
@@ -138,7 +150,12 @@ impl Log {
 
     /// The types of the formats that data has used so far, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE).
     pub fn types(&self) -> &Types {
-        &self.types
+        &self.set.types
+    }
+
+    /// The compiled formats.
+    pub fn format_set(&self) -> &Arc<FormatSet> {
+        &self.set
     }
 
     /// The names and fields of the formats, in order of appearance.
@@ -156,13 +173,12 @@ impl Log {
         self.subscriptions.iter().flatten().map(|subscription| &**subscription)
     }
 
+    /// Like [`Self::take`], for data.
     #[inline]
-    fn data<'l>(
+    pub fn data<'l>(
         &'l mut self,
-        offset: u64,
-        id: u16,
-        payload: &'l [u8],
-        on_problem: OnProblem<'_>,
+        Data { offset, id, payload }: Data<'l>,
+        on_problem: &mut dyn FnMut(u64, LogProblem),
     ) -> Option<Record<'l>> {
         if self.type_of(id).is_none() {
             self.bind(offset, id, on_problem);
@@ -175,7 +191,7 @@ impl Log {
             return None;
         }
         let subscription = self.subscription(id)?;
-        Some(Record { subscription, message_type: self.types.get(type_id), payload })
+        Some(Record { subscription, message_type: self.set.types.get(type_id), formats: &self.set, payload })
     }
 
     /// The type of an id's data, if the id is subscribed and has a type.
@@ -233,7 +249,7 @@ impl Log {
 
     fn usable(&self, index: usize) -> Option<(MessageId, Size)> {
         let id = MessageId(u32::try_from(index).ok().filter(|_| index < self.known)?);
-        Some((id, self.types.get(id).size()?))
+        Some((id, self.set.types.get(id).size()?))
     }
 
     fn learn(&mut self, item: &Item<'_>, on_problem: OnProblem<'_>) {
@@ -338,13 +354,14 @@ impl Log {
         }
         self.compiled += size;
         self.known = self.formats.len();
-        let (types, errors) = Types::from_ulog_formats(self.formats());
-        self.types = types;
-        for error in errors {
+        let formats = self.formats.iter().map(|format| (&*format.name, &*format.fields));
+        self.set = self.cache.get(formats);
+        for error in &self.set.errors {
             let format = &mut self.formats[error.index];
             if format.reported.as_ref() != Some(&error.problem) {
                 format.reported = Some(error.problem.clone());
-                on_problem(format.offset, LogProblem::Format { name: error.name, problem: error.problem });
+                let (name, problem) = (error.name.clone(), error.problem.clone());
+                on_problem(format.offset, LogProblem::Format { name, problem });
             }
         }
     }

@@ -34,6 +34,17 @@ pub struct Item<'b> {
     pub bytes: &'b [u8],
 }
 
+/// Data of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Data<'b> {
+    /// The offset of the message's header in the log.
+    pub offset: u64,
+    /// The subscription.
+    pub id: u16,
+    /// The message in memory layout.
+    pub payload: &'b [u8],
+}
+
 /// Reads a log from any input, without seeking.
 ///
 /// The input need not be buffered, since it is read in large pieces. Memory use doesn't depend on the size of the log.
@@ -109,13 +120,29 @@ impl<R: Read> Reader<R> {
     pub fn next(&mut self) -> io::Result<Option<Item<'_>>> {
         let Some(size) = self.data_ahead() else { return self.next_of_any_kind() };
         let offset = self.window.offset();
-        self.window.advance(HEADER + size);
-        let bytes = self.window.behind(HEADER + size);
+        let bytes = self.pass(size);
         let event = match &bytes[HEADER..] {
             [low, high, payload @ ..] => Event::Data { id: u16::from_le_bytes([*low, *high]), payload },
             payload => Event::Unknown { kind: b'D', payload },
         };
         Ok(Some(Item { offset, event, bytes }))
+    }
+
+    /// The next message, if it is in the buffer and is clearly valid data. Otherwise, [`Self::next`] returns it. This
+    /// function is faster, and data is nearly all of a log.
+    #[inline]
+    pub fn next_data(&mut self) -> Option<Data<'_>> {
+        let size = self.data_ahead()?;
+        let offset = self.window.offset();
+        let (id, payload) = self.pass(size)[HEADER..].split_first_chunk()?;
+        Some(Data { offset, id: u16::from_le_bytes(*id), payload })
+    }
+
+    /// Moves the cursor over a message whose content has this size. Returns the message.
+    #[inline]
+    fn pass(&mut self, size: usize) -> &[u8] {
+        self.window.advance(HEADER + size);
+        self.window.behind(HEADER + size)
     }
 
     /// The size of the next message, if the message is in the buffer and is clearly valid data. Nearly all messages

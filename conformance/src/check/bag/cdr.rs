@@ -12,10 +12,9 @@ use uavspec_runtime::cdr::{ByteOrder, HEADER};
 use super::Stated;
 use crate::capture::input::zstd::{Frames, MAGIC as ZSTD};
 use crate::capture::mcap::Reader;
-use crate::check::time_offset;
 use crate::definitions::Definitions;
 use crate::model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
-use crate::px4::memory::{Plan, shared_fields};
+use crate::px4::memory::{Plan, shared_fields, time_offset};
 use crate::rules::px4;
 
 /// The maximum size of a decompressed message, in bytes. Uncompressed messages have the same limit.

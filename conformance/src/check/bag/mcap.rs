@@ -15,7 +15,7 @@ use crate::model::{ApplicationType, Endpoint, Extent, Findings, Location};
 pub(in crate::check) const KIND: Kind = Kind {
     name: "MCAP",
     detect: |start| has_magic(start, &MCAP_MAGIC),
-    clues: super::clues::mcap,
+    clues: |source, _| super::clues::mcap(source),
     check: |source, _, run| check(source, run),
 };
 

@@ -17,7 +17,7 @@ const MAX_UNPACKED: u64 = 16 << 30;
 pub(in crate::check) const SQLITE: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &SQLITE_MAGIC),
-    clues: super::clues::sqlite,
+    clues: |source, _| super::clues::sqlite(source),
     check: |source, _, run| check_sqlite(source, run),
 };
 
@@ -25,7 +25,7 @@ pub(in crate::check) const SQLITE: Kind = Kind {
 pub(in crate::check) const ROS1: Kind = Kind {
     name: "rosbag2",
     detect: |start| has_magic(start, &ROS1_MAGIC),
-    clues: |_| Clues::default(),
+    clues: |_, _| Clues::default(),
     check: |_, _, _| CaptureResult::unknown(CONVERT_ROS1),
 };
 

@@ -6,7 +6,7 @@ use uavspec_runtime::{Number, Scalar};
 use crate::px4::values::{Constraint, Element, number};
 
 /// A fast check that only accepts values without findings. Most values need at most two comparisons.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Healthy {
     /// The bytes 0 and 1.
     Bool,
@@ -14,8 +14,8 @@ pub(super) enum Healthy {
     Text,
     /// Integers between two bounds, inclusive.
     Between(Scalar, i64, i64),
-    /// Bytes from a set.
-    Among(Box<[bool; 256]>),
+    /// Bytes from a set, with a bit for each byte.
+    Among([u64; 4]),
     /// Floats between two bounds, inclusive. NaN needs the full check.
     Floats(Scalar, f64, f64),
     /// All values need the full check.
@@ -39,7 +39,9 @@ impl Healthy {
         if let Scalar::UInt8 | Scalar::Byte | Scalar::Char | Scalar::Int8 = scalar {
             let is_healthy =
                 |byte: usize| u8::try_from(byte).is_ok_and(|byte| constraint.check_bytes(&[byte]).is_ok());
-            return Some(Self::Among(Box::new(std::array::from_fn(is_healthy))));
+            let bits =
+                |word| (0..64).filter(|bit| is_healthy(64 * word + bit)).fold(0, |bits, bit| bits | 1 << bit);
+            return Some(Self::Among(std::array::from_fn(bits)));
         }
         let is_healthy = |number: Number| constraint.check_number(number).is_ok();
         let healthy = if !restriction.constraint().is_interval() {
@@ -95,7 +97,7 @@ impl Healthy {
             Self::Between(scalar, low, high) => {
                 integer(*scalar, value).is_some_and(|value| (*low..=*high).contains(&value))
             }
-            Self::Among(set) => set[usize::from(value[0])],
+            Self::Among(set) => set[usize::from(value[0] / 64)] >> (value[0] % 64) & 1 == 1,
             Self::Floats(scalar, low, high) => {
                 float(*scalar, value).is_some_and(|value| *low <= value && value <= *high)
             }

@@ -1,0 +1,65 @@
+//! A fast check of a whole payload. Nearly all payloads pass it, and only the others are examined value by value.
+
+use std::ops::Range;
+
+use super::healthy::Healthy;
+use super::{Content, Step};
+
+/// The values at fixed positions, in a compact form.
+#[derive(Debug, Default)]
+pub(super) struct Screen {
+    /// The end of the last value, in bytes.
+    end: usize,
+    /// The ranges of `bool`s.
+    bools: Vec<(usize, usize)>,
+    others: Vec<Run>,
+}
+
+/// Values with the same constraint.
+#[derive(Debug)]
+struct Run {
+    /// The range of the offsets of values.
+    starts: Range<usize>,
+    stride: usize,
+    width: usize,
+    healthy: Healthy,
+}
+
+impl Screen {
+    /// Collects the values of steps. The elements of sequences have no fixed positions.
+    pub(super) fn new(steps: &[Step]) -> Self {
+        let mut screen = Self::default();
+        for step in steps {
+            let Content::Values(values) = &step.content else { continue };
+            let (start, stride, width, healthy) =
+                (step.offset, step.stride.max(1), values.width, values.healthy);
+            let Some(others) = step.count.checked_sub(1) else { continue };
+            let last = start + others * stride;
+            let end = last + width;
+            screen.end = screen.end.max(end);
+            if matches!(healthy, Healthy::Bool) && stride == 1 {
+                match screen.bools.last_mut() {
+                    Some(before) if before.1 == start => before.1 = end,
+                    _ => screen.bools.push((start, end)),
+                }
+            } else {
+                screen.others.push(Run { starts: start..last + 1, stride, width, healthy });
+            }
+        }
+        screen
+    }
+
+    /// True if all values are guaranteed to produce no findings.
+    #[inline]
+    pub(super) fn accepts(&self, payload: &[u8]) -> bool {
+        let Some(payload) = payload.get(..self.end) else { return false };
+        let has_other = |bytes: &[u8]| bytes.iter().fold(0, |all, byte| all | byte) > 1;
+        if self.bools.iter().any(|(start, end)| has_other(&payload[*start..*end])) {
+            return false;
+        }
+        self.others.iter().all(|run| {
+            let mut starts = run.starts.clone().step_by(run.stride);
+            starts.all(|start| run.healthy.accepts(&payload[start..start + run.width]))
+        })
+    }
+}
