@@ -16,9 +16,12 @@
 //! - PX4 logs, if the corpus is available. If pyulog is installed, it reads the same logs. uavspec also checks copies
 //!   of a log two at a time, on two cores.
 
-use std::fmt::Write as _;
+#[path = "../../xtask/peers/src/capture.rs"]
+mod capture;
+
 use std::fs;
 use std::hint::black_box;
+use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -40,9 +43,6 @@ const SCHEMA: &str = include_str!("../../generated/schemas/px4/FailsafeFlags.sch
 
 /// The schemas of all Flockwave messages.
 const SCHEMAS: &str = include_str!("../../generated/schemas/flockwave.bundle.schema.json");
-
-/// The number of UAVs in a fleet.
-const FLEET: usize = 1_000;
 
 /// The total number of UAV states in a fleet's reports.
 const STATES: usize = 30_000;
@@ -141,23 +141,16 @@ fn ratio(ratios: &[f64]) -> String {
     format!("uavspec has {:.2} times its throughput", ratios[ratios.len() / 2])
 }
 
-/// Messages without findings, one on each line.
-fn lines(definitions: &Definitions) -> String {
-    let message_type = definitions.types().find("px4", "FailsafeFlags").expect("a built-in message");
-    let zero = message_type.default().to_json().expect("finite values");
-    let mut text = String::new();
-    for number in 0..LINES {
-        let mut message = zero.clone();
-        message["timestamp"] = (1_000_000 + 20_000 * number).into();
-        message["geofence_breached"] = (number % 3 == 0).into();
-        writeln!(text, "{message}").expect("a string");
-    }
-    text
+/// The text that a function writes.
+fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
+    let mut bytes = Vec::new();
+    write(&mut bytes).expect("memory");
+    String::from_utf8(bytes).expect("UTF-8")
 }
 
 fn json() {
     let definitions = Definitions::built_in();
-    let text = lines(&definitions);
+    let text = text(|out| capture::write_lines(LINES, out));
     let message_id = definitions.message_of_type("px4/FailsafeFlags");
     let schema: Value = serde_json::from_str(SCHEMA).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
@@ -189,41 +182,13 @@ fn json() {
     compare("JSON Lines of FailsafeFlags", text.len(), contestants);
 }
 
-/// A fleet's status reports, as a capture without findings. Each report contains `each` UAVs.
-fn reports(each: usize) -> String {
-    let mut text = String::new();
-    for (number, first) in (0..STATES).step_by(each).enumerate() {
-        let time = 1_790_000_000_000 + first / 5;
-        let states = (first..first + each).map(|at| {
-            let uav = format!("glider-{:03}", at % FLEET);
-            #[allow(clippy::cast_possible_wrap)] // the value is small
-            let value = (at * 7_919 % 100_000) as i64;
-            let state = json!({
-                "id": uav, "timestamp": time, "mode": "mission", "heading": value % 3_600,
-                "position": [465_410_000 + value, 115_520_000 - value, 812_000 + value, value % 900],
-                "velocity": [value % 900, 400 - value % 800, -(value % 90)], "gps": [4, 8 + value % 12],
-                "battery": [110 + value % 16, value % 101], "light": value % 65_536, "rssi": [value % 101],
-                "errors": [], "debug": "",
-            });
-            (uav, state)
-        });
-        let body = json!({ "type": "UAV-INF", "status": states.collect::<serde_json::Map<_, _>>() });
-        let message = json!({ "$fw.version": "1.0", "id": format!("say-{number}"), "body": body });
-        #[allow(clippy::cast_precision_loss)] // times are small enough
-        let time = time as f64 / 1e3;
-        let line = json!({ "t": time, "conn": "tcp#1", "dir": "in", "msg": message });
-        writeln!(text, "{line}").expect("a string");
-    }
-    text
-}
-
 fn flockwave() {
     let definitions = Definitions::built_in();
     let mut schema: Value = serde_json::from_str(SCHEMAS).expect("JSON");
     schema["anyOf"] = json!([{ "$ref": "#/$defs/UAV-INF.notification" }]);
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     for each in [1, 50] {
-        let text = reports(each);
+        let text = text(|out| capture::write_reports(STATES, each, out));
         let lines = (STATES / each) as u64;
         let uavspec = || {
             let result = check_capture(text.as_bytes(), None, &definitions).expect("memory");

@@ -7,7 +7,7 @@ mod codec;
 
 use std::env;
 use std::fs::{self, File};
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, BufWriter};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -17,6 +17,15 @@ use roslibrust_codegen::find_and_generate_ros_messages_without_ros_package_path;
 use serde::de::IgnoredAny;
 
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+
+/// The number of messages in the JSON Lines.
+const LINES: usize = 100_000;
+
+/// The number of UAV states in a capture.
+const STATES: usize = 300_000;
+
+/// The sizes of the reports, in UAVs.
+const REPORTS: [usize; 2] = [1, 50];
 
 const USAGE: &str =
     "usage: uavspec-peers ulog|mcap|skip|roslibrust|make PATH ..., or cdr|cdr-encoding|uavspec COUNT";
@@ -98,6 +107,11 @@ fn roslibrust(path: &str) -> Result<u64> {
 /// Makes the bags and captures in a folder that contains logs. The second argument is the folder of the definitions.
 fn make(arguments: &[String]) -> Result<u64> {
     let [folder, definitions] = arguments else { return Err(USAGE.into()) };
-    capture::make(Path::new(folder))?;
-    bag::make(Path::new(folder), Path::new(definitions))
+    let folder = Path::new(folder);
+    let file = |name: &str| File::create(folder.join(name)).map(BufWriter::new);
+    capture::write_lines(LINES, &mut file("FailsafeFlags.jsonl")?)?;
+    for each in REPORTS {
+        capture::write_reports(STATES, each, &mut file(&format!("reports-{each}.jsonl"))?)?;
+    }
+    bag::make(folder, Path::new(definitions))
 }
