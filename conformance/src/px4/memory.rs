@@ -29,8 +29,7 @@ const MAX_STEPS: usize = 4_096;
 pub(crate) struct Plan {
     rules: &'static ValueRules,
     steps: Vec<Step>,
-    screen: Screen,
-    has_sequences: bool,
+    screen: Option<Screen>,
     /// The number of steps, including those of sequence elements.
     size: usize,
     /// For each rule, the number of values that it covers in a message.
@@ -129,8 +128,7 @@ impl Plan {
             &mut steps,
         );
         let (size, coverage) = (compiler.size, compiler.coverage);
-        let has_sequences = steps.iter().any(|step| matches!(step.content, Content::Sequence(_)));
-        Self { rules, screen: Screen::new(&steps), has_sequences, steps, size, coverage }
+        Self { rules, screen: Screen::new(&steps), steps, size, coverage }
     }
 
     /// The size of the plan in steps. Each checked field is one step.
@@ -140,7 +138,7 @@ impl Plan {
 
     /// Checks a payload. The payload must contain all fields of its format.
     pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
-        if self.has_sequences || !self.screen.accepts(payload) {
+        if !self.screen.as_ref().is_some_and(|screen| screen.accepts(payload)) {
             Run { payload, location, rules: self.rules, findings }.steps(&self.steps, 0, None);
         }
     }

@@ -74,5 +74,8 @@ mod tests {
         *packed.last_mut().expect("bytes") ^= 1;
         let error = decompressed(&packed).expect_err("a wrong checksum");
         assert!(error.to_string().contains("checksum"), "{error}");
+        let mut frames = rust::Frames::new(&packed[..]).expect("a decoder");
+        let error = io::copy(&mut frames, &mut io::sink()).expect_err("a wrong checksum");
+        assert_eq!(error.kind(), io::ErrorKind::InvalidData, "{error}");
     }
 }

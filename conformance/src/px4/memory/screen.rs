@@ -12,12 +12,12 @@ pub(super) struct Screen {
     end: usize,
     /// The ranges of `bool`s.
     bools: Vec<(usize, usize)>,
-    others: Vec<Run>,
+    others: Vec<Series>,
 }
 
 /// Values with the same constraint.
 #[derive(Debug)]
-struct Run {
+struct Series {
     /// The range of the offsets of values.
     starts: Range<usize>,
     stride: usize,
@@ -26,11 +26,11 @@ struct Run {
 }
 
 impl Screen {
-    /// Collects the values of steps. The elements of sequences have no fixed positions.
-    pub(super) fn new(steps: &[Step]) -> Self {
+    /// Collects the values of steps. `None` if there are sequences, whose elements have no fixed positions.
+    pub(super) fn new(steps: &[Step]) -> Option<Self> {
         let mut screen = Self::default();
         for step in steps {
-            let Content::Values(values) = &step.content else { continue };
+            let Content::Values(values) = &step.content else { return None };
             let (start, stride, width, healthy) =
                 (step.offset, step.stride.max(1), values.width, values.healthy);
             let Some(others) = step.count.checked_sub(1) else { continue };
@@ -43,10 +43,10 @@ impl Screen {
                     _ => screen.bools.push((start, end)),
                 }
             } else {
-                screen.others.push(Run { starts: start..last + 1, stride, width, healthy });
+                screen.others.push(Series { starts: start..last + 1, stride, width, healthy });
             }
         }
-        screen
+        Some(screen)
     }
 
     /// True if all values are guaranteed to produce no findings.
@@ -57,9 +57,9 @@ impl Screen {
         if self.bools.iter().any(|(start, end)| has_other(&payload[*start..*end])) {
             return false;
         }
-        self.others.iter().all(|run| {
-            let mut starts = run.starts.clone().step_by(run.stride);
-            starts.all(|start| run.healthy.accepts(&payload[start..start + run.width]))
+        self.others.iter().all(|series| {
+            let mut starts = series.starts.clone().step_by(series.stride);
+            starts.all(|start| series.healthy.accepts(&payload[start..start + series.width]))
         })
     }
 }
