@@ -22,6 +22,6 @@ mod tree;
 pub(crate) use self::error::SyntaxError;
 pub(crate) use self::frame::Frame;
 pub(crate) use self::pointer::pointer;
-pub(crate) use self::tokens::{TRUNCATED, Token, Tokens, Unclear};
+pub(crate) use self::tokens::{TRUNCATED, Token, Tokens, Unclear, leading_integer};
 pub use self::tree::Tree;
 pub(crate) use self::tree::shortened;

@@ -12,13 +12,16 @@ mod listeners;
 mod pieces;
 mod reports;
 mod summary;
+mod types;
 
 use std::collections::HashMap;
 
 pub(super) use self::listeners::Listeners;
 use self::pieces::Pieces;
-use self::reports::{Report, Reports};
+pub(super) use self::reports::Report;
+use self::reports::Reports;
 pub use self::summary::{FlockwaveSummary, TypeCount};
+use self::types::Types;
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::{CaptureResult, CheckRun, Summary, microseconds};
 use uavspec_codegen::schema::json_type;
@@ -34,10 +37,7 @@ use crate::text::{Grouped, utf8};
 /// The maximum number of connections. Hostile input may contain any number of connections.
 const MAX_CONNECTIONS: usize = 10_000;
 
-/// The maximum number of types that are counted by name. Hostile input may contain any number of types.
-const MAX_TYPES: usize = 1_000;
-
-/// The maximum length of a connection or type name, in bytes.
+/// The maximum length of a connection name, in bytes.
 const MAX_NAME: usize = 128;
 
 /// The maximum length of `how`, in bytes. Longer values are ignored.
@@ -72,8 +72,7 @@ pub struct FlockwaveChecker<'d> {
     pieces: Pieces,
     /// The connection numbers, by connection name.
     connections: HashMap<String, usize>,
-    /// The messages and values from the server, by type.
-    types: HashMap<String, (Tally, u64)>,
+    types: Types,
     /// The connection names, by number.
     names: Vec<String>,
     /// The number of the latest record's connection.
@@ -93,12 +92,20 @@ struct ParsedLine<'h> {
     note: Option<&'h str>,
 }
 
+/// A message that is counted.
+struct Counted<'m> {
+    /// The type.
+    name: &'m str,
+    is_from_server: bool,
+    /// The number of values in the body.
+    num_values: u64,
+    time: Option<f64>,
+}
+
 /// The content of a record.
 #[derive(Clone, Copy)]
 enum Content<'c> {
     Message(&'c Tree<'c>),
-    /// A status report without new findings, reduced to the members that stateful rules need.
-    Report(&'c Tree<'c>),
     /// Data that is not JSON.
     Raw,
     Event,
@@ -123,7 +130,7 @@ impl<'d> FlockwaveChecker<'d> {
             reports,
             pieces: Pieces::default(),
             connections: HashMap::new(),
-            types: HashMap::new(),
+            types: Types::default(),
             names: Vec::new(),
             latest: 0,
         }
@@ -157,16 +164,28 @@ impl<'d> FlockwaveChecker<'d> {
 
     /// Handles a status report without new findings.
     fn report(&mut self, report: &Report<'_>, location: Location) -> Result<(), String> {
-        let line = ParsedLine {
-            name: Some(report.name),
+        let index = self.connection(report.name)?;
+        let record = SessionRecord {
+            connection: Connection { index, name: report.name, is_ordered: is_ordered(report.name) },
             direction: Direction::In,
             time: Some(report.time).filter(|time| is_plausible(*time)),
-            content: Content::Report(&report.message),
             text: report.text,
+            value: None,
             trial: None,
             note: None,
+            location,
         };
-        self.record(&line, location)?;
+        self.run.include_time(record.time);
+        self.run.records += 1;
+        self.source.notifications += 1;
+        let counted = Counted {
+            name: Report::TYPE,
+            is_from_server: true,
+            num_values: Report::NUM_VALUES,
+            time: record.time,
+        };
+        self.count_type(&counted);
+        self.run.checked_report(&record, report);
         self.reports.count(report);
         Ok(())
     }
@@ -290,17 +309,13 @@ impl<'d> FlockwaveChecker<'d> {
         let connection =
             Connection { index, name: &connection_name, is_ordered: name.is_some_and(is_ordered) };
         let value = match content {
-            Content::Message(value) | Content::Report(value) => Some(value),
+            Content::Message(value) => Some(value),
             Content::Raw | Content::Event => None,
         };
         let record = SessionRecord { connection, direction, time, text, value, trial, note, location };
         self.follow_event(&record);
         self.count(&record);
-        if matches!(content, Content::Report(_)) {
-            self.run.checked_report(&record);
-        } else {
-            self.run.session_record(&record);
-        }
+        self.run.session_record(&record);
         self.names[index] = connection_name;
         Ok(())
     }
@@ -366,33 +381,27 @@ impl<'d> FlockwaveChecker<'d> {
             // Envelope rules also check messages without a type.
             return self.run.checked += u64::from(is_from_server);
         };
-        let is_known = self.run.definitions.body_schemas().has(name);
-        self.run.checked += u64::from(is_from_server && is_known);
-        let types = if is_known { &mut source.types } else { &mut source.unknown };
-        let has_room = name.len() <= MAX_NAME && types.len() < MAX_TYPES;
-        let count = match types.get_mut(name) {
-            Some(count) => count,
-            None if has_room => types.entry(name.to_owned()).or_default(),
-            None => return source.uncounted += u64::from(is_from_server),
-        };
-        *(if is_from_server { &mut count.incoming } else { &mut count.out }) += 1;
-        if is_from_server {
-            self.cover(name, is_known, message, record.time);
-        }
-    }
-
-    /// Counts a message from the server, with its values.
-    fn cover(&mut self, name: &str, is_known: bool, message: &Tree<'_>, time: Option<f64>) {
-        let (tally, values) = match self.types.get_mut(name) {
-            Some(known) => known,
-            None => self.types.entry(name.to_owned()).or_default(),
-        };
-        tally.records += 1;
-        tally.count(is_known, time.and_then(microseconds));
-        *values += match message.get("body") {
+        let num_values = match message.get("body") {
             Some(Tree::Object(members)) => members.len() as u64,
             _ => 0,
         };
+        self.count_type(&Counted { name, is_from_server, num_values, time: record.time });
+    }
+
+    /// Counts a message of a type.
+    fn count_type(&mut self, message: &Counted<'_>) {
+        let Counted { name, is_from_server, num_values, time } = *message;
+        let definitions = self.run.definitions;
+        let Some(counts) = self.types.get(name, || definitions.body_schemas().has(name)) else {
+            return self.source.uncounted += u64::from(is_from_server);
+        };
+        *(if is_from_server { &mut counts.messages.incoming } else { &mut counts.messages.out }) += 1;
+        if is_from_server {
+            counts.tally.records += 1;
+            counts.tally.count(counts.is_known, time.and_then(microseconds));
+            counts.values += num_values;
+            self.run.checked += u64::from(counts.is_known);
+        }
     }
 
     /// Returns the result. `bytes` is the number of bytes read.
@@ -403,6 +412,10 @@ impl<'d> FlockwaveChecker<'d> {
         }
         self.reports.report_counted(&mut self.run.findings);
         let parts = self.parts();
+        for (name, counts) in std::mem::take(&mut self.types).into_all() {
+            let types = if counts.is_known { &mut self.source.types } else { &mut self.source.unknown };
+            types.insert(name, counts.messages);
+        }
         let mut result = self.run.finish(bytes, Summary::Flockwave(self.source), Unit::Type, parts);
         // Envelope rules also check messages without a type.
         result.coverage.records.checked = result.checked;
@@ -411,10 +424,10 @@ impl<'d> FlockwaveChecker<'d> {
 
     fn parts(&self) -> Parts {
         let mut parts = Parts::default();
-        for (name, (tally, values)) in &self.types {
-            let is_known = tally.checked > 0;
-            let result = if is_known { PartResult::Checked } else { PartResult::Undefined };
-            parts.add(name, result, *tally, Share::of(if is_known { *values } else { 0 }, *values));
+        for (name, counts) in self.types.iter().filter(|(_, counts)| counts.messages.incoming > 0) {
+            let result = if counts.is_known { PartResult::Checked } else { PartResult::Undefined };
+            let checked = if counts.is_known { counts.values } else { 0 };
+            parts.add(name, result, counts.tally, Share::of(checked, counts.values));
         }
         if self.source.uncounted > 0 {
             let tally = Tally::of(self.source.uncounted);

@@ -7,7 +7,7 @@ use std::io;
 use uavspec_codegen::source::Span;
 
 use super::coverage::Parts;
-use super::flockwave::Listeners;
+use super::flockwave::{Listeners, Report};
 use super::{CaptureResult, Clock, Observer, Summary, Unit};
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
@@ -257,10 +257,10 @@ impl<'d> CheckRun<'d> {
         self.record(&exchange);
     }
 
-    /// Like `session_record`, for a status report whose content has already been checked.
-    pub(super) fn checked_report(&mut self, record: &SessionRecord<'_>) {
-        let exchange = self.sessions.follow_checked(record);
-        self.listeners.checked_report(&exchange, &mut self.findings);
+    /// Like `session_record`, for a status report whose content has already been checked. The record needs no value.
+    pub(super) fn checked_report(&mut self, record: &SessionRecord<'_>, report: &Report<'_>) {
+        let exchange = self.sessions.follow_checked(record, Report::TYPE, report.id);
+        self.listeners.checked_report(&exchange, &report.timestamps, &mut self.findings);
         self.complete(&exchange);
     }
 
@@ -296,7 +296,7 @@ impl<'d> CheckRun<'d> {
             detail.time = time.and_then(microseconds);
             record.connection.name.clone_into(&mut detail.connection);
             detail.request = request.map(|request| request.excerpt.clone()).unwrap_or_default();
-            // The value of a status report is reduced to some members, but the text is complete.
+            // The record of a checked status report has no value, but its text is complete.
             let line = Tree::read(record.text).ok();
             let bare = line.as_ref().filter(|line| line.get("$fw.version").is_some());
             if let Some(message) = line.as_ref().and_then(|line| line.get("msg")).or(bare)

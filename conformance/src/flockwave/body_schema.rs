@@ -26,7 +26,7 @@ use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::source::Span;
 
 pub use self::bodies::DefinedSchemas;
-pub(crate) use self::plain::Members;
+pub(crate) use self::plain::{Members, Scalar};
 pub use self::schemas::{SchemaError, Schemas};
 use crate::json::{Tree, pointer};
 

@@ -131,20 +131,28 @@ impl Sessions {
         record: &'t SessionRecord<'t>,
         schemas: BodySchemas<'_>,
     ) -> Exchange<'t> {
-        let time = self.reliable_time(record);
-        let exchange = Exchange::new(record, time);
-        let deviations = exchange.deviations_from(schemas);
-        self.resolve(Exchange { deviations, ..exchange })
+        let mut exchange = Exchange::new(record, self.reliable_time(record));
+        exchange.deviations = exchange.deviations_from(schemas);
+        self.resolve(&mut exchange);
+        exchange
     }
 
-    /// Like [`follow`](Self::follow), for a record whose message has already been checked.
-    pub(crate) fn follow_checked<'t>(&mut self, record: &'t SessionRecord<'t>) -> Exchange<'t> {
-        let time = self.reliable_time(record);
-        self.resolve(Exchange { deviations: Some(Vec::new()), ..Exchange::new(record, time) })
+    /// Like [`follow`](Self::follow), for a notification that has already been checked. The record needs no value.
+    pub(crate) fn follow_checked<'t>(
+        &mut self,
+        record: &'t SessionRecord<'t>,
+        type_name: &'t str,
+        id: &'t str,
+    ) -> Exchange<'t> {
+        let mut exchange = Exchange::new(record, self.reliable_time(record));
+        (exchange.role, exchange.type_name, exchange.id) = (Role::Notification, Some(type_name), Some(id));
+        exchange.deviations = Some(Vec::new());
+        self.resolve(&mut exchange);
+        exchange
     }
 
     /// Adds the session context to an exchange.
-    fn resolve<'t>(&mut self, mut exchange: Exchange<'t>) -> Exchange<'t> {
+    fn resolve(&mut self, exchange: &mut Exchange<'_>) {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
         exchange.clock = state.clock;
@@ -156,11 +164,10 @@ impl Sessions {
                 self.lose_connection(record.connection.index);
             }
             Role::Unreadable => self.sent_unreadable(record.connection.index),
-            Role::Request => self.request(&mut exchange),
-            Role::Response => self.response(&mut exchange),
-            Role::Notification => self.notification(&mut exchange),
+            Role::Request => self.request(exchange),
+            Role::Response => self.response(exchange),
+            Role::Notification => self.notification(exchange),
         }
-        exchange
     }
 
     /// Resets the state of a connection that ended or restarted. Returns its serial and its unanswered requests.

@@ -73,6 +73,16 @@ impl<'t> Tokens<'t> {
         &self.text[start..self.at]
     }
 
+    /// The text from the current position.
+    pub(crate) fn rest_text(&self) -> &'t str {
+        &self.text[self.at..]
+    }
+
+    /// Moves past a text that was read without this tokenizer.
+    pub(crate) fn advance(&mut self, length: usize) {
+        self.at += length;
+    }
+
     fn rest(&self) -> &'t [u8] {
         &self.text.as_bytes()[self.at..]
     }
@@ -275,19 +285,10 @@ impl<'t> Tokens<'t> {
     /// so they detect longer numbers.
     #[inline]
     pub(crate) fn integer(&mut self) -> Option<i64> {
-        let is_negative = self.peek()? == b'-';
-        let digits = &self.rest()[usize::from(is_negative)..];
-        let (mut value, mut length) = (0, 0);
-        for digit in digits.iter().take(MAX_DIGITS).take_while(|byte| byte.is_ascii_digit()) {
-            value = value * 10 + i64::from(digit - b'0');
-            length += 1;
-        }
-        // A leading 0 must not be followed by digits, and -0 is a float.
-        if length == 0 || digits[0] == b'0' && (length > 1 || is_negative) {
-            return None;
-        }
-        self.at += length + usize::from(is_negative);
-        Some(if is_negative { -value } else { value })
+        self.peek();
+        let (value, length) = leading_integer(self.rest())?;
+        self.at += length;
+        Some(value)
     }
 
     /// Reads a number.
@@ -403,6 +404,24 @@ impl<'t> Tokens<'t> {
     }
 }
 
+/// The integer at the start of a text, and its length. See [`Tokens::integer`].
+#[inline]
+pub(crate) fn leading_integer(text: &[u8]) -> Option<(i64, usize)> {
+    let is_negative = *text.first()? == b'-';
+    let digits = &text[usize::from(is_negative)..];
+    let (mut value, mut length) = (0, 0);
+    for digit in digits.iter().take(MAX_DIGITS).take_while(|byte| byte.is_ascii_digit()) {
+        value = value * 10 + i64::from(digit - b'0');
+        length += 1;
+    }
+    // A leading 0 must not be followed by digits, and -0 is a float.
+    if length == 0 || digits[0] == b'0' && (length > 1 || is_negative) {
+        return None;
+    }
+    let value = if is_negative { -value } else { value };
+    Some((value, length + usize::from(is_negative)))
+}
+
 /// Resolves the escapes of a string.
 fn unescaped(written: &str) -> Option<String> {
     if written.bytes().any(|byte| byte < b' ') {
@@ -475,9 +494,9 @@ fn is_number(text: &[u8]) -> bool {
 
 /// The value of a number.
 fn number(written: &str) -> Token<'_> {
-    let is_integer = written != "-0" && !written.contains(['.', 'e', 'E']);
+    let is_integer = written != "-0" && !written.bytes().any(|byte| matches!(byte, b'.' | b'e' | b'E'));
     let fits = |value: &i128| (i64::MIN.into()..=u64::MAX.into()).contains(value);
-    if let Some(value) = written.parse().ok().filter(|value| is_integer && fits(value)) {
+    if is_integer && let Some(value) = written.parse().ok().filter(fits) {
         return Token::Int(value);
     }
     match written.parse::<f64>() {

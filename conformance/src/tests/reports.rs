@@ -144,13 +144,28 @@ fn state() -> impl Strategy<Value = (String, Value)> {
     })
 }
 
+/// A UAV and its status, in a form that other states share. Only the values differ.
+fn regular_state() -> impl Strategy<Value = (String, Value)> {
+    let fields = ["timestamp", "mode", "position", "heading", "gps", "battery", "errors", "debug"];
+    let uav = prop::sample::select(vec!["kite", "owl", "swift", "möwe"]);
+    (uav, Vec::from(fields.map(value))).prop_map(move |(uav, values)| {
+        let mut members = serde_json::Map::from_iter([("id".to_owned(), uav.into())]);
+        members.extend(fields.iter().map(|field| (*field).to_owned()).zip(values));
+        (uav.to_owned(), members.into())
+    })
+}
+
 /// The body of a message, a flag that is true if the server sends the message, and the id of the answered request, if
 /// any.
 type Content = (Value, bool, Option<&'static str>);
 
 /// The content of a message, usually a status report.
 fn content() -> impl Strategy<Value = Content> {
-    let report = prop::collection::vec(state(), 0..4).prop_map(|states| {
+    let states = prop_oneof![
+        prop::collection::vec(state(), 0..4).boxed(),
+        prop::collection::vec(regular_state(), 0..4).boxed(),
+    ];
+    let report = states.prop_map(|states| {
         let status: serde_json::Map<String, Value> = states.into_iter().collect();
         (json!({ "type": "UAV-INF", "status": status }), true, None)
     });

@@ -2,6 +2,7 @@
 
 use crate::definitions::Definitions;
 use crate::flockwave::session::Exchange;
+use crate::json::Tree;
 use crate::model::{Findings, Location, Rule};
 use crate::rules::RuleContext;
 use crate::rules::flockwave::{Check, Message, RULES, SessionCheck, StatusReport};
@@ -64,8 +65,14 @@ impl<'d> Listeners<'d> {
     }
 
     /// Passes a status report to all checks except message checks, whose results are already known.
-    pub(in crate::check) fn checked_report(&mut self, exchange: &Exchange<'_>, findings: &mut Findings) {
-        let views = Views { exchange, message: None, report: StatusReport::from_exchange(exchange) };
+    pub(in crate::check) fn checked_report(
+        &mut self,
+        exchange: &Exchange<'_>,
+        timestamps: &[(&str, Tree<'_>)],
+        findings: &mut Findings,
+    ) {
+        let views =
+            Views { exchange, message: None, report: Some(StatusReport::checked(exchange, timestamps)) };
         views.show(&mut self.all[..self.on_reports], self.definitions, findings);
     }
 

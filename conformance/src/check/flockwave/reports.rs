@@ -12,21 +12,21 @@
 //!
 //! Lines in an unusual form, and other messages, take the general path.
 
+mod forms;
 mod known;
 
 use std::borrow::Cow;
 use std::collections::HashSet;
+use std::ops::Range;
 
+use self::forms::Forms;
 use self::known::{Kind, Known};
 use crate::definitions::Definitions;
-use crate::flockwave::body_schema::Members;
-use crate::json::{Token, Tokens, Tree, Unclear};
+use crate::flockwave::body_schema::{Members, Scalar};
+use crate::json::{Token, Tokens, Tree, Unclear, leading_integer};
 use crate::model::Findings;
 use crate::rules::flockwave::plausible;
 use uavspec_codegen::schema::json_type::Direction;
-
-/// The type of the message.
-const TYPE: &str = "UAV-INF";
 
 /// The maximum length of a line on this path, in bytes. The limit ensures that no line exceeds the maximum number of
 /// values in a tree.
@@ -44,30 +44,32 @@ const MAX_FIELDS: usize = 64;
 
 /// A line with a status report that has no new findings.
 #[derive(Debug)]
-pub(super) struct Report<'l> {
+pub(in crate::check) struct Report<'l> {
     /// The name of the connection.
     pub(super) name: &'l str,
     /// The time, in seconds.
     pub(super) time: f64,
     /// The whole line.
     pub(super) text: &'l str,
-    /// The message. The states in it contain only their timestamps.
-    pub(super) message: Tree<'l>,
+    /// The `id` of the message.
+    pub(in crate::check) id: &'l str,
+    /// The UAVs and the timestamps of their states.
+    pub(in crate::check) timestamps: Vec<(&'l str, Tree<'l>)>,
     /// The index of the report's version.
     version: usize,
 }
 
 /// Reads status reports.
 pub(super) struct Reports<'d> {
-    /// The fields of states; `None` if this path can't be used.
-    fields: Option<Fields<'d>>,
+    /// `None` if this path can't be used.
+    states: Option<States<'d>>,
     known: Known<'d>,
-    /// The kind of each state in the latest report.
-    kinds: Vec<usize>,
+    /// The forms of lines.
+    lines: Forms<LineValue, ()>,
 }
 
-/// The fields of states.
-struct Fields<'d> {
+/// Reads the states in a report.
+struct States<'d> {
     members: Members<'d>,
     id: usize,
     timestamp: usize,
@@ -75,80 +77,96 @@ struct Fields<'d> {
     /// For each field, the field that most recently followed it. The last item is the field that most recently came
     /// first in a state.
     next: Vec<usize>,
+    /// The forms of states, each with the kind of its states.
+    forms: Forms<StateValue<'d>, usize>,
+    /// The positions of the values in the latest state.
+    values: Vec<(Range<usize>, StateValue<'d>)>,
+    /// The kind of each state in the latest report.
+    kinds: Vec<usize>,
 }
 
-/// The members of a line.
+/// The values of a line.
 #[derive(Default)]
 struct Line<'l> {
     time: Option<f64>,
     name: Option<&'l str>,
     is_from_server: bool,
-    message: Option<Message<'l>>,
-}
-
-/// The members of a message.
-#[derive(Default)]
-struct Message<'l> {
     version: Option<&'l str>,
     id: Option<&'l str>,
-    body: Option<Body<'l>>,
-}
-
-/// The members of a body.
-#[derive(Default)]
-struct Body<'l> {
     is_report: bool,
-    states: Option<States<'l>>,
+    timestamps: Option<Vec<(&'l str, Tree<'l>)>>,
+    /// The positions of the values.
+    values: Vec<(Range<usize>, LineValue)>,
 }
 
-/// The UAVs, each with its state reduced to the timestamp.
-type States<'l> = Vec<(Cow<'l, str>, Tree<'l>)>;
+/// A value in a line that differs between reports.
+#[derive(Clone, Copy, Debug)]
+enum LineValue {
+    Time,
+    Name,
+    Version,
+    Id,
+    States,
+}
+
+/// A value in a state that differs between states of the same kind.
+#[derive(Clone, Copy, Debug)]
+enum StateValue<'d> {
+    /// The characters of the UAV's id.
+    Id,
+    Timestamp,
+    /// Any other value except null, which makes a state of another kind.
+    Scalar(Scalar<'d>),
+}
+
+impl Report<'_> {
+    /// The type of the message.
+    pub(in crate::check) const TYPE: &'static str = "UAV-INF";
+
+    /// The number of values in the body: `type` and `status`.
+    pub(super) const NUM_VALUES: u64 = 2;
+}
 
 impl<'d> Reports<'d> {
     /// Creates a reader for the status reports of these definitions.
     pub(super) fn new(definitions: &'d Definitions) -> Self {
         let members =
-            definitions.defined_schemas().members(TYPE, Direction::Notification, "status", plausible);
-        let fields = members.filter(|members| members.len() <= MAX_FIELDS).and_then(Fields::new);
-        Self { fields, known: Known::new(definitions), kinds: Vec::new() }
+            definitions.defined_schemas().members(Report::TYPE, Direction::Notification, "status", plausible);
+        let states = members.filter(|members| members.len() <= MAX_FIELDS).and_then(States::new);
+        Self { states, ..Self::disabled(definitions) }
     }
 
     /// Creates a reader that leaves all lines to the general path.
     pub(super) fn disabled(definitions: &'d Definitions) -> Self {
-        Self { fields: None, known: Known::new(definitions), kinds: Vec::new() }
+        Self { states: None, known: Known::new(definitions), lines: Forms::default() }
     }
 
     /// Reads a line, if it is a status report without new findings.
     pub(super) fn read<'l>(&mut self, bytes: &'l [u8], findings: &Findings) -> Option<Report<'l>> {
-        if self.fields.is_none() || bytes.len() > MAX_LINE {
-            return None;
-        }
+        let states = self.states.as_mut().filter(|_| bytes.len() <= MAX_LINE)?;
         let text = str::from_utf8(bytes).ok()?;
-        let mut tokens = Tokens::new(text);
-        let line = self.line(&mut tokens, findings).ok().filter(|_| tokens.end().is_ok())?;
-        let message = line.message?;
-        let body = message.body.filter(|body| body.is_report)?;
-        let id = message.id.filter(|id| (1..=MAX_ID).contains(&id.len()))?;
-        let states = body.states?;
-        if !line.is_from_server || !are_different(&states) {
+        let line = match known_line(text, &mut self.lines, states, &mut self.known) {
+            Some(line) => line,
+            None => new_line(text, &mut self.lines, states, &mut self.known).ok()?,
+        };
+        let (id, timestamps) = (line.id?, line.timestamps?);
+        if !(1..=MAX_ID).contains(&id.len()) || !are_different(&timestamps) {
             return None;
         }
-        let version = message.version?;
-        let index = self.known.version(version, findings)?;
-        let body =
-            vec![(Cow::Borrowed("type"), Tree::Text(TYPE.into())), ("status".into(), Tree::Object(states))];
-        let message = vec![
-            (Cow::Borrowed("$fw.version"), Tree::Text(version.into())),
-            ("id".into(), Tree::Text(id.into())),
-            ("body".into(), Tree::Object(body)),
-        ];
-        let message = Tree::Object(message);
-        Some(Report { name: line.name?, time: line.time?, text, message, version: index })
+        let version = self.known.version(line.version?, findings)?;
+        let mut num_violations = 0;
+        for (kind, (uav, _)) in states.kinds.iter().zip(&timestamps) {
+            num_violations += self.known.settled(*kind, uav, findings)?;
+        }
+        let report = Report { name: line.name?, time: line.time?, text, id, timestamps, version };
+        (num_violations <= MAX_VIOLATIONS).then_some(report)
     }
 
     /// Counts the most recently read report.
     pub(super) fn count(&mut self, report: &Report<'_>) {
-        self.known.count(report.version, &self.kinds);
+        if let Some(states) = &self.states {
+            self.known.count(report.version, &states.kinds);
+        }
     }
 
     /// The number of counted reports.
@@ -161,72 +179,108 @@ impl<'d> Reports<'d> {
     pub(super) fn report_counted(&self, findings: &mut Findings) {
         self.known.report_counted(findings);
     }
+}
 
-    fn line<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<Line<'l>, Unclear> {
-        let mut line = Line::default();
-        tokens.members(|tokens, key| {
-            match &*key {
-                "t" if line.time.is_none() => line.time = Some(time(&tokens.token()?)?),
-                "conn" if line.name.is_none() => line.name = Some(plain(tokens)?),
-                "dir" if !line.is_from_server && plain(tokens)? == "in" => line.is_from_server = true,
-                "msg" if line.message.is_none() => line.message = Some(self.message(tokens, findings)?),
-                _ => return Err(Unclear),
-            }
+/// Reads a line in a known form.
+fn known_line<'l>(
+    text: &'l str,
+    forms: &mut Forms<LineValue, ()>,
+    states: &mut States<'_>,
+    known: &mut Known<'_>,
+) -> Option<Line<'l>> {
+    let mut line = Line::default();
+    let (length, ()) = forms.read(text, |value, rest| {
+        let mut tokens = Tokens::new(rest);
+        line.read(*value, &mut tokens, states, known).ok()?;
+        Some(tokens.at())
+    })?;
+    (length == text.len()).then_some(line)
+}
+
+/// Reads a line, and learns its form.
+fn new_line<'l>(
+    text: &'l str,
+    forms: &mut Forms<LineValue, ()>,
+    states: &mut States<'_>,
+    known: &mut Known<'_>,
+) -> Result<Line<'l>, Unclear> {
+    let mut line = Line::default();
+    let mut tokens = Tokens::new(text);
+    tokens.members(|tokens, key| match &*key {
+        "t" => line.find(LineValue::Time, tokens, states, known),
+        "conn" => line.find(LineValue::Name, tokens, states, known),
+        "dir" if !line.is_from_server && plain(tokens)? == "in" => {
+            line.is_from_server = true;
             Ok(())
-        })?;
-        Ok(line)
+        }
+        "msg" => tokens.members(|tokens, key| match &*key {
+            "$fw.version" => line.find(LineValue::Version, tokens, states, known),
+            "id" => line.find(LineValue::Id, tokens, states, known),
+            "body" => tokens.members(|tokens, key| match &*key {
+                "type" if !line.is_report && plain(tokens)? == Report::TYPE => {
+                    line.is_report = true;
+                    Ok(())
+                }
+                "status" => line.find(LineValue::States, tokens, states, known),
+                _ => Err(Unclear),
+            }),
+            _ => Err(Unclear),
+        }),
+        _ => Err(Unclear),
+    })?;
+    tokens.end()?;
+    if line.values.len() != 5 || !line.is_from_server || !line.is_report {
+        return Err(Unclear);
+    }
+    forms.learn(text, line.values.drain(..), ());
+    Ok(line)
+}
+
+impl<'l> Line<'l> {
+    /// Reads a value, and stores its position.
+    fn find(
+        &mut self,
+        value: LineValue,
+        tokens: &mut Tokens<'l>,
+        states: &mut States<'_>,
+        known: &mut Known<'_>,
+    ) -> Result<(), Unclear> {
+        // If a key is repeated, other readers may use another value.
+        let is_repeated = match value {
+            LineValue::Time => self.time.is_some(),
+            LineValue::Name => self.name.is_some(),
+            LineValue::Version => self.version.is_some(),
+            LineValue::Id => self.id.is_some(),
+            LineValue::States => self.timestamps.is_some(),
+        };
+        if is_repeated {
+            return Err(Unclear);
+        }
+        let start = tokens.at();
+        self.read(value, tokens, states, known)?;
+        self.values.push((start..tokens.at(), value));
+        Ok(())
     }
 
-    fn message<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<Message<'l>, Unclear> {
-        let mut message = Message::default();
-        tokens.members(|tokens, key| {
-            match &*key {
-                "$fw.version" if message.version.is_none() => message.version = Some(plain(tokens)?),
-                "id" if message.id.is_none() => message.id = Some(plain(tokens)?),
-                "body" if message.body.is_none() => message.body = Some(self.body(tokens, findings)?),
-                _ => return Err(Unclear),
-            }
-            Ok(())
-        })?;
-        Ok(message)
-    }
-
-    fn body<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<Body<'l>, Unclear> {
-        let mut body = Body::default();
-        tokens.members(|tokens, key| {
-            match &*key {
-                "type" if !body.is_report && plain(tokens)? == TYPE => body.is_report = true,
-                "status" if body.states.is_none() => body.states = Some(self.states(tokens, findings)?),
-                _ => return Err(Unclear),
-            }
-            Ok(())
-        })?;
-        Ok(body)
-    }
-
-    fn states<'l>(&mut self, tokens: &mut Tokens<'l>, findings: &Findings) -> Result<States<'l>, Unclear> {
-        // The previous report probably had about the same number of states.
-        let mut states = Vec::with_capacity(self.kinds.len());
-        self.kinds.clear();
-        let fields = self.fields.as_mut().ok_or(Unclear)?;
-        let mut num_violations = 0;
-        tokens.members(|tokens, uav| {
-            let Cow::Borrowed(uav) = uav else { return Err(Unclear) };
-            let start = tokens.at();
-            let (timestamp, kind) = fields.state(tokens, uav)?;
-            let known = self.known.kind(kind, (uav, tokens.since(start)), findings);
-            let (kind, count) = known.ok_or(Unclear)?;
-            self.kinds.push(kind);
-            num_violations += count;
-            let members = vec![("timestamp".into(), Tree::Int(timestamp))];
-            states.push((uav.into(), Tree::Object(members)));
-            Ok(())
-        })?;
-        if num_violations <= MAX_VIOLATIONS { Ok(states) } else { Err(Unclear) }
+    fn read(
+        &mut self,
+        value: LineValue,
+        tokens: &mut Tokens<'l>,
+        states: &mut States<'_>,
+        known: &mut Known<'_>,
+    ) -> Result<(), Unclear> {
+        match value {
+            LineValue::Time => self.time = Some(time(&tokens.token()?)?),
+            LineValue::Name => self.name = Some(plain(tokens)?),
+            LineValue::Version => self.version = Some(plain(tokens)?),
+            LineValue::Id => self.id = Some(plain(tokens)?),
+            LineValue::States => self.timestamps = Some(states.read(tokens, known)?),
+        }
+        Ok(())
     }
 }
 
-impl<'d> Fields<'d> {
+impl<'d> States<'d> {
     fn new(members: Members<'d>) -> Option<Self> {
         Some(Self {
             id: members.field("id")?,
@@ -234,14 +288,64 @@ impl<'d> Fields<'d> {
             errors: members.field("errors")?,
             next: (0..=members.len()).map(|next| next % members.len()).collect(),
             members,
+            forms: Forms::default(),
+            values: Vec::new(),
+            kinds: Vec::new(),
         })
     }
 
-    /// Reads the timestamp and the kind of a UAV's state.
-    fn state<'l>(&mut self, tokens: &mut Tokens<'l>, uav: &str) -> Result<(i128, Kind<'l>), Unclear> {
+    /// Reads the states in a report. Returns the UAVs and the timestamps.
+    fn read<'l>(
+        &mut self,
+        tokens: &mut Tokens<'l>,
+        known: &mut Known<'_>,
+    ) -> Result<Vec<(&'l str, Tree<'l>)>, Unclear> {
+        // The previous report probably had about the same number of states.
+        let mut timestamps = Vec::with_capacity(self.kinds.len());
+        self.kinds.clear();
+        tokens.members(|tokens, uav| {
+            let Cow::Borrowed(uav) = uav else { return Err(Unclear) };
+            let (timestamp, kind) = match self.known_state(tokens, uav) {
+                Some(read) => read,
+                None => self.new_state(tokens, uav, known)?,
+            };
+            self.kinds.push(kind);
+            timestamps.push((uav, Tree::Int(timestamp.into())));
+            Ok(())
+        })?;
+        Ok(timestamps)
+    }
+
+    /// Reads the state of a UAV in a known form. Returns the timestamp and the kind.
+    #[inline]
+    fn known_state(&mut self, tokens: &mut Tokens<'_>, uav: &str) -> Option<(i64, usize)> {
+        let Self { members, id, timestamp: timestamp_field, .. } = self;
+        let mut timestamp = None;
+        let (length, kind) = self.forms.read(tokens.rest_text(), |value, rest| match value {
+            StateValue::Scalar(scalar) => scalar.length(rest),
+            StateValue::Timestamp => {
+                let (value, length) = leading_integer(rest.as_bytes())?;
+                timestamp = Some(value);
+                members.accepts(*timestamp_field, &Token::Int(value.into())).then_some(length)
+            }
+            StateValue::Id => (rest.starts_with(uav) && members.accepts_text(*id, uav)).then_some(uav.len()),
+        })?;
+        tokens.advance(length);
+        Some((timestamp?, kind))
+    }
+
+    /// Reads the state of a UAV, and learns its form. Returns the timestamp and the kind.
+    fn new_state(
+        &mut self,
+        tokens: &mut Tokens<'_>,
+        uav: &str,
+        known: &mut Known<'_>,
+    ) -> Result<(i64, usize), Unclear> {
+        let start = tokens.at();
         let mut kind = Kind::default();
         let mut timestamp = None;
         let mut before = self.members.len();
+        self.values.clear();
         tokens.object(|tokens| {
             let field = self.field(tokens, before)?;
             let bit = 1 << field;
@@ -250,13 +354,18 @@ impl<'d> Fields<'d> {
             }
             kind.fields |= bit;
             before = field;
+            tokens.peek();
+            let from = tokens.at() - start;
             let fits = if field == self.id {
                 let id = plain(tokens)?;
-                id == uav && self.members.accepts(field, &Token::Text(id.into()))
+                // Without the quotation marks.
+                self.values.push((from + 1..tokens.at() - start - 1, StateValue::Id));
+                id == uav && self.members.accepts_text(field, id)
             } else if field == self.timestamp {
-                let value = tokens.integer().ok_or(Unclear)?.into();
+                let value = tokens.integer().ok_or(Unclear)?;
+                self.values.push((from..tokens.at() - start, StateValue::Timestamp));
                 timestamp = Some(value);
-                self.members.accepts(field, &Token::Int(value))
+                self.members.accepts(field, &Token::Int(value.into()))
             } else if tokens.takes_null() {
                 kind.nulls |= bit;
                 true
@@ -264,16 +373,19 @@ impl<'d> Fields<'d> {
                 kind.errors = tokens.flat_list().ok_or(Unclear)?;
                 true
             } else {
-                self.members.takes(field, tokens)?;
+                self.members.takes(field, tokens, |range, scalar| {
+                    let range = range.start - start..range.end - start;
+                    self.values.push((range, StateValue::Scalar(scalar)));
+                })?;
                 true
             };
-            if !fits {
-                return Err(Unclear);
-            }
-            Ok(())
+            if fits { Ok(()) } else { Err(Unclear) }
         })?;
-        // States with and without an id are of different kinds.
-        Ok((timestamp.ok_or(Unclear)?, kind))
+        let timestamp = timestamp.ok_or(Unclear)?;
+        let state = tokens.since(start);
+        let kind = known.kind(kind, (uav, state)).ok_or(Unclear)?;
+        self.forms.learn(state, self.values.drain(..), kind);
+        Ok((timestamp, kind))
     }
 
     /// Reads the key of the next field. The fields probably have the same order as in the previous state.
@@ -304,7 +416,8 @@ fn time(token: &Token<'_>) -> Result<f64, Unclear> {
 }
 
 /// True if no UAV appears twice. Most servers sort the states by UAV id.
-fn are_different(states: &States<'_>) -> bool {
+fn are_different(timestamps: &[(&str, Tree<'_>)]) -> bool {
     let mut seen = HashSet::new();
-    states.is_sorted_by(|(one, _), (other, _)| one < other) || states.iter().all(|(uav, _)| seen.insert(uav))
+    timestamps.is_sorted_by(|(one, _), (other, _)| one < other)
+        || timestamps.iter().all(|(uav, _)| seen.insert(uav))
 }

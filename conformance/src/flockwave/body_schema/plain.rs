@@ -3,10 +3,12 @@
 //! This module only confirms valid values. For all other values, [`super::check`] examines a tree. Nearly all values in
 //! UAV states are integers, so integer schemas are stored as 64-bit ranges.
 
+use std::ops::Range;
+
 use super::bodies::DefinedSchemas;
 use super::check::fits;
 use super::defined::{Field, Length, Object, ValueSchema};
-use crate::json::{Token, Tokens, Unclear};
+use crate::json::{Token, Tokens, Unclear, leading_integer};
 use uavspec_codegen::schema::json_type::Direction;
 
 /// The fields of the objects in a map within a body.
@@ -36,7 +38,11 @@ enum Plain<'s> {
 
 /// The schema of a scalar value.
 #[derive(Clone, Copy, Debug)]
-enum Scalar<'s> {
+pub(crate) struct Scalar<'s>(Allowed<'s>);
+
+/// The values that a schema allows.
+#[derive(Clone, Copy, Debug)]
+enum Allowed<'s> {
     /// An integer from the first to the second value.
     Range(i64, i64),
     /// A nullable integer from the first to the second value.
@@ -66,7 +72,7 @@ impl DefinedSchemas {
     }
 }
 
-impl Members<'_> {
+impl<'s> Members<'s> {
     /// The number of fields.
     pub(crate) fn len(&self) -> usize {
         self.fields.len()
@@ -87,12 +93,31 @@ impl Members<'_> {
         accepts(self.fields[field].schema, token)
     }
 
-    /// Reads the value of a field. Fails if the value isn't clearly valid.
-    pub(crate) fn takes(&self, field: usize, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
+    /// True if a string matches the schema of a field.
+    pub(crate) fn accepts_text(&self, field: usize, text: &str) -> bool {
+        accepts_text(self.fields[field].schema, text)
+    }
+
+    /// Reads the value of a field. Fails if the value isn't clearly valid. `found` gets the position of each scalar.
+    pub(crate) fn takes(
+        &self,
+        field: usize,
+        tokens: &mut Tokens<'_>,
+        mut found: impl FnMut(Range<usize>, Scalar<'s>),
+    ) -> Result<(), Unclear> {
+        let mut take = |scalar: &Scalar<'s>, tokens: &mut Tokens<'_>| {
+            tokens.peek();
+            let start = tokens.at();
+            scalar.takes(tokens)?;
+            found(start..tokens.at(), *scalar);
+            Ok(())
+        };
         match &self.fields[field].plain {
-            Plain::One(scalar) => scalar.takes(tokens),
-            Plain::Tuple(elements, length) => list(tokens, *length, |at| elements.get(at)),
-            Plain::List(element, length) => list(tokens, *length, |_| Some(element)),
+            Plain::One(scalar) => take(scalar, tokens),
+            Plain::Tuple(elements, length) => {
+                list(tokens, *length, |at, tokens| take(elements.get(at).ok_or(Unclear)?, tokens))
+            }
+            Plain::List(element, length) => list(tokens, *length, |_, tokens| take(element, tokens)),
         }
     }
 }
@@ -120,56 +145,73 @@ impl<'s> Plain<'s> {
 
 impl<'s> Scalar<'s> {
     fn new(schema: &'s ValueSchema) -> Self {
-        match schema {
+        Self(match schema {
             ValueSchema::Integer(low, high) => {
                 let bound = |bound: &i128| i64::try_from((*bound).clamp(i64::MIN.into(), i64::MAX.into()));
                 bound(low)
                     .ok()
                     .zip(bound(high).ok())
-                    .map_or(Self::Other(schema), |(low, high)| Self::Range(low, high))
+                    .map_or(Allowed::Other(schema), |(low, high)| Allowed::Range(low, high))
             }
             ValueSchema::Either(all) => match &all[..] {
-                [one, ValueSchema::Null] | [ValueSchema::Null, one] => match Self::new(one) {
-                    Self::Range(low, high) => Self::Nullable(low, high),
-                    _ => Self::Other(schema),
+                [one, ValueSchema::Null] | [ValueSchema::Null, one] => match Self::new(one).0 {
+                    Allowed::Range(low, high) => Allowed::Nullable(low, high),
+                    _ => Allowed::Other(schema),
                 },
-                _ => Self::Other(schema),
+                _ => Allowed::Other(schema),
             },
-            schema => Self::Other(schema),
-        }
+            schema => Allowed::Other(schema),
+        })
     }
 
     /// Restricts an integer to a range.
     fn within(self, limits: Option<(i64, i64)>) -> Self {
         let Some((least, most)) = limits else { return self };
-        match self {
-            Self::Range(low, high) => Self::Range(low.max(least), high.min(most)),
-            Self::Nullable(low, high) => Self::Nullable(low.max(least), high.min(most)),
-            Self::Other(_) => self,
-        }
+        Self(match self.0 {
+            Allowed::Range(low, high) => Allowed::Range(low.max(least), high.min(most)),
+            Allowed::Nullable(low, high) => Allowed::Nullable(low.max(least), high.min(most)),
+            Allowed::Other(_) => self.0,
+        })
     }
 
+    /// The length of the value at the start of a text. `None` if the value is null or isn't clearly valid.
+    #[inline]
+    pub(crate) fn length(&self, text: &str) -> Option<usize> {
+        if let Allowed::Range(low, high) | Allowed::Nullable(low, high) = self.0 {
+            let (value, length) = leading_integer(text.as_bytes())?;
+            return (low <= value && value <= high).then_some(length);
+        }
+        let mut tokens = Tokens::new(text);
+        let is_valid = !tokens.takes_null() && self.takes(&mut tokens).is_ok();
+        is_valid.then(|| tokens.at())
+    }
+
+    /// Reads a value. Fails if the value isn't clearly valid.
     #[inline]
     fn takes(&self, tokens: &mut Tokens<'_>) -> Result<(), Unclear> {
-        let fits = match self {
-            Self::Range(low, high) => tokens.integer().is_some_and(|value| *low <= value && value <= *high),
-            Self::Nullable(..) if tokens.takes_null() => true,
-            Self::Nullable(low, high) => return Self::Range(*low, *high).takes(tokens),
-            Self::Other(schema) => accepts(schema, &tokens.token()?),
+        let fits = match self.0 {
+            Allowed::Nullable(..) if tokens.takes_null() => true,
+            Allowed::Range(low, high) | Allowed::Nullable(low, high) => {
+                tokens.integer().is_some_and(|value| low <= value && value <= high)
+            }
+            Allowed::Other(schema) => match tokens.plain_text() {
+                Some(text) => accepts_text(schema, text),
+                None => accepts(schema, &tokens.token()?),
+            },
         };
         if fits { Ok(()) } else { Err(Unclear) }
     }
 }
 
-/// Reads a list whose elements have these schemas.
-fn list<'s>(
+/// Reads a list. `take` reads an element, and gets its index.
+fn list(
     tokens: &mut Tokens<'_>,
     length: Length,
-    schema: impl Fn(usize) -> Option<&'s Scalar<'s>>,
+    mut take: impl FnMut(usize, &mut Tokens<'_>) -> Result<(), Unclear>,
 ) -> Result<(), Unclear> {
     let mut count = 0;
     tokens.list(|tokens| {
-        schema(count).ok_or(Unclear)?.takes(tokens)?;
+        take(count, tokens)?;
         count += 1;
         Ok::<(), Unclear>(())
     })?;
@@ -189,9 +231,19 @@ fn accepts(schema: &ValueSchema, token: &Token<'_>) -> bool {
             let value = *value as f64;
             low.is_none_or(|low| value >= low) && high.is_none_or(|high| value <= high)
         }
-        (ValueSchema::Text(text), Token::Text(value)) => fits(text, value),
-        (ValueSchema::Constants(all), Token::Text(value)) => all.iter().any(|constant| constant == value),
+        (_, Token::Text(text)) => accepts_text(schema, text),
         (ValueSchema::Either(all), _) => all.iter().any(|schema| accepts(schema, token)),
+        _ => false,
+    }
+}
+
+/// True if a string matches a schema.
+fn accepts_text(schema: &ValueSchema, text: &str) -> bool {
+    match schema {
+        ValueSchema::Any => true,
+        ValueSchema::Text(schema) => fits(schema, text),
+        ValueSchema::Constants(all) => all.iter().any(|constant| constant == text),
+        ValueSchema::Either(all) => all.iter().any(|schema| accepts_text(schema, text)),
         _ => false,
     }
 }

@@ -136,7 +136,7 @@ impl<V> Ids<V> {
     fn find(&self, hash: u64, serial: u64, id: &str) -> Option<usize> {
         let is_match = |number: &u64| {
             let entry = position(self.first, *number).and_then(|at| self.entries.get(at)?.as_ref());
-            entry.is_some_and(|entry| entry.serial == serial && *entry.id == *id)
+            entry.is_some_and(|entry| entry.hash == hash && entry.serial == serial && *entry.id == *id)
         };
         self.table.find(hash, is_match).and_then(|number| position(self.first, *number))
     }

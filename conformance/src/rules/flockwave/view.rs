@@ -3,6 +3,8 @@
 //! Each kind of check ([`Check`](super::Check)) gets a view that contains only the inputs that may affect its result.
 //! Message checks need not run for a status report that has the same content as an earlier report.
 
+use std::borrow::Cow;
+
 use super::{Detail, Exchange, Role, RuleContext, Tree};
 use crate::flockwave::body_schema::{Deviation, Mismatch};
 use crate::flockwave::record::Connection;
@@ -86,53 +88,65 @@ impl<'t> Message<'t> {
 
 /// A status report (UAV-INF notification) in its session. Gives access only to the ids and timestamps of the states.
 #[derive(Debug)]
-pub(crate) struct StatusReport<'t>(&'t Exchange<'t>);
+pub(crate) struct StatusReport<'t> {
+    exchange: &'t Exchange<'t>,
+    /// The states of the UAVs.
+    states: &'t [(Cow<'t, str>, Tree<'t>)],
+    /// The timestamps of the UAVs, if the states have already been checked.
+    timestamps: &'t [(&'t str, Tree<'t>)],
+}
 
 impl<'t> StatusReport<'t> {
     /// The record as a status report, if it is one.
     pub(crate) fn from_exchange(exchange: &'t Exchange<'t>) -> Option<Self> {
-        exchange.notification(STATUS).map(|_| Self(exchange))
+        let body = exchange.notification(STATUS)?;
+        Some(Self { exchange, states: super::body::members(Some(body), "status"), timestamps: &[] })
+    }
+
+    /// A report whose states have already been checked. Only their timestamps are left.
+    pub(crate) fn checked(exchange: &'t Exchange<'t>, timestamps: &'t [(&'t str, Tree<'t>)]) -> Self {
+        Self { exchange, states: &[], timestamps }
     }
 
     /// The connection.
     pub(super) fn connection(&self) -> Connection<'t> {
-        self.0.record.connection
+        self.exchange.record.connection
     }
 
     /// The id of the connection.
     pub(super) fn connection_id(&self) -> ConnectionId {
-        self.0.connection_id()
+        self.exchange.connection_id()
     }
 
     /// The time of the report in seconds, if the time is reliable.
     pub(super) fn time(&self) -> Option<f64> {
-        self.0.time
+        self.exchange.time
     }
 
     /// The `id` of the report, if it is a string.
     pub(super) fn id(&self) -> Option<&'t str> {
-        self.0.id
+        self.exchange.id
     }
 
     /// True if another message has this id.
     pub(super) fn is_id_in_use(&self) -> bool {
-        self.0.is_id_in_use
+        self.exchange.is_id_in_use
     }
 
     /// The bounds of the server's clock offset, in seconds.
     pub(super) fn clock(&self) -> Option<(f64, f64)> {
-        self.0.clock
+        self.exchange.clock
     }
 
     /// The ids of the UAVs and their timestamps.
     pub(super) fn timestamps(&self) -> impl Iterator<Item = (&'t str, Option<&'t Tree<'t>>)> + use<'t> {
-        let states = super::body::members(self.0.body, "status");
-        states.iter().map(|(uav, state)| (uav.as_ref(), state.get("timestamp")))
+        let of_states = self.states.iter().map(|(uav, state)| (uav.as_ref(), state.get("timestamp")));
+        of_states.chain(self.timestamps.iter().map(|(uav, timestamp)| (*uav, Some(timestamp))))
     }
 
     /// Reports that the message violates the rule.
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
-        self.0.violates(context, detail);
+        self.exchange.violates(context, detail);
     }
 
     /// Reports that a field of the message violates the rule.
@@ -142,7 +156,7 @@ impl<'t> StatusReport<'t> {
         context: &mut RuleContext<'_>,
         detail: impl FnOnce() -> Detail,
     ) {
-        self.0.violates_in(field, context, detail);
+        self.exchange.violates_in(field, context, detail);
     }
 }
 

@@ -35,8 +35,6 @@ pub(super) struct Known<'d> {
     versions: Vec<Entry<Box<str>>>,
     /// The results that a state adds, by the state's kind: present fields, null fields and error codes.
     kinds: Vec<Entry<(u64, u64, Box<str>)>>,
-    /// The index of the most recently found kind.
-    latest: usize,
 }
 
 /// The results for a version or a kind.
@@ -89,7 +87,7 @@ impl<K> Entry<K> {
 
 impl<'d> Known<'d> {
     pub(super) fn new(definitions: &'d Definitions) -> Self {
-        Self { definitions, versions: Vec::new(), kinds: Vec::new(), latest: 0 }
+        Self { definitions, versions: Vec::new(), kinds: Vec::new() }
     }
 
     /// The index of a version, if its findings only need to be counted.
@@ -106,25 +104,18 @@ impl<'d> Known<'d> {
         self.versions[at].settled("", findings).map(|_| at)
     }
 
-    /// The index of a kind and its number of findings, if the findings only need to be counted for this UAV.
-    pub(super) fn kind(
-        &mut self,
-        kind: Kind<'_>,
-        (uav, state): (&str, &str),
-        findings: &Findings,
-    ) -> Option<(usize, u64)> {
-        let is_match = |known: &Entry<(u64, u64, Box<str>)>| {
+    /// The index of a kind. A new kind is learned from a UAV and its state.
+    pub(super) fn kind(&mut self, kind: Kind<'_>, (uav, state): (&str, &str)) -> Option<usize> {
+        let known = self.kinds.iter().position(|known| {
             let (fields, nulls, errors) = &known.key;
             (*fields, *nulls, &**errors) == (kind.fields, kind.nulls, kind.errors)
-        };
-        if self.kinds.get(self.latest).is_none_or(|known| !is_match(known)) {
-            self.latest = match self.kinds.iter().position(is_match) {
-                Some(at) => at,
-                None => self.learn(kind, uav, state)?,
-            };
-        }
-        let count = self.kinds[self.latest].settled(uav, findings)?;
-        Some((self.latest, count))
+        });
+        known.or_else(|| self.learn(kind, uav, state))
+    }
+
+    /// The number of findings of a kind, if they only need to be counted for this UAV.
+    pub(super) fn settled(&mut self, kind: usize, uav: &str, findings: &Findings) -> Option<u64> {
+        self.kinds[kind].settled(uav, findings)
     }
 
     fn learn(&mut self, kind: Kind<'_>, uav: &str, state: &str) -> Option<usize> {
@@ -142,7 +133,7 @@ impl<'d> Known<'d> {
     fn check(&self, version: &str, states: &str) -> Option<Outcome> {
         let text = format!(
             "{{\"$fw.version\":\"{version}\",\"id\":\"1\",\"body\":{{\"type\":\"{}\",\"status\":{{{states}}}}}}}",
-            super::TYPE
+            super::Report::TYPE
         );
         let message = Tree::read(&text).ok()?;
         let record = SessionRecord {

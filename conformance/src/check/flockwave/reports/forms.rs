@@ -1,0 +1,102 @@
+//! Reads texts that differ from an earlier text only in their values.
+//!
+//! A program writes all its messages in the same form: the text between the values stays the same. A known form
+//! replaces a tokenizer, except for the values, and takes a fraction of the time.
+
+use std::ops::Range;
+
+/// The maximum number of forms. A program that writes many forms gains nothing.
+const MAX_FORMS: usize = 8;
+
+/// The maximum length of a form, in bytes.
+const MAX_TEXT: usize = 4_096;
+
+/// The known forms, each with the properties `P` that all its texts share.
+#[derive(Debug)]
+pub(super) struct Forms<V, P> {
+    known: Vec<(Form<V>, P)>,
+    /// The index of the form that matched last.
+    latest: usize,
+}
+
+/// The values of a text, and the text between them.
+#[derive(Debug)]
+struct Form<V> {
+    /// The values, each with the text before it.
+    values: Vec<(Box<str>, V)>,
+    /// The text after the last value.
+    end: Box<str>,
+}
+
+impl<V, P> Default for Forms<V, P> {
+    fn default() -> Self {
+        Self { known: Vec::new(), latest: 0 }
+    }
+}
+
+impl<V, P: Copy> Forms<V, P> {
+    /// Reads a known form at the start of a text. `value` reads a value at the start of a text, and returns its length.
+    /// `value` gets the values of several forms if the first ones don't match. Returns the length of the text in this
+    /// form, and the properties.
+    #[inline]
+    pub(super) fn read<'t>(
+        &mut self,
+        text: &'t str,
+        mut value: impl FnMut(&V, &'t str) -> Option<usize>,
+    ) -> Option<(usize, P)> {
+        let others = (0..self.known.len()).filter(|at| *at != self.latest);
+        let mut order = self.known.get(self.latest).map(|_| self.latest).into_iter().chain(others);
+        let (at, length) = order.find_map(|at| Some((at, self.known[at].0.length(text, &mut value)?)))?;
+        self.latest = at;
+        Some((length, self.known[at].1))
+    }
+
+    /// Adds the form of a text, which has values at these positions.
+    pub(super) fn learn(
+        &mut self,
+        text: &str,
+        values: impl Iterator<Item = (Range<usize>, V)>,
+        properties: P,
+    ) {
+        if self.known.len() == MAX_FORMS || text.len() > MAX_TEXT {
+            return;
+        }
+        let mut from = 0;
+        let values = values.map(|(range, value)| {
+            let before = text[from..range.start].into();
+            from = range.end;
+            (before, value)
+        });
+        let values = values.collect();
+        self.known.push((Form { values, end: text[from..].into() }, properties));
+    }
+}
+
+impl<V> Form<V> {
+    /// The length of the text in this form at the start of a text.
+    #[inline]
+    fn length<'t>(
+        &self,
+        text: &'t str,
+        value: &mut impl FnMut(&V, &'t str) -> Option<usize>,
+    ) -> Option<usize> {
+        let mut rest = text;
+        for (before, kind) in &self.values {
+            rest = without_start(rest, before)?;
+            let length = value(kind, rest)?;
+            rest = rest.get(length..)?;
+        }
+        let rest = without_start(rest, &self.end)?;
+        Some(text.len() - rest.len())
+    }
+}
+
+/// The text after this start. Most starts are a comma, for which a comparison of the bytes is faster than a call.
+#[inline]
+fn without_start<'t>(text: &'t str, start: &str) -> Option<&'t str> {
+    match (start.as_bytes(), text.as_bytes().first()) {
+        ([one], Some(first)) if one == first => text.get(1..),
+        ([_], _) => None,
+        _ => text.strip_prefix(start),
+    }
+}
