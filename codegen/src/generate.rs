@@ -2,18 +2,17 @@
 
 mod guard;
 mod output;
-mod parallel;
 
 use std::path::{Path, PathBuf};
 
 pub(crate) use self::output::{Difference, Folder, compare, write};
-use self::parallel::in_parallel;
 use crate::conversion::{Answer, Conversions, answer};
 use crate::diagnostic::{Level, has_errors};
 use crate::emit::Input;
 use crate::failure::Failure;
 use crate::finding::Finding;
 use crate::load::{Config, Loaded, Plan, read_translated};
+use crate::parallel::in_parallel;
 use crate::render;
 use crate::schema::Schema;
 use crate::translation::Translations;

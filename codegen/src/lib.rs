@@ -109,6 +109,7 @@ pub mod lsp;
 pub mod msg;
 #[cfg_attr(not(feature = "files"), allow(dead_code))]
 mod name;
+mod parallel;
 #[cfg(feature = "files")]
 mod path;
 mod pattern;

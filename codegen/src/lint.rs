@@ -104,6 +104,7 @@ use crate::conversion;
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 pub use crate::example::Example;
 use crate::finding::Finding;
+use crate::parallel::in_parts;
 use crate::read::{PackageInput, parse_all};
 use crate::resolve::{PackageSource, resolve};
 use crate::schema::{Form, Package, Schema};
@@ -263,26 +264,49 @@ impl Linter<'_> {
         // If definitions can't be read, messages would appear to be missing.
         let requests = if has_errors(diagnostics) { &[] } else { self.settings.conversions.as_slice() };
         let answers = conversion::answer(self.sources, self.schema, requests);
+        let of_texts = in_parts(&texts, |texts| {
+            self.apply(|check, sink| {
+                if let Check::Text(check) = check {
+                    for text in texts {
+                        check(text, sink);
+                    }
+                }
+            })
+        });
+        let of_messages = in_parts(&subjects, |subjects| {
+            self.apply(|check, sink| {
+                if let Check::Message(check) = check {
+                    for subject in subjects {
+                        check(subject, sink);
+                    }
+                }
+            })
+        });
+        let of_packages = self.apply(|check, sink| match check {
+            Check::ErrorCodes(check) => {
+                let has_tables = |package: &&Package| package.form == Form::Table;
+                let packages = self.schema.packages.iter().filter(has_tables);
+                packages.for_each(|package| check(package, self.sources, sink));
+            }
+            Check::Conversion(check) => {
+                let converted = answers.iter().map(|answer| Converted { schema: self.schema, answer });
+                converted.for_each(|converted| check(&converted, sink));
+            }
+            Check::Text(_) | Check::Message(_) | Check::Reader(_) | Check::Ignores => {}
+        });
+        findings.extend(of_texts.into_iter().chain(of_messages).chain([of_packages]).flatten());
+    }
+
+    /// Calls `run` with the check of each rule that is on. Returns the findings, with the configured levels.
+    fn apply(&self, run: impl Fn(Check, &mut Sink<'_>)) -> Vec<Finding> {
+        let mut findings = Vec::new();
         for rule in RULES {
             let Some(level) = self.settings.level(rule) else { continue };
             let first = findings.len();
-            let mut sink = Sink { rule: rule.id, findings };
-            match rule.check {
-                Check::Text(check) => texts.iter().for_each(|text| check(text, &mut sink)),
-                Check::Message(check) => subjects.iter().for_each(|subject| check(subject, &mut sink)),
-                Check::ErrorCodes(check) => {
-                    let has_tables = |package: &&Package| package.form == Form::Table;
-                    let packages = self.schema.packages.iter().filter(has_tables);
-                    packages.for_each(|package| check(package, self.sources, &mut sink));
-                }
-                Check::Conversion(check) => {
-                    let converted = answers.iter().map(|answer| Converted { schema: self.schema, answer });
-                    converted.for_each(|converted| check(&converted, &mut sink));
-                }
-                Check::Reader(_) | Check::Ignores => {}
-            }
+            run(rule.check, &mut Sink { rule: rule.id, findings: &mut findings });
             findings[first..].iter_mut().for_each(|finding| finding.level = level);
         }
+        findings
     }
 }
 

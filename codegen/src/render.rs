@@ -18,6 +18,7 @@ use annotate_snippets::{AnnotationKind, Group, Level as Title, Renderer, Snippet
 
 use crate::diagnostic::{Diagnostic, Level};
 use crate::finding::Finding;
+use crate::parallel::in_parts;
 use crate::prose::visible;
 use crate::source::{SourceMap, Span};
 #[cfg(feature = "files")]
@@ -43,11 +44,17 @@ pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> 
 /// Renders `findings` in the given order, with colours if `styled`. Consecutive findings that differ only in category
 /// are shown as one.
 pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> String {
-    let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
-    let mut text = String::new();
     let is_in_same_source =
         |left: &Finding, right: &Finding| sources.source_of(left.span) == sources.source_of(right.span);
-    for in_source in findings.chunk_by(is_in_same_source) {
+    let by_source: Vec<&[Finding]> = findings.chunk_by(is_in_same_source).collect();
+    in_parts(&by_source, |part| in_sources(part, sources, styled)).concat()
+}
+
+/// Renders the findings of several sources.
+fn in_sources(by_source: &[&[Finding]], sources: &SourceMap, styled: bool) -> String {
+    let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
+    let mut text = String::new();
+    for in_source in by_source {
         for same in in_source.chunk_by(Finding::is_same_change).take(MAX_PER_SOURCE) {
             text.push_str(&renderer.render(&[group(same, sources)]));
             text.push('\n');

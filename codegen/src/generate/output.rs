@@ -14,9 +14,9 @@ use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf};
 
 use super::guard::check_paths;
-use super::parallel::in_parallel;
 use crate::emit::{GENERATED_BY, OutputFile};
 use crate::failure::Failure;
+use crate::parallel::in_parallel;
 use crate::stage::{self, Stage};
 use crate::terminal;
 

@@ -58,6 +58,24 @@ impl<W> Guard<W> {
         Self { to, command: Command::default(), incomplete: Vec::new(), style: String::new() }
     }
 
+    fn push_all(&mut self, mut rest: &str, text: &mut String) {
+        while let Some(character) = rest.chars().next() {
+            // Nearly all characters are in parts that stay as they are, and that can't start a command.
+            let is_plain = |byte: &u8| matches!(byte, b'\t' | b' '..=b'~') && *byte != b'#';
+            let length = match self.command {
+                Command::Text if self.style.is_empty() => rest.bytes().take_while(is_plain).count(),
+                _ => 0,
+            };
+            if length == 0 {
+                self.push(character, text);
+                rest = &rest[character.len_utf8()..];
+            } else {
+                text.push_str(&rest[..length]);
+                rest = &rest[length..];
+            }
+        }
+    }
+
     fn push(&mut self, character: char, text: &mut String) {
         match (self.style.len(), character) {
             (0, ESCAPE) | (1, '[') | (2..MAX_STYLE_LEN, '0'..='9' | ';' | ':') => self.style.push(character),
@@ -89,7 +107,7 @@ impl<W> Guard<W> {
                     (std::str::from_utf8(&rest[..error.valid_up_to()]).unwrap_or_default(), Some(error))
                 }
             };
-            valid.chars().for_each(|character| self.push(character, &mut text));
+            self.push_all(valid, &mut text);
             rest = &rest[valid.len()..];
             match invalid.map(|error| error.error_len()) {
                 None => break,
@@ -121,6 +139,8 @@ impl<W: Write> Write for Guard<W> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::*;
 
     fn written(parts: &[&[u8]]) -> String {
@@ -156,6 +176,18 @@ mod tests {
         let parts: Vec<&[u8]> = text.as_bytes().chunks(1).collect();
         assert_eq!(written(&parts), text);
         assert_eq!(written(&[b"a\xffb\xf0\x9f", b"c"]), "a\u{fffd}b\u{fffd}c");
+    }
+
+    proptest! {
+        #[test]
+        fn is_the_same_for_each_character_and_for_all_at_once(text in "([a-c:#\\[ \t\n\u{1b}m1é\u{7}]|vso){0,40}") {
+            let characters: Vec<String> = text.chars().map(String::from).collect();
+            let parts: Vec<&[u8]> = characters.iter().map(String::as_bytes).collect();
+            prop_assert_eq!(written(&parts), written(&[text.as_bytes()]));
+            if !text.contains(ESCAPE) {
+                prop_assert_eq!(written(&[text.as_bytes()]), guarded(&text));
+            }
+        }
     }
 
     #[test]
