@@ -18,12 +18,12 @@ const MAX_GAPS: usize = 64;
 #[derive(Debug)]
 pub(crate) struct Ids<V> {
     hasher: DefaultHashBuilder,
-    /// The entry numbers, by the hash of the entry's key.
-    table: HashTable<u64>,
+    /// The entry numbers, by the hash of the entry's key. Numbers restart from 0 when they overflow.
+    table: HashTable<u32>,
     /// The entries in order of insertion; `None` if an entry was removed.
     entries: VecDeque<Option<Entry<V>>>,
     /// The number of the first entry.
-    first: u64,
+    first: u32,
     size: usize,
     limit: usize,
     has_forgotten: bool,
@@ -34,7 +34,7 @@ struct Entry<V> {
     serial: u64,
     id: Box<str>,
     hash: u64,
-    size: usize,
+    size: u32,
     value: V,
 }
 
@@ -85,20 +85,20 @@ impl<V> Ids<V> {
     }
 
     fn insert_hashed(&mut self, hash: u64, serial: u64, id: &str, value: V, size: usize) {
-        let size = size + OVERHEAD;
-        self.size += size;
-        let number = self.first + self.entries.len() as u64;
+        let size = u32::try_from(size + OVERHEAD).unwrap_or(u32::MAX);
+        self.size += size as usize;
+        let number = self.number(self.entries.len());
         self.entries.push_back(Some(Entry { serial, id: id.into(), hash, size, value }));
         let (entries, first) = (&self.entries, self.first);
         self.table.insert_unique(hash, number, |number| hash_of(entries, first, *number));
         while self.size > self.limit {
             let Some(oldest) = self.entries.pop_front() else { break };
             if let Some(entry) = oldest {
-                self.size -= entry.size;
+                self.size -= entry.size as usize;
                 self.has_forgotten = true;
                 self.unlist(entry.hash, self.first);
             }
-            self.first += 1;
+            self.first = self.first.wrapping_add(1);
         }
         // Gaps take memory as well.
         if self.entries.len() > 2 * self.table.len() + MAX_GAPS {
@@ -116,8 +116,8 @@ impl<V> Ids<V> {
     fn remove_hashed(&mut self, hash: u64, serial: u64, id: &str) -> Option<V> {
         let at = self.find(hash, serial, id)?;
         let entry = self.entries[at].take()?;
-        self.size -= entry.size;
-        self.unlist(entry.hash, self.first + at as u64);
+        self.size -= entry.size as usize;
+        self.unlist(entry.hash, self.number(at));
         Some(entry.value)
     }
 
@@ -134,15 +134,15 @@ impl<V> Ids<V> {
 
     /// The index of an entry.
     fn find(&self, hash: u64, serial: u64, id: &str) -> Option<usize> {
-        let is_match = |number: &u64| {
-            let entry = position(self.first, *number).and_then(|at| self.entries.get(at)?.as_ref());
+        let is_match = |number: &u32| {
+            let entry = self.entries.get(position(self.first, *number)).and_then(Option::as_ref);
             entry.is_some_and(|entry| entry.hash == hash && entry.serial == serial && *entry.id == *id)
         };
-        self.table.find(hash, is_match).and_then(|number| position(self.first, *number))
+        self.table.find(hash, is_match).map(|number| position(self.first, *number))
     }
 
     /// Removes an entry's number from the table.
-    fn unlist(&mut self, hash: u64, number: u64) {
+    fn unlist(&mut self, hash: u64, number: u32) {
         if let Ok(listed) = self.table.find_entry(hash, |listed| *listed == number) {
             listed.remove();
         }
@@ -151,22 +151,29 @@ impl<V> Ids<V> {
     fn close_gaps(&mut self) {
         self.entries.retain(Option::is_some);
         self.table.clear();
-        for at in 0..self.entries.len() as u64 {
-            let hash = hash_of(&self.entries, 0, at);
+        for at in 0..self.entries.len() {
+            let number = self.number(at);
             let (entries, first) = (&self.entries, self.first);
-            self.table.insert_unique(hash, first + at, |number| hash_of(entries, first, *number));
+            let hash = hash_of(entries, first, number);
+            self.table.insert_unique(hash, number, |number| hash_of(entries, first, *number));
         }
+    }
+
+    /// The number of the entry at an index. The size limit allows far fewer entries than there are numbers.
+    #[allow(clippy::cast_possible_truncation)]
+    fn number(&self, at: usize) -> u32 {
+        self.first.wrapping_add(at as u32)
     }
 }
 
 /// The index of an entry, from its number and the first entry's number.
-fn position(first: u64, number: u64) -> Option<usize> {
-    usize::try_from(number.checked_sub(first)?).ok()
+fn position(first: u32, number: u32) -> usize {
+    number.wrapping_sub(first) as usize
 }
 
 /// The hash of an entry's key. The entry must exist.
-fn hash_of<V>(entries: &VecDeque<Option<Entry<V>>>, first: u64, number: u64) -> u64 {
-    let entry = position(first, number).and_then(|at| entries.get(at)?.as_ref());
+fn hash_of<V>(entries: &VecDeque<Option<Entry<V>>>, first: u32, number: u32) -> u64 {
+    let entry = entries.get(position(first, number)).and_then(Option::as_ref);
     entry.map_or(0, |entry| entry.hash)
 }
 
@@ -214,6 +221,8 @@ mod tests {
         ) {
             let limit = 20 * (OVERHEAD + 50);
             let (mut ids, mut other) = (Ids::new(limit), Remembered::new(limit));
+            // Numbers overflow.
+            ids.first = u32::MAX - 20;
             for (number, (step, serial, id)) in steps.into_iter().enumerate() {
                 let key = (serial, id.clone());
                 match step {
