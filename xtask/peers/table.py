@@ -15,6 +15,7 @@ import time
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -152,6 +153,7 @@ def find_versions(folder: Path, uavspec: str) -> dict[str, str]:
     """The versions of the contestants that are present."""
     lock = tomllib.loads((HERE / "Cargo.lock").read_text())
     versions = {package["name"]: package["version"] for package in lock["package"]}
+    versions["plain structs"] = "with derives"
     versions["uavspec"] = subprocess.check_output([uavspec, "--version"], text=True).split()[-1]
     site_packages = map(str, folder.glob("python/lib/python*/site-packages"))
     for package in importlib.metadata.distributions(path=list(site_packages)):
@@ -163,6 +165,16 @@ def find_versions(folder: Path, uavspec: str) -> dict[str, str]:
         version = subprocess.run(describe, capture_output=True, text=True).stdout.strip()
         versions["PX4's generator"] = version or "without a version"
     return versions
+
+
+def compilations(generated: Path, plain: Path, features: list[str]) -> Iterator[tuple[str, int, list[Contestant]]]:
+    """The rows for the compile times of the generated crate and of plain structs with derives."""
+    script = 'touch "$0/src/lib.rs" && CARGO_INCREMENTAL=0 cargo check --quiet --manifest-path "$0/Cargo.toml" --features "$1"'
+    for selected in [[], features]:
+        own = ",".join(f"uavspec-runtime/{feature}" for feature in selected)
+        work = f"`cargo check` of PX4 main, {'all features' if selected else 'no features'}"
+        crates = [("uavspec", generated, own), ("plain structs", plain, ",".join(selected))]
+        yield work, 0, [Contestant(name, ["sh", "-c", script, folder, text]) for name, folder, text in crates]
 
 
 def rows(folder: Path, uavspec: str, peers: str, corpus: Path) -> Iterator[tuple[str, int, list[Contestant]]]:
@@ -262,7 +274,7 @@ def configure(folder: Path, messages: Path) -> Path:
     return path
 
 
-def main(folder: Path, uavspec: str, peers: str, corpus: Path) -> None:
+def main(folder: Path, uavspec: str, peers: str, corpus: Path, crates: list[Path], features: list[str]) -> None:
     install(folder)
     versions = find_versions(folder, uavspec)
     model = platform.processor()
@@ -271,7 +283,7 @@ def main(folder: Path, uavspec: str, peers: str, corpus: Path) -> None:
     print(f"{model}, {os.cpu_count()} cores, {platform.system()}, Python {platform.python_version()}")
     print(HEADER)
     missing = set()
-    for work, size, contestants in rows(folder, uavspec, peers, corpus):
+    for work, size, contestants in chain(rows(folder, uavspec, peers, corpus), compilations(*crates, features)):
         present = [contestant for contestant in contestants if contestant.name in versions]
         missing |= {contestant.name for contestant in contestants} - versions.keys()
         compare(work, size, present, versions)
@@ -281,4 +293,5 @@ def main(folder: Path, uavspec: str, peers: str, corpus: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2], sys.argv[3], Path(sys.argv[4]))
+    paths = list(map(Path, sys.argv[4:7]))
+    main(Path(sys.argv[1]), sys.argv[2], sys.argv[3], paths[0], paths[1:], sys.argv[7:])

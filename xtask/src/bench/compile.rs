@@ -12,12 +12,28 @@ const RUNS: usize = 5;
 /// The runtime features that add trait implementations to messages.
 pub(super) const FEATURES: [&str; 5] = ["defmt", "proptest", "schemars", "serde", "views"];
 
+/// Two crates with the same messages.
+pub(super) struct Crates {
+    pub(super) generated: PathBuf,
+    /// Plain structs with derives.
+    pub(super) plain: PathBuf,
+    messages: usize,
+}
+
+impl Crates {
+    /// Writes both crates.
+    pub(super) fn write() -> Result<Self, String> {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let generated = root.join("target/bench-compile");
+        let plain = root.join("target/bench-derive");
+        let messages = generate(&root, &generated)?;
+        derive::write(&generated.join("src/px4"), &plain)?;
+        Ok(Self { generated, plain, messages })
+    }
+}
+
 pub(super) fn run() -> Result<(), String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    let generated = root.join("target/bench-compile");
-    let plain = root.join("target/bench-derive");
-    let messages = generate(&root, &generated)?;
-    derive::write(&generated.join("src/px4"), &plain)?;
+    let Crates { generated, plain, messages } = Crates::write()?;
     println!("{messages} messages, seconds for cargo check (median of {RUNS}, minimum to maximum)\n");
     println!("| features | generated | | plain structs with derives | |\n|---|---|---|---|---|");
     let all = FEATURES.join(",");

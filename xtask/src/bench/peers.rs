@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use super::compile::{Crates, FEATURES};
 use super::log::Log;
 use super::{cargo, execute};
 
@@ -33,9 +34,10 @@ pub(super) fn run() -> Result<(), String> {
         execute(Command::new(&library).arg("make").arg(folder).arg(corpus.join("px4/1.13/msg")))?;
         fs::write(made, "").map_err(at)?;
     }
-    execute(
-        Command::new("python3").args(["xtask/peers/table.py", FOLDER]).arg(program).arg(library).arg(corpus),
-    )
+    let crates = Crates::write()?;
+    let mut table = Command::new("python3");
+    table.args(["xtask/peers/table.py", FOLDER]).arg(program).arg(library).arg(corpus);
+    execute(table.arg(crates.generated).arg(crates.plain).args(FEATURES))
 }
 
 /// Makes the logs.
