@@ -259,7 +259,8 @@ impl<'d> CheckRun<'d> {
 
     /// Like `session_record`, for a status report whose content has already been checked. The record needs no value.
     pub(super) fn checked_report(&mut self, record: &SessionRecord<'_>, report: &Report<'_>) {
-        let exchange = self.sessions.follow_checked(record, Report::TYPE, report.id);
+        let mut exchange = Exchange::checked_notification(record, Report::TYPE, report.id);
+        self.sessions.follow_checked(&mut exchange);
         self.listeners.checked_report(&exchange, &report.timestamps, &mut self.findings);
         self.complete(&exchange);
     }

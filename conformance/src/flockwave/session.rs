@@ -137,18 +137,10 @@ impl Sessions {
         exchange
     }
 
-    /// Like [`follow`](Self::follow), for a notification that has already been checked. The record needs no value.
-    pub(crate) fn follow_checked<'t>(
-        &mut self,
-        record: &'t SessionRecord<'t>,
-        type_name: &'t str,
-        id: &'t str,
-    ) -> Exchange<'t> {
-        let mut exchange = Exchange::new(record, self.reliable_time(record));
-        (exchange.role, exchange.type_name, exchange.id) = (Role::Notification, Some(type_name), Some(id));
-        exchange.deviations = Some(Vec::new());
-        self.resolve(&mut exchange);
-        exchange
+    /// Like [`follow`](Self::follow), for the exchange of a notification that has already been checked.
+    pub(crate) fn follow_checked(&mut self, exchange: &mut Exchange<'_>) {
+        exchange.time = self.reliable_time(exchange.record);
+        self.resolve(exchange);
     }
 
     /// Adds the session context to an exchange.

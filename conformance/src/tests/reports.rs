@@ -161,11 +161,11 @@ type Content = (Value, bool, Option<&'static str>);
 
 /// The content of a message, usually a status report.
 fn content() -> impl Strategy<Value = Content> {
-    let states = prop_oneof![
+    let report = prop_oneof![
         prop::collection::vec(state(), 0..4).boxed(),
         prop::collection::vec(regular_state(), 0..4).boxed(),
     ];
-    let report = states.prop_map(|states| {
+    let report = report.prop_map(|states| {
         let status: serde_json::Map<String, Value> = states.into_iter().collect();
         (json!({ "type": "UAV-INF", "status": status }), true, None)
     });

@@ -1,8 +1,12 @@
 //! A fast path for status reports without new findings. Nearly all status reports take this path.
 //!
-//! The fast path reads a line in one pass, without building a tree, and compares each value with its schema. Besides
-//! these comparisons, only a few properties determine the findings in a report. Implausible values take the general path. These properties are the report's
-//! version and, for each state, the present fields, the null fields, and the text of the error codes ([`Kind`]).
+//! The fast path reads a line in one pass, without building a tree, and compares each value with its schema. Lines with
+//! implausible values take the general path. Besides these comparisons, only a few properties determine the findings in
+//! a report: its version and, for each state, the present fields, the null fields, and the text of the error codes
+//! ([`Kind`]).
+//!
+//! Nearly all lines and states have the [form](Forms) of an earlier one. The text between their values is then compared
+//! as a whole, and decides the kind of a state.
 //!
 //! When a state of a new kind appears, all message checks ([`Check::Message`](crate::rules::flockwave::Check)) run on a
 //! report that contains only this state. The signature of these checks guarantees that nothing else affects them, so
@@ -74,9 +78,6 @@ struct States<'d> {
     id: usize,
     timestamp: usize,
     errors: usize,
-    /// For each field, the field that most recently followed it. The last item is the field that most recently came
-    /// first in a state.
-    next: Vec<usize>,
     /// The forms of states, each with the kind of its states.
     forms: Forms<StateValue<'d>, usize>,
     /// The positions of the values in the latest state.
@@ -117,6 +118,10 @@ enum StateValue<'d> {
     Timestamp,
     /// Any other value except null, which makes a state of another kind.
     Scalar(Scalar<'d>),
+}
+
+impl LineValue {
+    const COUNT: usize = 5;
 }
 
 impl Report<'_> {
@@ -229,7 +234,7 @@ fn new_line<'l>(
         _ => Err(Unclear),
     })?;
     tokens.end()?;
-    if line.values.len() != 5 || !line.is_from_server || !line.is_report {
+    if line.values.len() != LineValue::COUNT || !line.is_from_server || !line.is_report {
         return Err(Unclear);
     }
     forms.learn(text, line.values.drain(..), ());
@@ -286,7 +291,6 @@ impl<'d> States<'d> {
             id: members.field("id")?,
             timestamp: members.field("timestamp")?,
             errors: members.field("errors")?,
-            next: (0..=members.len()).map(|next| next % members.len()).collect(),
             members,
             forms: Forms::default(),
             values: Vec::new(),
@@ -344,16 +348,14 @@ impl<'d> States<'d> {
         let start = tokens.at();
         let mut kind = Kind::default();
         let mut timestamp = None;
-        let mut before = self.members.len();
         self.values.clear();
         tokens.object(|tokens| {
-            let field = self.field(tokens, before)?;
+            let field = self.members.field(&tokens.key()?).ok_or(Unclear)?;
             let bit = 1 << field;
             if kind.fields & bit != 0 {
                 return Err(Unclear);
             }
             kind.fields |= bit;
-            before = field;
             tokens.peek();
             let from = tokens.at() - start;
             let fits = if field == self.id {
@@ -386,17 +388,6 @@ impl<'d> States<'d> {
         let kind = known.kind(kind, (uav, state)).ok_or(Unclear)?;
         self.forms.learn(state, self.values.drain(..), kind);
         Ok((timestamp, kind))
-    }
-
-    /// Reads the key of the next field. The fields probably have the same order as in the previous state.
-    fn field(&mut self, tokens: &mut Tokens<'_>, before: usize) -> Result<usize, Unclear> {
-        let guess = self.next[before];
-        if tokens.takes_key(self.members.name(guess)) {
-            return Ok(guess);
-        }
-        let field = self.members.field(&tokens.key()?).ok_or(Unclear)?;
-        self.next[before] = field;
-        Ok(field)
     }
 }
 

@@ -21,7 +21,6 @@ pub(crate) struct Members<'s> {
 /// A field.
 #[derive(Debug)]
 struct Member<'s> {
-    name: &'s str,
     schema: &'s ValueSchema,
     plain: Plain<'s>,
 }
@@ -66,7 +65,7 @@ impl DefinedSchemas {
         let object = &self.objects[index];
         let fields = object.fields.iter().map(|field| {
             let (name, schema) = (&*field.name, &field.schema);
-            Member { name, schema, plain: Plain::new(self, schema, |at| limits(name, at)) }
+            Member { schema, plain: Plain::new(self, schema, |at| limits(name, at)) }
         });
         Some(Members { object, fields: fields.collect() })
     }
@@ -76,11 +75,6 @@ impl<'s> Members<'s> {
     /// The number of fields.
     pub(crate) fn len(&self) -> usize {
         self.fields.len()
-    }
-
-    /// The name of a field.
-    pub(crate) fn name(&self, field: usize) -> &str {
-        self.fields[field].name
     }
 
     /// The index of a field.

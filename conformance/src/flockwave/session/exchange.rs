@@ -145,6 +145,22 @@ impl<'t> Exchange<'t> {
         }
     }
 
+    /// Creates the exchange of a notification that has already been checked, and whose record has no value.
+    pub(crate) fn checked_notification(
+        record: &'t SessionRecord<'t>,
+        type_name: &'t str,
+        id: &'t str,
+    ) -> Self {
+        let exchange = Self::new(record, None);
+        Self {
+            role: Role::Notification,
+            type_name: Some(type_name),
+            id: Some(id),
+            deviations: Some(Vec::new()),
+            ..exchange
+        }
+    }
+
     /// Creates the exchange of an unanswered request.
     pub(crate) fn unanswered(record: &'t SessionRecord<'t>, serial: u64, request: SentRequest) -> Self {
         let exchange = Self::new(record, None);

@@ -100,3 +100,43 @@ fn without_start<'t>(text: &'t str, start: &str) -> Option<&'t str> {
         _ => text.strip_prefix(start),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Learns the form of a text in which digits are values.
+    fn learn(forms: &mut Forms<(), usize>, text: &str, properties: usize) {
+        let digits = text.char_indices().filter(|(_, character)| character.is_ascii_digit());
+        forms.learn(text, digits.map(|(at, _)| (at..at + 1, ())), properties);
+    }
+
+    fn read(forms: &mut Forms<(), usize>, text: &str) -> Option<(usize, usize)> {
+        forms.read(text, |(), rest| rest.starts_with(|first: char| first.is_ascii_digit()).then_some(1))
+    }
+
+    #[test]
+    fn only_values_may_differ() {
+        let mut forms = Forms::default();
+        assert_eq!(read(&mut forms, "a1,2é"), None);
+        learn(&mut forms, "a1,2é", 7);
+        assert_eq!(read(&mut forms, "a3,4é, more"), Some(("a3,4é".len(), 7)));
+        for other in ["", "a3", "a3,4", "a3,4e", "a3;4é", "b3,4é", "a3,xé", "a3,,4é"] {
+            assert_eq!(read(&mut forms, other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn each_form_has_its_properties() {
+        let mut forms = Forms::default();
+        let text = |number: usize| format!("{}0", "é".repeat(number));
+        for number in 0..MAX_FORMS + 2 {
+            learn(&mut forms, &text(number), number);
+        }
+        learn(&mut forms, &"x".repeat(MAX_TEXT + 1), 0);
+        for number in (0..MAX_FORMS + 2).rev() {
+            let found = (number < MAX_FORMS).then(|| (text(number).len(), number));
+            assert_eq!(read(&mut forms, &text(number)), found);
+        }
+    }
+}
