@@ -335,6 +335,13 @@ fn finds_duplicate_members() {
         r#"{"$fw.version":"1.0","$fw.version":"1.0","id":"say-1","body":{"type":"UAV-INF","status":{}}}"#,
     );
     assert_eq!(compare(doubled.as_bytes(), &definitions), 0);
+    // Together, both values have all keys once.
+    let body = r#""body":{"type":"UAV-INF","status":{}}"#;
+    let bodies = r#""body":{"type":"UAV-INF"},"body":{"status":{}}"#;
+    let messages = format!(r#"{{"$fw.version":"1.0","id":"say-1"}},"msg":{{{body}}}"#);
+    for message in [format!(r#"{{"$fw.version":"1.0","id":"say-1",{bodies}}}"#), messages] {
+        assert_eq!(compare(line(&message).as_bytes(), &definitions), 0, "{message}");
+    }
     assert_eq!(compare(format!("{} 7", report("")).as_bytes(), &definitions), 0);
 }
 

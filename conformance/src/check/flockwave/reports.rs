@@ -46,6 +46,9 @@ const MAX_VIOLATIONS: u64 = 1_000;
 /// The maximum number of fields in a state. Each field takes one bit.
 const MAX_FIELDS: usize = 64;
 
+/// The keys of a line, its message and its body.
+const KEYS: [&str; 9] = ["t", "conn", "dir", "msg", "$fw.version", "id", "body", "type", "status"];
+
 /// A line with a status report that has no new findings.
 #[derive(Debug)]
 pub(in crate::check) struct Report<'l> {
@@ -91,11 +94,11 @@ struct States<'d> {
 struct Line<'l> {
     time: Option<f64>,
     name: Option<&'l str>,
-    is_from_server: bool,
     version: Option<&'l str>,
     id: Option<&'l str>,
-    is_report: bool,
     timestamps: Option<Vec<(&'l str, Tree<'l>)>>,
+    /// One bit for each of [`KEYS`] that was read.
+    keys: u16,
     /// The positions of the values.
     values: Vec<(Range<usize>, LineValue)>,
 }
@@ -118,10 +121,6 @@ enum StateValue<'d> {
     Timestamp,
     /// Any other value except null, which makes a state of another kind.
     Scalar(Scalar<'d>),
-}
-
-impl LineValue {
-    const COUNT: usize = 5;
 }
 
 impl Report<'_> {
@@ -211,30 +210,34 @@ fn new_line<'l>(
 ) -> Result<Line<'l>, Unclear> {
     let mut line = Line::default();
     let mut tokens = Tokens::new(text);
-    tokens.members(|tokens, key| match &*key {
-        "t" => line.find(LineValue::Time, tokens, states, known),
-        "conn" => line.find(LineValue::Name, tokens, states, known),
-        "dir" if !line.is_from_server && plain(tokens)? == "in" => {
-            line.is_from_server = true;
-            Ok(())
-        }
-        "msg" => tokens.members(|tokens, key| match &*key {
-            "$fw.version" => line.find(LineValue::Version, tokens, states, known),
-            "id" => line.find(LineValue::Id, tokens, states, known),
-            "body" => tokens.members(|tokens, key| match &*key {
-                "type" if !line.is_report && plain(tokens)? == Report::TYPE => {
-                    line.is_report = true;
-                    Ok(())
+    let is_text = |tokens: &mut Tokens<'_>, text| if plain(tokens)? == text { Ok(()) } else { Err(Unclear) };
+    tokens.members(|tokens, key| {
+        line.add_key(&key)?;
+        match &*key {
+            "t" => line.find(LineValue::Time, tokens, states, known),
+            "conn" => line.find(LineValue::Name, tokens, states, known),
+            "dir" => is_text(tokens, "in"),
+            "msg" => tokens.members(|tokens, key| {
+                line.add_key(&key)?;
+                match &*key {
+                    "$fw.version" => line.find(LineValue::Version, tokens, states, known),
+                    "id" => line.find(LineValue::Id, tokens, states, known),
+                    "body" => tokens.members(|tokens, key| {
+                        line.add_key(&key)?;
+                        match &*key {
+                            "type" => is_text(tokens, Report::TYPE),
+                            "status" => line.find(LineValue::States, tokens, states, known),
+                            _ => Err(Unclear),
+                        }
+                    }),
+                    _ => Err(Unclear),
                 }
-                "status" => line.find(LineValue::States, tokens, states, known),
-                _ => Err(Unclear),
             }),
             _ => Err(Unclear),
-        }),
-        _ => Err(Unclear),
+        }
     })?;
     tokens.end()?;
-    if line.values.len() != LineValue::COUNT || !line.is_from_server || !line.is_report {
+    if line.keys.count_ones() as usize != KEYS.len() {
         return Err(Unclear);
     }
     forms.learn(text, line.values.drain(..), ());
@@ -242,6 +245,16 @@ fn new_line<'l>(
 }
 
 impl<'l> Line<'l> {
+    /// Adds a known key. If a key is repeated, other readers may use another value.
+    fn add_key(&mut self, key: &str) -> Result<(), Unclear> {
+        let bit = 1 << KEYS.iter().position(|known| *known == key).ok_or(Unclear)?;
+        if self.keys & bit != 0 {
+            return Err(Unclear);
+        }
+        self.keys |= bit;
+        Ok(())
+    }
+
     /// Reads a value, and stores its position.
     fn find(
         &mut self,
@@ -250,17 +263,6 @@ impl<'l> Line<'l> {
         states: &mut States<'_>,
         known: &mut Known<'_>,
     ) -> Result<(), Unclear> {
-        // If a key is repeated, other readers may use another value.
-        let is_repeated = match value {
-            LineValue::Time => self.time.is_some(),
-            LineValue::Name => self.name.is_some(),
-            LineValue::Version => self.version.is_some(),
-            LineValue::Id => self.id.is_some(),
-            LineValue::States => self.timestamps.is_some(),
-        };
-        if is_repeated {
-            return Err(Unclear);
-        }
         let start = tokens.at();
         self.read(value, tokens, states, known)?;
         self.values.push((start..tokens.at(), value));
