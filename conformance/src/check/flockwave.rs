@@ -152,8 +152,8 @@ impl<'d> FlockwaveChecker<'d> {
     /// Checks a line of a recorded session, or a bare message.
     pub fn line(&mut self, bytes: &[u8], line: u64, is_last: bool) {
         let location = Location::Line(line);
-        let done = match self.reports.read(bytes, &self.run.findings) {
-            Some(report) => self.report(&report, location),
+        let done = match self.reports.read(bytes) {
+            Some(report) => self.report(&report, location, is_last),
             None => self.read(bytes, location, is_last),
         };
         if let Err(problem) = done {
@@ -162,9 +162,12 @@ impl<'d> FlockwaveChecker<'d> {
         }
     }
 
-    /// Handles a status report without new findings.
-    fn report(&mut self, report: &Report<'_>, location: Location) -> Result<(), String> {
+    /// Handles a status report. Its findings are only counted if they are known.
+    fn report(&mut self, report: &Report<'_>, location: Location, is_last: bool) -> Result<(), String> {
         let index = self.connection(report.name)?;
+        if !self.reports.count(report, &self.run.findings) {
+            return self.read(report.text.as_bytes(), location, is_last);
+        }
         let record = SessionRecord {
             connection: Connection { index, name: report.name, is_ordered: is_ordered(report.name) },
             direction: Direction::In,
@@ -186,7 +189,6 @@ impl<'d> FlockwaveChecker<'d> {
         };
         self.count_type(&counted);
         self.run.checked_report(&record, report);
-        self.reports.count(report);
         Ok(())
     }
 

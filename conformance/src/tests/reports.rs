@@ -339,10 +339,38 @@ fn finds_duplicate_members() {
     let body = r#""body":{"type":"UAV-INF","status":{}}"#;
     let bodies = r#""body":{"type":"UAV-INF"},"body":{"status":{}}"#;
     let messages = format!(r#"{{"$fw.version":"1.0","id":"say-1"}},"msg":{{{body}}}"#);
-    for message in [format!(r#"{{"$fw.version":"1.0","id":"say-1",{bodies}}}"#), messages] {
+    let whole = format!(r#"{{"$fw.version":"1.0","id":"say-1",{body}}}"#);
+    for message in [
+        format!(r#"{{"$fw.version":"1.0","id":"say-1",{bodies}}}"#),
+        format!(r#"{{"$fw.version":"1.0","id":"say-1","body":{{}},{body}}}"#),
+        format!(r#"{{}},"msg":{whole}"#),
+        messages,
+    ] {
         assert_eq!(compare(line(&message).as_bytes(), &definitions), 0, "{message}");
     }
     assert_eq!(compare(format!("{} 7", report("")).as_bytes(), &definitions), 0);
+}
+
+/// Both paths count findings that concern a whole message, and report a UAV whose first line can't be read.
+#[test]
+fn both_paths_agree_on_findings_of_a_message() {
+    let definitions = Definitions::built_in();
+    let line = |number: usize, connection: &str, uavs: &[&str], errors: &str| {
+        let state =
+            |uav: &&str| format!(r#""{uav}":{{"id":"{uav}","timestamp":1790000000000,"errors":{errors}}}"#);
+        let states = uavs.iter().map(state).collect::<Vec<_>>().join(",");
+        format!(
+            r#"{{"t":1790000000.{number},"conn":"{connection}","dir":"in","msg":{{"$fw.version":"1.0","id":"say-{number}","body":{{"type":"UAV-INF","status":{{{states}}}}}}}}}"#
+        ) + "\n"
+    };
+    for errors in ["[NaN]", r#"[{"a":1,"a":2}]"#, "[0]"] {
+        let lines = (0..8).map(|number| line(number, "tcp#1", &["kite", "owl"], errors));
+        compare(lines.collect::<String>().as_bytes(), &definitions);
+    }
+    let mut text: String = (0..3).map(|number| line(number, "tcp#1", &["kite"], "[0]")).collect();
+    text += &line(3, &"x".repeat(200), &["owl"], "[0]");
+    text += &line(4, "tcp#1", &["owl"], "[0]");
+    compare(text.as_bytes(), &definitions);
 }
 
 /// Statuses are still checked if there are more state kinds than can be stored.

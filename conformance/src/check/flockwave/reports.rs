@@ -39,17 +39,13 @@ const MAX_LINE: usize = 1 << 20;
 /// The maximum length of a message id, in bytes. Lines with longer ids are rare, and take the general path.
 const MAX_ID: usize = 36;
 
-/// The maximum number of findings in a report on this path. The general path limits the number of findings in each
-/// body.
-const MAX_VIOLATIONS: u64 = 1_000;
-
 /// The maximum number of fields in a state. Each field takes one bit.
 const MAX_FIELDS: usize = 64;
 
 /// The keys of a line, its message and its body.
 const KEYS: [&str; 9] = ["t", "conn", "dir", "msg", "$fw.version", "id", "body", "type", "status"];
 
-/// A line with a status report that has no new findings.
+/// A line with a status report.
 #[derive(Debug)]
 pub(in crate::check) struct Report<'l> {
     /// The name of the connection.
@@ -62,8 +58,7 @@ pub(in crate::check) struct Report<'l> {
     pub(in crate::check) id: &'l str,
     /// The UAVs and the timestamps of their states.
     pub(in crate::check) timestamps: Vec<(&'l str, Tree<'l>)>,
-    /// The index of the report's version.
-    version: usize,
+    version: &'l str,
 }
 
 /// Reads status reports.
@@ -119,7 +114,7 @@ enum StateValue<'d> {
     /// The characters of the UAV's id.
     Id,
     Timestamp,
-    /// Any other value except null, which makes a state of another kind.
+    /// Any other value except null. A field that is null makes a state of another kind.
     Scalar(Scalar<'d>),
 }
 
@@ -145,8 +140,8 @@ impl<'d> Reports<'d> {
         Self { states: None, known: Known::new(definitions), lines: Forms::default() }
     }
 
-    /// Reads a line, if it is a status report without new findings.
-    pub(super) fn read<'l>(&mut self, bytes: &'l [u8], findings: &Findings) -> Option<Report<'l>> {
+    /// Reads a line, if it is a status report whose findings may be known.
+    pub(super) fn read<'l>(&mut self, bytes: &'l [u8]) -> Option<Report<'l>> {
         let states = self.states.as_mut().filter(|_| bytes.len() <= MAX_LINE)?;
         let text = str::from_utf8(bytes).ok()?;
         let line = match known_line(text, &mut self.lines, states, &mut self.known) {
@@ -154,23 +149,18 @@ impl<'d> Reports<'d> {
             None => new_line(text, &mut self.lines, states, &mut self.known).ok()?,
         };
         let (id, timestamps) = (line.id?, line.timestamps?);
-        if !(1..=MAX_ID).contains(&id.len()) || !are_different(&timestamps) {
-            return None;
-        }
-        let version = self.known.version(line.version?, findings)?;
-        let mut num_violations = 0;
-        for (kind, (uav, _)) in states.kinds.iter().zip(&timestamps) {
-            num_violations += self.known.settled(*kind, uav, findings)?;
-        }
-        let report = Report { name: line.name?, time: line.time?, text, id, timestamps, version };
-        (num_violations <= MAX_VIOLATIONS).then_some(report)
+        let is_usual = (1..=MAX_ID).contains(&id.len()) && are_different(&timestamps);
+        let report =
+            Report { name: line.name?, time: line.time?, text, id, timestamps, version: line.version? };
+        is_usual.then_some(report)
     }
 
-    /// Counts the most recently read report.
-    pub(super) fn count(&mut self, report: &Report<'_>) {
-        if let Some(states) = &self.states {
-            self.known.count(report.version, &states.kinds);
-        }
+    /// Counts the most recently read report, unless it has new findings. Returns true if it was counted. Otherwise, it
+    /// must take the general path, which reports the findings.
+    pub(super) fn count(&mut self, report: &Report<'_>, findings: &Findings) -> bool {
+        let kinds = self.states.as_ref().map_or(&[][..], |states| &states.kinds);
+        let uavs = report.timestamps.iter().map(|(uav, _)| *uav);
+        self.known.count(report.version, kinds.iter().copied().zip(uavs), findings).is_some()
     }
 
     /// The number of counted reports.
@@ -375,7 +365,9 @@ impl<'d> States<'d> {
                 true
             } else if field == self.errors {
                 kind.errors = tokens.flat_list().ok_or(Unclear)?;
-                true
+                // Some findings about other values concern the whole message, not each state.
+                let is_usual = |byte| matches!(byte, b'[' | b']' | b',' | b' ' | b'0'..=b'9');
+                kind.errors.bytes().all(is_usual)
             } else {
                 self.members.takes(field, tokens, |range, scalar| {
                     let range = range.start - start..range.end - start;

@@ -92,7 +92,8 @@ impl<'s> Members<'s> {
         accepts_text(self.fields[field].schema, text)
     }
 
-    /// Reads the value of a field. Fails if the value isn't clearly valid. `found` gets the position of each scalar.
+    /// Reads the value of a field. Fails if the value isn't clearly valid. `found` gets the position of each scalar that
+    /// isn't null.
     pub(crate) fn takes(
         &self,
         field: usize,
@@ -103,7 +104,9 @@ impl<'s> Members<'s> {
             tokens.peek();
             let start = tokens.at();
             scalar.takes(tokens)?;
-            found(start..tokens.at(), *scalar);
+            if tokens.since(start) != "null" {
+                found(start..tokens.at(), *scalar);
+            }
             Ok(())
         };
         match &self.fields[field].plain {

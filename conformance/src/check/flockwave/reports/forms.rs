@@ -8,7 +8,7 @@ use std::ops::Range;
 /// The maximum number of forms. A program that writes many forms gains nothing.
 const MAX_FORMS: usize = 8;
 
-/// The maximum length of a form, in bytes.
+/// The maximum length of the text of a form without its values, in bytes.
 const MAX_TEXT: usize = 4_096;
 
 /// The known forms, each with the properties `P` that all its texts share.
@@ -36,8 +36,8 @@ impl<V, P> Default for Forms<V, P> {
 
 impl<V, P: Copy> Forms<V, P> {
     /// Reads a known form at the start of a text. `value` reads a value at the start of a text, and returns its length.
-    /// `value` gets the values of several forms if the first ones don't match. Returns the length of the text in this
-    /// form, and the properties.
+    /// If the first forms don't match, `value` also gets the values of others, and must replace what it has stored.
+    /// Returns the length of the text in this form, and the properties.
     #[inline]
     pub(super) fn read<'t>(
         &mut self,
@@ -58,17 +58,20 @@ impl<V, P: Copy> Forms<V, P> {
         values: impl Iterator<Item = (Range<usize>, V)>,
         properties: P,
     ) {
-        if self.known.len() == MAX_FORMS || text.len() > MAX_TEXT {
+        if self.known.len() == MAX_FORMS {
             return;
         }
-        let mut from = 0;
+        let (mut from, mut length) = (0, text.len());
         let values = values.map(|(range, value)| {
             let before = text[from..range.start].into();
             from = range.end;
+            length -= range.len();
             (before, value)
         });
         let values = values.collect();
-        self.known.push((Form { values, end: text[from..].into() }, properties));
+        if length <= MAX_TEXT {
+            self.known.push((Form { values, end: text[from..].into() }, properties));
+        }
     }
 }
 

@@ -16,6 +16,9 @@ const MAX_KNOWN: usize = 256;
 /// The maximum length, in bytes, of stored versions and stored lists of error codes.
 const MAX_TEXT: usize = 256;
 
+/// The maximum number of findings in a counted report. The general path limits the number of findings in each body.
+const MAX_VIOLATIONS: u64 = 1_000;
+
 /// The properties that determine the findings in a state. The state's values must match their schemas or be null, and
 /// the state's id must be the UAV's id.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,7 +67,8 @@ impl<K> Entry<K> {
         Self { key, outcome, is_settled: false, reported_uavs: BTreeSet::new(), times: 0 }
     }
 
-    /// The number of the entry's findings, if they only need to be counted for this UAV.
+    /// The number of the entry's findings, if they only need to be counted for this UAV. Otherwise, the caller reports
+    /// them, so they only need to be counted from now on.
     fn settled(&mut self, uav: &str, findings: &Findings) -> Option<u64> {
         let violations = &self.outcome.as_ref()?.violations;
         if violations.is_empty() {
@@ -90,8 +94,8 @@ impl<'d> Known<'d> {
         Self { definitions, versions: Vec::new(), kinds: Vec::new() }
     }
 
-    /// The index of a version, if its findings only need to be counted.
-    pub(super) fn version(&mut self, version: &str, findings: &Findings) -> Option<usize> {
+    /// The index of a version.
+    fn version(&mut self, version: &str) -> Option<usize> {
         let found = self.versions.iter().position(|known| *known.key == *version);
         let at = found.unwrap_or(self.versions.len());
         if found.is_none() {
@@ -101,7 +105,7 @@ impl<'d> Known<'d> {
             let outcome = self.check(version, "");
             self.versions.push(Entry::new(version.into(), outcome));
         }
-        self.versions[at].settled("", findings).map(|_| at)
+        Some(at)
     }
 
     /// The index of a kind. A new kind is learned from a UAV and its state.
@@ -111,11 +115,6 @@ impl<'d> Known<'d> {
             (*fields, *nulls, &**errors) == (kind.fields, kind.nulls, kind.errors)
         });
         known.or_else(|| self.learn(kind, uav, state))
-    }
-
-    /// The number of findings of a kind, if they only need to be counted for this UAV.
-    pub(super) fn settled(&mut self, kind: usize, uav: &str, findings: &Findings) -> Option<u64> {
-        self.kinds[kind].settled(uav, findings)
     }
 
     fn learn(&mut self, kind: Kind<'_>, uav: &str, state: &str) -> Option<usize> {
@@ -165,12 +164,26 @@ impl<'d> Known<'d> {
         Some(Outcome { covered: all, violations: violations.collect() })
     }
 
-    /// Counts a report with this version and with states of these kinds.
-    pub(super) fn count(&mut self, version: usize, kinds: &[usize]) {
-        self.versions[version].times += 1;
-        for kind in kinds {
-            self.kinds[*kind].times += 1;
+    /// Counts a report with this version, and with states of these kinds and UAVs. `None` if any of their findings must
+    /// be reported.
+    pub(super) fn count<'u>(
+        &mut self,
+        version: &str,
+        states: impl Iterator<Item = (usize, &'u str)> + Clone,
+        findings: &Findings,
+    ) -> Option<()> {
+        let version = self.version(version)?;
+        self.versions[version].settled("", findings)?;
+        let mut num_violations = 0;
+        for (kind, uav) in states.clone() {
+            num_violations += self.kinds[kind].settled(uav, findings)?;
         }
+        if num_violations > MAX_VIOLATIONS {
+            return None;
+        }
+        self.versions[version].times += 1;
+        states.for_each(|(kind, _)| self.kinds[kind].times += 1);
+        Some(())
     }
 
     /// The number of counted reports.
