@@ -28,6 +28,7 @@ const LAYERS: &[&[&str]] = &[
         "finding",
         "json_text",
         "name",
+        "parallel",
         "path",
         "pattern",
         "prose",
