@@ -1,10 +1,7 @@
 //! Parallel execution.
 
 use std::num::NonZero;
-use std::thread::{self, ScopedJoinHandle};
-
-#[cfg(feature = "files")]
-use crate::failure::Failure;
+use std::thread;
 
 /// The number of items from which several threads work on them.
 const MIN_ITEMS: usize = 32;
@@ -16,28 +13,26 @@ pub(crate) fn in_parts<'i, T: Sync, R: Send>(items: &'i [T], work: impl Fn(&'i [
     if threads == 1 || items.len() < MIN_ITEMS {
         return vec![work(items)];
     }
-    thread::scope(|scope| {
-        let work = &work;
-        let parts = items.chunks(items.len().div_ceil(threads));
-        let threads: Vec<_> = parts.map(|part| scope.spawn(move || work(part))).collect();
-        threads.into_iter().map(join).collect()
-    })
-}
-
-/// The result of a thread. A panic in a thread is a bug, which is propagated.
-fn join<R>(thread: ScopedJoinHandle<'_, R>) -> R {
-    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    in_threads(items.chunks(items.len().div_ceil(threads)), work)
 }
 
 /// Calls `work` for each of `items` in a separate thread, and returns the results in order.
 #[cfg(feature = "files")]
-pub(crate) fn in_parallel<'i, T: Sync, R: Send>(
+pub(crate) fn in_parallel<'i, T: Sync, R: Send, E: Send>(
     items: &'i [T],
-    work: impl Fn(&'i T) -> Result<R, Failure> + Sync,
-) -> Result<Vec<R>, Failure> {
+    work: impl Fn(&'i T) -> Result<R, E> + Sync,
+) -> Result<Vec<R>, E> {
+    in_threads(items.iter(), work).into_iter().collect()
+}
+
+fn in_threads<T: Send, R: Send>(items: impl Iterator<Item = T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     thread::scope(|scope| {
         let work = &work;
-        let threads: Vec<_> = items.iter().map(|item| scope.spawn(move || work(item))).collect();
+        let threads: Vec<_> = items.map(|item| scope.spawn(move || work(item))).collect();
+        // A panic in a thread is a bug; propagate it.
+        let join = |thread: thread::ScopedJoinHandle<'_, R>| {
+            thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        };
         threads.into_iter().map(join).collect()
     })
 }
