@@ -153,7 +153,7 @@ fn quote(
 /// Replaces characters that a terminal or a CI system would act on with U+FFFD. Returns the new line, and the bytes of
 /// the same range in it. Each character keeps its column, so carets stay below the text that they mark.
 fn visible_line(line: &str, range: Range<usize>) -> (Cow<'_, str>, Range<usize>) {
-    if line.bytes().all(|byte| matches!(byte, b'\t' | b' '..=b'~') && byte != b'#') {
+    if line.bytes().all(Command::is_plain) {
         return (Cow::Borrowed(line), range);
     }
     // A line number precedes.

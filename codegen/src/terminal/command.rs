@@ -21,6 +21,11 @@ pub(crate) enum Command {
 }
 
 impl Command {
+    /// True for a tab or a visible ASCII character that starts no command within a line.
+    pub(crate) fn is_plain(byte: u8) -> bool {
+        matches!(byte, b'\t' | b' '..=b'~') && byte != b'#'
+    }
+
     /// Advances by a character. True if this character completes the start of a command.
     pub(crate) fn is_completed_by(&mut self, character: char) -> bool {
         let (next, is_complete) = match (*self, character) {

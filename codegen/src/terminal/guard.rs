@@ -60,10 +60,11 @@ impl<W> Guard<W> {
 
     fn push_all(&mut self, mut rest: &str, text: &mut String) {
         while let Some(character) = rest.chars().next() {
-            // Nearly all characters are in parts that stay as they are, and that can't start a command.
-            let is_plain = |byte: &u8| matches!(byte, b'\t' | b' '..=b'~') && *byte != b'#';
+            // Nearly all characters are in parts that stay as they are.
             let length = match self.command {
-                Command::Text if self.style.is_empty() => rest.bytes().take_while(is_plain).count(),
+                Command::Text if self.style.is_empty() => {
+                    rest.bytes().take_while(|byte| Command::is_plain(*byte)).count()
+                }
                 _ => 0,
             };
             if length == 0 {
