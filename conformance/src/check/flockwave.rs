@@ -120,7 +120,7 @@ impl<'d> FlockwaveChecker<'d> {
     pub(super) fn with_run(run: CheckRun<'d>) -> Self {
         // The fast path drops the content of status reports, which an observer needs.
         let reports = match &run.observer {
-            Some(_) => Reports::disabled(run.definitions),
+            Some(_) => Reports::disabled(),
             None => Reports::new(run.definitions),
         };
         let source = FlockwaveSummary::default();
@@ -140,7 +140,7 @@ impl<'d> FlockwaveChecker<'d> {
     /// times as long. Tests compare both paths.
     #[must_use]
     pub fn thorough(self) -> Self {
-        Self { reports: Reports::disabled(self.run.definitions), ..self }
+        Self { reports: Reports::disabled(), ..self }
     }
 
     /// The number of status reports that took the fast path.
@@ -414,9 +414,9 @@ impl<'d> FlockwaveChecker<'d> {
         }
         self.reports.report_counted(&mut self.run.findings);
         let parts = self.parts();
-        for (name, counts) in std::mem::take(&mut self.types).into_all() {
+        for (name, counts) in self.types.iter() {
             let types = if counts.is_known { &mut self.source.types } else { &mut self.source.unknown };
-            types.insert(name, counts.messages);
+            types.insert(name.clone(), counts.messages);
         }
         let mut result = self.run.finish(bytes, Summary::Flockwave(self.source), Unit::Type, parts);
         // Envelope rules also check messages without a type.

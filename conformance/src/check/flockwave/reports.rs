@@ -62,10 +62,10 @@ pub(in crate::check) struct Report<'l> {
 }
 
 /// Reads status reports.
+#[derive(Default)]
 pub(super) struct Reports<'d> {
     /// `None` if this path can't be used.
     states: Option<States<'d>>,
-    known: Known<'d>,
     /// The forms of lines.
     lines: Forms<LineValue, ()>,
 }
@@ -76,6 +76,7 @@ struct States<'d> {
     id: usize,
     timestamp: usize,
     errors: usize,
+    known: Known<'d>,
     /// The forms of states, each with the kind of its states.
     forms: Forms<StateValue<'d>, usize>,
     /// The positions of the values in the latest state.
@@ -131,22 +132,23 @@ impl<'d> Reports<'d> {
     pub(super) fn new(definitions: &'d Definitions) -> Self {
         let members =
             definitions.defined_schemas().members(Report::TYPE, Direction::Notification, "status", plausible);
-        let states = members.filter(|members| members.len() <= MAX_FIELDS).and_then(States::new);
-        Self { states, ..Self::disabled(definitions) }
+        let members = members.filter(|members| members.len() <= MAX_FIELDS);
+        let states = members.and_then(|members| States::new(members, Known::new(definitions)));
+        Self { states, ..Self::disabled() }
     }
 
     /// Creates a reader that leaves all lines to the general path.
-    pub(super) fn disabled(definitions: &'d Definitions) -> Self {
-        Self { states: None, known: Known::new(definitions), lines: Forms::default() }
+    pub(super) fn disabled() -> Self {
+        Self::default()
     }
 
     /// Reads a line, if it is a status report whose findings may be known.
     pub(super) fn read<'l>(&mut self, bytes: &'l [u8]) -> Option<Report<'l>> {
         let states = self.states.as_mut().filter(|_| bytes.len() <= MAX_LINE)?;
         let text = str::from_utf8(bytes).ok()?;
-        let line = match known_line(text, &mut self.lines, states, &mut self.known) {
+        let line = match known_line(text, &mut self.lines, states) {
             Some(line) => line,
-            None => new_line(text, &mut self.lines, states, &mut self.known).ok()?,
+            None => new_line(text, &mut self.lines, states).ok()?,
         };
         let (id, timestamps) = (line.id?, line.timestamps?);
         let is_usual = (1..=MAX_ID).contains(&id.len()) && are_different(&timestamps);
@@ -158,20 +160,22 @@ impl<'d> Reports<'d> {
     /// Counts the most recently read report, unless it has new findings. Returns true if it was counted. Otherwise, it
     /// must take the general path, which reports the findings.
     pub(super) fn count(&mut self, report: &Report<'_>, findings: &Findings) -> bool {
-        let kinds = self.states.as_ref().map_or(&[][..], |states| &states.kinds);
+        let Some(States { kinds, known, .. }) = &mut self.states else { return false };
         let uavs = report.timestamps.iter().map(|(uav, _)| *uav);
-        self.known.count(report.version, kinds.iter().copied().zip(uavs), findings).is_some()
+        known.count(report.version, kinds.iter().copied().zip(uavs), findings).is_some()
     }
 
     /// The number of counted reports.
     #[cfg(test)]
     pub(super) fn seen(&self) -> u64 {
-        self.known.seen()
+        self.states.as_ref().map_or(0, |states| states.known.seen())
     }
 
     /// Adds the results of all counted reports to the findings.
     pub(super) fn report_counted(&self, findings: &mut Findings) {
-        self.known.report_counted(findings);
+        if let Some(states) = &self.states {
+            states.known.report_counted(findings);
+        }
     }
 }
 
@@ -180,12 +184,11 @@ fn known_line<'l>(
     text: &'l str,
     forms: &mut Forms<LineValue, ()>,
     states: &mut States<'_>,
-    known: &mut Known<'_>,
 ) -> Option<Line<'l>> {
     let mut line = Line::default();
     let (length, ()) = forms.read(text, |value, rest| {
         let mut tokens = Tokens::new(rest);
-        line.read(*value, &mut tokens, states, known).ok()?;
+        line.read(*value, &mut tokens, states).ok()?;
         Some(tokens.at())
     })?;
     (length == text.len()).then_some(line)
@@ -196,7 +199,6 @@ fn new_line<'l>(
     text: &'l str,
     forms: &mut Forms<LineValue, ()>,
     states: &mut States<'_>,
-    known: &mut Known<'_>,
 ) -> Result<Line<'l>, Unclear> {
     let mut line = Line::default();
     let mut tokens = Tokens::new(text);
@@ -204,19 +206,19 @@ fn new_line<'l>(
     tokens.members(|tokens, key| {
         line.add_key(&key)?;
         match &*key {
-            "t" => line.find(LineValue::Time, tokens, states, known),
-            "conn" => line.find(LineValue::Name, tokens, states, known),
+            "t" => line.find(LineValue::Time, tokens, states),
+            "conn" => line.find(LineValue::Name, tokens, states),
             "dir" => is_text(tokens, "in"),
             "msg" => tokens.members(|tokens, key| {
                 line.add_key(&key)?;
                 match &*key {
-                    "$fw.version" => line.find(LineValue::Version, tokens, states, known),
-                    "id" => line.find(LineValue::Id, tokens, states, known),
+                    "$fw.version" => line.find(LineValue::Version, tokens, states),
+                    "id" => line.find(LineValue::Id, tokens, states),
                     "body" => tokens.members(|tokens, key| {
                         line.add_key(&key)?;
                         match &*key {
                             "type" => is_text(tokens, Report::TYPE),
-                            "status" => line.find(LineValue::States, tokens, states, known),
+                            "status" => line.find(LineValue::States, tokens, states),
                             _ => Err(Unclear),
                         }
                     }),
@@ -251,10 +253,9 @@ impl<'l> Line<'l> {
         value: LineValue,
         tokens: &mut Tokens<'l>,
         states: &mut States<'_>,
-        known: &mut Known<'_>,
     ) -> Result<(), Unclear> {
         let start = tokens.at();
-        self.read(value, tokens, states, known)?;
+        self.read(value, tokens, states)?;
         self.values.push((start..tokens.at(), value));
         Ok(())
     }
@@ -264,26 +265,26 @@ impl<'l> Line<'l> {
         value: LineValue,
         tokens: &mut Tokens<'l>,
         states: &mut States<'_>,
-        known: &mut Known<'_>,
     ) -> Result<(), Unclear> {
         match value {
             LineValue::Time => self.time = Some(time(&tokens.token()?)?),
             LineValue::Name => self.name = Some(plain(tokens)?),
             LineValue::Version => self.version = Some(plain(tokens)?),
             LineValue::Id => self.id = Some(plain(tokens)?),
-            LineValue::States => self.timestamps = Some(states.read(tokens, known)?),
+            LineValue::States => self.timestamps = Some(states.read(tokens)?),
         }
         Ok(())
     }
 }
 
 impl<'d> States<'d> {
-    fn new(members: Members<'d>) -> Option<Self> {
+    fn new(members: Members<'d>, known: Known<'d>) -> Option<Self> {
         Some(Self {
             id: members.field("id")?,
             timestamp: members.field("timestamp")?,
             errors: members.field("errors")?,
             members,
+            known,
             forms: Forms::default(),
             values: Vec::new(),
             kinds: Vec::new(),
@@ -291,11 +292,7 @@ impl<'d> States<'d> {
     }
 
     /// Reads the states in a report. Returns the UAVs and the timestamps.
-    fn read<'l>(
-        &mut self,
-        tokens: &mut Tokens<'l>,
-        known: &mut Known<'_>,
-    ) -> Result<Vec<(&'l str, Tree<'l>)>, Unclear> {
+    fn read<'l>(&mut self, tokens: &mut Tokens<'l>) -> Result<Vec<(&'l str, Tree<'l>)>, Unclear> {
         // The previous report probably had about the same number of states.
         let mut timestamps = Vec::with_capacity(self.kinds.len());
         self.kinds.clear();
@@ -303,7 +300,7 @@ impl<'d> States<'d> {
             let Cow::Borrowed(uav) = uav else { return Err(Unclear) };
             let (timestamp, kind) = match self.known_state(tokens, uav) {
                 Some(read) => read,
-                None => self.new_state(tokens, uav, known)?,
+                None => self.new_state(tokens, uav)?,
             };
             self.kinds.push(kind);
             timestamps.push((uav, Tree::Int(timestamp.into())));
@@ -331,12 +328,7 @@ impl<'d> States<'d> {
     }
 
     /// Reads the state of a UAV, and learns its form. Returns the timestamp and the kind.
-    fn new_state(
-        &mut self,
-        tokens: &mut Tokens<'_>,
-        uav: &str,
-        known: &mut Known<'_>,
-    ) -> Result<(i64, usize), Unclear> {
+    fn new_state(&mut self, tokens: &mut Tokens<'_>, uav: &str) -> Result<(i64, usize), Unclear> {
         let start = tokens.at();
         let mut kind = Kind::default();
         let mut timestamp = None;
@@ -379,7 +371,7 @@ impl<'d> States<'d> {
         })?;
         let timestamp = timestamp.ok_or(Unclear)?;
         let state = tokens.since(start);
-        let kind = known.kind(kind, (uav, state)).ok_or(Unclear)?;
+        let kind = self.known.kind(kind, (uav, state)).ok_or(Unclear)?;
         self.forms.learn(state, self.values.drain(..), kind);
         Ok((timestamp, kind))
     }

@@ -61,8 +61,4 @@ impl Types {
     pub(super) fn iter(&self) -> impl Iterator<Item = &(String, TypeCounts)> {
         self.all.iter()
     }
-
-    pub(super) fn into_all(self) -> Vec<(String, TypeCounts)> {
-        self.all
-    }
 }

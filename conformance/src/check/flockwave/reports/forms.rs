@@ -44,8 +44,7 @@ impl<V, P: Copy> Forms<V, P> {
         text: &'t str,
         mut value: impl FnMut(&V, &'t str) -> Option<usize>,
     ) -> Option<(usize, P)> {
-        let others = (0..self.known.len()).filter(|at| *at != self.latest);
-        let mut order = self.known.get(self.latest).map(|_| self.latest).into_iter().chain(others);
+        let mut order = (self.latest..self.known.len()).chain(0..self.latest);
         let (at, length) = order.find_map(|at| Some((at, self.known[at].0.length(text, &mut value)?)))?;
         self.latest = at;
         Some((length, self.known[at].1))
