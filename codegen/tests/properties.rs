@@ -256,6 +256,12 @@ proptest! {
     }
 }
 
+#[test]
+fn problems_in_code_over_several_lines_have_a_place() {
+    let text = "## Mark\n\nstring, `[@length 1, 8] x\n\u{2028}[@pattern `^[a-z]+$`]";
+    check(Form::Table, &[("page.md", text)]).expect("places at character boundaries");
+}
+
 /// A declaration as written in a definition, and as represented in the model.
 #[derive(Clone, Debug)]
 struct Declaration {

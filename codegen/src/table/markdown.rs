@@ -58,12 +58,11 @@ impl Reader<'_> {
         }
     }
 
-    /// Adds `text`, which was read from `range` of the page. The page may contain backticks, escapes or entities in
-    /// this range.
+    /// Adds `text`, which was read from `range` of the page.
     fn push(&mut self, text: &str, range: Range<usize>) {
-        let Some(open) = &mut self.open else { return };
-        let into = self.text[range.clone()].find(text).unwrap_or(0);
-        open.push(text, range.start + into);
+        if let Some(open) = &mut self.open {
+            open.push_read(text, self.text, range);
+        }
     }
 
     /// Adds a gap for line breaks. Other HTML in a cell is ignored.
