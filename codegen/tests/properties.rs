@@ -257,9 +257,15 @@ proptest! {
 }
 
 #[test]
-fn problems_in_code_over_several_lines_have_a_place() {
-    let text = "## Mark\n\nstring, `[@length 1, 8] x\n\u{2028}[@pattern `^[a-z]+$`]";
-    check(Form::Table, &[("page.md", text)]).expect("places at character boundaries");
+fn places_are_between_characters() {
+    for text in [
+        // A code span of several lines.
+        "## Mark\n\nstring, `[@length 1, 8] x\n\u{2028}[@pattern `^[a-z]+$`]",
+        // A space before the full stop of an answer.
+        "## WIND-INF\n\n### Request\n\nNo fields besides `type`.\n\nAnswer: WIND-INF\u{2028}.",
+    ] {
+        check(Form::Table, &[("page.md", text)]).expect("places between characters");
+    }
 }
 
 /// A declaration as written in a definition, and as represented in the model.

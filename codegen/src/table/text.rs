@@ -45,9 +45,11 @@ impl Text {
         self.span
     }
 
-    /// The source location of a part of the text.
+    /// The source location of a part of the text, without the spaces at its ends. A space may be any white space in the
+    /// source.
     #[must_use]
     pub fn part(&self, range: Range<usize>) -> Span {
+        let range = trim(&self.plain, range);
         if range.is_empty() {
             return self.span;
         }
@@ -215,6 +217,6 @@ mod tests {
             &source[span.start as usize..span.end as usize]
         };
         assert_eq!((at("a"), at("bé"), at("\u{226B}")), ("a", "bé", "&nGt;"));
-        assert_eq!(at("\u{20D2}é"), "&nGt;é");
+        assert_eq!((at("\u{20D2}é"), at("a "), at(" ")), ("&nGt;é", "a", source));
     }
 }

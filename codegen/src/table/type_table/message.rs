@@ -245,7 +245,7 @@ fn answers(text: &Text) -> Vec<(&str, Span)> {
     let mut at = ANSWER.len();
     for name in text.as_str()[at..].split(',') {
         let start = at + name.len() - name.trim_start().len();
-        let trimmed = name.trim().trim_end_matches('.');
+        let trimmed = name.trim().trim_end_matches('.').trim_end();
         found.push((trimmed, text.part(start..start + trimmed.len())));
         at += name.len() + 1;
     }
