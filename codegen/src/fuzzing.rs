@@ -121,7 +121,7 @@ fn convert(schema: &Schema, conversions: &[Conversions]) {
 
 /// Texts that an editor inserts. The byte of an edit selects one, so a few bytes cover much of the language.
 #[cfg(feature = "lsp")]
-const INSERTED: [&str; 24] = [
+const INSERTED: [&str; 25] = [
     "",
     "#",
     "[",
@@ -140,6 +140,7 @@ const INSERTED: [&str; 24] = [
     "/",
     ".",
     "é𝄞",
+    "\u{a0}",
     "---",
     "| 64 | A | code 66 |",
     "# TOPICS ",

@@ -287,6 +287,7 @@ fn items_complete_what_is_typed() {
         ("uint8 a  # [^", "@range", "uint8 a  # [@range ${1:low}, ${2:high}"),
         ("uint8 a  # [@fra^", "@frame", "uint8 a  # [@frame ${1:name}"),
         ("uint8 a  # [@enum ^", "Tow.", "uint8 a  # [@enum Tow."),
+        ("uint8 a  # [@enum \u{a0}^", "Tow.", "uint8 a  # [@enum \u{a0}Tow."),
         ("uint8 a  # [@enum Tow.^", "PHASE", "uint8 a  # [@enum Tow.PHASE"),
         ("uint8 a  # [@frame N^", "NED", "uint8 a  # [@frame NED"),
         ("uint8 a  # [@invalid ^", "NaN", "uint8 a  # [@invalid NaN"),

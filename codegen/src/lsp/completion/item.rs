@@ -29,7 +29,8 @@ pub(super) fn open_bracket(text: &str) -> Option<usize> {
 
 /// The start of the last word of a text.
 pub(super) fn word_start(text: &str) -> usize {
-    text.rfind(|c: char| c.is_whitespace() || c == ',').map_or(0, |at| at + 1)
+    let word = text.rsplit(|c: char| c.is_whitespace() || c == ',').next().unwrap_or(text);
+    text.len() - word.len()
 }
 
 /// The units.
