@@ -1,6 +1,11 @@
 //! Clips and wraps long text.
 
+use std::ops::Range;
+
 use ratatui::text::{Line, Span};
+
+/// The variation selector after a character that is displayed as an emoji.
+const EMOJI_SELECTOR: char = '\u{fe0f}';
 
 /// Clips a line to a width. A clipped line ends in an ellipsis.
 pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
@@ -29,12 +34,7 @@ pub(super) fn clipped(line: Line<'_>, width: usize) -> Line<'_> {
 /// The start of a text that fits into a width, with an ellipsis.
 fn with_ellipsis(text: &str, width: usize) -> String {
     let Some(room) = width.checked_sub(1) else { return String::new() };
-    let mut taken = 0;
-    let end = text.char_indices().find_map(|(at, character)| {
-        taken += Span::raw(&text[at..at + character.len_utf8()]).width();
-        (taken > room).then_some(at)
-    });
-    format!("{}…", &text[..end.unwrap_or(text.len())])
+    format!("{}…", &text[..fitting_length(text, room)])
 }
 
 /// Wraps a text into lines of at most `width` columns, between words if possible.
@@ -48,7 +48,8 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
             lines.push(std::mem::take(&mut line));
         }
         while Span::raw(word).width() > width {
-            let (start, rest) = word.split_at(fitting_length(word, width));
+            let first = glyphs(word).next().map_or(word.len(), |first| first.end);
+            let (start, rest) = word.split_at(fitting_length(word, width).max(first));
             lines.push(start.to_owned());
             word = rest;
         }
@@ -61,19 +62,22 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
-/// The number of bytes of a word that fit into a width; at least one character.
-fn fitting_length(word: &str, width: usize) -> usize {
+/// The number of bytes at the start of a text that fit into a width.
+fn fitting_length(text: &str, width: usize) -> usize {
     let mut taken = 0;
-    let mut end = 0;
-    for character in word.chars() {
-        let next = end + character.len_utf8();
-        taken += Span::raw(&word[end..next]).width();
-        if taken > width && end > 0 {
-            break;
-        }
-        end = next;
-    }
-    end
+    let fitting = glyphs(text).take_while(|glyph| {
+        taken += Span::raw(&text[glyph.clone()]).width();
+        taken <= width
+    });
+    fitting.last().map_or(0, |last| last.end)
+}
+
+/// The characters of a text, each with the selectors that follow it. They make a wide emoji of a narrow character, so the
+/// width of the text is at most the sum of these widths.
+fn glyphs(text: &str) -> impl Iterator<Item = Range<usize>> {
+    let starts = text.char_indices().skip(1).filter(|(_, character)| *character != EMOJI_SELECTOR);
+    let ends = starts.map(|(at, _)| at).chain((!text.is_empty()).then_some(text.len()));
+    ends.scan(0, |start, end| Some(std::mem::replace(start, end)..end))
 }
 
 #[cfg(test)]
@@ -91,6 +95,8 @@ mod tests {
             ("風力計", 5, "風力…"),
             ("風力計", 4, "風…"),
             ("glider", 0, ""),
+            ("*\u{fe0f}*\u{fe0f}", 3, "*\u{fe0f}…"),
+            ("*\u{fe0f}*\u{fe0f}", 2, "…"),
         ] {
             assert_eq!(clipped(Line::raw(text), width).to_string(), shown);
         }
@@ -104,6 +110,7 @@ mod tests {
     fn wraps_texts_between_words() {
         assert_eq!(wrapped("the wind blows", 8), ["the wind", "blows"]);
         assert_eq!(wrapped("a windsock", 4), ["a", "wind", "sock"]);
+        assert_eq!(wrapped("*\u{fe0f}*\u{fe0f}", 2), ["*\u{fe0f}", "*\u{fe0f}"]);
         assert_eq!(wrapped("", 4), [""]);
     }
 
