@@ -18,7 +18,7 @@ use crate::report::story::{to_html, to_json, to_text};
 use crate::report::{Kind, Report};
 
 /// Fragments that mean something to a terminal, a CI system, a markup language or a site.
-const FRAGMENTS: [&str; 62] = [
+const FRAGMENTS: [&str; 63] = [
     "a",
     " ",
     "é",
@@ -57,6 +57,7 @@ const FRAGMENTS: [&str; 62] = [
     "GH-1",
     "!1",
     "0123456789abcdef",
+    "0123456789abcdefé",
     "https://a.b/c",
     "www.a.b",
     ":tada:",

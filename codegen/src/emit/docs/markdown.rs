@@ -289,7 +289,7 @@ fn is_reference(word: &str) -> bool {
         || lower.contains("www.")
         || ["#", "!", "%", "~", "&", "$", "^"].iter().any(|mark| follows(mark, char::is_alphanumeric))
         || follows("gh-", char::is_numeric)
-        || lower.split(|character: char| !character.is_alphanumeric()).any(is_hash)
+        || lower.split(|character: char| !character.is_ascii_alphanumeric()).any(is_hash)
         || has_emoji(&lower)
 }
 
