@@ -72,7 +72,7 @@ fn sample() -> impl Strategy<Value = Sample> {
         failed,
     ];
     let (above, inside) = ("(# [a-z]{0,5}\n){0,2}", "(|# in\n|\n)");
-    let parts = (any::<bool>(), 0..4, above, inside, "(|\n|# below\n|\n# apart\n\n)");
+    let parts = (any::<bool>(), 0..4, above, inside, "(|\n|# below\n|\n# set apart\n\n)");
     let message = proptest::option::of("[a-c]{0,2}");
     (parts, message, vec(outcome, 0..4)).prop_map(
         |((is_known, age, above, inside, below), message, outcomes)| {
@@ -116,7 +116,7 @@ proptest! {
         prop_assert!(left.len() <= stale.iter().filter(|stale| !stale.is_fixable()).count());
         prop_assert_eq!(fixed.entries.len(), samples.iter().filter(|sample| !sample.is_stale).count());
         let new: String = fixed.texts().collect();
-        prop_assert_eq!(new.matches("# apart").count(), text.matches("# apart").count());
+        prop_assert_eq!(new.matches("# set apart").count(), text.matches("# set apart").count());
         let is_same = stale.is_empty();
         prop_assert!(!is_same || new == text);
         let mut rest = new.as_str();
