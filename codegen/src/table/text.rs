@@ -200,6 +200,7 @@ mod tests {
         assert_eq!(at(0..6), "ab \n\t c\\|d");
         assert_eq!(text.part(3..3), text.span(), "an empty part has the location of the whole text");
     }
+
     #[test]
     fn text_in_another_form_has_the_location_of_its_whole_source() {
         let source = "`a\r\n\u{2028}bé` &nGt;é";
