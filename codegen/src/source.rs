@@ -143,6 +143,14 @@ impl SourceMap {
         SourceId(offset(after.saturating_sub(1)))
     }
 
+    /// Whether `span` is within one source and doesn't split a character.
+    pub fn contains(&self, span: Span) -> bool {
+        let Some(source) = self.sources.get(self.source_of(span).0 as usize) else { return false };
+        let within = |at: u32| Some(at.checked_sub(source.start)? as usize);
+        let (Some(start), Some(end)) = (within(span.start), within(span.end)) else { return false };
+        source.text.get(start..end).is_some()
+    }
+
     /// The text within `span`.
     pub fn slice(&self, span: Span) -> &str {
         let (text, range) = self.locate(span);
