@@ -3,7 +3,7 @@
 use std::num::NonZero;
 use std::thread;
 
-/// The number of items from which several threads work on them.
+/// The number of items from which several threads work on them. Each thread has at least half as many.
 const MIN_ITEMS: usize = 32;
 
 /// Calls `work` for consecutive parts of `items` in several threads, and returns the results in order. The number of
@@ -13,7 +13,7 @@ pub(crate) fn in_parts<'i, T: Sync, R: Send>(items: &'i [T], work: impl Fn(&'i [
     if threads == 1 || items.len() < MIN_ITEMS {
         return vec![work(items)];
     }
-    in_threads(items.chunks(items.len().div_ceil(threads)), work)
+    in_threads(items.chunks(items.len().div_ceil(threads).max(MIN_ITEMS / 2)), work)
 }
 
 /// Calls `work` for each of `items` in a separate thread, and returns the results in order.

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::Diagnostic;
 use crate::msg::{self, Kind};
+use crate::parallel::in_parts;
 use crate::resolve::{PackageSource, resolve, resolve_formats};
 use crate::schema::{Form, Schema};
 use crate::source::{SourceId, SourceMap, Span, stem};
@@ -100,19 +101,25 @@ fn parse<'s>(
 ) -> PackageSource<'s> {
     let mut files = Vec::new();
     let mut pages = Vec::new();
-    for id in &package.sources {
-        match package.form {
-            Form::Table => {
+    match package.form {
+        Form::Table => {
+            for id in &package.sources {
                 let (page, mut found) = table::parse(sources, *id);
                 diagnostics.append(&mut found);
                 pages.push(page);
             }
-            Form::Msg(dialect) => {
+        }
+        Form::Msg(dialect) => {
+            let parse = |id: &SourceId| {
                 let path = sources.path(*id);
-                let Some(kind) = Kind::of(path) else { continue };
-                let (definition, mut found) = msg::parse(sources, *id, kind, dialect);
+                let kind = Kind::of(path)?;
+                let (definition, found) = msg::parse(sources, *id, kind, dialect);
+                Some(((stem(path), kind, sources.span(*id), definition), found))
+            };
+            let parsed = in_parts(&package.sources, |ids| ids.iter().map(parse).collect::<Vec<_>>());
+            for (file, mut found) in parsed.into_iter().flatten().flatten() {
                 diagnostics.append(&mut found);
-                files.push((stem(path), kind, sources.span(*id), definition));
+                files.push(file);
             }
         }
     }

@@ -29,8 +29,6 @@ mod text;
 mod types;
 
 use std::collections::BTreeMap;
-use std::num::NonZero;
-use std::thread;
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -47,6 +45,7 @@ use super::origin::Origins;
 use crate::conversion::Conversions;
 #[cfg(feature = "files")]
 use crate::failure::Failure;
+use crate::parallel::in_parts;
 use crate::prose;
 use crate::schema::{Element, MessageId, Package, Schema};
 use crate::source::SourceMap;
@@ -396,16 +395,6 @@ fn message_files(context: &Context<'_>) -> Vec<OutputFile> {
         let header = header_of(context, context.schema.package_of(message), message.span);
         OutputFile { path, text: header + &layout_file(quote!(#doc #tokens)) }
     };
-    let workers = thread::available_parallelism().map_or(1, NonZero::get);
-    let share = ids.len().div_ceil(workers).max(1);
-    thread::scope(|scope| {
-        let work: Vec<_> = ids
-            .chunks(share)
-            .map(|ids| scope.spawn(move || ids.iter().map(file).collect::<Vec<_>>()))
-            .collect();
-        // A panic in a worker is a bug, so it is propagated to the caller.
-        work.into_iter()
-            .flat_map(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-            .collect()
-    })
+    let files = in_parts(&ids, |ids| ids.iter().map(file).collect::<Vec<_>>());
+    files.into_iter().flatten().collect()
 }

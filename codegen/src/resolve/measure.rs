@@ -3,6 +3,7 @@
 use super::resolver::{Resolver, id, nested_ids};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::msg::ast;
+use crate::parallel::in_parts;
 use crate::schema::fingerprint::MAX_NESTED_FIELDS;
 use crate::schema::layout::MAX_MESSAGE_SIZE;
 use crate::schema::{Element, MessageId, fingerprint, layout};
@@ -91,13 +92,14 @@ impl Resolver<'_> {
     }
 
     pub(super) fn fingerprints(&mut self) {
-        for index in 0..self.schema.messages.len() {
-            let id = id(index);
-            let hash = fingerprint::message_hash(&self.schema, self.schema.message(id));
-            let type_hash = fingerprint::type_hash(&self.schema, id);
-            let message = &mut self.schema.messages[index];
-            message.hash = hash;
-            message.type_hash = type_hash;
+        let schema = &self.schema;
+        let ids: Vec<MessageId> = (0..schema.messages.len()).map(id).collect();
+        let hashes = |id: &MessageId| {
+            (fingerprint::message_hash(schema, schema.message(*id)), fingerprint::type_hash(schema, *id))
+        };
+        let hashes = in_parts(&ids, |ids| ids.iter().map(hashes).collect::<Vec<_>>());
+        for (message, hashes) in self.schema.messages.iter_mut().zip(hashes.into_iter().flatten()) {
+            (message.hash, message.type_hash) = hashes;
         }
         for package in 0..self.schema.packages.len() {
             let hashes: Vec<Option<String>> = self.schema.packages[package]
