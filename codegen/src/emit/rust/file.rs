@@ -58,7 +58,7 @@ pub(super) fn layout_file(tokens: TokenStream) -> String {
         }
         last_list = list;
         if let syn::Item::Macro(call) = item {
-            list_entries(&call, &mut text);
+            list_entries(call.mac, &mut text);
             continue;
         }
         let file = syn::File { shebang: None, frontmatter: None, attrs: Vec::new(), items: vec![item] };
@@ -87,17 +87,16 @@ impl List {
 }
 
 /// Writes a macro call in braces with each entry on a separate line: `name! { first; second; … }`.
-fn list_entries(call: &syn::ItemMacro, text: &mut String) {
-    let path = &call.mac.path;
-    for (index, segment) in path.segments.iter().enumerate() {
-        let separator = if index > 0 || path.leading_colon.is_some() { "::" } else { "" };
+fn list_entries(call: syn::Macro, text: &mut String) {
+    for (index, segment) in call.path.segments.iter().enumerate() {
+        let separator = if index > 0 || call.path.leading_colon.is_some() { "::" } else { "" };
         let _ = write!(text, "{separator}{}", segment.ident);
     }
     text.push_str("! {\n");
     let mut line = String::new();
-    for token in call.mac.tokens.clone() {
+    for token in call.tokens {
         let is_end = matches!(&token, TokenTree::Punct(punct) if punct.as_char() == ';');
-        write_tokens(token.into(), &mut line);
+        write_token(token, &mut line);
         if is_end {
             push_entry(line.trim_end(), text);
             line.clear();
@@ -122,39 +121,37 @@ fn push_entry(entry: &str, text: &mut String) {
     text.push('\n');
 }
 
-/// Writes tokens with conventional spacing, possibly followed by a space.
-fn write_tokens(tokens: TokenStream, text: &mut String) {
-    for token in tokens {
-        match token {
-            TokenTree::Group(group) => {
-                let (open, close) = match group.delimiter() {
-                    Delimiter::Parenthesis => ("(", ")"),
-                    Delimiter::Bracket => ("[", "]"),
-                    Delimiter::Brace => ("{", "}"),
-                    Delimiter::None => ("", ""),
-                };
-                text.push_str(open);
-                write_tokens(group.stream(), text);
-                text.truncate(text.trim_end().len());
-                text.push_str(close);
+/// Writes a token with conventional spacing, possibly followed by a space.
+fn write_token(token: TokenTree, text: &mut String) {
+    match token {
+        TokenTree::Group(group) => {
+            let (open, close) = match group.delimiter() {
+                Delimiter::Parenthesis => ("(", ")"),
+                Delimiter::Bracket => ("[", "]"),
+                Delimiter::Brace => ("{", "}"),
+                Delimiter::None => ("", ""),
+            };
+            text.push_str(open);
+            group.stream().into_iter().for_each(|token| write_token(token, text));
+            text.truncate(text.trim_end().len());
+            text.push_str(close);
+        }
+        TokenTree::Punct(punct) => {
+            let is_path = punct.spacing() == Spacing::Joint || text.ends_with(':');
+            match punct.as_char() {
+                ':' if is_path => text.push(':'),
+                '!' => text.push_str(" !"),
+                '=' if text.ends_with('!') => text.push_str("= "),
+                '=' => text.push_str(" = "),
+                separator @ (':' | ',' | ';') => text.extend([separator, ' ']),
+                operator => text.push(operator),
             }
-            TokenTree::Punct(punct) => {
-                let is_path = punct.spacing() == Spacing::Joint || text.ends_with(':');
-                match punct.as_char() {
-                    ':' if is_path => text.push(':'),
-                    '!' => text.push_str(" !"),
-                    '=' if text.ends_with('!') => text.push_str("= "),
-                    '=' => text.push_str(" = "),
-                    separator @ (':' | ',' | ';') => text.extend([separator, ' ']),
-                    operator => text.push(operator),
-                }
+        }
+        TokenTree::Ident(_) | TokenTree::Literal(_) => {
+            if text.ends_with(|last: char| last.is_alphanumeric() || matches!(last, '_' | '"')) {
+                text.push(' ');
             }
-            TokenTree::Ident(_) | TokenTree::Literal(_) => {
-                if text.ends_with(|last: char| last.is_alphanumeric() || matches!(last, '_' | '"')) {
-                    text.push(' ');
-                }
-                let _ = write!(text, "{token}");
-            }
+            let _ = write!(text, "{token}");
         }
     }
 }

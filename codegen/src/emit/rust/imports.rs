@@ -39,7 +39,7 @@ pub(super) fn shorten(file: TokenStream) -> TokenStream {
     let is_attribute = |part: &&[TokenTree]| is_punct(part.first(), '#') && is_punct(part.get(1), '!');
     let attributes = tokens.chunks(3).take_while(is_attribute).count() * 3;
     let items = tokens.split_off(attributes.min(tokens.len()));
-    let items = imports.shorten(&items);
+    let items = imports.shorten(items);
     let uses = imports.declarations();
     let attributes: TokenStream = tokens.into_iter().collect();
     quote!(#attributes #uses #items)
@@ -54,28 +54,30 @@ struct Imports {
 
 impl Imports {
     /// Shortens paths in tokens and nested groups.
-    fn shorten(&mut self, tokens: &[TokenTree]) -> TokenStream {
+    fn shorten(&mut self, tokens: Vec<TokenTree>) -> TokenStream {
         let mut short = Vec::with_capacity(tokens.len());
-        let mut at = 0;
-        while let Some(token) = tokens.get(at) {
-            let path = if starts_path(tokens, at) { segments(&tokens[at..]) } else { Vec::new() };
-            let is_macro = is_punct(tokens.get(at + 3 * path.len()), '!');
+        let mut tokens = tokens.into_iter();
+        loop {
+            let rest = tokens.as_slice();
+            let path = if may_precede_path(&short) { segments(rest) } else { Vec::new() };
+            let is_macro = is_punct(rest.get(3 * path.len()), '!');
             if let Some(remaining) = self.import(&path, is_macro) {
                 // A segment consists of two colons and a name. The first remaining segment loses its colons.
-                let end = at + 3 * path.len();
-                short.extend_from_slice(&tokens[end - 3 * remaining + 2..end]);
-                at = end;
+                let removed = 3 * (path.len() - remaining) + 2;
+                short.extend(tokens.by_ref().take(3 * path.len()).skip(removed));
                 continue;
             }
-            short.push(match token {
-                TokenTree::Group(group) => {
-                    let content: Vec<TokenTree> = group.stream().into_iter().collect();
-                    let content = self.shorten(&content);
-                    Group::new(group.delimiter(), content).into()
+            short.push(match tokens.next() {
+                None => break,
+                Some(TokenTree::Group(group)) => {
+                    let (delimiter, content) = (group.delimiter(), group.stream());
+                    // Otherwise the tokens of the group would be copied.
+                    drop(group);
+                    let content = self.shorten(content.into_iter().collect());
+                    Group::new(delimiter, content).into()
                 }
-                other => other.clone(),
+                Some(other) => other,
             });
-            at += 1;
         }
         short.into_iter().collect()
     }
@@ -180,17 +182,14 @@ fn collect_names(tokens: TokenStream, names: &mut BTreeSet<String>) {
     }
 }
 
-/// True if a path with a leading `::` starts at `at`.
-fn starts_path(tokens: &[TokenTree], at: usize) -> bool {
-    let is_continued = match at.checked_sub(1).map(|before| &tokens[before]) {
-        Some(TokenTree::Ident(word)) => !BEFORE_PATH.contains(&word.to_string().as_str()),
-        // The `>` of `<T>`, not of `->`.
-        Some(TokenTree::Punct(mark)) if mark.as_char() == '>' => {
-            !at.checked_sub(2).is_some_and(|arrow| is_punct(tokens.get(arrow), '-'))
-        }
-        _ => false,
-    };
-    !is_continued
+/// True if `::` after these tokens starts a path, and doesn't continue one.
+fn may_precede_path(tokens: &[TokenTree]) -> bool {
+    match tokens {
+        [.., TokenTree::Ident(word)] => BEFORE_PATH.contains(&word.to_string().as_str()),
+        // The `>` of `->`, not of `<T>`.
+        [before @ .., TokenTree::Punct(mark)] if mark.as_char() == '>' => is_punct(before.last(), '-'),
+        _ => true,
+    }
 }
 
 /// The segments of a path with a leading `::`, or an empty list.
