@@ -44,7 +44,7 @@ pub(super) fn is_dimensionless(field: &Field, message: &Message) -> bool {
     let group = field.group.and_then(|group| message.groups.get(group)).map(Docs::text);
     let is_plain = |text: &str| {
         words(text).any(|word| is_one_of(word, &ADJECTIVES))
-            || INTERVAL.as_ref().is_some_and(|interval| interval.is_match(text))
+            || text.contains('1') && INTERVAL.as_ref().is_some_and(|interval| interval.is_match(text))
     };
     has_normalised_range(field)
         || is_plain(&field.description)

@@ -9,7 +9,7 @@ use super::shown::escape;
 use crate::characters::is_hidden;
 
 /// The start of a terminal sequence.
-const ESCAPE: char = '\u{1b}';
+pub(super) const ESCAPE: char = '\u{1b}';
 
 /// The maximum length of a style's sequence, in bytes. The longest one sets two colours and all effects.
 const MAX_STYLE_LEN: usize = 64;

@@ -3,7 +3,7 @@
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, Write as _};
 
-use super::guard::Guard;
+use super::guard::{ESCAPE, Guard};
 use super::shown::shown_up_to;
 
 /// The maximum length of an error message, in characters. It may contain several paths.
@@ -23,7 +23,13 @@ pub fn stderr() -> Guard<anstream::AutoStream<io::Stderr>> {
 
 /// Prints to standard output. It is not an error if the reader closes the pipe early.
 pub fn print(text: fmt::Arguments<'_>) {
-    let _ = stdout().write_all(text.to_string().as_bytes());
+    let text = text.to_string();
+    // Without styles, there is nothing to remove.
+    let _ = if text.contains(ESCAPE) {
+        stdout().write_all(text.as_bytes())
+    } else {
+        Guard::new(io::stdout()).write_all(text.as_bytes())
+    };
 }
 
 /// Prints to standard error. A message that can't be printed is lost.

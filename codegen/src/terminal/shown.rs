@@ -27,6 +27,10 @@ pub fn path(path: impl AsRef<Path>) -> String {
 }
 
 pub(super) fn shown_up_to(limit: usize, text: &str) -> String {
+    let is_plain = |byte| Command::is_plain(byte) && !matches!(byte, b'\t' | b':');
+    if text.len() <= limit && text.bytes().all(is_plain) {
+        return text.to_owned();
+    }
     let mut shown = String::with_capacity(text.len().min(limit));
     let mut command = Command::default();
     for (count, character) in text.chars().enumerate() {
