@@ -33,7 +33,7 @@ pub(super) fn obstacle(platform: &Platform) -> Option<String> {
         .then(|| format!("requires {compiler}: apt-get install gcc-{}-linux-gnu", machine.replace('_', "-")))
 }
 
-/// The C compiler for `SQLite`, zstd and ring.
+/// The C compiler for `SQLite`, zstd, mimalloc and ring.
 fn compiler(platform: &Platform) -> String {
     format!("{}-linux-gnu-gcc", platform.machine)
 }
