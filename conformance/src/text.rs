@@ -4,6 +4,7 @@ mod command_line;
 mod similar;
 mod wrap;
 
+use std::borrow::Cow;
 use std::fmt;
 
 pub(crate) use self::command_line::command_line;
@@ -15,6 +16,14 @@ pub(crate) use uavspec_codegen::terminal::{self, shown};
 /// Bytes as text. The error says where the text isn't valid UTF-8.
 pub(crate) fn utf8(bytes: &[u8]) -> Result<&str, String> {
     std::str::from_utf8(bytes).map_err(|error| format!("invalid UTF-8 at byte {}", error.valid_up_to()))
+}
+
+/// The text, or its first `limit` characters and an ellipsis if it is longer.
+pub(crate) fn start_of(text: &str, limit: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(limit) {
+        None => Cow::Borrowed(text),
+        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
+    }
 }
 
 /// A number with thousands separators: 1,234,567.

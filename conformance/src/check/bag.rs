@@ -51,14 +51,16 @@ use crate::json::Tree;
 use crate::model::{Detail, Endpoint, Extent, Findings, Location, Message};
 use crate::px4::comparison::{Comparison, compare_declared};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
+use crate::px4::memory::FieldCounts;
 use crate::rules::px4;
 use crate::text::utf8;
 
 /// The maximum length of a topic or schema name, in bytes. ROS 2 has the same limit.
 const MAX_NAME: usize = 256;
 
-/// The maximum total number of steps in the plans of all channels. A thousand PX4 topics need a quarter of this number.
-const MAX_STEPS: usize = 1 << 18;
+/// The maximum number of fields in the types of all channels, with the fields of each nested message. A thousand PX4
+/// topics have a quarter of this number.
+const MAX_FIELDS: usize = 1 << 18;
 
 /// The maximum number of channels in a bag.
 const MAX_CHANNELS: usize = 1 << 16;
@@ -135,8 +137,8 @@ struct Channels<'d> {
     open: Vec<Open>,
     /// The indices of the channels in `open`, by the hash of their declaration.
     by_digest: HashMap<u64, Vec<usize>>,
-    /// The total number of steps in the plans of all channels.
-    steps: usize,
+    /// The number of fields in the types of the channels that are checked.
+    fields: usize,
     /// Created when the first JSON channel is opened.
     plans: Option<Plans>,
     dialects: Dialects,
@@ -153,7 +155,7 @@ impl<'d> Channels<'d> {
             schemas: Schemas::default(),
             open: Vec::new(),
             by_digest: HashMap::new(),
-            steps: 0,
+            fields: 0,
             plans: None,
             dialects: Dialects::default(),
             network: Network::default(),
@@ -305,16 +307,17 @@ impl<'d> Channels<'d> {
         }
     }
 
-    /// Creates the checker for the messages of a channel, unless there are too many.
+    /// Creates the checker for the messages of a channel, unless there are too many fields.
     fn checker(&mut self, open: &mut Open, source: TypeSource) -> Option<CdrChecker> {
-        // Creating a plan takes time, so check the limit first.
-        if self.steps >= MAX_STEPS {
+        let definitions = self.run.definitions;
+        let fields = FieldCounts::default().of(source.message_type(definitions));
+        self.fields = self.fields.saturating_add(fields);
+        // A checker takes time and memory for each field.
+        if self.fields > MAX_FIELDS {
             open.status = CheckStatus::Checked(Basis::TooMany);
             return None;
         }
-        let definitions = self.run.definitions;
         let check = CdrChecker::new(source, definitions, &open.identity.name);
-        self.steps += check.steps();
         open.fields = Some(check.fields(definitions).into());
         Some(check)
     }

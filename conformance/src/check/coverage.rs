@@ -102,6 +102,9 @@ pub enum PartResult {
     /// The encoding isn't supported, or the definition can't be used with it.
     #[serde(rename = "unsupported encoding")]
     Unsupported,
+    /// The capture has too many fields. The records weren't checked.
+    #[serde(rename = "too many fields")]
+    TooMany,
     /// There is no definition.
     #[serde(rename = "no definition")]
     Undefined,
@@ -192,7 +195,8 @@ impl Unit {
 }
 
 impl PartResult {
-    const UNCHECKED: [Self; 4] = [Self::Undefined, Self::Different, Self::Unsupported, Self::Undecodable];
+    const UNCHECKED: [Self; 5] =
+        [Self::Undefined, Self::Different, Self::Unsupported, Self::TooMany, Self::Undecodable];
 
     /// True if all records were checked against something.
     pub(crate) fn is_covered(self) -> bool {
@@ -207,6 +211,7 @@ impl PartResult {
             Self::Different => "with a different format (partly checked)",
             Self::Undecodable => "with undecodable records",
             Self::Unsupported => "in an unsupported encoding",
+            Self::TooMany => "with too many fields",
             Self::Undefined => "without a definition",
         }
     }

@@ -344,9 +344,9 @@ impl<'d> LogChecker<'d> {
                     check_timestamp(record.message_type, location, &mut self.run);
                 }
                 let definitions = self.run.definitions;
-                let compile = || {
-                    let definition = open.definition;
-                    FormatPlan::new(record.message_type, definition, &definitions.schema, &px4::VALUES)
+                let compile = |has_values| {
+                    let (format, definition) = (record.message_type, open.definition);
+                    FormatPlan::new(format, definition, &definitions.schema, &px4::VALUES, has_values)
                 };
                 let plans = match &mut self.plans {
                     Some((formats, plans)) if Arc::ptr_eq(formats, record.formats) => plans,
@@ -358,7 +358,9 @@ impl<'d> LogChecker<'d> {
                 empty.insert(plans.plan(&open.topic, compile))
             }
         };
-        plan.values.check(record.payload, location, &mut self.run.findings);
+        if let Some(values) = &plan.values {
+            values.check(record.payload, location, &mut self.run.findings);
+        }
         self.latest = Some(location);
         let time_at = |offset: Option<usize>| {
             let bytes = offset.and_then(|at| record.payload.get(at..at + 8))?;
@@ -368,7 +370,7 @@ impl<'d> LogChecker<'d> {
         if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
             self.run.clock.set_utc(timestamp, utc);
         }
-        open.tally.count(open.definition.is_some(), timestamp);
+        open.tally.count(open.definition.is_some() && plan.values.is_some(), timestamp);
         let values =
             self.run.wants_values(open.index).then(|| record.message_type.view_uorb(record.payload).ok());
         let message = Message { timestamp, values: values.flatten(), location };
@@ -480,12 +482,15 @@ impl Open {
 
     fn close(self, findings: &mut Findings, parts: &mut Parts) {
         let Self { tally, plan, .. } = self;
-        if let Some(plan) = &plan {
-            plan.values.count(tally.decoded, findings);
+        let mut result = PartResult::Checked;
+        match plan.as_ref().map(|plan| &plan.values) {
+            Some(Some(values)) => values.count(tally.decoded, findings),
+            Some(None) => result = PartResult::TooMany,
+            None => {}
         }
         let fields = plan.map_or_else(Share::default, |plan| plan.shared_fields.into());
         let values = fields.times(tally.checked, tally.records);
-        parts.add(&self.topic, PartResult::Checked, tally, values);
+        parts.add(&self.topic, result, tally, values);
     }
 }
 

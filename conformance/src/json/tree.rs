@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use super::error::SyntaxError;
 use super::tokens::{Token, Tokens};
+use crate::text::start_of;
 
 /// The maximum number of values in a tree. Each value takes dozens of times as much memory as its text.
 const MAX_VALUES: usize = 1 << 20;
@@ -161,10 +162,7 @@ fn enclosed<T>(text: &mut String, [open, close]: [char; 2], values: &[T], write:
 
 /// The text, or only its start if it is long.
 pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(MAX_SHOWN) {
-        None => Cow::Borrowed(text),
-        Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
-    }
+    start_of(text, MAX_SHOWN)
 }
 
 /// Parses a value. Increases `count` by one for this value and for each nested value.

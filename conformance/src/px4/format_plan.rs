@@ -1,7 +1,6 @@
 //! The plans of a log's formats, which the logs of a run share.
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use uavspec_codegen::dynamic::MessageType;
@@ -9,7 +8,7 @@ use uavspec_codegen::schema::{MessageId, Schema};
 
 use super::ValueRules;
 use super::comparison::Comparison;
-use super::memory::{Plan, shared_fields, time_offset};
+use super::memory::{FieldCounts, Plan, shared_fields, time_offset};
 use crate::capture::ulog::FormatSet;
 
 /// The maximum number of sets whose plans are kept for the same definitions.
@@ -18,8 +17,8 @@ const MAX_SETS: usize = 4;
 /// The check of the messages with a format.
 #[derive(Debug)]
 pub(crate) struct FormatPlan {
-    /// The checks of the values.
-    pub(crate) values: Plan,
+    /// The checks of the values. `None` if there are too many fields.
+    pub(crate) values: Option<Plan>,
     /// The number of fields that the format and the definition share, and of all fields.
     pub(crate) shared_fields: (u64, u64),
     /// The offset of `timestamp` in the payload.
@@ -29,62 +28,61 @@ pub(crate) struct FormatPlan {
 }
 
 impl FormatPlan {
-    /// Compiles the plan for a format and its definition.
+    /// Compiles the plan for a format and its definition, with or without the checks of the values.
     pub(crate) fn new(
         format: MessageType<'_>,
         definition: Option<MessageId>,
         schema: &Schema,
         rules: &'static ValueRules,
+        has_values: bool,
     ) -> Self {
+        let (shared, all) = shared_fields(format, definition, schema);
         Self {
-            values: Plan::new(format, definition, schema, format.name(), rules),
-            shared_fields: shared_fields(format, definition, schema),
+            values: has_values.then(|| Plan::new(format, definition, schema, format.name(), rules)),
+            shared_fields: (if has_values { shared } else { 0 }, all),
             timestamp: time_offset(format, "timestamp"),
             utc: time_offset(format, "time_utc_usec"),
         }
     }
 }
 
-/// The maximum total number of steps in the plans of a set. Real sets have a few thousand. Other plans are compiled for
-/// each topic.
-const MAX_STEPS: usize = 1 << 14;
+/// The maximum number of fields in the formats of a set whose values are checked, with the fields of each nested message.
+/// Real sets have a few thousand. Without a limit, nested arrays could multiply the fields indefinitely.
+pub(crate) const MAX_FIELDS: usize = 1 << 16;
 
 /// The plans of a set of formats, by name. Each is created when it is needed.
 #[derive(Debug)]
 pub(crate) struct FormatPlans {
     by_name: HashMap<Box<str>, Lazy>,
-    /// The total number of steps.
-    steps: AtomicUsize,
 }
 
 /// What is known about a format.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Lazy {
+    /// True if the format and all formats before it have at most [`MAX_FIELDS`] fields.
+    has_values: bool,
     plan: OnceLock<Arc<FormatPlan>>,
     comparison: OnceLock<Comparison>,
 }
 
 impl FormatPlans {
     fn new(formats: &FormatSet) -> Self {
-        let by_name = formats.types().iter().map(|format| (format.name().into(), Lazy::default()));
-        Self { by_name: by_name.collect(), steps: AtomicUsize::new(0) }
+        let (mut counts, mut fields) = (FieldCounts::default(), 0_usize);
+        let by_name = formats.types().iter().map(|format| {
+            fields = fields.saturating_add(counts.of(format));
+            let has_values = fields <= MAX_FIELDS;
+            let lazy = Lazy { has_values, plan: OnceLock::new(), comparison: OnceLock::new() };
+            (format.name().into(), lazy)
+        });
+        Self { by_name: by_name.collect() }
     }
 
-    /// The plan of a format, which `compile` creates.
-    pub(crate) fn plan(&self, format: &str, compile: impl FnOnce() -> FormatPlan) -> Arc<FormatPlan> {
-        let known = self.by_name.get(format);
-        if let Some(plan) = known.and_then(|known| known.plan.get()) {
-            return Arc::clone(plan);
+    /// The plan of a format. `compile` creates it, with or without the checks of the values.
+    pub(crate) fn plan(&self, format: &str, compile: impl FnOnce(bool) -> FormatPlan) -> Arc<FormatPlan> {
+        match self.by_name.get(format) {
+            Some(known) => Arc::clone(known.plan.get_or_init(|| Arc::new(compile(known.has_values)))),
+            None => Arc::new(compile(false)),
         }
-        let plan = Arc::new(compile());
-        let size = plan.values.steps();
-        if self.steps.fetch_add(size, Ordering::Relaxed) + size <= MAX_STEPS
-            && let Some(known) = known
-        {
-            // Another thread may have compiled the same plan.
-            return Arc::clone(known.plan.get_or_init(|| plan));
-        }
-        plan
     }
 
     /// The result of comparing a format with its definition.

@@ -20,9 +20,11 @@ use self::screen::Screen;
 use super::ValueRules;
 use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan};
 use crate::model::{Findings, Location, hexadecimal};
+use crate::text::start_of;
 
-/// The maximum number of steps in a plan. Without a limit, nested arrays could multiply the steps indefinitely.
-const MAX_STEPS: usize = 4_096;
+/// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
+/// and names in captures have any length.
+const MAX_PATH: usize = 256;
 
 /// The compiled checks of a format.
 #[derive(Debug)]
@@ -30,8 +32,6 @@ pub(crate) struct Plan {
     rules: &'static ValueRules,
     steps: Vec<Step>,
     screen: Option<Screen>,
-    /// The number of steps, including those of sequence elements.
-    size: usize,
     /// For each rule, the number of values that it covers in a message.
     coverage: Coverage,
 }
@@ -103,14 +103,13 @@ struct Compiler<'c> {
     rules: &'static ValueRules,
     /// The constraints of all messages compiled so far.
     messages: HashMap<MessageId, Rc<MessagePlan>>,
-    /// The number of steps so far.
-    size: usize,
     coverage: Coverage,
 }
 
 impl Plan {
     /// Compiles a plan for payloads with the layout of `message_type`. The payloads are messages of the `message`
-    /// definition. Without a definition, only the constraints imposed by types apply. Findings name the topic.
+    /// definition. Without a definition, only the constraints imposed by types apply. Findings name the topic. Time and
+    /// memory are proportional to the number of [nested fields](FieldCounts), which the caller limits.
     pub(crate) fn new(
         message_type: MessageType<'_>,
         message: Option<MessageId>,
@@ -119,7 +118,7 @@ impl Plan {
         rules: &'static ValueRules,
     ) -> Self {
         let (messages, coverage) = (HashMap::new(), Coverage::default());
-        let mut compiler = Compiler { schema, rules, messages, size: 0, coverage };
+        let mut compiler = Compiler { schema, rules, messages, coverage };
         let mut steps = Vec::new();
         compiler.add(
             message_type,
@@ -127,13 +126,7 @@ impl Plan {
             Within { base: 0, path: "", subject: topic, entries: &[] },
             &mut steps,
         );
-        let (size, coverage) = (compiler.size, compiler.coverage);
-        Self { rules, screen: Screen::new(&steps), steps, size, coverage }
-    }
-
-    /// The size of the plan in steps. Each checked field is one step.
-    pub(crate) fn steps(&self) -> usize {
-        self.size
+        Self { rules, screen: Screen::new(&steps), steps, coverage: compiler.coverage }
     }
 
     /// Checks a payload. The payload must contain all fields of its format.
@@ -146,6 +139,27 @@ impl Plan {
     /// Adds the coverage of this many messages.
     pub(crate) fn count(&self, messages: u64, findings: &mut Findings) {
         self.coverage.count(messages, findings);
+    }
+}
+
+/// Counts the fields of types, including the fields of each nested message.
+#[derive(Debug, Default)]
+pub(crate) struct FieldCounts<'t>(HashMap<(&'t str, &'t str), usize>);
+
+impl<'t> FieldCounts<'t> {
+    /// The number of fields of a type. All types must be from the same set.
+    pub(crate) fn of(&mut self, message_type: MessageType<'t>) -> usize {
+        let key = (message_type.package(), message_type.name());
+        if let Some(known) = self.0.get(&key) {
+            return *known;
+        }
+        let fields = message_type.layout().map(|placed| match placed.element {
+            PlacedElement::Message(nested) => count(placed.shape).max(1).saturating_mul(self.of(nested)),
+            _ => 1,
+        });
+        let all = fields.fold(0, usize::saturating_add);
+        self.0.insert(key, all);
+        all
     }
 }
 
@@ -190,9 +204,6 @@ impl Compiler<'_> {
         });
         let defined = defined.as_deref();
         for placed in message_type.layout() {
-            if self.size >= MAX_STEPS {
-                return;
-            }
             let index =
                 defined.and_then(|message| message.fields.iter().position(|field| field.name == placed.name));
             let field = defined.zip(index).map(|(message, index)| (message, &message.fields[index]));
@@ -228,7 +239,6 @@ impl Compiler<'_> {
             for rule in values.constraint().rules(Encoding::Memory, self.rules) {
                 self.coverage.add(rule, count as u64);
             }
-            self.size += 1;
             steps.push(Step {
                 path,
                 subject,
@@ -288,7 +298,6 @@ impl Compiler<'_> {
         if inner.is_empty() {
             return;
         }
-        self.size += 1;
         steps.push(Step {
             path,
             subject,
@@ -306,7 +315,10 @@ impl Within<'_> {
     /// The path and the subject of a field.
     fn names(self, field: &str) -> (String, String) {
         let joint = if self.path.is_empty() { "" } else { "." };
-        (format!("{}{joint}{field}", self.path), format!("{}.{field}", self.subject))
+        let field = start_of(field, MAX_PATH);
+        let names = [format!("{}{joint}{field}", self.path), format!("{}.{field}", self.subject)];
+        let [path, subject] = names.map(|name| start_of(&name, MAX_PATH).into_owned());
+        (path, subject)
     }
 }
 

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use serde::Serialize;
 
 use super::label::Label;
+use crate::text::start_of;
 
 /// The maximum number of lanes.
 const MAX_LANES: usize = 2_000;
@@ -119,7 +120,7 @@ pub(crate) struct Change {
 impl Part {
     /// A part; a long name is shortened.
     pub(super) fn new(name: impl Into<String>, label: Option<Label>) -> Self {
-        Self { name: shortened(name.into()), label }
+        Self { name: shortened(&name.into()), label }
     }
 }
 
@@ -146,7 +147,7 @@ impl Lane {
         Self {
             topic: topic.to_owned(),
             subject: None,
-            name: shortened(name.into()),
+            name: shortened(&name.into()),
             label: None,
             group: None,
             kind,
@@ -225,7 +226,7 @@ impl Lanes {
             self.more += 1;
             return None;
         }
-        let subject = Some(shortened(subject.to_owned())).filter(|subject| !subject.is_empty());
+        let subject = Some(shortened(subject)).filter(|subject| !subject.is_empty());
         self.all.push(Lane { subject, ..make() });
         self.by_key.insert(key, self.all.len() - 1);
         Some(self.all.len() - 1)
@@ -299,9 +300,6 @@ impl Lanes {
 }
 
 /// A name, shortened if it is too long.
-fn shortened(name: String) -> String {
-    match name.char_indices().nth(MAX_NAME) {
-        Some((end, _)) => format!("{}…", &name[..end]),
-        None => name,
-    }
+fn shortened(name: &str) -> String {
+    start_of(name, MAX_NAME).into_owned()
 }

@@ -7,7 +7,7 @@ mod time;
 
 use std::fs;
 
-use crate::check::{CaptureResult, LogSummary, Summary, check_ulog};
+use crate::check::{CaptureResult, LogSummary, PartResult, Share, Summary, check_ulog};
 use crate::definitions::Definitions;
 use crate::model::{Extent, Verdict};
 use crate::px4::comparison::Comparison;
@@ -42,9 +42,14 @@ const FORMAT: &str = "uint64_t timestamp;float speed;float[2] flaps;uint8_t mode
 const MARK_FORMAT: &str = "mark:uint64_t timestamp;int16_t height;uint8_t[6] _padding0;";
 
 fn definitions() -> (TempDir, Definitions) {
+    defined(&[("Glider.msg", GLIDER), ("Mark.msg", MARK)])
+}
+
+fn defined(files: &[(&str, &str)]) -> (TempDir, Definitions) {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join("Glider.msg"), GLIDER).expect("a file");
-    fs::write(folder.path().join("Mark.msg"), MARK).expect("a file");
+    for (name, text) in files {
+        fs::write(folder.path().join(name), text).expect("a file");
+    }
     let definitions = Definitions::load(folder.path()).expect("definitions");
     (folder, definitions)
 }
@@ -290,6 +295,42 @@ fn a_violation_has_a_message_and_a_location() {
             ALSO_VIOLATED.iter().filter(|(rule, _)| *rule == id).map(|(_, also)| *also).collect();
         assert_eq!(others, allowed, "{id}: {found:?}");
     }
+}
+
+/// Nested arrays and long names can't multiply the memory for checks.
+#[test]
+fn does_not_check_the_values_of_too_many_fields() {
+    let topics: Vec<String> = (10..30).map(|number| format!("block_{number}")).collect();
+    let block = format!("# TOPICS block {}\nuint64 timestamp\nCell[4000] cells\n", topics.join(" "));
+    let (_folder, definitions) = defined(&[("Block.msg", &block), ("Cell.msg", "bool flag\n")]);
+    let mut log = Writer::with_flags();
+    log.format("cell:bool flag;");
+    for topic in &topics {
+        log.format(&format!("{topic}:uint64_t timestamp;cell[4000] cells;"));
+    }
+    for (id, topic) in (0..).zip(&topics) {
+        log.subscribe(id, 0, topic);
+        log.data(id, &[&[1; 8][..], &[0; 3999], &[2]].concat());
+    }
+    let result = check_ulog(&log.bytes[..], &definitions);
+    let parts = &result.coverage.parts;
+    let refused = parts.iter().filter(|part| part.result == PartResult::TooMany).count() as u64;
+    assert!((1..10).contains(&refused), "{refused}");
+    let found = result.findings.groups().filter(|group| group.rule.id == "PX-BOOL-01");
+    assert_eq!(found.map(|group| group.count).sum::<u64>(), 20 - refused);
+    assert_eq!(result.coverage.records, Share::of(20 - refused, 20));
+}
+
+#[test]
+fn shortens_long_names() {
+    let mut log = Writer::with_flags();
+    log.format("cell:bool flag;");
+    log.format(&format!("block:uint64_t timestamp;cell[3] {};", "x".repeat(60_000)));
+    log.subscribe(5, 0, "block");
+    log.data(5, &[&[1; 8][..], &[2; 3]].concat());
+    let result = run_check(&log);
+    let subjects: Vec<usize> = result.findings.groups().map(|group| group.subject.len()).collect();
+    assert!(subjects.len() == 1 && subjects[0] < 1_000, "{subjects:?}");
 }
 
 #[test]

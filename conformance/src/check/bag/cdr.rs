@@ -61,7 +61,7 @@ impl TypeSource {
     }
 
     /// The type of the messages.
-    fn message_type<'t>(&'t self, definitions: &'t Definitions) -> MessageType<'t> {
+    pub(super) fn message_type<'t>(&'t self, definitions: &'t Definitions) -> MessageType<'t> {
         match self {
             Self::Definition(id) => definitions.types().get(*id),
             Self::Differing(stated, _) | Self::Own(stated) => stated.root(),
@@ -110,11 +110,6 @@ impl CdrChecker {
                 (num_fields, num_fields)
             }
         }
-    }
-
-    /// The size of the channel's plan, in steps.
-    pub(super) fn steps(&self) -> usize {
-        self.plan.steps()
     }
 
     /// True if the messages lack the timestamp that PX4 requires. `None` for messages of other packages, and for services.

@@ -68,7 +68,7 @@ pub enum Basis {
     Unusable(String),
     /// Several definitions have messages of this size, or none has. The channel wasn't checked.
     Undecided,
-    /// There are too many channels. This channel wasn't checked.
+    /// The channels have too many fields. This channel wasn't checked.
     TooMany,
 }
 
@@ -87,9 +87,8 @@ impl From<&CheckStatus> for PartResult {
     fn from(status: &CheckStatus) -> Self {
         match status {
             CheckStatus::Checked(Basis::Compared(comparison)) => (&**comparison).into(),
-            CheckStatus::Checked(Basis::Unusable(_) | Basis::TooMany) | CheckStatus::Unsupported => {
-                Self::Unsupported
-            }
+            CheckStatus::Checked(Basis::Unusable(_)) | CheckStatus::Unsupported => Self::Unsupported,
+            CheckStatus::Checked(Basis::TooMany) => Self::TooMany,
             CheckStatus::OwnSchema => Self::OwnSchema,
             CheckStatus::Undefined | CheckStatus::Checked(Basis::Undecided) => Self::Undefined,
             CheckStatus::Checked(_) => Self::Checked,
@@ -111,7 +110,7 @@ impl Basis {
                 "not checked: there is no schema or type hash, and the size of the messages doesn't show their release"
                     .to_owned(),
             ),
-            Self::TooMany => Some("not checked: too many channels".to_owned()),
+            Self::TooMany => Some("not checked: the channels have too many fields".to_owned()),
         }
     }
 }
