@@ -390,7 +390,10 @@ impl Values {
     ) -> Option<Self> {
         let definition = field.map(|(_, field)| field.span);
         let (element, restriction) = match placed.element {
-            PlacedElement::Scalar(Scalar::Char) if field.is_some_and(|(message, _)| message.has_text) => {
+            // A single `char` is a number.
+            PlacedElement::Scalar(Scalar::Char)
+                if placed.shape != Shape::Single && field.is_some_and(|(message, _)| message.has_text) =>
+            {
                 (Element::Text(u32::try_from(count(placed.shape)).ok()?), None)
             }
             PlacedElement::Scalar(Scalar::Bool) => (Element::Scalar(Scalar::Bool), None),

@@ -297,6 +297,22 @@ fn a_violation_has_a_message_and_a_location() {
     }
 }
 
+/// A `char` that isn't in an array is a number.
+#[test]
+fn checks_a_single_char_as_a_number() {
+    let (_folder, definitions) =
+        defined(&[("Sign.msg", "uint64 timestamp\nchar letter  # [@range 65, 90] A letter\n")]);
+    for (letter, expected) in [(65, vec![]), (33, vec!["PX-RANGE-01"]), (200, vec!["PX-RANGE-01"])] {
+        let mut log = Writer::with_flags();
+        log.format("sign:uint64_t timestamp;char letter;uint8_t[7] _padding0;");
+        log.subscribe(5, 0, "sign");
+        log.data(5, &[&[1; 8][..], &[letter], &[0; 7]].concat());
+        let result = check_ulog(&log.bytes[..], &definitions);
+        let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
+        assert_eq!(found, expected, "{letter}");
+    }
+}
+
 /// Nested arrays and long names can't multiply the memory for checks.
 #[test]
 fn does_not_check_the_values_of_too_many_fields() {
