@@ -388,3 +388,43 @@ fn both_paths_agree_on_any_number_of_kinds() {
     }
     assert!(compare(text.as_bytes(), &definitions) > 0);
 }
+
+/// The definitions of users may allow values that the rules examine, such as numbers that aren't integers.
+#[test]
+fn both_paths_agree_on_other_definitions() {
+    let folder = tempfile::TempDir::new().expect("a folder");
+    let configuration = "[[package]]\nname = \"flockwave\"\ndialect = \"table\"\ninclude = [\"*.md\"]\n";
+    std::fs::write(folder.path().join("uavspec.toml"), configuration).expect("a file");
+    for page in uavspec_definitions::FLOCKWAVE.files() {
+        let mut text = page.contents_utf8().expect("a page").to_owned();
+        for (before, after) in [
+            ("| 1 | `east` | yes | integer |", "| 1 | `east` | yes | number |"),
+            ("| `velocityXYZ` | no | VelocityXYZ |", "| `velocityXYZ` | no | list of integer |"),
+            ("| `debug` | no | Base64 |", "| `debug` | no | any |"),
+        ] {
+            let is_changed = page.path().ends_with("types.md");
+            assert_eq!(text.contains(before), is_changed);
+            text = text.replace(before, after);
+        }
+        std::fs::write(folder.path().join(page.path()), text).expect("a file");
+    }
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    for (common, rare) in [
+        (r#""velocity":[0,0,0]"#, r#""velocity":[0,-20000000,0]"#),
+        (r#""velocityXYZ":[0,0,0]"#, r#""velocityXYZ":[0,-20000000,0]"#),
+        (r#""debug":1"#, r#""debug":NaN"#),
+    ] {
+        for (first, second) in [(common, rare), (rare, common)] {
+            let report = |number: usize, value: &str| {
+                format!(
+                    r#"{{"t":1790000000.{number},"conn":"tcp#1","dir":"in","msg":{{"$fw.version":"1.0","id":"say-{number}","body":{{"type":"UAV-INF","status":{{"kite":{{"id":"kite","timestamp":1790000000000,{value}}}}}}}}}}}"#
+                ) + "\n"
+            };
+            let lines = (0..9).map(|number| report(number, if number < 5 { first } else { second }));
+            let (found, _) =
+                checked(FlockwaveChecker::new(&definitions), lines.clone().collect::<String>().as_bytes());
+            assert!(found.contains("FW-VAL-01") || found.contains("FW-ENV-23"), "{first} {second}");
+            compare(lines.collect::<String>().as_bytes(), &definitions);
+        }
+    }
+}

@@ -11,6 +11,9 @@ use super::defined::{Field, Length, Object, ValueSchema};
 use crate::json::{Token, Tokens, Unclear, leading_integer};
 use uavspec_codegen::schema::json_type::Direction;
 
+/// The number of positions in a list that may have limits.
+const MAX_LIMITED: usize = 16;
+
 /// The fields of the objects in a map within a body.
 #[derive(Debug)]
 pub(crate) struct Members<'s> {
@@ -134,13 +137,21 @@ impl<'s> Plain<'s> {
                 Self::Tuple(elements.collect(), tuple.length())
             }
             // Checking that elements are unique requires the tree.
-            ValueSchema::List(list) if !list.is_unique => Self::List(Scalar::new(&list.element), list.length),
+            ValueSchema::List(list) if !list.is_unique => {
+                // So do limits that depend on the position.
+                let is_limited = (0..MAX_LIMITED).any(|at| limits(at).is_some());
+                let element = if is_limited { Scalar::UNCLEAR } else { Scalar::new(&list.element) };
+                Self::List(element, list.length)
+            }
             schema => Self::One(Scalar::new(schema)),
         }
     }
 }
 
 impl<'s> Scalar<'s> {
+    /// A value that is never clearly valid.
+    const UNCLEAR: Self = Self(Allowed::Range(1, 0));
+
     fn new(schema: &'s ValueSchema) -> Self {
         Self(match schema {
             ValueSchema::Integer(low, high) => {
@@ -161,13 +172,13 @@ impl<'s> Scalar<'s> {
         })
     }
 
-    /// Restricts an integer to a range.
+    /// Restricts the value to a range. Only ranges of integers are compared here.
     fn within(self, limits: Option<(i64, i64)>) -> Self {
         let Some((least, most)) = limits else { return self };
         Self(match self.0 {
             Allowed::Range(low, high) => Allowed::Range(low.max(least), high.min(most)),
             Allowed::Nullable(low, high) => Allowed::Nullable(low.max(least), high.min(most)),
-            Allowed::Other(_) => self.0,
+            Allowed::Other(_) => return Self::UNCLEAR,
         })
     }
 
@@ -218,6 +229,8 @@ fn list(
 /// True if a value matches a schema.
 fn accepts(schema: &ValueSchema, token: &Token<'_>) -> bool {
     match (schema, token) {
+        // These values aren't JSON.
+        (_, Token::NotJson(_)) => false,
         (ValueSchema::Any, _) | (ValueSchema::Null, Token::Null) | (ValueSchema::Bool, Token::Bool(_)) => {
             true
         }
