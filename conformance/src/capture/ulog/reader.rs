@@ -149,7 +149,7 @@ impl<R: Read> Reader<R> {
     /// meet both conditions.
     #[inline]
     fn data_ahead(&self) -> Option<usize> {
-        if self.state != State::Messages || !self.queued.is_empty() {
+        if self.state != State::Messages || !self.queued.is_empty() || !self.ids.are_certain() {
             return None;
         }
         let bytes = self.window.ahead();

@@ -75,6 +75,7 @@ impl Ids {
     /// Adds a subscribed id.
     pub(super) fn subscribe(&mut self, id: u16) {
         self.sizes[usize::from(id)] = UNSEEN;
+        self.doubtful.remove(&id);
         self.is_empty = false;
     }
 
@@ -86,6 +87,12 @@ impl Ids {
         } else if *usual == UNSEEN || self.doubtful.insert(id, size) == Some(size) {
             *usual = size;
         }
+    }
+
+    /// True if the known sizes are certain. Otherwise, [`Self::see`] must be called after each message.
+    #[inline]
+    pub(super) fn are_certain(&self) -> bool {
+        self.doubtful.is_empty()
     }
 
     /// True if messages with the id at the start of `payload` have this size.
