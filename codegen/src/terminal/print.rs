@@ -24,7 +24,7 @@ pub fn stderr() -> Guard<anstream::AutoStream<io::Stderr>> {
 /// Prints to standard output. It is not an error if the reader closes the pipe early.
 pub fn print(text: fmt::Arguments<'_>) {
     let text = text.to_string();
-    // Without styles, there is nothing to remove.
+    // Only styles must be removed.
     let _ = if text.contains(ESCAPE) {
         stdout().write_all(text.as_bytes())
     } else {

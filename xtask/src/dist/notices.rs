@@ -189,7 +189,7 @@ mod tests {
         };
         let text = String::from_utf8_lossy(&crates.bytes);
         let list: Vec<&str> = text.lines().skip(2).take_while(|line| !line.is_empty()).collect();
-        for name in ["libsqlite3-sys ", "mcap ", "musl:", "ring "] {
+        for name in ["libmimalloc-sys ", "libsqlite3-sys ", "mcap ", "musl:", "ring "] {
             assert!(list.iter().any(|line| line.starts_with(name)), "{name} is missing");
         }
         for name in ["cc ", "proptest ", "serde_derive ", "uavspec", "windows-sys "] {
