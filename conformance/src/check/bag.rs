@@ -310,13 +310,13 @@ impl<'d> Channels<'d> {
     /// Creates the checker for the messages of a channel, unless there are too many fields.
     fn checker(&mut self, open: &mut Open, source: TypeSource) -> Option<CdrChecker> {
         let definitions = self.run.definitions;
-        let fields = FieldCounts::default().of(source.message_type(definitions));
-        self.fields = self.fields.saturating_add(fields);
         // A checker takes time and memory for each field.
-        if self.fields > MAX_FIELDS {
+        let fields = FieldCounts::default().of(source.message_type(definitions));
+        if fields > MAX_FIELDS - self.fields {
             open.status = CheckStatus::Checked(Basis::TooMany);
             return None;
         }
+        self.fields += fields;
         let check = CdrChecker::new(source, definitions, &open.identity.name);
         open.fields = Some(check.fields(definitions).into());
         Some(check)

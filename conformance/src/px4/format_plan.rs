@@ -48,7 +48,7 @@ impl FormatPlan {
 
 /// The maximum number of fields in the formats of a set whose values are checked, with the fields of each nested message.
 /// Real sets have a few thousand. Without a limit, nested arrays could multiply the fields indefinitely.
-pub(crate) const MAX_FIELDS: usize = 1 << 16;
+const MAX_FIELDS: usize = 1 << 16;
 
 /// The plans of a set of formats, by name. Each is created when it is needed.
 #[derive(Debug)]
@@ -59,7 +59,7 @@ pub(crate) struct FormatPlans {
 /// What is known about a format.
 #[derive(Debug)]
 struct Lazy {
-    /// True if the format and all formats before it have at most [`MAX_FIELDS`] fields.
+    /// True if the values are checked: the formats before leave room for the fields of this one.
     has_values: bool,
     plan: OnceLock<Arc<FormatPlan>>,
     comparison: OnceLock<Comparison>,
@@ -67,10 +67,11 @@ struct Lazy {
 
 impl FormatPlans {
     fn new(formats: &FormatSet) -> Self {
-        let (mut counts, mut fields) = (FieldCounts::default(), 0_usize);
+        let (mut counts, mut room) = (FieldCounts::default(), MAX_FIELDS);
         let by_name = formats.types().iter().map(|format| {
-            fields = fields.saturating_add(counts.of(format));
-            let has_values = fields <= MAX_FIELDS;
+            let rest = room.checked_sub(counts.of(format));
+            let has_values = rest.is_some();
+            room = rest.unwrap_or(room);
             let lazy = Lazy { has_values, plan: OnceLock::new(), comparison: OnceLock::new() };
             (format.name().into(), lazy)
         });
