@@ -108,15 +108,18 @@ fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     }
     // Rust's parser accepts the syntax of Python's `float`, including `inf`, `infinity` and `nan` in any case.
     let value: f64 = text.replace('_', "").parse().map_err(|_| LiteralError::Form)?;
-    let greatest = if scalar == Scalar::Float32 { f64::from(f32::MAX) } else { f64::MAX };
+    let is_single = scalar == Scalar::Float32;
+    // Common spellings of the greatest `float32` are slightly greater, and are rounded to it.
+    #[allow(clippy::cast_possible_truncation)]
+    let is_infinite = if is_single { (value as f32).is_infinite() } else { value.is_infinite() };
     let names_infinity = text.to_ascii_lowercase().contains("inf");
-    if value.abs() > greatest && !names_infinity {
+    if is_infinite && !names_infinity {
         // The limit of the type, in its shortest decimal form.
-        let greatest =
-            if scalar == Scalar::Float32 { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
+        let greatest = if is_single { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
         return Err(LiteralError::Range { least: format!("-{greatest}"), greatest });
     }
-    Ok(Value::Float(value))
+    let greatest = f64::from(f32::MAX);
+    Ok(Value::Float(if is_single && value.is_finite() { value.clamp(-greatest, greatest) } else { value }))
 }
 
 /// A string literal at the start of a text.
@@ -185,6 +188,11 @@ mod tests {
         assert!(matches!(parse_scalar("256", Scalar::UInt8), Err(LiteralError::Range { .. })));
         assert!(matches!(parse_scalar(&"9".repeat(400), Scalar::UInt64), Err(LiteralError::Range { .. })));
         assert!(matches!(parse_scalar("1e39", Scalar::Float32), Err(LiteralError::Range { .. })));
+        assert!(matches!(parse_scalar("3.4028236e38", Scalar::Float32), Err(LiteralError::Range { .. })));
+        for greatest in ["3.4028234663852886e38", "3.4028235e38", "3.40282347e+38"] {
+            let expected = Ok(Value::Float(f32::MAX.into()));
+            assert_eq!(parse_scalar(greatest, Scalar::Float32), expected, "{greatest}");
+        }
         assert!(matches!(parse_scalar("1e309", Scalar::Float64), Err(LiteralError::Range { .. })));
         assert_eq!(parse_scalar("-Inf", Scalar::Float32), Ok(Value::Float(f64::NEG_INFINITY)));
         assert_eq!(parse_scalar("2", Scalar::Bool), Err(LiteralError::Form));
