@@ -52,6 +52,19 @@ impl<'s> LineParser<'s, '_> {
         Ok(quoted)
     }
 
+    /// Reads the default of a string without quotes.
+    fn unquoted(&mut self, within: fn(char) -> bool) -> Result<String, Invalid> {
+        let start = self.at;
+        let text = self.word(within).trim_end().to_owned();
+        if text.contains('=') {
+            let span = self.span.part(start..start + text.len());
+            let problem = Problem::InvalidLiteral { text, type_name: "string".to_owned() };
+            let hint = "write the value in quotes; rosidl reads a constant because of the `=`";
+            return Err(self.report_with(problem, span, hint));
+        }
+        Ok(text)
+    }
+
     fn quoted(&mut self) -> Result<String, Invalid> {
         let start = self.at;
         let Some(quoted) = literal::parse_quoted(self.rest()) else {
@@ -133,7 +146,7 @@ impl<'s> LineParser<'s, '_> {
                 let text = if self.rest().starts_with(['"', '\'']) {
                     self.quoted()?
                 } else {
-                    self.word(within).trim_end().to_owned()
+                    self.unquoted(within)?
                 };
                 let length = text.chars().count();
                 if bound.is_some_and(|bound| length > bound as usize) {
