@@ -256,13 +256,20 @@ impl<'d> Channels<'d> {
             return self.format(open);
         }
         let has_hash = declared.metadata.get(HASH).is_some_and(|hash| is_comparable(hash));
-        let is_unknown = open.status == CheckStatus::Checked(Basis::NoSchema) && !has_hash;
+        let lacks_schema = open.status == CheckStatus::Checked(Basis::NoSchema);
+        let is_unknown = lacks_schema && !has_hash;
         // This program may have sent messages before the release was known.
         let is_outdated = declared.metadata.contains_key(OWN) && !self.has_defined_hash(declared, message_id);
         if is_outdated || is_unknown && definitions.is_undecided(message_id) {
             open.status = CheckStatus::Checked(Basis::Undecided);
             self.run.undecided(&open.identity.channel());
             return;
+        }
+        // Without a schema, only the hash shows the fields.
+        if lacks_schema && has_hash {
+            open.status = CheckStatus::Checked(Basis::OtherHash);
+            self.run.undecided(&open.identity.channel());
+            return self.hash(open, declared, message_id);
         }
         if let (None, Some(defect)) = (&stated, definitions.types().get(message_id).defect()) {
             open.status = CheckStatus::Checked(Basis::Unusable(defect.to_string()));

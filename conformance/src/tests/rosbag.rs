@@ -23,7 +23,7 @@ use crate::rules::sample::Flight;
 use crate::rules::{Mutant, mutants};
 use crate::tests::support::shared;
 
-use crate::fuzzing::bag_file::Content;
+use crate::fuzzing::bag_file::{Content, metadata};
 
 /// The built-in definitions, which apply to all captures.
 static FIXED: LazyLock<Library> = LazyLock::new(|| Library::fixed(Definitions::built_in()));
@@ -266,4 +266,49 @@ fn real_recordings_have_the_same_findings_in_both_formats() {
     }
     assert_eq!((num_files, num_bags), (13, 7));
     assert!(num_checked > 15_000, "{num_checked}");
+}
+
+/// Humble writes neither definitions nor hashes into `SQLite` files, so the sizes of the messages show the release.
+#[test]
+fn bags_without_hashes_are_checked_against_the_release_with_their_sizes() {
+    let library = Library::built_in();
+    let release = Library::load(Path::new("px4@1.14"), None).expect("a release");
+    let mut content = Content::of_mcap(&Flight::new(release.base()).bag().to_bytes());
+    content.definitions.clear();
+    content.topics.iter_mut().for_each(|(_, [.., hash])| hash.clear());
+    // Each topic has messages in only one of several files.
+    content.messages.sort_by_key(|(topic, ..)| *topic);
+    let pack = |bytes: &[u8]| compress_to_vec(bytes, CompressionLevel::Fastest);
+    let mut packed = content.clone();
+    packed.messages.iter_mut().for_each(|(_, _, payload)| *payload = pack(payload));
+    let bag = tempfile::tempdir().expect("a folder");
+    let in_folder = |name: &str, files: &[(&str, Vec<u8>)]| {
+        let folder = bag.path().join(name);
+        fs::create_dir(&folder).expect("a folder");
+        for (file, bytes) in files {
+            fs::write(folder.join(file), bytes).expect("a file");
+        }
+        let names: Vec<&str> = files.iter().map(|(file, _)| *file).collect();
+        let text = metadata("sqlite3", &names, content.messages.len());
+        fs::write(folder.join("metadata.yaml"), text).expect("a file");
+        checked_with(&folder, &library)
+    };
+    let part = |messages: &[(i64, i64, Vec<u8>)]| {
+        Content { messages: messages.to_vec(), ..content.clone() }.to_bytes()
+    };
+    let (first, second) = content.messages.split_at(content.messages.len() / 2);
+    let whole = in_folder("whole", &[("bag_0.db3", content.to_bytes())]);
+    assert_eq!((whole.checked, whole.corruption.len()), (content.messages.len() as u64, 0));
+    for (name, result) in [
+        ("compressed", in_folder("compressed", &[("bag_0.db3.zstd", pack(&content.to_bytes()))])),
+        ("split", in_folder("split", &[("bag_0.db3", part(first)), ("bag_1.db3", part(second))])),
+        ("messages", in_folder("messages", &[("bag_0.db3", packed.to_bytes())])),
+    ] {
+        let releases = |result| serde_json::to_value(&summary(result).releases).expect("JSON");
+        assert_eq!(releases(&result), releases(&whole), "{name}");
+        assert_same(&result, &whole, name);
+    }
+    let [found] = &summary(&whole).releases[..] else { panic!("expected one release") };
+    assert_eq!((found.release.as_str(), found.others.len()), ("px4@1.14", 0));
+    assert_eq!(violated(&whole).iter().filter(|(rule, ..)| rule.starts_with("PX-CDR")).count(), 0);
 }

@@ -11,6 +11,7 @@
 //! Each payload is read separately, so an unreadable payload doesn't affect other messages. A truncated file is read as
 //! far as possible.
 
+use std::collections::BTreeSet;
 use std::ffi::CStr;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -227,13 +228,30 @@ impl Bag {
         })
     }
 
-    /// Passes the size of a message of each topic to `take`, with the id of the topic.
-    pub(crate) fn sizes(&self, mut take: impl FnMut(i64, u64)) -> Result<(), Problem> {
-        self.rows("messages GROUP BY topic_id", &["topic_id", "min(length(data))"], &[], |row| {
-            let size = row.get_ref(1)?.as_i64().unwrap_or_default();
-            take(row.get_ref(0)?.as_i64().unwrap_or_default(), size.unsigned_abs());
-            Ok(())
-        })
+    /// Passes the first stored message of each of these topics to `take`, with the id of the topic. Messages that can't be
+    /// read are left out.
+    pub(crate) fn first_messages(
+        &self,
+        mut topics: BTreeSet<i64>,
+        mut take: impl FnMut(i64, &[u8]),
+    ) -> Result<(), Problem> {
+        let columns = self.columns(MESSAGES)?;
+        for column in ["topic_id", "data"] {
+            require(&columns, MESSAGES, column)?;
+        }
+        self.used.store(0, Ordering::Relaxed);
+        let mut statement = self.connection.prepare("SELECT rowid, topic_id FROM messages NOT INDEXED")?;
+        let mut rows = statement.query([])?;
+        let (mut blob, mut buffer) = (None, Vec::new());
+        while !topics.is_empty()
+            && let Some(row) = rows.next()?
+        {
+            let topic = row.get_ref(1)?.as_i64().unwrap_or(i64::MIN);
+            if topics.remove(&topic) && self.payload(row.get(0)?, &mut blob, &mut buffer).is_ok() {
+                take(topic, &buffer);
+            }
+        }
+        Ok(())
     }
 
     /// Passes the messages to `take`, by time and then by row, as rosbag2 plays them. If the index of the times is

@@ -5,14 +5,18 @@ use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom};
 use std::path::Path;
 
-use super::{HASH, Stated, is_type_hash};
+use super::cdr::decompressed;
+use super::schemas::{MAX_SCHEMA, MAX_SCHEMAS};
+use super::sqlite::{self, SQLITE};
+use super::{HASH, MCAP, Stated, is_type_hash};
 use crate::capture::MCAP_MAGIC;
+use crate::capture::input;
 use crate::capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadata};
 use crate::capture::rosbag::metadata::{Metadata, open};
-use crate::check::Source;
 use crate::check::json::Found;
 use crate::check::release::MAX_AHEAD;
 use crate::check::topic::{full_name, plain, service_of};
+use crate::check::{START, Source};
 use crate::definitions::{Clues, TypeClue, version_of_topic};
 use crate::model::Endpoint;
 
@@ -38,14 +42,25 @@ pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
     }
     // The messages at the start show the sizes of types without a hash.
     let mut clues = declarations(&mut *source.bytes);
-    for (name, versions) in summary.topic_versions {
+    merge(&mut clues, summary);
+    clues
+}
+
+/// Adds the facts in another part of a bag. Each part may show the hash or the size of a type, or neither.
+fn merge(clues: &mut Clues, others: Clues) {
+    for (name, versions) in others.topic_versions {
         clues.topic_versions.entry(name).or_default().extend(versions);
     }
-    for (name, clue) in summary.types {
-        let known = clues.types.entry(name).or_insert_with(|| clue.clone());
-        known.versions.extend(clue.versions);
+    for (name, other) in others.types {
+        let known = clues.types.entry(name).or_default();
+        known.type_hash = known.type_hash.take().or(other.type_hash);
+        known.size = known.size.or(other.size);
+        known.keys = known.keys.or(other.keys);
+        known.versions.extend(other.versions);
     }
-    clues
+    for (topic, format) in others.formats {
+        clues.formats.entry(topic).or_insert(format);
+    }
 }
 
 /// Reads the declarations in an MCAP file that is still being written.
@@ -78,14 +93,19 @@ fn declarations(input: impl Read) -> Clues {
     let mut reader = Reader::new(input);
     let mut clues = Clues::default();
     let mut schemas: HashMap<u16, (String, Option<String>)> = HashMap::new();
+    let mut room = MAX_SCHEMAS;
     // The types of channels whose schema is empty.
     let mut unknown: HashMap<u16, String> = HashMap::new();
     // The topics and types of JSON channels without a message.
     let (mut json, mut found) = (HashMap::new(), Found::default());
     while let Ok(Some(item)) = reader.next() {
         match item.event {
-            Event::Schema { id, name, encoding, text } if schemas.len() < MAX_TYPES => {
-                let hash = (encoding == "ros2msg").then(|| schema_hash(&name, text)).flatten();
+            Event::Schema { id, name, encoding, text }
+                if schemas.len() < MAX_TYPES && !schemas.contains_key(&id) =>
+            {
+                let is_read = encoding == "ros2msg" && text.len() <= MAX_SCHEMA.min(room);
+                let hash = is_read.then(|| schema_hash(&name, text)).flatten();
+                room -= if is_read { text.len() } else { 0 };
                 schemas.insert(id, (name, hash));
             }
             Event::Channel { metadata, .. } if metadata.contains_key(OWN) => {}
@@ -107,7 +127,7 @@ fn declarations(input: impl Read) -> Clues {
                     found.add_message(&topic, &ty, payload);
                 }
                 if let Some(clue) = unknown.remove(&channel).and_then(|name| clues.types.get_mut(&name)) {
-                    clue.size = Some(payload.len() as u64);
+                    clue.size = size_of(payload);
                 }
             }
             Event::Metadata { body } => {
@@ -154,13 +174,12 @@ pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
             unknown.insert(topic.id, name);
         }
     });
-    if !unknown.is_empty() {
-        let _ = bag.sizes(|topic, size| {
-            if let Some(clue) = unknown.get(&topic).and_then(|name| clues.types.get_mut(name)) {
-                clue.size = Some(size);
-            }
-        });
-    }
+    // The check reports messages that can't be read.
+    let _ = bag.first_messages(unknown.keys().copied().collect(), |topic, payload| {
+        if let Some(clue) = unknown.get(&topic).and_then(|name| clues.types.get_mut(name)) {
+            clue.size = size_of(payload);
+        }
+    });
     clues
 }
 
@@ -174,14 +193,35 @@ pub(in crate::check) fn folder(folder: &Path) -> Clues {
     let Ok(Some(metadata)) = Metadata::read(folder) else { return Clues::default() };
     let mut clues = Clues::default();
     for file in metadata.files.iter().take(MAX_FILES) {
-        let path = folder.join(file);
-        let Ok(mut bytes) = open(&path) else { continue };
-        let mut source = Source { bytes: &mut bytes, file: Some(&path) };
-        let found = if summary(&path).is_some() { mcap(&mut source) } else { sqlite(&mut source) };
-        clues.types.extend(found.types);
-        clues.topic_versions.extend(found.topic_versions);
+        // The check reports a file that can't be read.
+        merge(&mut clues, file_clues(&folder.join(file)).unwrap_or_default());
     }
     clues
+}
+
+/// Reads the declarations in a file of a bag, which may be compressed.
+fn file_clues(path: &Path) -> io::Result<Clues> {
+    let (mut input, is_plain) = input::decompressed(open(path)?)?;
+    let mut start = Vec::new();
+    input.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let whole = &mut io::Cursor::new(&start).chain(input);
+    let file = is_plain.then_some(path);
+    if (MCAP.detect)(&start) {
+        return Ok(mcap(&mut Source { bytes: &mut whole.take(MAX_AHEAD), file }));
+    }
+    if !(SQLITE.detect)(&start) {
+        return Ok(Clues::default());
+    }
+    if file.is_some() {
+        return Ok(sqlite(&mut Source { bytes: whole, file }));
+    }
+    let (copy, _) = sqlite::copy(whole);
+    Ok(sqlite(&mut Source { bytes: whole, file: copy.as_deref() }))
+}
+
+/// The size of a message in CDR. `None` if the message can't be decompressed.
+fn size_of(payload: &[u8]) -> Option<u64> {
+    Some(decompressed(payload).ok()?.len() as u64)
 }
 
 /// Adds the type of a topic. Returns its name if its hash isn't known.

@@ -68,6 +68,8 @@ pub enum Basis {
     Unusable(String),
     /// Several definitions have messages of this size, or none has. The channel wasn't checked.
     Undecided,
+    /// There is no schema, and the type hash is not that of the definition. The channel wasn't checked.
+    OtherHash,
     /// The channels have too many fields. This channel wasn't checked.
     TooMany,
 }
@@ -90,7 +92,9 @@ impl From<&CheckStatus> for PartResult {
             CheckStatus::Checked(Basis::Unusable(_)) | CheckStatus::Unsupported => Self::Unsupported,
             CheckStatus::Checked(Basis::TooMany) => Self::TooMany,
             CheckStatus::OwnSchema => Self::OwnSchema,
-            CheckStatus::Undefined | CheckStatus::Checked(Basis::Undecided) => Self::Undefined,
+            CheckStatus::Undefined | CheckStatus::Checked(Basis::Undecided | Basis::OtherHash) => {
+                Self::Undefined
+            }
             CheckStatus::Checked(_) => Self::Checked,
         }
     }
@@ -110,6 +114,9 @@ impl Basis {
                 "not checked: there is no schema or type hash, and the size of the messages doesn't show their release"
                     .to_owned(),
             ),
+            Self::OtherHash => {
+                Some("not checked: there is no schema, and the type hash is not that of the definition".to_owned())
+            }
             Self::TooMany => Some("not checked: the channels have too many fields".to_owned()),
         }
     }

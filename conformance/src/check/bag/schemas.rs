@@ -13,10 +13,10 @@ use crate::px4::comparison::{Comparison, compare_declared};
 
 /// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types take up half of
 /// this space.
-const MAX_SCHEMAS: usize = 8 << 20;
+pub(super) const MAX_SCHEMAS: usize = 8 << 20;
 
 /// The maximum size of a stored schema, in bytes.
-const MAX_SCHEMA: usize = 1 << 20;
+pub(super) const MAX_SCHEMA: usize = 1 << 20;
 
 /// The result of comparing a schema with a definition. The second item contains the types of the schema if they are
 /// needed to decode CDR. The third item is the message version that the schema states.
