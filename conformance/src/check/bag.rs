@@ -27,8 +27,8 @@ use uavspec_codegen::source::Span;
 
 pub(crate) use self::cdr::decompressed;
 use self::cdr::{CdrChecker, TypeSource};
-pub(super) use self::clues::{folder as folder_clues, recording as recording_clues};
-pub(super) use self::folder::check_folder;
+pub(super) use self::clues::recording as recording_clues;
+pub(super) use self::folder::{check_folder, clues as folder_clues};
 pub(super) use self::mcap::KIND as MCAP;
 pub(crate) use self::mcap::LiveBag;
 #[cfg(test)]

@@ -7,24 +7,18 @@ use std::path::Path;
 
 use super::cdr::decompressed;
 use super::schemas::{MAX_SCHEMA, MAX_SCHEMAS};
-use super::sqlite::{self, SQLITE};
-use super::{HASH, MCAP, Stated, is_type_hash};
+use super::{HASH, Stated, is_type_hash};
 use crate::capture::MCAP_MAGIC;
-use crate::capture::input;
 use crate::capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadata};
-use crate::capture::rosbag::metadata::{Metadata, open};
+use crate::check::Source;
 use crate::check::json::Found;
 use crate::check::release::MAX_AHEAD;
 use crate::check::topic::{full_name, plain, service_of};
-use crate::check::{START, Source};
 use crate::definitions::{Clues, TypeClue, version_of_topic};
 use crate::model::Endpoint;
 
 /// The maximum number of types.
 const MAX_TYPES: usize = 10_000;
-
-/// The maximum number of files of a bag that are read.
-const MAX_FILES: usize = 16;
 
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
 const FOOTER: usize = 9 + 20 + 8;
@@ -47,7 +41,7 @@ pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
 }
 
 /// Adds the facts in another part of a bag. Each part may show the hash or the size of a type, or neither.
-fn merge(clues: &mut Clues, others: Clues) {
+pub(super) fn merge(clues: &mut Clues, others: Clues) {
     for (name, versions) in others.topic_versions {
         clues.topic_versions.entry(name).or_default().extend(versions);
     }
@@ -186,37 +180,6 @@ pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
 #[cfg(not(feature = "db3"))]
 pub(super) fn sqlite(_: &mut Source<'_>) -> Clues {
     Clues::default()
-}
-
-/// Reads the declarations in the files of a bag's folder.
-pub(in crate::check) fn folder(folder: &Path) -> Clues {
-    let Ok(Some(metadata)) = Metadata::read(folder) else { return Clues::default() };
-    let mut clues = Clues::default();
-    for file in metadata.files.iter().take(MAX_FILES) {
-        // The check reports a file that can't be read.
-        merge(&mut clues, file_clues(&folder.join(file)).unwrap_or_default());
-    }
-    clues
-}
-
-/// Reads the declarations in a file of a bag, which may be compressed.
-fn file_clues(path: &Path) -> io::Result<Clues> {
-    let (mut input, is_plain) = input::decompressed(open(path)?)?;
-    let mut start = Vec::new();
-    input.by_ref().take(START as u64).read_to_end(&mut start)?;
-    let whole = &mut io::Cursor::new(&start).chain(input);
-    let file = is_plain.then_some(path);
-    if (MCAP.detect)(&start) {
-        return Ok(mcap(&mut Source { bytes: &mut whole.take(MAX_AHEAD), file }));
-    }
-    if !(SQLITE.detect)(&start) {
-        return Ok(Clues::default());
-    }
-    if file.is_some() {
-        return Ok(sqlite(&mut Source { bytes: whole, file }));
-    }
-    let (copy, _) = sqlite::copy(whole);
-    Ok(sqlite(&mut Source { bytes: whole, file: copy.as_deref() }))
 }
 
 /// The size of a message in CDR. `None` if the message can't be decompressed.

@@ -3,13 +3,50 @@
 use std::io::{self, Read as _};
 use std::path::Path;
 
+use super::clues;
 use super::mcap::McapFile;
 use super::sqlite::{self, SQLITE};
 use super::{BagContent, BagFile, BagSummary, Channels, MCAP};
 use crate::capture::input;
 use crate::capture::rosbag::metadata::{self, FILE_NAME, Metadata};
+use crate::check::release::MAX_AHEAD;
 use crate::check::{CaptureResult, CheckRun, Reading, START, Source, Summary};
+use crate::definitions::Clues;
 use crate::model::{Extent, Location};
+
+/// The maximum number of files of a bag that are read to find its release.
+const MAX_FILES: usize = 16;
+
+/// Reads the declarations in the files of a bag's folder.
+pub(in crate::check) fn clues(folder: &Path) -> Clues {
+    let Ok(Some(metadata)) = Metadata::read(folder) else { return Clues::default() };
+    let mut clues = Clues::default();
+    for file in metadata.files.iter().take(MAX_FILES) {
+        // The check reports a file that can't be read.
+        clues::merge(&mut clues, file_clues(&folder.join(file)).unwrap_or_default());
+    }
+    clues
+}
+
+/// Reads the declarations in a file of a bag, which may be compressed.
+fn file_clues(path: &Path) -> io::Result<Clues> {
+    let (mut input, is_plain) = input::decompressed(metadata::open(path)?)?;
+    let mut start = Vec::new();
+    input.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let whole = &mut io::Cursor::new(&start).chain(input);
+    let file = is_plain.then_some(path);
+    if (MCAP.detect)(&start) {
+        return Ok(clues::mcap(&mut Source { bytes: &mut whole.take(MAX_AHEAD), file }));
+    }
+    if !(SQLITE.detect)(&start) {
+        return Ok(Clues::default());
+    }
+    if file.is_some() {
+        return Ok(clues::sqlite(&mut Source { bytes: whole, file }));
+    }
+    let (copy, _) = sqlite::copy(whole);
+    Ok(clues::sqlite(&mut Source { bytes: whole, file: copy.as_deref() }))
+}
 
 /// Checks the readable parts of a bag's files. Fails if `metadata.yaml` can't be read.
 pub(in crate::check) fn check_folder(
