@@ -1,7 +1,8 @@
 //! Releases: the definitions of a whole distribution as one text, without comments.
 //!
-//! A release contains facts only: names, types, constants, units, constraints, enums, topics and versions. Its text has
-//! the form in which bags store definitions: each definition follows a line of `=` characters and a line with its name.
+//! A release contains facts only: names, types, constants, units, constraints, enums, topics and versions. Of the
+//! comments, it has only the words `NaN` and `bitmask`, which exempt values from checks. Its text has the form in which
+//! bags store definitions: each definition follows a line of `=` characters and a line with its name.
 //!
 //! ```
 //! # use uavspec_codegen::{PackageInput, SourceMap, msg::Dialect, read, schema::Form};

@@ -14,6 +14,7 @@
 //! assert_eq!(message.uorb.as_ref().map(|layout| layout.size), Some(16));
 //! ```
 
+pub(crate) mod bits;
 pub(crate) mod documentation;
 pub(crate) mod enumeration;
 pub(crate) mod error_codes;
@@ -35,6 +36,7 @@ pub use self::model::{
     UorbLayout, shape_text,
 };
 pub use self::restriction::Restriction;
+pub(crate) use self::restriction::mentions_nan;
 pub use crate::msg::ast::Shape;
 pub use crate::msg::constraint::{Constraint, Range, Stated};
 pub use crate::msg::{Dialect, Kind};

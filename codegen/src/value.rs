@@ -27,6 +27,11 @@ pub enum Value {
 }
 
 impl Value {
+    /// True for NaN.
+    pub(crate) fn is_nan(&self) -> bool {
+        matches!(self, Self::Float(value) if value.is_nan())
+    }
+
     /// The value as a float, if it is a number.
     pub fn as_f64(&self) -> Option<f64> {
         self.number().map(Number::as_f64)

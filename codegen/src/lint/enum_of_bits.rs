@@ -1,12 +1,12 @@
 //! `enum-of-bits`: a field with `@enum` whose constants are bits.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
 use crate::diagnostic::Level;
 use crate::example::Example;
-use crate::schema::{Enum, EnumRef, Field, Message, Schema};
+use crate::schema::{EnumRef, Field, Schema, bits};
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-of-bits",
@@ -33,9 +33,6 @@ pub(super) const RULE: Rule = Rule {
     check: Check::Message(check),
 };
 
-/// Words for bit fields, in comments and field names.
-const WORDS: [&str; 8] = ["bitmask", "bitmasks", "bitmap", "bitfield", "bitset", "bitwise", "mask", "bits"];
-
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let mut known = Bits::default();
     for field in &subject.message.fields {
@@ -60,30 +57,7 @@ pub(super) struct Bits {
 impl Bits {
     /// True if the constants of a field are bits, regardless of the field's annotation.
     pub(super) fn are_bits(&mut self, field: &Field, reference: EnumRef, schema: &Schema) -> bool {
-        let check = || {
-            let found = schema.enumeration(reference);
-            found.is_flags || are_masks(found) || are_named_bits(found, schema.message(reference.message))
-        };
-        *self.known.entry(reference).or_insert_with(check) || mentions_bits(field)
+        let check = || bits::are_bits(schema.enumeration(reference), schema.message(reference.message));
+        *self.known.entry(reference).or_insert_with(check) || bits::mentions_bits(field)
     }
-}
-
-/// True if the values are powers of two up to at least 8, and not consecutive numbers.
-fn are_masks(found: &Enum) -> bool {
-    let values: BTreeSet<i128> = found.members.iter().map(|member| member.value).collect();
-    let powers = values.iter().filter(|value| **value > 0 && value.count_ones() == 1).count();
-    let others = values.iter().filter(|value| **value != 0).count() - powers;
-    powers >= 4 && [1, 2, 4].iter().all(|low| values.contains(low)) && others <= 1 && !values.contains(&3)
-}
-
-/// True if all names contain `BIT` or `MASK`.
-fn are_named_bits(found: &Enum, owner: &Message) -> bool {
-    let is_bit = |name: &str| name.split('_').any(|word| matches!(word, "BIT" | "MASK"));
-    found.members.len() > 1
-        && found.members.iter().all(|member| is_bit(&owner.constants[member.constant].name))
-}
-
-fn mentions_bits(field: &Field) -> bool {
-    let words = field.description.split(|c: char| !c.is_alphanumeric()).chain(field.name.split('_'));
-    words.map(str::to_ascii_lowercase).any(|word| WORDS.contains(&word.as_str()))
 }

@@ -46,6 +46,8 @@ pub struct Annotation<'s> {
     pub statement: Statement<'s>,
     /// The location, with its brackets.
     pub span: Span,
+    /// False if the text only resembles an annotation, such as `[enum X]`.
+    pub is_exact: bool,
 }
 
 /// Reads the annotations of a comment. `text` is the text after the `#`, at `span`.
@@ -122,11 +124,11 @@ impl<'s> Reader<'s, '_> {
                 {
                     return;
                 }
-                Reading::Statement(statement) => self.push(statement, start..end),
+                Reading::Statement(statement) => self.push(statement, start..end, true),
                 Reading::NearMiss(statement, expected) => {
                     let found = self.text[start..end].to_owned();
                     self.report(Problem::AnnotationNearMiss { found, expected }, start..end);
-                    self.push(statement, start..end);
+                    self.push(statement, start..end, false);
                 }
                 Reading::Text(problem) => {
                     if let Some(problem) = problem {
@@ -169,14 +171,14 @@ impl<'s> Reader<'s, '_> {
             match classify(self.vocabulary, content, self.text.as_bytes()[start] == b'(') {
                 reading @ (Reading::Statement(_) | Reading::NearMiss(..)) => {
                     let found = self.text[start..end].to_owned();
-                    let (statement, expected) = match reading {
-                        Reading::NearMiss(statement, expected) => (statement, expected),
-                        Reading::Statement(statement) => (statement, found.clone()),
+                    let (statement, expected, is_exact) = match reading {
+                        Reading::NearMiss(statement, expected) => (statement, expected, false),
+                        Reading::Statement(statement) => (statement, found.clone(), true),
                         Reading::Text(_) => continue,
                     };
                     let head = head.map(|head| self.span.part(head..head));
                     self.report(Problem::AnnotationAfterText { found, expected, head }, start..end);
-                    self.push(statement, start..end);
+                    self.push(statement, start..end, is_exact);
                     text.push_str(self.text[copied..start].trim_end());
                     copied = end;
                     from = end;
@@ -196,7 +198,7 @@ impl<'s> Reader<'s, '_> {
         };
     }
 
-    fn push(&mut self, statement: Statement<'s>, range: std::ops::Range<usize>) {
+    fn push(&mut self, statement: Statement<'s>, range: std::ops::Range<usize>, is_exact: bool) {
         if let Statement::Unit(symbol) = statement
             && unit::lookup(symbol).is_none()
         {
@@ -213,7 +215,7 @@ impl<'s> Reader<'s, '_> {
             let problem = Problem::RangeReversed { low: text(&bounds.high), high: text(&bounds.low) };
             self.report(problem, range.clone());
         }
-        self.note.annotations.push(Annotation { statement, span: self.span.part(range) });
+        self.note.annotations.push(Annotation { statement, span: self.span.part(range), is_exact });
     }
 
     fn report(&mut self, problem: Problem, range: std::ops::Range<usize>) {

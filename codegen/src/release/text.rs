@@ -7,7 +7,8 @@ use crate::msg::constraint::Range;
 use crate::msg::{Dialect, Kind};
 use crate::resolve::default_topic;
 use crate::schema::{
-    Constant, Constraint, Element, Field, Form, Interface, Message, MessageId, Package, Schema, Stated,
+    Constant, Constraint, Element, Field, Form, Interface, Message, MessageId, Package, Schema, Stated, bits,
+    mentions_nan,
 };
 use crate::value::Value;
 
@@ -95,18 +96,31 @@ fn declared_constant(constant: &Constant) -> String {
     format!("{ty} {}={}", constant.name, constant.value)
 }
 
-/// The annotations of a field.
+/// The annotations of a field, and the words of its texts that exempt values from checks.
 fn field_facts(schema: &Schema, message: &Message, field: &Field) -> String {
     let mut facts = restrictions(field.unit.as_deref(), &field.constraints);
-    if let Some(reference) = field.enumeration {
-        let word = if schema.enumeration(reference).is_flags { "flags" } else { "enum" };
-        facts.push(format!("[@{word} {}]", field.enum_prefixes.join(" ")));
+    let found = field.enumeration.map(|reference| schema.enumeration(reference));
+    if let Some(found) = found {
+        let word = if found.is_flags { "flags" } else { "enum" };
+        let mark = if field.is_enum_exact { "@" } else { "" };
+        facts.push(format!("[{mark}{word} {}]", field.enum_prefixes.join(" ")));
     }
     facts.extend(field.attributes().map(|(attribute, text)| format!("[@{} {text}]", attribute.name)));
     if let Some(array) = field.counts.and_then(|at| message.fields.get(at)) {
         facts.push(format!("[@count {}]", array.name));
     }
+    if found.is_some_and(|found| !found.is_flags) && bits::mentions_bits(field) {
+        facts.push("bitmask".to_owned());
+    }
+    if is_float(field) && !field.constraints.is_empty() && mentions_nan(message, field) && !field.states_nan()
+    {
+        facts.push("NaN".to_owned());
+    }
     facts.join(" ")
+}
+
+fn is_float(field: &Field) -> bool {
+    matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float())
 }
 
 /// The unit and the constraints.
@@ -138,4 +152,75 @@ fn parameters(constant: &Constant) -> String {
     });
     let facts: Vec<String> = facts.collect();
     if facts.iter().all(String::is_empty) { String::new() } else { format!("|{}|", facts.join("|")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{PackageInput, SourceMap, read};
+
+    /// The lines of a message's fields in a release, and the values that checks accept: NaN, and the known ones.
+    fn fields(text: &str) -> Vec<(String, Option<(bool, Option<Vec<i128>>)>)> {
+        let mut sources = SourceMap::default();
+        let id = sources.add("Kite.msg", text.into()).expect("a source");
+        let package = PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id]);
+        let (schema, _) = read(&sources, &[package]);
+        let message = &schema.messages[0];
+        let facts = |field: &Field| {
+            let limits = schema.restriction(message, field);
+            let limits = limits.map(|found| (found.limits.forbids_nan, found.known));
+            (field_facts(&schema, message, field), limits)
+        };
+        message.fields.iter().map(facts).collect()
+    }
+
+    /// Reads the release of a message. Returns the same facts as `fields`.
+    fn fields_of_release(text: &str) -> Vec<(String, Option<(bool, Option<Vec<i128>>)>)> {
+        let mut sources = SourceMap::default();
+        let id = sources.add("Kite.msg", text.into()).expect("a source");
+        let package = PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id]);
+        let release = write(&read(&sources, &[package]).0);
+        fields(crate::release::entries(&release).next().expect("a message").text)
+    }
+
+    #[test]
+    fn a_release_keeps_what_only_texts_say() {
+        let text = "# Kite\n\nuint64 timestamp  # [us] Time\n\
+            float32 lift  # [@range -1, 1] NaN if it is unknown\n\
+            float32 drag  # [@range 0, 1] [@invalid -1] NaN if it is unknown\n\
+            float32 pull  # [@range 0, 1] Pull\n\
+            uint8 FAULT_LINE = 0\nuint8 FAULT_TAIL = 1\nuint8 FAULT_WING = 2\nuint8 FAULT_KNOT = 3\n\
+            uint16 faults  # [@enum FAULT] Bitmask of faults\n\
+            uint8 reason  # [enum FAULT] Any number, such as that of a fault\n\
+            uint8 latest  # [@enum FAULT] Latest fault\n";
+        let found = fields_of_release(text);
+        let facts: Vec<&str> = found.iter().map(|(facts, _)| facts.as_str()).collect();
+        assert_eq!(
+            facts,
+            [
+                "[us]",
+                "[@range -1, 1] NaN",
+                "[@range 0, 1] [@invalid -1] NaN",
+                "[@range 0, 1]",
+                "[@enum FAULT] bitmask",
+                "[enum FAULT]",
+                "[@enum FAULT]"
+            ]
+        );
+        let limits: Vec<_> = found.into_iter().map(|(_, limits)| limits).collect();
+        let known = Some(vec![0, 1, 2, 3]);
+        assert_eq!(
+            limits,
+            [
+                None,
+                Some((false, None)),
+                Some((false, None)),
+                Some((true, None)),
+                None,
+                None,
+                Some((false, known))
+            ]
+        );
+        assert_eq!(limits, fields(text).into_iter().map(|(_, limits)| limits).collect::<Vec<_>>());
+    }
 }

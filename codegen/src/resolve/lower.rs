@@ -137,6 +137,7 @@ impl<'s> Resolver<'s> {
                 | Statement::Format(_) => {}
                 Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
                     field.enum_prefixes = prefixes.iter().map(prefix_text).collect();
+                    field.is_enum_exact = annotation.is_exact;
                     let is_flags = matches!(annotation.statement, Statement::Flags(_));
                     if let Some(owner) = self.enum_owner(index, prefixes, annotation.span) {
                         let prefixes: Vec<String> =

@@ -285,6 +285,8 @@ pub struct Field {
     pub enum_prefixes: Vec<String>,
     /// The enum with these prefixes.
     pub enumeration: Option<EnumRef>,
+    /// False if the text only resembles an annotation with these prefixes. Other values are valid then.
+    pub is_enum_exact: bool,
     /// The index of the array field whose used elements this field counts.
     pub counts: Option<usize>,
     /// The declaration.
@@ -305,6 +307,7 @@ impl Field {
             attributes: BTreeMap::new(),
             enum_prefixes: Vec::new(),
             enumeration: None,
+            is_enum_exact: true,
             counts: None,
             span,
         }

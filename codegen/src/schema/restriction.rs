@@ -2,10 +2,11 @@
 
 use uavspec_runtime::{Constraint, Number, Scalar};
 
+use super::bits;
+use super::enumeration::Enum;
 use super::model::{Element, Field, Form, Message, Schema};
 use crate::msg::Dialect;
 use crate::msg::ast::Shape;
-use crate::msg::constraint::Stated;
 use crate::msg::constraint::number::stored;
 use crate::value::Value;
 
@@ -36,6 +37,16 @@ impl Restriction {
 }
 
 impl Schema {
+    /// The enum of a field, if other values are unknown. Bits that the definition doesn't declare with `@flags` may have
+    /// any combination.
+    pub(crate) fn enforced_enum(&self, field: &Field) -> Option<&Enum> {
+        let reference = field.enumeration.filter(|_| field.is_enum_exact)?;
+        let found = self.enumeration(reference);
+        let are_bits =
+            || bits::are_bits(found, self.message(reference.message)) || bits::mentions_bits(field);
+        (found.is_flags || !are_bits()).then_some(found)
+    }
+
     /// The restriction of a numeric field, or `None` if all values of its type are valid.
     pub fn restriction(&self, message: &Message, field: &Field) -> Option<Restriction> {
         let Form::Msg(dialect) = self.package_of(message).form else { return None };
@@ -44,7 +55,7 @@ impl Schema {
             return None;
         }
         let counted = field.counts.and_then(|array| message.fields.get(array));
-        let enumeration = field.enumeration.map(|reference| self.enumeration(reference));
+        let enumeration = self.enforced_enum(field);
         let mut restriction = Restriction {
             limits: Constraint {
                 count: counted.and_then(|array| match array.ty.shape {
@@ -81,7 +92,7 @@ fn forbids_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
 
 /// True if the definition mentions NaN in the field's annotations, or in the texts of the field, the group or the
 /// message.
-fn mentions_nan(message: &Message, field: &Field) -> bool {
+pub(crate) fn mentions_nan(message: &Message, field: &Field) -> bool {
     let group = field.group.and_then(|group| message.groups.get(group));
     field.gives_nan_a_meaning()
         || group.into_iter().chain([&message.docs]).any(|docs| text_mentions_nan(&docs.text()))
@@ -90,10 +101,14 @@ fn mentions_nan(message: &Message, field: &Field) -> bool {
 impl Field {
     /// True if the definition mentions NaN in the annotations or the text of the field.
     pub(crate) fn gives_nan_a_meaning(&self) -> bool {
-        let is_nan = |stated: &Stated| matches!(stated.value(), Some(Value::Float(value)) if value.is_nan());
-        let constraints = &self.constraints;
-        constraints.iter().any(|found| is_nan(&found.stated) || text_mentions_nan(&found.text))
+        self.states_nan()
+            || self.constraints.iter().any(|found| text_mentions_nan(&found.text))
             || text_mentions_nan(&self.description)
+    }
+
+    /// True if an annotation of the field gives NaN a meaning.
+    pub(crate) fn states_nan(&self) -> bool {
+        self.constraints.iter().any(|found| found.stated.value().is_some_and(Value::is_nan))
     }
 }
 

@@ -182,7 +182,7 @@ impl<'s> FieldSchema<'s> {
     /// is a number.
     fn enumeration(self) -> Option<(&'s Message, &'s Enum)> {
         let reference: EnumRef = self.field.enumeration.filter(|_| !self.is_text())?;
-        Some((self.schema.message(reference.message), self.schema.enumeration(reference)))
+        Some((self.schema.message(reference.message), self.schema.enforced_enum(self.field)?))
     }
 
     fn is_text(self) -> bool {

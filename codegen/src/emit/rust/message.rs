@@ -226,7 +226,7 @@ impl Parts<'_> {
             let length = types::integer(length.into());
             quote!(.counting(#length))
         });
-        let known = field.enumeration.map(|reference| {
+        let known = field.enumeration.filter(|_| restriction.known.is_some()).map(|reference| {
             let path = types::enumeration(self.context, self.id, reference);
             if restriction.limits.is_flags { quote!(.flags::<#path>()) } else { quote!(.values::<#path>()) }
         });
