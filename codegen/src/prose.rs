@@ -149,9 +149,13 @@ fn address(text: &str) -> Option<&str> {
     is_plain.then_some(address)
 }
 
-/// Replaces hidden characters, which could disguise text, with U+FFFD.
+/// Replaces hidden characters, which could disguise text, with U+FFFD, and a tab with a space.
 pub(crate) fn visible(character: char) -> char {
-    if is_hidden(character) { char::REPLACEMENT_CHARACTER } else { character }
+    match character {
+        '\t' => ' ',
+        _ if is_hidden(character) => char::REPLACEMENT_CHARACTER,
+        _ => character,
+    }
 }
 
 #[cfg(test)]

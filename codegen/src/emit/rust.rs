@@ -148,7 +148,9 @@ fn name_modules(context: &mut Context<'_>, package: &Package, module: &str) -> M
     for reserved in ["srv", "action", "error_code", json_type::MODULE] {
         scope.unique(reserved);
     }
-    types.unique_type("ErrorCode");
+    if !package.error_tables.is_empty() {
+        types.unique_type("ErrorCode");
+    }
     let schema = context.schema;
     let has_view = |id: MessageId| schema.message(id).uorb.is_some();
     for id in &package.messages {

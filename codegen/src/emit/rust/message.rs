@@ -299,7 +299,8 @@ impl Parts<'_> {
         if let Some(length) = message.queue_length {
             facts.push(("queue length", length.to_string()));
         }
-        if let Some(layout) = &message.uorb {
+        let is_px4 = types::dialect(self.context, self.id) == Dialect::Px4;
+        if let Some(layout) = message.uorb.as_ref().filter(|_| is_px4) {
             facts.push(("uORB", format!("{} bytes, hash `0x{:08x}`", layout.size, message.hash)));
         }
         let cdr = if message.cdr.is_fixed { "" } else { "at least " };

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use uavspec_runtime::cdr::WIDE_UNIT;
+use uavspec_runtime::cdr::{HEADER, WIDE_UNIT};
 use uavspec_runtime::{Rule, Scalar};
 
 use super::case::{Change, Sample, Verdict, rule};
@@ -168,7 +168,10 @@ impl<'s> FieldSamples<'s> {
         match self.field.ty.element {
             Element::Scalar(scalar) => scalar.size(),
             Element::String { .. } => 4,
-            Element::Message(id) => usize::try_from(self.schema.message(id).cdr.least).unwrap_or(0),
+            Element::Message(id) => {
+                let least = usize::try_from(self.schema.message(id).cdr.least).unwrap_or(0);
+                least.saturating_sub(HEADER)
+            }
         }
     }
 

@@ -14,7 +14,7 @@ const PATH: &str = "vectors.schema.json";
 
 /// Creates the schema of all `.vectors.json` files.
 pub(super) fn file(options: &Options) -> OutputFile {
-    let hex = |what: &str| json!({"description": what, "type": "string", "pattern": "^([0-9a-f]{2})+$"});
+    let hex = |what: &str| json!({"description": what, "type": "string", "pattern": "^([0-9a-f]{2})*$"});
     let text = |what: &str| json!({"description": what, "type": "string"});
     let case = json!({
         "type": "object",

@@ -7,6 +7,9 @@ use crate::msg::constraint::{Effect, Probe};
 use crate::schema::{Enum, Field, Message, Restriction, Schema};
 use crate::value::Value;
 
+/// Integers up to this magnitude are exact as 64-bit floats.
+pub(super) const EXACT_WITHIN: u128 = 1 << 53;
+
 /// An offset from a 64-bit integer bound, large enough to survive conversion to a 64-bit float.
 const FAR: i128 = 1 << 12;
 
@@ -198,7 +201,12 @@ impl<'s> NumberSamples<'s> {
     fn push(&mut self, name: impl Into<String>, words: impl Into<String>, number: Number) {
         let number = self.rounded(number);
         if self.is_representable(number) {
-            let sample = Sample::new(name, words, self.json(number), self.verdict(number));
+            let mut sample = Sample::new(name, words, self.json(number), self.verdict(number));
+            // As 64-bit floats, such an integer may be equal to a valid one.
+            sample.verdict.suits_doubles = match number {
+                Number::Int(value) => sample.verdict.passes_schema || value.unsigned_abs() <= EXACT_WITHIN,
+                Number::Float(_) => true,
+            };
             self.samples.push(sample);
         }
     }

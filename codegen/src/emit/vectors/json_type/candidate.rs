@@ -3,12 +3,10 @@
 use serde_json::{Map, Value as Json};
 
 use super::typical::Typical;
+use crate::emit::vectors::number::EXACT_WITHIN;
 use crate::schema::json_type::{Expression, Limits, Set, SetValues};
 use crate::schema::{Range, Schema};
 use crate::value::Value;
-
-/// From this magnitude on, 64-bit floats can't represent every integer.
-const EXACT_WITHIN: u128 = 1 << 53;
 
 /// Maximum length of strings and lists in cases.
 const MAX_LENGTH: u32 = 4_096;
