@@ -72,6 +72,7 @@ fn number(field: &Field, value: Computed) -> Value {
     let Element::Scalar(scalar) = field.ty.element else { return Value::Null };
     match value {
         Computed::Bool(value) => Value::Bool(value),
+        Computed::Int(value) if scalar == Scalar::Bool => Value::Bool(value != 0),
         Computed::Int(value) if scalar.is_float() => {
             #[allow(clippy::cast_precision_loss)] // the hint or the type allows it
             let value = value as f64;

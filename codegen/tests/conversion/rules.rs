@@ -123,6 +123,25 @@ fn enums_convert_by_name() {
 }
 
 #[test]
+fn an_enum_that_becomes_a_float_is_undecided_if_its_numbers_change() {
+    let old = "uint8 mode  # [@enum MODE]\nuint8 MODE_A = 0\nuint8 MODE_B = 1\n";
+    let new = "float32 mode\nuint8 MODE_A = 1\nuint8 MODE_B = 0\n";
+    let text = undecided(old, new, "");
+    assert!(text.contains("`Glider.mode` changed its type and the numbers of its constants"), "{text}");
+}
+
+#[test]
+fn a_new_bool_may_state_its_value_for_missing_data() {
+    for (value, expected) in [("0", false), ("1", true)] {
+        let new = format!("uint8 id\nbool is_towed  # [@invalid {value}]\n");
+        let found = convert(&[("Glider", "uint8 id\n")], &[("Glider", &new)], "");
+        assert_eq!(found.problems(), "");
+        let converted = found.converted(found.forward("Glider"), r#"{"id": 3}"#);
+        assert_eq!(converted["is_towed"], json!(expected));
+    }
+}
+
+#[test]
 fn flags_convert_bit_by_bit() {
     let old = "uint8 faults  # [@flags FAULT]\nuint8 FAULT_A = 1\nuint8 FAULT_B = 2\nuint8 FAULT_C = 4\n";
     let new = "uint8 faults  # [@flags FAULT]\nuint8 FAULT_C = 1\nuint8 FAULT_B = 2\nuint8 FAULT_A = 4\n";

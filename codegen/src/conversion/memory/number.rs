@@ -68,6 +68,7 @@ pub(super) fn write(scalar: Scalar, value: Computed) -> [u8; 8] {
     };
     match (value, scalar.integer_bounds()) {
         (Computed::Bool(value), _) => u64::from(value).to_le_bytes(),
+        (Computed::Int(value), _) if scalar == Scalar::Bool => u64::from(value != 0).to_le_bytes(),
         // The truncation keeps the bytes of the type.
         (Computed::Int(value), Some((low, high))) => (value.clamp(low, high) as u64).to_le_bytes(),
         (Computed::Int(value), None) => float(value as f64),

@@ -149,6 +149,10 @@ pub(super) fn constant(ty: Element) -> TokenStream {
 pub(super) fn literal(element: Element, value: &Value) -> TokenStream {
     match (value, element) {
         (Value::Bool(value), _) => quote!(#value),
+        (Value::Int(value), Element::Scalar(Scalar::Bool)) => {
+            let value = *value != 0;
+            quote!(#value)
+        }
         (Value::Int(value), _) => integer(*value),
         (Value::Float(value), Element::Scalar(Scalar::Float32)) => float(*value, &quote!(f32), |value| {
             #[allow(clippy::cast_possible_truncation)] // the constant is a float32
