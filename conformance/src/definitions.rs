@@ -335,8 +335,11 @@ pub(crate) fn unversioned(topic: &str) -> Option<&str> {
     (!version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit())).then_some(name)
 }
 
+/// The folder of the topics that applications send to PX4. A namespace may precede it.
+pub(crate) const TO_PX4: &str = "/fmu/in/";
+
 /// The folders of the topics that PX4 exchanges with applications. A namespace may precede them.
-pub(crate) const FOLDERS: [&str; 2] = ["/fmu/in/", "/fmu/out/"];
+pub(crate) const FOLDERS: [&str; 2] = [TO_PX4, "/fmu/out/"];
 
 /// The version in the name of a topic that PX4 exchanges with applications; 0 if the name doesn't end with a version.
 pub(crate) fn version_of_topic(topic: &str) -> Option<u32> {

@@ -238,13 +238,13 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         ),
         (
             "PX-TIME-01",
-            value("/timestamp", json!(58 * PERIOD)),
+            format!("{}\n{}", value("/timestamp", json!(58 * PERIOD)), typed(&good)),
             "Glider.timestamp: timestamp 1160000 is earlier than the previous timestamp, 1180000",
         ),
         ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "Glider: no message for 420 ms"),
         (
             "PX-VER-01",
-            published("/glider_v1", &good),
+            published("/fmu/out/glider_v1", &good),
             "glider_v1: the topic name has version 1, but the definition has version 2",
         ),
     ]

@@ -345,6 +345,7 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     header[1] = 0x20;
     let mut long = good().cdr();
     long.extend([0; 4]);
+    let early = Glider { timestamp: 58 * PERIOD, ..good() };
     let burst: Vec<u8> = (0..3).flat_map(|_| message(3, &good().cdr())).collect();
     let other_hash =
         channel(3, 0, "/glider", "cdr", &[("topic_type_hash", &format!("RIHS01_{}", "0".repeat(64)))]);
@@ -393,7 +394,11 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
             "glider.marks.height: marks[1].height: 9001 is out",
         ),
         ("PX-STR-01", value(|glider| glider.name = *b"D\xff\0\0"), "glider.name: invalid UTF-8 at byte 1"),
-        ("PX-TIME-01", value(|glider| glider.timestamp = 58 * PERIOD), "glider.timestamp: timestamp 1160000"),
+        (
+            "PX-TIME-01",
+            file(&[records_with(&early.cdr()).concat(), message(3, &good().cdr())].concat()),
+            "glider.timestamp: timestamp 1160000",
+        ),
         ("PX-TIME-02", value(|glider| glider.timestamp = 80 * PERIOD), "glider: no message for 420 ms"),
         (
             "PX-VER-01",

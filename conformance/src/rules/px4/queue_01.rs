@@ -71,9 +71,10 @@ impl Checker for Bursts {
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(burst) = self.channels.get(channel) else { return };
-        let (Some(timestamp), length) = (message.timestamp, burst.length) else { return };
+        let length = burst.length;
         // A message that was never published has time 0.
-        if timestamp != burst.timestamp || timestamp == 0 {
+        let Some(timestamp) = message.timestamp.filter(|timestamp| *timestamp != 0) else { return };
+        if timestamp != burst.timestamp {
             (burst.timestamp, burst.count) = (timestamp, 0);
         }
         burst.count += 1;

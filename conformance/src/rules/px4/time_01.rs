@@ -3,10 +3,12 @@
 use uavspec::px4::BatteryStatus;
 
 use super::bug::{Bug, Side};
+use super::ext::px4_message;
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
     Rule, RuleContext, Status,
 };
+use crate::definitions::TO_PX4;
 use crate::rules::sample::{Flight, START};
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -16,7 +18,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         level: Level::Must,
         status: Status::Normative,
         statement: "The `timestamp` field does not decrease from one message of a subscription to the next. A \
-                    timestamp may repeat, and it may be 0.",
+                    timestamp may repeat, and it may be 0. In bags and lines of JSON, this concerns PX4 messages, \
+                    except those to PX4, which several nodes may send. There, PX4's clock may be set back: the later \
+                    messages follow it.",
         source: "uORB publishes in order; `timestamp` is the time since system start",
         applies_to: "message sequences",
         why: "Tools sort and interpolate samples by time. If the time steps back, the order, rates and derivatives are \
@@ -37,51 +41,89 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         },
     )),
     mutants: &[Mutant {
-        name: "a final message with an earlier timestamp than the ones before it",
+        name: "a message with an earlier timestamp than the ones before and after it",
         change: Change::Flight(back),
         also: &[],
     }],
 };
 
-/// The time of the latest message of each channel.
+/// The greatest step back of a message whose time is wrong, in µs. PX4 sends the time since 1970 once its clock is
+/// synchronised with that of the computer, and the time since boot before that.
+const MAX_STEP: u64 = 3_600_000_000;
+
 #[derive(Default)]
 struct Times {
-    latest: PerChannel<u64>,
+    channels: PerChannel<Time>,
+}
+
+/// The times of a channel.
+#[derive(Clone, Default)]
+struct Time {
+    /// The time of the latest message; 0 if it is unknown.
+    latest: u64,
+    /// The latest message, if its time is earlier than that of the message before it, and the next message shows whether
+    /// the clock was set.
+    early: Option<Early>,
+}
+
+/// A message with an earlier time than the one before it.
+#[derive(Clone, Copy)]
+struct Early {
+    timestamp: u64,
+    previous: u64,
+    location: Location,
 }
 
 impl Checker for Times {
-    fn opened(&mut self, channel: &Channel<'_>, _: &mut RuleContext<'_>) -> Interest {
-        self.latest.open(channel, 0);
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        if channel.multi_id.is_none()
+            && (px4_message(channel, context).is_none() || channel.full_topic.contains(TO_PX4))
+        {
+            return Interest::Nothing;
+        }
+        self.channels.open(channel, Time::default());
         Interest::Times
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
-        let (Some(timestamp), Some(latest)) = (message.timestamp, self.latest.get(channel)) else {
-            return;
-        };
-        if timestamp < *latest && timestamp != 0 {
-            let latest = *latest;
-            context.violation_in_field(channel, "timestamp", message.location, || {
-                Detail::new(format!("timestamp {timestamp} is earlier than the previous timestamp, {latest}"))
-                    .expected(format!("{latest} or later"))
-                    .actual(timestamp.to_string())
-            });
-        }
-        context.covered();
+        let Some(timestamp) = message.timestamp.filter(|timestamp| *timestamp != 0) else { return };
+        let Some(time) = self.channels.get(channel) else { return };
         // Later messages are compared with this message, even if its time is wrong. Otherwise, a single wrong time or a
         // restart would make all later messages wrong.
-        if timestamp != 0 {
-            *latest = timestamp;
+        let Time { latest: previous, early } =
+            std::mem::replace(time, Time { latest: timestamp, early: None });
+        if previous == 0 {
+            return;
         }
+        context.covered();
+        let now = (timestamp < previous).then_some(Early { timestamp, previous, location: message.location });
+        if channel.multi_id.is_some() {
+            return report(now, channel, context);
+        }
+        time.early = now.filter(|early| early.previous - early.timestamp < MAX_STEP);
+        report(early.filter(|early| timestamp >= early.previous), channel, context);
     }
 
     fn corruption(&mut self, _: Location) {
         // The latest message may be corrupt too.
-        self.latest.iter_mut().for_each(|latest| *latest = 0);
+        self.channels.iter_mut().for_each(|time| *time = Time::default());
     }
 }
 
-/// Sets the time of a topic's last message to the time of its first message.
+fn report(early: Option<Early>, channel: &Channel<'_>, context: &mut RuleContext<'_>) {
+    let Some(Early { timestamp, previous, location }) = early else { return };
+    context.violation_in_field(channel, "timestamp", location, || {
+        Detail::new(format!("timestamp {timestamp} is earlier than the previous timestamp, {previous}"))
+            .expected(format!("{previous} or later"))
+            .actual(timestamp.to_string())
+    });
+}
+
+/// Sets the time of a topic's last message but one to the time of its first message.
 fn back<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
-    flight.with_last(flight.regular(|_| true)?, |message| message["timestamp"] = START.into())
+    let topic = flight.regular(|_| true)?;
+    let last = flight.messages[flight.last_of(topic)?].clone();
+    let mut flight = flight.with_last(topic, |message| message["timestamp"] = START.into())?;
+    flight.messages.push(last);
+    Some(flight)
 }

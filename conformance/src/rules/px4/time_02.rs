@@ -1,5 +1,6 @@
 //! `PX-TIME-02`.
 
+use super::ext::px4_message;
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
     Rule, RuleContext, Status,
@@ -35,6 +36,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
 /// The number of pauses from which the period of a channel is learned.
 const LEARNING_PERIODS: usize = 32;
 
+/// The minimum number of these pauses that must be between half the period and twice the period. Otherwise, the topic has
+/// no regular period.
+const REGULAR: usize = 28;
+
 /// The maximum pause, in periods.
 const PAUSE: u64 = 10;
 
@@ -56,13 +61,16 @@ struct Gaps {
 #[derive(Clone, Default)]
 struct Rhythm {
     latest: u64,
-    /// `None` until the period has been learned.
+    /// `None` until the topic had a regular period.
     period: Option<u64>,
     first: Vec<u64>,
 }
 
 impl Checker for Gaps {
-    fn opened(&mut self, channel: &Channel<'_>, _: &mut RuleContext<'_>) -> Interest {
+    fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        if channel.multi_id.is_none() && px4_message(channel, context).is_none() {
+            return Interest::Nothing;
+        }
         self.channels.open(channel, Rhythm::default());
         Interest::Times
     }
@@ -77,7 +85,8 @@ impl Checker for Gaps {
         if latest > 0 && pause > 0 {
             rhythm.learn(pause);
         }
-        rhythm.latest = timestamp;
+        // After a step back, which PX-TIME-01 judges, the clock is unknown.
+        rhythm.latest = if timestamp < latest { 0 } else { timestamp };
         let Some(period) = period else { return };
         context.covered();
         if pause > period.saturating_mul(PAUSE) && latest > self.excused_until {
@@ -113,8 +122,9 @@ impl Rhythm {
         self.first.push(pause);
         if self.first.len() == LEARNING_PERIODS {
             let mut first = std::mem::take(&mut self.first);
-            let (_, median, _) = first.select_nth_unstable(LEARNING_PERIODS / 2);
-            self.period = Some(*median);
+            let median = *first.select_nth_unstable(LEARNING_PERIODS / 2).1;
+            let is_similar = |pause: &&u64| (median / 2..=median.saturating_mul(2)).contains(*pause);
+            self.period = Some(median).filter(|_| first.iter().filter(is_similar).count() >= REGULAR);
         }
     }
 }

@@ -1,8 +1,10 @@
 //! `PX-VER-01`.
 
+use super::ext::px4_message;
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status,
 };
+use crate::definitions::FOLDERS;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -38,6 +40,15 @@ struct Versions;
 
 impl Checker for Versions {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        // Only PX4 appends versions to its topics. Other names in a bag may end with any number.
+        let is_px4 = || {
+            let mut folders = FOLDERS.iter();
+            folders.any(|folder| channel.full_topic.contains(folder))
+                && px4_message(channel, context).is_some()
+        };
+        if channel.multi_id.is_none() && !is_px4() {
+            return Interest::Nothing;
+        }
         let message = channel.definition.map(|id| context.definitions.schema.message(id));
         // The definition may list the name with its suffix as a topic.
         let message = message.filter(|message| message.topics.iter().all(|topic| topic != channel.topic));

@@ -1,6 +1,7 @@
 //! Tests of the different forms in which JSON messages and numbers can be written.
 
 use crate::check::Summary;
+use crate::rules::rule;
 use serde_json::{Value, json};
 
 use super::{PERIOD, check_bare, check_bytes, corruption, glider, published, source, type_name, violated};
@@ -125,4 +126,44 @@ fn detects_logs_by_their_magic() {
     let result = check_bytes(&Writer::with_flags().bytes);
     assert!(matches!(result.summary, Summary::Log(_)));
     assert!(matches!(check_bytes(b"").summary, Summary::Unknown(_)));
+}
+
+/// Checks messages on a topic, with these timestamps. Returns the findings, and how many times were compared.
+fn check_times(topic: &str, times: &[u64]) -> (Vec<(&'static str, String)>, u64) {
+    let lines: Vec<String> = times.iter().map(|time| published(topic, &glider(*time))).collect();
+    let result = check_bytes(lines.join("\n").as_bytes());
+    assert_eq!((corruption(&result), result.checked), (vec![], times.len() as u64));
+    (violated(&result), result.findings.covered(rule("PX-TIME-01").expect("a rule")))
+}
+
+#[test]
+fn only_a_single_early_message_has_a_wrong_time() {
+    const EPOCH: u64 = 1_700_000_000_000_000;
+    let text = "glider.timestamp: timestamp 4 is earlier than the previous timestamp, 7";
+    let wrong = vec![("PX-TIME-01", text.to_owned())];
+    assert_eq!(check_times("/fmu/out/glider", &[1, 7, 4, 7]), (wrong, 3));
+    for times in [
+        // The clock was set back, or the autopilot restarted.
+        &[1, 7, 4, 5, 6][..],
+        // The last message doesn't show which of the two it is.
+        &[1, 7, 4],
+        // PX4 lost its synchronisation with the computer for one message.
+        &[EPOCH, EPOCH + 7, 4, EPOCH + 9],
+        &[7, 0, 7],
+        &[7, 7],
+    ] {
+        assert_eq!(check_times("/fmu/out/glider", times).0, [], "{times:?}");
+    }
+    // Several nodes may send to PX4.
+    assert_eq!(check_times("/second/fmu/in/glider", &[1, 7, 4, 7]), (vec![], 0));
+}
+
+#[test]
+fn only_topics_of_px4_end_with_a_version() {
+    let version = |topic: &str| {
+        let rules = check_times(topic, &[1, 2]).0.into_iter().map(|(rule, _)| rule);
+        rules.collect::<Vec<_>>()
+    };
+    assert_eq!(version("/fmu/out/glider_v7"), ["PX-VER-01"]);
+    assert_eq!(version("/left/glider_v7"), Vec::<&str>::new());
 }

@@ -97,27 +97,31 @@ fn compares_the_topic_version_with_the_schema_in_the_file() {
         |number: u32| GLIDER.replace("MESSAGE_VERSION = 2", &format!("MESSAGE_VERSION = {number}"));
     let without = GLIDER.replace("uint32 MESSAGE_VERSION = 2", "");
     for (topic, text, problem) in [
-        ("/glider_v2", of_version(2), ""),
-        ("/glider_v3", of_version(3), ""),
+        ("/fmu/out/glider_v2", of_version(2), ""),
+        ("/fmu/out/glider_v3", of_version(3), ""),
         (
-            "/glider_v2",
+            "/fmu/out/glider_v2",
             of_version(3),
             "glider_v2: the topic name has version 2, but its schema has version 3",
         ),
         (
-            "/glider_v3",
+            "/fmu/out/glider_v3",
             of_version(2),
             "glider_v3: the topic name has version 3, but its schema has version 2",
         ),
-        ("/glider_v2", without.clone(), ""),
-        ("/glider_v3", without, "glider_v3: the topic name has version 3, but the definition has version 2"),
+        ("/fmu/out/glider_v2", without.clone(), ""),
         (
-            "/glider_v3",
+            "/fmu/out/glider_v3",
+            without,
+            "glider_v3: the topic name has version 3, but the definition has version 2",
+        ),
+        (
+            "/fmu/out/glider_v3",
             "int8 a[".to_owned(),
             "glider_v3: the topic name has version 3, but the definition has version 2",
         ),
-        ("/glider_v3_1", of_version(3), ""),
-        ("/glider_velocity", of_version(2), ""),
+        ("/fmu/out/glider_v3_1", of_version(3), ""),
+        ("/fmu/out/glider_velocity", of_version(2), ""),
     ] {
         let text = if text.starts_with("int8") { text } else { ros2msg(&text) };
         let records = [

@@ -52,9 +52,11 @@ fn rules_span_the_files_of_a_bag() {
     let content = flight();
     let folder = tempfile::tempdir().expect("a folder");
     split(&content, folder.path());
-    // The first file is played last, so the timestamps of all topics go back.
-    let names = ["bag_1.db3", "bag_2.db3", "bag_0.db3"];
-    let text = metadata("sqlite3", &names, content.messages.len());
+    // Only the file between the others contains a message whose timestamp goes back.
+    let early = Content { messages: content.messages[..1].to_vec(), ..content.clone() };
+    early.write(&folder.path().join("early.db3"));
+    let names = ["bag_0.db3", "bag_1.db3", "early.db3", "bag_2.db3"];
+    let text = metadata("sqlite3", &names, content.messages.len() + 1);
     fs::write(folder.path().join("metadata.yaml"), text).expect("a file");
     let result = checked(folder.path());
     let found = violated(&result);
