@@ -370,7 +370,7 @@ impl<'d> LogChecker<'d> {
         if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
             self.run.clock.set_utc(timestamp, utc);
         }
-        open.tally.count(open.definition.is_some() && plan.values.is_some(), timestamp);
+        open.tally.count(open.definition.is_some() && plan.values.is_some(), self.run.logged(timestamp));
         let values =
             self.run.wants_values(open.index).then(|| record.message_type.view_uorb(record.payload).ok());
         let message = Message { timestamp, values: values.flatten(), location };

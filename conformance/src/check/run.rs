@@ -230,12 +230,15 @@ impl<'d> CheckRun<'d> {
         self.clock.set_utc(time, time);
     }
 
-    /// Extends the time span to include a timestamp in µs. The first message of a topic may be older than the log: its
+    /// A timestamp in µs, if it is known and isn't older than the log. The first message of a topic may be older: its
     /// publisher sent it before logging began.
+    pub(super) fn logged(&self, timestamp: Option<u64>) -> Option<u64> {
+        timestamp.filter(|timestamp| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start))
+    }
+
+    /// Extends the time span to include a timestamp in µs.
     fn include_timestamp(&mut self, timestamp: Option<u64>) {
-        let is_logged =
-            |timestamp: &u64| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start);
-        if let Some(timestamp) = timestamp.filter(is_logged) {
+        if let Some(timestamp) = self.logged(timestamp) {
             self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
             self.last = self.last.max(timestamp);
         }

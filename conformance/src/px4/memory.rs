@@ -236,8 +236,11 @@ impl Compiler<'_> {
             let Some(values) = Values::new(placed, message_type, field) else { return };
             let (path, subject) = within.names(placed.name);
             let count = if matches!(values.element, Element::Text(_)) { 1 } else { count(placed.shape) };
-            for rule in values.constraint().rules(Encoding::Memory, self.rules) {
-                self.coverage.add(rule, count as u64);
+            // A message may use fewer entries of a counted array, or none.
+            if counter.is_none() && within.entries.is_empty() {
+                for rule in values.constraint().rules(Encoding::Memory, self.rules) {
+                    self.coverage.add(rule, count as u64);
+                }
             }
             steps.push(Step {
                 path,

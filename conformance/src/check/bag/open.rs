@@ -200,11 +200,9 @@ impl Open {
     pub(super) fn compared(&self) -> ComparedTopic<'_> {
         let is_equal = match &self.status {
             CheckStatus::Checked(Basis::Compared(comparison)) => **comparison == Comparison::Equal,
-            CheckStatus::OwnSchema
-            | CheckStatus::Undefined
-            | CheckStatus::Unsupported
-            | CheckStatus::Checked(Basis::Undecided) => false,
-            CheckStatus::Checked(_) => true,
+            // The hash or the size of the messages is that of the definition.
+            CheckStatus::Checked(Basis::NoSchema | Basis::Encoding(_)) => true,
+            _ => false,
         };
         ComparedTopic { topic: &self.identity.topic, definition: self.identity.definition, is_equal }
     }
