@@ -3,8 +3,9 @@
 use std::num::NonZero;
 use std::thread;
 
-/// The number of items from which several threads work on them. Each thread has at least half as many.
-const MIN_ITEMS: usize = 32;
+/// The number of items from which several threads work on them. Each thread has at least half as many. Starting threads
+/// takes longer than reading a few definitions.
+const MIN_ITEMS: usize = 128;
 
 /// Calls `work` for consecutive parts of `items` in several threads, and returns the results in order. The number of
 /// parts depends on the system, so the results together must not depend on it.

@@ -68,7 +68,6 @@ use crate::capture::input::{self, Input};
 use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
 #[cfg(feature = "stores")]
 use crate::capture::store::{Failure, Object};
-use crate::capture::ulog::FormatCache;
 use crate::definitions::{Clues, Definitions, Library};
 use crate::model::{Extent, Findings, Location};
 
@@ -88,7 +87,7 @@ struct Kind {
     /// True if a capture of this kind can start with these bytes.
     detect: fn(&[u8]) -> bool,
     /// Finds the facts that show the release of a capture. Reads as much of the capture as necessary.
-    clues: fn(&mut Source<'_>, &Arc<FormatCache>) -> Clues,
+    clues: fn(&mut Source<'_>, &Library) -> Clues,
     /// Checks the readable part of a capture of this kind.
     check: fn(Source<'_>, Option<MessageId>, CheckRun<'_>) -> CaptureResult,
 }
@@ -120,9 +119,8 @@ pub(crate) fn choose_for_path(path: &Path, library: &Library) -> io::Result<Arc<
     if !library.depends_on_capture() {
         return Ok(Arc::clone(library.base()));
     }
-    let mut start = Vec::new();
     let mut file = File::open(path)?;
-    file.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let start = read_start(&mut file)?;
     let kind = KINDS.iter().find(|kind| (kind.detect)(&start));
     let bytes = &mut io::Cursor::new(start).chain(file);
     Ok(kind.map_or_else(|| Arc::clone(library.base()), |kind| choose(kind, bytes, Some(path), library).0))
@@ -393,8 +391,7 @@ fn check_stream(
         if let Some(file) = file.filter(|_| is_plain) {
             return check_with(Source { bytes: &mut bytes, file: Some(file) }, message_id, library, observer);
         }
-        let mut start = Vec::new();
-        bytes.by_ref().take(START as u64).read_to_end(&mut start)?;
+        let start = read_start(&mut bytes)?;
         let is_sqlite = (bag::SQLITE.detect)(&start);
         let whole = &mut io::Cursor::new(start).chain(bytes);
         if is_sqlite {
@@ -443,7 +440,7 @@ fn choose(
         return (library.choose(&Clues::default()), Vec::new());
     }
     let mut ahead = Ahead::new(bytes);
-    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file }, library.formats());
+    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file }, library);
     (library.choose(&clues), ahead.bytes)
 }
 
@@ -453,8 +450,7 @@ fn check_source(
     message_id: Option<MessageId>,
     check: &mut dyn FnMut(&Kind, Source<'_>) -> CaptureResult,
 ) -> io::Result<CaptureResult> {
-    let mut start = Vec::new();
-    input.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let start = read_start(&mut input)?;
     if start.is_empty() {
         return Ok(CaptureResult::unknown("the file is empty"));
     }
@@ -467,6 +463,13 @@ fn check_source(
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)
         && !json::starts_like_json(&start);
     Ok(if is_text && message_id.is_none() { CaptureResult::unknown(unknown_type(&start)) } else { result })
+}
+
+/// Reads the bytes that show the kind of a capture.
+fn read_start(input: &mut impl Read) -> io::Result<Vec<u8>> {
+    let mut start = Vec::new();
+    input.take(START as u64).read_to_end(&mut start)?;
+    Ok(start)
 }
 
 /// The error for a file of an unknown type that starts with these bytes.

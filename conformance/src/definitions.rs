@@ -45,6 +45,12 @@ use crate::text::terminal;
 /// The start of the line with the version of a message in a release.
 const VERSION: &str = "uint32 MESSAGE_VERSION=";
 
+/// The topic whose message has the constants of vehicle states, also for other topics.
+pub(crate) const VEHICLE_STATUS: &str = "vehicle_status";
+
+/// The topic whose message has the constants of battery states, also for other topics.
+pub(crate) const BATTERY_STATUS: &str = "battery_status";
+
 /// Definitions, with lookup tables for checks.
 #[derive(Debug)]
 pub struct Definitions {

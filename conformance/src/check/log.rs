@@ -1,6 +1,7 @@
 //! Checks PX4 logs.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
 use std::io::Read;
 use std::sync::Arc;
 
@@ -12,11 +13,9 @@ use uavspec_codegen::schema::MessageId;
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
-use crate::capture::ulog::{
-    Data, Event, FormatCache, FormatSet, Item, Log, LogProblem, Problem, Reader, Record,
-};
+use crate::capture::ulog::{Data, Event, FormatSet, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
-use crate::definitions::{Clues, FormatClue};
+use crate::definitions::{BATTERY_STATUS, Clues, FormatClue, Library, VEHICLE_STATUS};
 use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
 use crate::px4::comparison::{Comparison, compare};
 use crate::px4::format_plan::{FormatPlan, FormatPlans};
@@ -27,7 +26,11 @@ use crate::text::shown;
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
     detect: |start| has_magic(start, &ULOG_MAGIC),
-    clues: |source, formats| clues(&mut *source.bytes, formats),
+    clues: |source, library| match source.file.and_then(|path| File::open(path).ok()) {
+        // Bytes that aren't read needn't be kept for the check.
+        Some(file) => clues(file, library),
+        None => clues(&mut *source.bytes, library),
+    },
     check: |input, _, run| check_log(input, run),
 };
 
@@ -42,6 +45,9 @@ pub(super) const ENCRYPTED: Kind = Kind {
 /// The reason why an encrypted log can't be read.
 pub(super) const ENCRYPTED_TEXT: &str = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
                                          https://docs.px4.io/main/en/dev_log/log_encryption";
+
+/// The length up to which a log is searched for all its topics before the check. It must be less than what is read ahead.
+const MAX_SHORT: u64 = 4 << 20;
 
 /// The summary of a log.
 #[derive(Clone, Debug, Serialize)]
@@ -131,20 +137,24 @@ impl Describe for LogSummary {
     }
 }
 
-/// Reads the formats and the version of a log, up to its first data.
-fn clues(input: impl Read, formats: &Arc<FormatCache>) -> Clues {
+/// Reads the formats and the version of a log up to its first data. If the library asks for the needed topics, a short log
+/// is read to its end.
+fn clues(input: impl Read, library: &Library) -> Clues {
     let (mut reader, mut clues) = (Reader::new(input), Clues::default());
-    let mut log = Log::with_cache(Arc::clone(formats));
-    while let Ok(Some(item)) = reader.next() {
+    let mut log = Log::with_cache(Arc::clone(library.formats()));
+    let mut names = BTreeSet::new();
+    let is_at_data = loop {
+        let Ok(Some(item)) = reader.next() else { break false };
         match item.event {
-            Event::Data { .. } => break,
+            Event::Data { .. } => break true,
             Event::Information { key: "ver_sw_release", value: [_, _, minor, major], .. } => {
                 clues.version = Some((*major, *minor));
             }
             _ => {}
         }
+        names.extend(announced(&item.event));
         log.take(&item, &mut |_, _| {});
-    }
+    };
     let topics: BTreeSet<&str> = log.subscriptions().map(|subscription| &*subscription.topic).collect();
     // A log that ends early may have no subscriptions.
     let is_topic = |name: &str| topics.is_empty() || topics.contains(name);
@@ -152,7 +162,30 @@ fn clues(input: impl Read, formats: &Arc<FormatCache>) -> Clues {
     let formats = formats.filter(|(format, _)| is_topic(format.name()));
     let formats = formats.filter_map(|(format, layout)| Some((format.name().to_owned(), (*layout)?)));
     clues.formats = formats.map(|(name, layout)| (name, FormatClue::Layout(layout))).collect();
+    clues.needed = (is_at_data && library.is_for_one_capture()).then(|| needed(reader, names)).flatten();
     clues
+}
+
+/// The topic or the type that an event announces.
+fn announced(event: &Event<'_>) -> Option<String> {
+    match event {
+        Event::Format { name, .. } | Event::Subscription { name, .. } => Some((*name).to_owned()),
+        _ => None,
+    }
+}
+
+/// All topics whose definitions the check of a log needs. `None` if the log is long, so that reading it for this would
+/// take longer than reading a whole release.
+fn needed(mut reader: Reader<impl Read>, mut names: BTreeSet<String>) -> Option<BTreeSet<String>> {
+    while reader.position() < MAX_SHORT {
+        if reader.next_data().is_some() {
+            continue;
+        }
+        let Some(item) = reader.next().ok()? else { break };
+        names.extend(announced(&item.event));
+    }
+    names.extend([VEHICLE_STATUS, BATTERY_STATUS].map(str::to_owned));
+    (reader.position() < MAX_SHORT).then_some(names)
 }
 
 /// Checks the readable part of a PX4 log.

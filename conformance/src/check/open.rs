@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::log::ENCRYPTED_TEXT;
-use super::{KINDS, Reading, START, choose, unknown_type};
+use super::{KINDS, Reading, choose, read_start, unknown_type};
 use crate::capture::ENCRYPTED_MAGIC;
 use crate::capture::input;
 use crate::definitions::{Definitions, Library};
@@ -27,8 +27,7 @@ pub(crate) fn open_path(
 ) -> io::Result<Result<Opened<'static>, String>> {
     let (mut bytes, is_plain) = input::decompressed(reading(input::open(path)?))?;
     let file = (is_plain && path.is_file()).then_some(path);
-    let mut start = Vec::new();
-    bytes.by_ref().take(START as u64).read_to_end(&mut start)?;
+    let start = read_start(&mut bytes)?;
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         return Ok(Err(unknown_type(&start)));
     };

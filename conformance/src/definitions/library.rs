@@ -7,12 +7,12 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::release::{self, entries};
 use uavspec_codegen::schema::Form;
-use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
+use uavspec_codegen::{Failure, PackageInput, SourceMap, read, read_formats};
 use uavspec_definitions::PX4;
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, FormatCache, LoadedRelease, Schemas};
+use super::{Definitions, FormatCache, LoadedRelease, Schemas, unversioned};
 
 /// The maximum number of releases, with different messages of other releases, that stay in memory.
 const MAX_STORED: usize = 8;
@@ -36,6 +36,8 @@ pub struct Library {
     base: OnceLock<Arc<Definitions>>,
     /// True if all captures are checked against the same definitions.
     is_fixed: bool,
+    /// True if only the definitions that a capture needs are read.
+    is_for_one: bool,
     /// The releases that the user demands, by family.
     forced: BTreeMap<Family, ReleaseId>,
     schemas: Arc<Schemas>,
@@ -45,9 +47,14 @@ pub struct Library {
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
 }
 
-/// The content of definitions: the main releases, and single messages of other releases.
+/// The content of definitions.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Key(Vec<(ReleaseId, BTreeMap<String, ReleaseId>, BTreeSet<String>)>);
+struct Key {
+    /// The main releases, the messages of other releases, and the types that the capture doesn't decide.
+    releases: Vec<(ReleaseId, BTreeMap<String, ReleaseId>, BTreeSet<String>)>,
+    /// The topics whose definitions are read; all if there are none.
+    needed: Option<BTreeSet<String>>,
+}
 
 impl Library {
     /// The built-in definitions. The release is chosen for each capture.
@@ -89,6 +96,7 @@ impl Library {
             name,
             base: OnceLock::new(),
             is_fixed,
+            is_for_one: false,
             forced: BTreeMap::new(),
             schemas: Arc::default(),
             formats: Arc::default(),
@@ -96,6 +104,18 @@ impl Library {
             documented: OnceLock::new(),
             stored: Mutex::default(),
         }
+    }
+
+    /// Reads only the definitions that a capture needs. This is faster than reading a whole release, if the run has only
+    /// one capture.
+    #[must_use]
+    pub(crate) fn for_one_capture(self) -> Self {
+        Self { is_for_one: true, ..self }
+    }
+
+    /// True if only the definitions that a capture needs are read.
+    pub(crate) fn is_for_one_capture(&self) -> bool {
+        self.is_for_one
     }
 
     /// Adds body schemas for Flockwave message types without a definition.
@@ -117,7 +137,7 @@ impl Library {
                 let built_in = Definitions::built_in().with_schemas(Arc::clone(&self.schemas));
                 Definitions { formats: Arc::clone(&self.formats), ..built_in }
             } else {
-                self.read(&choices)
+                self.read(&choices, None)
             })
         })
     }
@@ -127,7 +147,7 @@ impl Library {
         let index = self.index();
         let newest = index.releases_of(Family::Px4).filter(|release| !index.is_moving(*release)).last();
         let choice = newest.map(Choice::without_clues);
-        choice.map_or_else(|| Arc::clone(self.base()), |choice| Arc::new(self.read(&[choice])))
+        choice.map_or_else(|| Arc::clone(self.base()), |choice| Arc::new(self.read(&[choice], None)))
     }
 
     /// The paths of definitions that were left out, because they refer to other packages.
@@ -177,12 +197,13 @@ impl Library {
             return Arc::clone(self.base());
         }
         let parts = |choice: &Choice| (choice.release, choice.others.clone(), choice.undecided.clone());
-        let key = Key(choices.iter().map(parts).collect());
+        let needed = clues.needed.clone().filter(|_| self.is_for_one);
+        let key = Key { releases: choices.iter().map(parts).collect(), needed };
         let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = stored().get(&key) {
             return Arc::clone(known);
         }
-        let definitions = Arc::new(self.read(&choices));
+        let definitions = Arc::new(self.read(&choices, key.needed.as_ref()));
         let mut stored = stored();
         if stored.len() >= MAX_STORED {
             stored.clear();
@@ -191,15 +212,16 @@ impl Library {
         definitions
     }
 
-    /// Reads the definitions of releases.
-    fn read(&self, choices: &[Choice]) -> Definitions {
+    /// Reads the definitions of releases: all, or only those of the `needed` topics.
+    fn read(&self, choices: &[Choice], needed: Option<&BTreeSet<String>>) -> Definitions {
         let index = self.index();
+        let needed = needed.map(|topics| names_of_topics(topics, index));
         let mut sources = SourceMap::default();
         let (mut packages, mut replacements) = (Vec::new(), Vec::new());
         let (mut releases, mut origins) = (Vec::new(), HashMap::new());
         for choice in choices {
             let loaded = self.loaded(choice.release);
-            for package in self.packages(choice.release, None, &mut sources) {
+            for package in self.packages(choice.release, needed.as_ref(), &mut sources) {
                 origins.insert(package.name.clone(), loaded.clone());
                 packages.push(package);
             }
@@ -264,7 +286,7 @@ impl Library {
         self.documented.get_or_init(|| {
             let mut sources = SourceMap::default();
             let package = Definitions::built_in_px4(&mut sources);
-            let text = release::write(&read(&sources, &[package]).0);
+            let text = release::write(&read_formats(&sources, &[package]).0);
             let documented = entries(&text).filter_map(|entry| {
                 let file = PX4.get_file(format!("{}.msg", entry.name))?.contents_utf8()?;
                 Some((entry.name.to_owned(), (declarations(entry.text), file)))
@@ -272,6 +294,21 @@ impl Library {
             documented.collect()
         })
     }
+}
+
+/// The full ROS names of all definitions of topics, in any release. Messages refer to their first topic, so these include
+/// the definitions of all topics of each message.
+fn names_of_topics<'i>(topics: &'i BTreeSet<String>, index: &'i Index) -> BTreeSet<&'i str> {
+    let mut names = BTreeSet::new();
+    let mut open: Vec<&str> = topics.iter().map(String::as_str).collect();
+    while let Some(topic) = open.pop() {
+        for topic in [Some(topic), unversioned(topic)].into_iter().flatten() {
+            for row in index.of_topic(topic).filter(|row| names.insert(&*row.name)) {
+                open.extend(row.topics.iter().map(String::as_str));
+            }
+        }
+    }
+    names
 }
 
 /// The package of a PX4 release. A message that is declared like a documented message is replaced by that one.

@@ -15,7 +15,7 @@ pub(crate) use self::requirements::required_flags;
 use super::context::Context;
 use super::label::{Item, Texts};
 use super::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
-use crate::definitions::Definitions;
+use crate::definitions::{BATTERY_STATUS, Definitions, VEHICLE_STATUS};
 use crate::model::{Channel, Message};
 use crate::rules::px4::REQUIREMENT;
 
@@ -68,12 +68,12 @@ const fn flag(name: &'static str) -> Field {
 }
 
 const fn state(name: &'static str, prefixes: &'static [&'static str]) -> Field {
-    Field { name, constants: Some(Constants { topic: "vehicle_status", prefixes, is_scale: false }) }
+    Field { name, constants: Some(Constants { topic: VEHICLE_STATUS, prefixes, is_scale: false }) }
 }
 
 const fn battery(name: &'static str) -> Field {
     let prefixes = &["BATTERY_WARNING", "BATTERY_STATE", "WARNING", "STATE"];
-    let constants = Constants { topic: "battery_status", prefixes, is_scale: true };
+    let constants = Constants { topic: BATTERY_STATUS, prefixes, is_scale: true };
     Field { name, constants: Some(constants) }
 }
 

@@ -15,7 +15,7 @@ use crate::check::{Checked, ReleaseMatch, check_bytes, check_path};
 use crate::definitions::{Library, versioned};
 use crate::model::Level;
 use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
-use crate::rules::sample::Flight;
+use crate::rules::sample::{Entry, Flight, Log};
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
@@ -99,6 +99,46 @@ fn captures_of_each_release_are_checked_against_it() {
             assert_eq!(chosen(&streamed), chosen(&found), "{kind}");
             assert_eq!(failures(&found), [], "{name} {kind}");
         }
+    }
+}
+
+/// A log that announces some topics before its first data, and others after it.
+fn log_with_late_topics(flight: &Flight<'_>) -> Log {
+    let (mut early, mut late) = (Vec::new(), Vec::new());
+    for entry in flight.log().entries {
+        let topic = match &entry {
+            Entry::Subscription(id, ..) | Entry::Data(id, _) => Some(usize::from(*id)),
+            Entry::Format(name, _) => flight.topics.iter().position(|topic| topic.name == *name),
+            _ => None,
+        };
+        match topic.map_or(0, |topic| topic % 12) {
+            // Types within messages, which aren't topics, come first.
+            0 => early.push(entry),
+            1 => late.push(entry),
+            _ => {}
+        }
+    }
+    Log { entries: [early, late].concat() }
+}
+
+#[test]
+fn a_single_log_is_checked_like_one_of_several() {
+    for name in RELEASES {
+        let library = release(name);
+        let mut flight = Flight::new(library.base());
+        flight.messages.truncate(2 * flight.topics.len());
+        let bytes = log_with_late_topics(&flight).to_bytes();
+        let [several, single] = [Library::built_in(), Library::built_in().for_one_capture()].map(|library| {
+            let found = check_bytes(&bytes, &library).expect("bytes can be read");
+            let messages = found.definitions.schema.messages.len();
+            let subject = subject(found);
+            let report = serde_json::to_value(&subject).expect("a report");
+            (messages, report)
+        });
+        assert!(single.0 < several.0 / 2, "{name}: {} of {} messages", single.0, several.0);
+        assert_eq!(single.1, several.1, "{name}");
+        let topics = single.1["formats"].as_array().map_or(0, Vec::len);
+        assert!(topics > 10, "{name}: {topics} topics");
     }
 }
 

@@ -1,6 +1,6 @@
 //! Reads the folder of a bag: the files that its `metadata.yaml` lists, one after the other.
 
-use std::io::{self, Read as _};
+use std::io::{self, Read};
 use std::path::Path;
 
 use super::clues;
@@ -10,7 +10,7 @@ use super::{BagContent, BagFile, BagSummary, Channels, MCAP};
 use crate::capture::input;
 use crate::capture::rosbag::metadata::{self, FILE_NAME, Metadata};
 use crate::check::release::MAX_AHEAD;
-use crate::check::{CaptureResult, CheckRun, Reading, START, Source, Summary};
+use crate::check::{CaptureResult, CheckRun, Reading, Source, Summary, read_start};
 use crate::definitions::Clues;
 use crate::model::{Extent, Location};
 
@@ -28,13 +28,26 @@ pub(in crate::check) fn clues(folder: &Path) -> Clues {
     clues
 }
 
+/// The bytes of a bag's file.
+struct FileBytes<'p, R> {
+    start: Vec<u8>,
+    /// All bytes, decompressed, with the start.
+    whole: R,
+    /// The file that consists of these bytes, if there is one.
+    file: Option<&'p Path>,
+}
+
+fn open<'p>(path: &'p Path, reading: Reading<'_>) -> io::Result<FileBytes<'p, impl Read + use<>>> {
+    let (mut input, is_plain) = input::decompressed(reading(Box::new(metadata::open(path)?)))?;
+    let start = read_start(&mut input)?;
+    let whole = io::Cursor::new(start.clone()).chain(input);
+    Ok(FileBytes { start, whole, file: is_plain.then_some(path) })
+}
+
 /// Reads the declarations in a file of a bag, which may be compressed.
 fn file_clues(path: &Path) -> io::Result<Clues> {
-    let (mut input, is_plain) = input::decompressed(metadata::open(path)?)?;
-    let mut start = Vec::new();
-    input.by_ref().take(START as u64).read_to_end(&mut start)?;
-    let whole = &mut io::Cursor::new(&start).chain(input);
-    let file = is_plain.then_some(path);
+    let FileBytes { start, mut whole, file } = open(path, &|file| file)?;
+    let whole = &mut whole;
     if (MCAP.detect)(&start) {
         return Ok(clues::mcap(&mut Source { bytes: &mut whole.take(MAX_AHEAD), file }));
     }
@@ -94,10 +107,8 @@ fn check_file(
     summary: &mut BagSummary,
     reading: Reading<'_>,
 ) -> io::Result<u64> {
-    let (mut input, is_plain) = input::decompressed(reading(Box::new(metadata::open(path)?)))?;
-    let mut start = Vec::new();
-    input.by_ref().take(START as u64).read_to_end(&mut start)?;
-    let whole = &mut io::Cursor::new(&start).chain(input);
+    let FileBytes { start, mut whole, file: own } = open(path, reading)?;
+    let whole = &mut whole;
     if (MCAP.detect)(&start) {
         return Ok(McapFile::new(file.name).read(bag, whole));
     }
@@ -106,7 +117,7 @@ fn check_file(
         return Ok(0);
     }
     let mut distribution = String::new();
-    let mut source = Source { bytes: whole, file: is_plain.then_some(path) };
+    let mut source = Source { bytes: whole, file: own };
     let read = sqlite::read_source(&mut source, bag, file, &mut distribution);
     if summary.distribution.is_empty() {
         summary.distribution = distribution;
