@@ -70,7 +70,7 @@ use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::base64;
 use crate::model::Rule;
 use crate::rules::flockwave::trial::{Attempt, Request};
-use crate::rules::flockwave::{FlockwaveRule, env_07, sio_01, udp_02};
+use crate::rules::flockwave::{BEFORE_LOGIN, FlockwaveRule, env_07, sio_01, udp_02};
 
 /// The time limit for connecting. Until then, refused connections are retried, because the server may be starting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
@@ -265,7 +265,7 @@ impl Probe<'_, '_> {
             Endpoint::SocketIo { .. } => &sio_01::RULE,
             Endpoint::Tcp(_) | Endpoint::Http { .. } => &env_07::RULE,
         };
-        let trial = Some(Trial { rule: &tested.rule, how: "" });
+        let trial = Some(Trial { rule: &tested.rule, how: BEFORE_LOGIN });
         let until = Instant::now() + CONNECT_TIMEOUT;
         loop {
             match self.connect(None) {

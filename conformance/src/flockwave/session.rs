@@ -354,6 +354,8 @@ impl Sessions {
 
     fn notification(&mut self, exchange: &mut Exchange<'_>) {
         self.send(exchange, true);
+        exchange.may_answer_unknown =
+            self.states[exchange.record.connection.index].unknown == Unknown::Message;
         if exchange.type_name == Some("SYS-CLOSE") {
             self.states[exchange.record.connection.index].ending = exchange.time;
         }
@@ -386,7 +388,9 @@ impl Sessions {
             let known = before.clone().unwrap_or_default();
             let was_suspended = known.was_suspended || is_suspended || !is_known;
             let size = receipt.len() + known.type_name.as_ref().map_or(0, String::len);
-            self.operations.insert(serial, &receipt, Operation { stage, was_suspended, ..known }, size);
+            let has_ended = known.has_ended || is_final;
+            let operation = Operation { stage, was_suspended, has_ended, ..known };
+            self.operations.insert(serial, &receipt, operation, size);
             exchange.operations.push(Named { receipt, before, is_known });
         }
     }
@@ -422,7 +426,14 @@ impl Sessions {
             });
             let type_name = exchange.type_name.filter(|_| !is_shared).map(str::to_owned);
             let size = receipt.len() + type_name.as_ref().map_or(0, String::len);
-            let operation = Operation { type_name, stage: Stage::Open, was_suspended: false };
+            // A notification may overtake the response.
+            let early = before.as_ref().filter(|operation| operation.stage == Stage::Early);
+            let (stage, was_suspended) = match early {
+                Some(early) if early.has_ended => (Stage::Ended, early.was_suspended),
+                Some(Operation { was_suspended: true, .. }) => (Stage::Suspended, true),
+                _ => (Stage::Open, false),
+            };
+            let operation = Operation { type_name, stage, was_suspended, ..Operation::default() };
             self.operations.insert(serial, &receipt, operation, size);
             exchange.opened.push(Named { receipt, before, is_known: exchange.record.connection.is_ordered });
         }

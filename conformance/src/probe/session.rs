@@ -268,6 +268,12 @@ impl Session {
                 return None;
             }
             match client.receive(until.min(Instant::now() + NOTICE_TIME)) {
+                // Blank lines and empty answers are no messages.
+                Ok(Received::Message(bytes)) if bytes.trim_ascii().is_empty() => {
+                    if self.is_one_shot() {
+                        self.unread.pop_front();
+                    }
+                }
                 Ok(Received::Message(bytes)) => match self.enveloped(bytes) {
                     Ok(bytes) => {
                         tape.message(&self.name, Direction::In, &bytes, None);

@@ -160,6 +160,7 @@ use self::lines::Lines;
 use self::malformed::Malformed;
 use self::per_connection::PerConnection;
 use self::sample::Session;
+pub(crate) use self::served::BEFORE_LOGIN;
 use self::trial::{Attempt, Request, SHORT_PAUSE, Sent, Step, Strain, Trial};
 pub(crate) use self::val_01::plausible;
 pub(crate) use self::view::{Message, StatusReport};

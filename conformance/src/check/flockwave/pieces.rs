@@ -17,6 +17,9 @@ const MAX_CONNECTIONS: usize = 16;
 /// The maximum number of pieces of a text. Each piece causes the whole text to be parsed again.
 const MAX_PIECES: usize = 1_000;
 
+/// The maximum number of messages that are read from one line.
+const MAX_MESSAGES: usize = 10_000;
+
 /// The incomplete texts and their numbers of pieces, by connection index.
 #[derive(Debug, Default)]
 pub(super) struct Pieces(BTreeMap<usize, (String, usize)>);
@@ -92,7 +95,8 @@ fn take_line(line: &str, messages: Vec<&str>, rest: &str, done: &mut Vec<String>
 /// UTF-8. Recordings contain U+FFFD instead of these bytes.
 fn messages(line: &str) -> (Vec<&str>, &str) {
     let (mut messages, mut rest) = (Vec::new(), line);
-    while !line.contains(char::REPLACEMENT_CHARACTER) {
+    let is_readable = !line.contains(char::REPLACEMENT_CHARACTER);
+    while is_readable && messages.len() < MAX_MESSAGES {
         let end = match Tree::read(rest) {
             Ok(_) => rest.len(),
             Err(error) => error.at,
@@ -122,6 +126,14 @@ mod tests {
         let mut all = Pieces::default();
         let done = pieces.iter().flat_map(|piece| all.add(0, piece)).collect();
         (done, all.is_incomplete(0))
+    }
+
+    #[test]
+    fn a_line_with_too_many_messages_stays_whole() {
+        let line = "{}".repeat(MAX_MESSAGES);
+        assert_eq!(added(&[&line]).0.len(), MAX_MESSAGES);
+        let longer = line + "{}";
+        assert_eq!(added(&[&longer]).0, [longer]);
     }
 
     #[test]

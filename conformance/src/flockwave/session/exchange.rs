@@ -97,6 +97,8 @@ pub(crate) struct Exchange<'t> {
     pub is_id_in_use: bool,
     /// The receipts that the record issues.
     pub opened: Vec<Named>,
+    /// True if a message without `refs` may answer a message of the client that has no readable id.
+    pub may_answer_unknown: bool,
     /// The operations that the record reports on.
     pub operations: Vec<Named>,
     /// The bounds of the server's clock offset that were known before this record, in seconds. A positive offset means
@@ -137,6 +139,7 @@ impl<'t> Exchange<'t> {
             reference: Reference::Unclear,
             request: None,
             is_id_in_use: false,
+            may_answer_unknown: false,
             opened: Vec::new(),
             operations: Vec::new(),
             clock: None,

@@ -25,6 +25,8 @@ pub(crate) struct Operation {
     pub stage: Stage,
     /// True if the operation was, or may have been, reported as suspended.
     pub was_suspended: bool,
+    /// True if a message reported its end, also before the receipt was issued.
+    pub has_ended: bool,
 }
 
 /// A receipt in a message.
@@ -39,6 +41,11 @@ pub(crate) struct Named {
 }
 
 impl Named {
+    /// True if a message reported the end of the operation before the receipt was issued.
+    pub(crate) fn has_ended_early(&self) -> bool {
+        self.before.as_ref().is_some_and(|known| known.stage == Stage::Early && known.has_ended)
+    }
+
     /// The previous stage of the operation.
     pub(crate) fn stage(&self) -> Option<Stage> {
         self.before.as_ref().map(|operation| operation.stage)

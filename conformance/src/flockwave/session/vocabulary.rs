@@ -47,7 +47,7 @@ const SUBSCRIPTIONS: Parts = Parts { request_field: "paths", reply_fields: &["su
 /// The types whose response reports on each object, except those in [`OPERATIONS`]. Each object must appear in exactly
 /// one part. The specification states this only in its text, so the tables in the definitions don't contain this
 /// requirement.
-pub(crate) const PARTS: [(&str, Parts); 14] = [
+pub(crate) const PARTS: [(&str, Parts); 16] = [
     ("ASYNC-CANCEL", RECEIPTS),
     ("ASYNC-RESUME", RECEIPTS),
     ("BCN-INF", STATUS),
@@ -57,7 +57,9 @@ pub(crate) const PARTS: [(&str, Parts); 14] = [
     ("DEV-LIST", Parts { request_field: "ids", reply_fields: &["devices", "error"] }),
     ("DEV-SUB", SUBSCRIPTIONS),
     ("DEV-UNSUB", SUBSCRIPTIONS),
+    ("DOCK-INF", STATUS),
     ("EXT-INF", STATUS),
+    ("FW-TARGET-INF", Parts { request_field: "ids", reply_fields: &["result", "error"] }),
     ("RTK-INF", Parts { request_field: "ids", reply_fields: &["preset", "error"] }),
     ("UAV-INF", STATUS),
     ("UAV-PREFLT", STATUS),

@@ -81,6 +81,12 @@ impl Lines {
         *self = Self::new(self.limit);
     }
 
+    /// Returns an incomplete line; empty if there is none, or if its start was dropped.
+    pub(crate) fn take_rest(&mut self) -> Vec<u8> {
+        let known = std::mem::replace(self, Self::new(self.limit));
+        if known.is_skipping { Vec::new() } else { known.buffer[known.start..].to_vec() }
+    }
+
     /// Releases the memory of the buffer, whose lines have all been returned.
     fn release(&mut self) {
         self.buffer = Vec::new();
@@ -109,6 +115,16 @@ mod tests {
 
     fn whole(text: &str) -> Line {
         Line::Whole(text.as_bytes().to_vec())
+    }
+
+    #[test]
+    fn returns_a_rest_that_is_whole() {
+        let mut lines = Lines::new(6);
+        lines.feed(b"one\ntwo");
+        assert_eq!(lines.taken(), [whole("one")]);
+        assert_eq!((lines.take_rest(), lines.has_rest()), (b"two".to_vec(), false));
+        lines.feed(b"too long");
+        assert_eq!((lines.taken(), lines.take_rest()), (vec![Line::TooLong], vec![]));
     }
 
     #[test]

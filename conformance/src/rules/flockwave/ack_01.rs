@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Status, mutant,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, mutant,
     source,
 };
 
@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         fix: "Copy the `id` of the request to the `refs` of the acknowledgment. Do not send ACK-ACK or ACK-NAK \
               without a request.",
     },
-    checks: &[Check::Message(check)],
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::message("An ACK-ACK without `refs` follows each SYS-VER response.", |out| {
         if out.kind() == "SYS-VER" {
@@ -36,13 +36,18 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    if !matches!(message.type_name, Some("ACK-ACK" | "ACK-NAK")) {
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !exchange.is_from_server() || !matches!(exchange.type_name, Some("ACK-ACK" | "ACK-NAK")) {
+        return;
+    }
+    // A server has no id to refer to if it refuses a message without an id.
+    if exchange.role != Role::Response && exchange.may_answer_unknown {
         return;
     }
     context.covered();
     // FW-ENV-26 reports null.
-    if message.role != Role::Response && message.value.get("refs").is_none() {
-        message.violates(context, || Detail::new("an acknowledgment without `refs`"));
+    if exchange.role != Role::Response && exchange.message().is_some_and(|value| value.get("refs").is_none())
+    {
+        exchange.violates(context, || Detail::new("an acknowledgment without `refs`"));
     }
 }

@@ -87,7 +87,8 @@ impl SessionCheck for Ends {
         let is_trial = [&asy_10::RULE.rule, &RULE.rule].iter().any(|rule| exchange.tried(rule).is_some());
         if exchange.role == Role::Response && is_trial {
             context.covered();
-            for named in exchange.opened.iter().take(MAX_OPEN.saturating_sub(open.len())) {
+            let running = exchange.opened.iter().filter(|named| !named.has_ended_early());
+            for named in running.take(MAX_OPEN.saturating_sub(open.len())) {
                 open.insert(named.receipt.clone(), (exchange.record.location, now));
             }
         }

@@ -59,6 +59,14 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 /// receipt instead.
 const MAX_SECONDS: f64 = 30.0;
 
+/// The families with requests that may take long, although their responses can't have a receipt.
+const SLOW: [&str; 3] = ["EXT-", "RTK-", "SHOW-"];
+
+fn may_be_slow(type_name: &str) -> bool {
+    SLOW.iter().any(|family| type_name.starts_with(family))
+        && !["-INF", "-LIST"].iter().any(|end| type_name.ends_with(end))
+}
+
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let Some(request) = &exchange.request else { return };
     // A malformed request doesn't require a response.
@@ -78,12 +86,11 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.role == Role::Response {
         return context.covered();
     }
-    let Some(waited) =
-        request.waited.filter(|waited| exchange.role == Role::Unanswered && *waited > MAX_SECONDS)
-    else {
+    let subject = request.type_name.as_deref().unwrap_or("message");
+    let is_late = |waited: &f64| *waited > MAX_SECONDS && !may_be_slow(subject);
+    let Some(waited) = request.waited.filter(is_late).filter(|_| exchange.role == Role::Unanswered) else {
         return;
     };
-    let subject = request.type_name.as_deref().unwrap_or("message");
     context.violation(subject, request.location, || {
         Detail::new(format!("no response within {waited:.0} s, although the server sent other messages"))
             .expected("a response")

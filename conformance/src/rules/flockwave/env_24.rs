@@ -12,8 +12,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    SessionCheck, Status, Tree, env_07, mutant, served, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
+    RuleContext, SessionCheck, Status, Tree, env_07, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -97,6 +97,8 @@ const MAX_REASONS: usize = 16;
 #[derive(Default)]
 struct Families {
     is_login_needed: bool,
+    /// The reasons for refusing an unknown type.
+    unknown: BTreeSet<String>,
     connections: PerConnection<Refusals>,
 }
 
@@ -104,8 +106,6 @@ struct Families {
 #[derive(Default)]
 struct Refusals {
     is_logged_in: bool,
-    /// The reasons for refusing an unknown type.
-    unknown: BTreeSet<String>,
     /// The families that were tested.
     families: BTreeMap<&'static str, Family>,
 }
@@ -135,11 +135,9 @@ impl SessionCheck for Families {
             let request = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
             if let Some(name) = request.filter(|name| !context.definitions.body_schemas().has(name))
                 && let Some(reason) = reason(exchange, name)
+                && self.unknown.len() < MAX_REASONS
             {
-                let unknown = &mut self.connections.get(exchange).unknown;
-                if unknown.len() < MAX_REASONS {
-                    unknown.insert(reason);
-                }
+                self.unknown.insert(reason);
             }
         }
         if served::tried(exchange, context) {
@@ -176,7 +174,7 @@ impl Families {
             return;
         }
         for (name, family) in refusals.families {
-            let is_absent = !family.is_served && family.reasons.is_subset(&refusals.unknown);
+            let is_absent = !family.is_served && family.reasons.is_subset(&self.unknown);
             if is_absent {
                 context.violation(name, family.location, || {
                     Detail::new("requests are refused as if their type were unknown")
@@ -188,9 +186,9 @@ impl Families {
     }
 }
 
-/// The reason in an ACK-NAK, with each occurrence of the request type replaced by `…`; empty if there is no reason.
+/// The reason of a refusal, with each occurrence of the request type replaced by `…`; empty if there is no reason.
 fn reason(exchange: &Exchange<'_>, type_name: &str) -> Option<String> {
-    let body = exchange.response("ACK-NAK")?;
-    let reason = body.get("reason").and_then(Tree::as_str).unwrap_or_default();
+    let (_, reason) = served::refusal(exchange).filter(|_| exchange.role == Role::Response)?;
+    let reason = reason.unwrap_or_default();
     Some(reason.replace(type_name, "…").chars().take(MAX_REASON).collect())
 }

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         status: Status::Normative,
         statement: "Each requested id or path is in exactly one of the maps in the response.",
         source: source::MESSAGES,
-        applies_to: "BCN-INF, CLK-INF, DEV-INF, EXT-INF, RTK-INF, UAV-PREFLT, WTH-INF",
+        applies_to: "BCN-INF, CLK-INF, DEV-INF, DOCK-INF, EXT-INF, FW-TARGET-INF, RTK-INF, UAV-PREFLT, WTH-INF",
         why: "If an object is missing, the client cannot tell whether it is unknown or was forgotten, and keeps \
               showing old data.",
         example: r#"→ {"type":"WTH-INF","ids":["mast-1","mast-2"]}
@@ -66,7 +66,17 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-const TYPES: [&str; 7] = ["BCN-INF", "CLK-INF", "DEV-INF", "EXT-INF", "RTK-INF", "UAV-PREFLT", "WTH-INF"];
+const TYPES: [&str; 9] = [
+    "BCN-INF",
+    "CLK-INF",
+    "DEV-INF",
+    "DOCK-INF",
+    "EXT-INF",
+    "FW-TARGET-INF",
+    "RTK-INF",
+    "UAV-PREFLT",
+    "WTH-INF",
+];
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     reply::partition(exchange, context, &TYPES);

@@ -9,6 +9,9 @@ use super::{Detail, Exchange, Role, Rule, RuleContext, Tree, body, mutant, reply
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "probe requests that test this rule";
 
+/// How the first request of a probe tests a rule: the server must respond, but may demand a login.
+pub(crate) const BEFORE_LOGIN: &str = "before the login";
+
 /// The name of the mutant without a response.
 pub(super) const UNANSWERED: &str = "no response";
 
@@ -56,6 +59,7 @@ fn is_over(exchange: &Exchange<'_>) -> bool {
 /// the first colon, so similar trials are grouped.
 fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, problem: &str, actual: &str, how: &str) {
     let type_name = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
+    let how = if how == BEFORE_LOGIN { "" } else { how };
     let (group, kind) = how.split_once(": ").unwrap_or((how, ""));
     let subject = if group.is_empty() { type_name.unwrap_or("message") } else { group };
     context.violation(subject, exchange.record.location, || {
@@ -78,6 +82,9 @@ pub(super) fn served(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> 
         return false;
     }
     let Some((actual, reason)) = refusal(exchange) else { return true };
+    if exchange.tried(context.rule) == Some(BEFORE_LOGIN) {
+        return false;
+    }
     let group =
         exchange.tried(context.rule).and_then(|how| how.split(": ").next()).filter(|group| !group.is_empty());
     context.violation(group.unwrap_or(actual), exchange.record.location, || {
@@ -92,7 +99,7 @@ pub(super) fn served(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> 
 }
 
 /// The kind of a refusal, and its reason.
-fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>)> {
+pub(super) fn refusal<'t>(exchange: &Exchange<'t>) -> Option<(&'static str, Option<&'t str>)> {
     if exchange.type_name == Some("ACK-NAK") {
         return Some(("ACK-NAK", exchange.field("reason").and_then(Tree::as_str)));
     }

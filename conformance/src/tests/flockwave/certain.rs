@@ -243,10 +243,10 @@ fn timestamps_are_compared_with_earlier_timestamps_and_with_the_clock() {
 }
 
 #[test]
-fn answers_are_due_after_30_seconds() {
-    let waits = |seconds: f64| {
+fn most_answers_are_due_after_30_seconds() {
+    let waits_for = |request: Value, seconds: f64| {
         let mut session = Session::opened();
-        session.sends(ping());
+        session.sends(request);
         session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
         session.event("closed");
         for (line, time) in session.lines.iter_mut().zip([0.0, 0.0, seconds, seconds]) {
@@ -254,7 +254,35 @@ fn answers_are_due_after_30_seconds() {
         }
         violated_by(&session)
     };
+    let waits = |seconds| waits_for(ping(), seconds);
     assert_eq!((waits(30.0), waits(30.5)), (vec![], vec![("FW-ENV-07", 1)]));
+    // The specification sets no time, and the response has no receipt.
+    assert_eq!(waits_for(json!({ "type": "SHOW-CRTH-PLAN" }), 300.0), []);
+}
+
+#[test]
+fn a_refused_message_without_an_id_may_have_no_refs() {
+    for (is_after, expected) in [(true, vec![("FW-ENV-03", 1)]), (false, vec![("FW-ACK-01", 1)])] {
+        let mut session = Session::opened();
+        if is_after {
+            session.send_raw(r#"{"$fw.version":"1.0","body":{"type":"SYS-PING"}}"#);
+        }
+        session.notify(json!({ "type": "ACK-NAK", "reason": "No id" }));
+        assert_eq!(violated_by(&session), expected);
+    }
+}
+
+#[test]
+fn each_requested_station_or_target_is_in_the_response() {
+    for (name, part) in [("DOCK-INF", "status"), ("FW-TARGET-INF", "result")] {
+        let answered = |answer: Value| {
+            let mut session = Session::opened();
+            session.exchange(json!({ "type": name, "ids": ["base"] }), answer);
+            violated_by(&session)
+        };
+        assert_eq!(answered(json!({ "error": { "base": "Unknown" } })), []);
+        assert_eq!(answered(json!({ part: {} })), [("FW-INF-01", 1)], "{name}");
+    }
 }
 
 #[test]

@@ -202,3 +202,27 @@ fn an_overdue_operation_is_reported_with_its_time() {
     let text = group.examples[0].1.to_string();
     assert!(text.starts_with("`r-0` was cancelled but did not end within 30 s"), "{text}");
 }
+
+/// A server may report on an operation just before the response that contains its receipt.
+#[test]
+fn a_notification_may_overtake_the_response() {
+    let overtaken = |early: Value, then: fn(&mut Session)| {
+        let mut session = Session::opened();
+        let id = session.sends(json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" }));
+        session.notify(early);
+        session.answers(&id, json!({ "body": { "type": "UAV-TEST", "receipt": { "kite": "r-1" } } }));
+        then(&mut session);
+        violated_by(&session)
+    };
+    let [early, unknown] = [("FW-ASY-06", 1), ("FW-ASY-09", 1)];
+    let suspended = json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true });
+    let resumes = |session: &mut Session| {
+        session.exchange(json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] }), json!({ "success": ["r-1"] }));
+    };
+    assert_eq!(overtaken(suspended, resumes), [early, unknown]);
+    let progress = json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} });
+    assert_eq!(overtaken(progress, resumes), [early, unknown, ("FW-ASY-13", 1)]);
+    // The receipt of an operation that has ended may be used again.
+    let ended = json!({ "type": "ASYNC-RESP", "id": "r-1", "result": true });
+    assert_eq!(overtaken(ended, short_operation), [early, unknown]);
+}

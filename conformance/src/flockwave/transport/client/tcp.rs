@@ -3,6 +3,8 @@
 use std::io::{self, Read as _, Write as _};
 use std::time::{Duration, Instant};
 
+use serde::de::IgnoredAny;
+
 use super::{Client, Received, invalid};
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::flockwave::transport::access::Access;
@@ -68,7 +70,12 @@ impl Client for Tcp {
             }
             self.stream.set_deadline(until);
             match self.stream.read(&mut piece) {
-                Ok(0) => return Ok(Received::End),
+                // Line breaks separate messages, so the last message needs none.
+                Ok(0) => {
+                    let rest = self.lines.take_rest();
+                    let is_message = serde_json::from_slice::<IgnoredAny>(&rest).is_ok();
+                    return Ok(if is_message { Received::Message(rest) } else { Received::End });
+                }
                 Ok(length) => self.take(&piece[..length])?,
                 Err(error) if is_silence(&error) => {}
                 Err(error) => return Err(error),
