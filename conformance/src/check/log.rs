@@ -11,7 +11,7 @@ use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
-use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
+use super::release::{ComparedTopic, MAX_AHEAD, ReleaseMatch, release_lines, release_matches};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
 use crate::capture::ulog::{Data, Event, FormatSet, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
@@ -46,8 +46,9 @@ pub(super) const ENCRYPTED: Kind = Kind {
 pub(super) const ENCRYPTED_TEXT: &str = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
                                          https://docs.px4.io/main/en/dev_log/log_encryption";
 
-/// The length up to which a log is searched for all its topics before the check. It must be less than what is read ahead.
-const MAX_SHORT: u64 = 4 << 20;
+/// The length up to which a log is searched for all its topics before the check. A longer log may not be read ahead to
+/// its end.
+const MAX_SHORT: u64 = MAX_AHEAD / 2;
 
 /// The summary of a log.
 #[derive(Clone, Debug, Serialize)]

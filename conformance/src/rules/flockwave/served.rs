@@ -9,7 +9,7 @@ use super::{Detail, Exchange, Role, Rule, RuleContext, Tree, body, mutant, reply
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "probe requests that test this rule";
 
-/// How the first request of a probe tests a rule: the server must respond, but may demand a login.
+/// The trial with the first request of a probe: the server must respond, but may demand a login.
 pub(crate) const BEFORE_LOGIN: &str = "before the login";
 
 /// The name of the mutant without a response.
