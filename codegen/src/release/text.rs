@@ -159,12 +159,17 @@ mod tests {
     use super::*;
     use crate::{PackageInput, SourceMap, read};
 
-    /// The lines of a message's fields in a release, and the values that checks accept: NaN, and the known ones.
-    fn fields(text: &str) -> Vec<(String, Option<(bool, Option<Vec<i128>>)>)> {
+    /// The facts of a field in a release, and what checks know: whether NaN is forbidden, and the known values.
+    type Facts = (String, Option<(bool, Option<Vec<i128>>)>);
+
+    fn schema(text: &str) -> Schema {
         let mut sources = SourceMap::default();
         let id = sources.add("Kite.msg", text.into()).expect("a source");
-        let package = PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id]);
-        let (schema, _) = read(&sources, &[package]);
+        read(&sources, &[PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id])]).0
+    }
+
+    fn fields(text: &str) -> Vec<Facts> {
+        let schema = schema(text);
         let message = &schema.messages[0];
         let facts = |field: &Field| {
             let limits = schema.restriction(message, field);
@@ -174,12 +179,9 @@ mod tests {
         message.fields.iter().map(facts).collect()
     }
 
-    /// Reads the release of a message. Returns the same facts as `fields`.
-    fn fields_of_release(text: &str) -> Vec<(String, Option<(bool, Option<Vec<i128>>)>)> {
-        let mut sources = SourceMap::default();
-        let id = sources.add("Kite.msg", text.into()).expect("a source");
-        let package = PackageInput::new("px4", Form::Msg(Dialect::Px4), vec![id]);
-        let release = write(&read(&sources, &[package]).0);
+    /// The same facts, read from the release of a message.
+    fn fields_of_release(text: &str) -> Vec<Facts> {
+        let release = write(&schema(text));
         fields(crate::release::entries(&release).next().expect("a message").text)
     }
 
