@@ -70,6 +70,5 @@ fn is_same_string(old: Element, new: Element) -> bool {
 
 /// True if both types are float types, which all have the same JSON form.
 fn is_same_json(old: Element, new: Element) -> bool {
-    let is_float = |element| matches!(element, Element::Scalar(scalar) if scalar.is_float());
-    is_float(old) && is_float(new)
+    old.is_float() && new.is_float()
 }

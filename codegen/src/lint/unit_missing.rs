@@ -5,7 +5,7 @@ use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
 use crate::diagnostic::Level;
 use crate::example::Example;
-use crate::schema::{Element, Field, Message};
+use crate::schema::{Field, Message};
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-missing",
@@ -41,7 +41,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         return;
     }
     for (field, _) in subject.fields() {
-        let is_float = matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
+        let is_float = field.ty.element.is_float();
         if is_float && field.enum_prefixes.is_empty() && lacks_unit(field, subject.message) {
             let help = quantity::advice(field, "m/s");
             sink.report(field.span, format!("`{}` has no unit", field.name), help);

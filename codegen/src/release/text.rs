@@ -112,15 +112,11 @@ fn field_facts(schema: &Schema, message: &Message, field: &Field) -> String {
     if found.is_some_and(|found| !found.is_flags) && bits::mentions_bits(field) {
         facts.push("bitmask".to_owned());
     }
-    if is_float(field) && !field.constraints.is_empty() && mentions_nan(message, field) && !field.states_nan()
-    {
+    let is_limited_float = field.ty.element.is_float() && !field.constraints.is_empty();
+    if is_limited_float && mentions_nan(message, field) && !field.states_nan() {
         facts.push("NaN".to_owned());
     }
     facts.join(" ")
-}
-
-fn is_float(field: &Field) -> bool {
-    matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float())
 }
 
 /// The unit and the constraints.

@@ -262,6 +262,13 @@ pub enum Element {
     Message(MessageId),
 }
 
+impl Element {
+    /// True for a float.
+    pub(crate) fn is_float(self) -> bool {
+        matches!(self, Self::Scalar(scalar) if scalar.is_float())
+    }
+}
+
 /// A field.
 #[derive(Debug)]
 pub struct Field {

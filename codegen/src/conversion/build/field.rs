@@ -159,8 +159,7 @@ impl<'a> FieldBuilder<'_, 'a> {
             self.lose(at, LossKind::Merged, text);
         }
         if let Some(values) = mapped.elements {
-            let is_float = matches!(target.ty.element, Element::Scalar(scalar) if scalar.is_float());
-            if matches!(elements, Elements::Narrow(_)) || is_float {
+            if matches!(elements, Elements::Narrow(_)) || target.ty.element.is_float() {
                 self.undecide(
                     Some(at),
                     "changed its type and the numbers of its constants",

@@ -2,7 +2,7 @@
 
 use super::declaration::Type;
 use crate::schema::json_type::Limits;
-use crate::schema::{Constant, Constraint, Docs, Element, Field, Message, Package, Range, Schema};
+use crate::schema::{Constant, Constraint, Docs, Field, Message, Package, Range, Schema};
 use crate::unit;
 use crate::value::Value;
 
@@ -57,7 +57,7 @@ pub(super) fn field(schema: &Schema, message: &Message, field: &Field, ty: &Type
     facts.extend(field.attributes().map(|(attribute, text)| attribute.to_text(text)));
     let counted = field.counts.and_then(|array| message.fields.get(array));
     facts.extend(counted.map(|array| format!("number of used entries in {}", array.name)));
-    let is_float = matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
+    let is_float = field.ty.element.is_float();
     facts.extend(is_float.then(|| "null represents NaN".to_owned()));
     with_facts(&field.description, &facts)
 }
