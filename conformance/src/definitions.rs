@@ -347,9 +347,14 @@ pub(crate) const TO_PX4: &str = "/fmu/in/";
 /// The folders of the topics that PX4 exchanges with applications. A namespace may precede them.
 pub(crate) const FOLDERS: [&str; 2] = [TO_PX4, "/fmu/out/"];
 
+/// True if a topic is in one of these folders.
+pub(crate) fn is_exchanged(topic: &str) -> bool {
+    FOLDERS.iter().any(|folder| topic.contains(folder))
+}
+
 /// The version in the name of a topic that PX4 exchanges with applications; 0 if the name doesn't end with a version.
 pub(crate) fn version_of_topic(topic: &str) -> Option<u32> {
-    FOLDERS.iter().any(|folder| topic.contains(folder)).then(|| match unversioned(topic) {
+    is_exchanged(topic).then(|| match unversioned(topic) {
         Some(name) => topic[name.len()..].trim_start_matches("_v").parse().ok(),
         None => Some(0),
     })?

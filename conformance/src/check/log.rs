@@ -143,7 +143,7 @@ impl Describe for LogSummary {
 fn clues(input: impl Read, library: &Library) -> Clues {
     let (mut reader, mut clues) = (Reader::new(input), Clues::default());
     let mut log = Log::with_cache(Arc::clone(library.formats()));
-    let mut names = BTreeSet::new();
+    let mut names = library.is_for_one_capture().then(BTreeSet::new);
     let is_at_data = loop {
         let Ok(Some(item)) = reader.next() else { break false };
         match item.event {
@@ -153,7 +153,9 @@ fn clues(input: impl Read, library: &Library) -> Clues {
             }
             _ => {}
         }
-        names.extend(announced(&item.event));
+        if let Some(names) = &mut names {
+            names.extend(announced(&item.event));
+        }
         log.take(&item, &mut |_, _| {});
     };
     let topics: BTreeSet<&str> = log.subscriptions().map(|subscription| &*subscription.topic).collect();
@@ -163,7 +165,7 @@ fn clues(input: impl Read, library: &Library) -> Clues {
     let formats = formats.filter(|(format, _)| is_topic(format.name()));
     let formats = formats.filter_map(|(format, layout)| Some((format.name().to_owned(), (*layout)?)));
     clues.formats = formats.map(|(name, layout)| (name, FormatClue::Layout(layout))).collect();
-    clues.needed = (is_at_data && library.is_for_one_capture()).then(|| needed(reader, names)).flatten();
+    clues.needed = names.filter(|_| is_at_data).and_then(|names| needed(reader, names));
     clues
 }
 

@@ -15,7 +15,8 @@ pub(crate) struct Clues {
     pub(crate) topic_versions: BTreeMap<String, BTreeSet<u32>>,
     /// The firmware's version, as two numbers.
     pub(crate) version: Option<(u8, u8)>,
-    /// All topics whose definitions a check may need. `None` if the capture wasn't read to its end.
+    /// All topics whose definitions a check may need. `None` if the library reads whole releases, or if the capture
+    /// wasn't read to its end.
     pub(crate) needed: Option<BTreeSet<String>>,
 }
 

@@ -197,8 +197,7 @@ impl Library {
             return Arc::clone(self.base());
         }
         let parts = |choice: &Choice| (choice.release, choice.others.clone(), choice.undecided.clone());
-        let needed = clues.needed.clone().filter(|_| self.is_for_one);
-        let key = Key { releases: choices.iter().map(parts).collect(), needed };
+        let key = Key { releases: choices.iter().map(parts).collect(), needed: clues.needed.clone() };
         let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = stored().get(&key) {
             return Arc::clone(known);

@@ -3,7 +3,7 @@
 use uavspec::px4::BatteryStatus;
 
 use super::bug::{Bug, Side};
-use super::ext::px4_message;
+use super::ext::is_of_px4;
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
     Rule, RuleContext, Status,
@@ -76,9 +76,8 @@ struct Early {
 
 impl Checker for Times {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
-        if channel.multi_id.is_none()
-            && (px4_message(channel, context).is_none() || channel.full_topic.contains(TO_PX4))
-        {
+        let is_to_px4 = channel.multi_id.is_none() && channel.full_topic.contains(TO_PX4);
+        if is_to_px4 || !is_of_px4(channel, context) {
             return Interest::Nothing;
         }
         self.channels.open(channel, Time::default());

@@ -1,6 +1,6 @@
 //! `PX-TIME-02`.
 
-use super::ext::px4_message;
+use super::ext::is_of_px4;
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
     Rule, RuleContext, Status,
@@ -68,7 +68,7 @@ struct Rhythm {
 
 impl Checker for Gaps {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
-        if channel.multi_id.is_none() && px4_message(channel, context).is_none() {
+        if !is_of_px4(channel, context) {
             return Interest::Nothing;
         }
         self.channels.open(channel, Rhythm::default());

@@ -1,10 +1,10 @@
 //! `PX-VER-01`.
 
-use super::ext::px4_message;
+use super::ext::is_of_px4;
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status,
 };
-use crate::definitions::FOLDERS;
+use crate::definitions::is_exchanged;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -41,12 +41,8 @@ struct Versions;
 impl Checker for Versions {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
         // Only PX4 appends versions to its topics. Other names in a bag may end with any number.
-        let is_px4 = || {
-            let mut folders = FOLDERS.iter();
-            folders.any(|folder| channel.full_topic.contains(folder))
-                && px4_message(channel, context).is_some()
-        };
-        if channel.multi_id.is_none() && !is_px4() {
+        let has_version = channel.multi_id.is_some() || is_exchanged(channel.full_topic);
+        if !has_version || !is_of_px4(channel, context) {
             return Interest::Nothing;
         }
         let message = channel.definition.map(|id| context.definitions.schema.message(id));
