@@ -113,6 +113,135 @@ fn each_further_case_has_the_expected_findings() {
     );
 }
 
+/// Definitions as path and text.
+type Texts<'t> = &'t [(&'t str, &'t str)];
+
+/// The rules and categories of the findings between two sets of definitions.
+fn found(old: Texts<'_>, new: Texts<'_>) -> BTreeSet<(&'static str, &'static str)> {
+    let files = |texts: Texts<'_>| -> Files {
+        texts.iter().map(|(path, text)| ((*path).to_owned(), (*text).to_owned())).collect()
+    };
+    let (_, findings) = compare(&files(old), &files(new), Between::Commits);
+    findings.iter().map(|finding| (finding.rule, finding.category.unwrap_or_default())).collect()
+}
+
+/// The rules of the findings between two sets of ROS 2 packages. All packages except `glider_msgs` are dependencies.
+fn with_dependencies(old: Texts<'_>, new: Texts<'_>) -> BTreeSet<&'static str> {
+    let mut sources = SourceMap::default();
+    let mut read_side = |side: &str, files: Texts<'_>| {
+        let mut packages = packages(files.iter().copied(), side, &mut sources);
+        for package in packages.iter_mut().filter(|package| package.name != "glider_msgs") {
+            package.select = Some(Vec::new());
+        }
+        let (schema, diagnostics) = read(&sources, &packages);
+        assert!(!has_errors(&diagnostics), "{}", render::render(&diagnostics, &sources, false));
+        schema
+    };
+    let (before, after) = (read_side("old", old), read_side("new", new));
+    breaking(&sources, &before, &after, Between::Commits).iter().map(|finding| finding.rule).collect()
+}
+
+#[test]
+fn ignores_which_messages_of_dependencies_are_used() {
+    const FIELDS: &str = "float32 speed\nfloat32 course\nfloat32 gust\nfloat32 age\n";
+    let glider = ("glider_msgs/Glider.msg", "wind_msgs/Wind wind\n");
+    let wind = ("wind_msgs/Wind.msg", FIELDS);
+    let rain = ("wind_msgs/Rain.msg", "float32 rate\n");
+    let both = [("glider_msgs/Glider.msg", "wind_msgs/Wind wind\nwind_msgs/Rain rain\n"), wind, rain];
+    let one = [glider, wind, rain];
+    assert_eq!(with_dependencies(&both, &one), BTreeSet::from(["field-removed"]));
+    assert_eq!(with_dependencies(&one, &both), BTreeSet::from(["field-added"]));
+    // Another dependency with the same fields isn't the renamed dependency.
+    let other = [("glider_msgs/Glider.msg", "breeze_msgs/Breeze wind\n"), ("breeze_msgs/Breeze.msg", FIELDS)];
+    assert_eq!(with_dependencies(&one, &other), BTreeSet::from(["field-type-changed"]));
+    // A change inside a dependency is still found.
+    let changed = ("wind_msgs/Wind.msg", "float64 speed\nfloat32 course\nfloat32 gust\nfloat32 age\n");
+    let expected = BTreeSet::from(["field-type-changed", "nested-changed"]);
+    assert_eq!(with_dependencies(&[glider, wind], &[glider, changed]), expected);
+}
+
+const FLAPS: &str = "uint64 timestamp\nfloat32 left\nfloat32 right\n";
+
+/// A message with this version that contains a `Flaps` message with these fields.
+fn nested(version: u32, flaps: &str) -> Files {
+    let glider = format!("uint32 MESSAGE_VERSION = {version}\nuint64 timestamp\nFlaps flaps\n");
+    vec![("Glider.msg".to_owned(), glider), ("Flaps.msg".to_owned(), flaps.to_owned())]
+}
+
+/// The rules and categories of the findings about `Glider` if the fields of its nested message change.
+fn of_glider(version: u32, flaps: &str) -> BTreeSet<(&'static str, &'static str)> {
+    let (_, findings) = compare(&nested(0, FLAPS), &nested(version, flaps), Between::Commits);
+    let findings = findings.iter().filter(|finding| finding.message.contains("`Glider"));
+    findings.map(|finding| (finding.rule, finding.category.unwrap_or_default())).collect()
+}
+
+#[test]
+fn a_nested_change_is_a_reason_for_a_new_version() {
+    let added = format!("{FLAPS}float32 middle\n");
+    let layout = [("nested-changed", "cdr"), ("nested-changed", "uorb")];
+    let silent = [layout[0], layout[1], ("nested-changed", "version")];
+    assert_eq!(of_glider(0, &added), BTreeSet::from(silent));
+    assert_eq!(of_glider(1, &added), BTreeSet::from(layout));
+    let jump = [layout[0], layout[1], ("message-version", "version")];
+    assert_eq!(of_glider(2, &added), BTreeSet::from(jump));
+    assert_eq!(of_glider(1, FLAPS), BTreeSet::from([("message-version-needless", "version")]));
+}
+
+#[test]
+fn nested_fields_that_swap_places_change_the_outer_message() {
+    let swapped = "uint64 timestamp\nfloat32 right\nfloat32 left\n";
+    let layout = [("nested-changed", "cdr"), ("nested-changed", "uorb")];
+    assert_eq!(of_glider(1, swapped), BTreeSet::from(layout));
+    // A renamed field has the same bytes, but PX4's hash changes.
+    let renamed = "uint64 timestamp\nfloat32 left_angle\nfloat32 right\n";
+    assert_eq!(of_glider(1, renamed), BTreeSet::new());
+}
+
+#[test]
+fn only_px4_messages_break_uorb() {
+    let fields = "float32 speed\nfloat32 course\nfloat32 gust\nfloat32 age\n";
+    let removed = ["source", "json", "cdr"];
+    let found = found(&[("wind_msgs/Wind.msg", fields)], &[("wind_msgs/Breeze.msg", fields)]);
+    assert_eq!(found, BTreeSet::from(removed.map(|category| ("message-renamed", category))));
+    let found = self::found(
+        &[("wind_msgs/Wind.msg", fields), ("wind_msgs/Rain.msg", "float32 rate\n")],
+        &[("wind_msgs/Wind.msg", fields)],
+    );
+    assert_eq!(found, BTreeSet::from(removed.map(|category| ("message-removed", category))));
+}
+
+#[test]
+fn the_char_of_ros_2_is_an_uint8() {
+    let glider = ("glider_msgs/Glider.msg", "Flap flap\n");
+    let old = [glider, ("glider_msgs/Flap.msg", "char KIND_PLAIN = 1\nchar kind\nchar[4] name\n")];
+    let new = [glider, ("glider_msgs/Flap.msg", "uint8 KIND_PLAIN = 1\nuint8 kind\nuint8[4] name\n")];
+    assert_eq!(found(&old, &new), BTreeSet::new());
+    let found = found(&[("Flap.msg", "char[4] name\n")], &[("Flap.msg", "uint8[4] name\n")]);
+    assert!(found.contains(&("field-type-changed", "source")), "{found:?}");
+}
+
+#[test]
+fn a_bound_in_another_notation_is_the_same() {
+    let old = [("Wind.msg", "float32 speed  # [m/s] [@range 0, 1] Speed\n")];
+    let new = [("Wind.msg", "float32 speed  # [m/s] [@range 0.0, 1.0] Speed\n")];
+    assert_eq!(found(&old, &new), BTreeSet::new());
+}
+
+#[test]
+fn only_fields_at_the_end_leave_other_fields_in_place() {
+    let short = "uint64 timestamp\nfloat32 sink\n";
+    let long = "uint64 timestamp\nuint8 mode\nfloat32 sink\nbool landed\nbool towed\n";
+    let files = |text: &str| vec![("Glider.msg".to_owned(), text.to_owned())];
+    let at_end = |old: &str, new: &str| -> Vec<bool> {
+        let (_, findings) = compare(&files(old), &files(new), Between::Commits);
+        let fields = findings.iter().filter(|finding| finding.rule.starts_with("field-"));
+        let cdr = fields.filter(|finding| finding.category == Some("cdr"));
+        cdr.map(|finding| finding.help.starts_with("messages are ")).collect()
+    };
+    assert_eq!(at_end(short, long), [false, true, true]);
+    assert_eq!(at_end(long, short), [false, true, true]);
+}
+
 /// The names that findings of these rules put in backticks. `Message.field` is shortened to `field`.
 fn named(findings: &[Finding], rules: &[&str]) -> BTreeSet<String> {
     let of_rules = findings.iter().filter(|finding| rules.contains(&finding.rule));

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::message::Between;
-use super::message::{Pair, PairOf};
+use super::message::{Matched, Matching, Pair, PairOf, is_uorb};
 use super::order::likeness;
 use super::signature::Signatures;
-use crate::schema::{ErrorCode, Interface, Kind, Message, MessageId, Package, Schema, Type};
+use crate::schema::{ErrorCode, Interface, Kind, MessageId, Package, Schema, Type};
 use crate::source::Span;
 
 /// The maximum number of field comparisons when detecting renamed messages. If more comparisons are needed, renames are
@@ -44,6 +44,8 @@ pub(crate) struct Named<'a> {
     pub name: &'a str,
     /// The file.
     pub span: Span,
+    /// True for a uORB message.
+    pub is_uorb: bool,
 }
 
 /// An error code in one or both versions.
@@ -81,34 +83,44 @@ impl<'a> Comparison<'a> {
             matcher.codes(before, after);
         }
         let twin_of: HashMap<MessageId, MessageId> = matcher.twins.iter().copied().collect();
+        let matching = Matching { old, new, twins: &twin_of };
+        let listed = matcher.twins.iter().chain(others);
+        let fields: Vec<Matched> = listed.clone().map(|(old, new)| matching.fields(*old, *new)).collect();
+        let mut old_names = HashMap::new();
+        for ((before, after), fields) in matcher.twins.iter().zip(&fields) {
+            old_names.insert(*after, matching.old_names(*before, *after, fields));
+        }
         let mut signatures = Signatures::default();
         let context = PairOf {
-            old,
-            new,
-            twins: &twin_of,
-            old_signatures: signatures.of(old),
-            new_signatures: signatures.of(new),
+            matching,
+            old_signatures: signatures.of(old, &HashMap::new()),
+            new_signatures: signatures.of(new, &old_names),
             between,
         };
-        let pairs = matcher.twins.iter().chain(others);
-        let pairs = pairs.map(|(before, after)| context.pair(*before, *after)).collect();
+        let pairs =
+            listed.zip(&fields).map(|((old, new), fields)| context.pair(*old, *new, fields)).collect();
         Self { pairs, changes: matcher.changes, codes: matcher.codes }
     }
 }
 
 /// Pairs of packages with the same name. If exactly one unpaired package remains in each version, and both use the same
-/// definition format, these two are also paired.
+/// definition format, these two are also paired. Unpaired dependencies are ignored.
 fn packages<'a>(old: &'a Schema, new: &'a Schema) -> Vec<(Option<&'a Package>, Option<&'a Package>)> {
     let find = |among: &'a Schema, name: &str| among.packages.iter().find(|package| package.name == name);
     let mut pairs: Vec<(Option<&Package>, Option<&Package>)> = Vec::new();
-    let mut added: Vec<&Package> =
-        new.packages.iter().filter(|package| find(old, &package.name).is_none()).collect();
-    let removed = old.packages.iter().filter(|package| find(new, &package.name).is_none()).count();
+    let unpaired = |among: &'a Schema, others: &'a Schema| {
+        let packages = among.packages.iter().filter(|package| !package.is_dependency);
+        packages.filter(|package| find(others, &package.name).is_none()).collect::<Vec<&Package>>()
+    };
+    let (removed, mut added) = (unpaired(old, new), unpaired(new, old));
     for package in &old.packages {
-        let twin = find(new, &package.name).or_else(|| {
-            let is_only = removed == 1 && added.len() == 1 && added[0].form == package.form;
-            if is_only { added.pop() } else { None }
-        });
+        if let Some(twin) = find(new, &package.name) {
+            pairs.push((Some(package), Some(twin)));
+        }
+    }
+    let is_only = removed.len() == 1 && added.len() == 1;
+    for package in removed {
+        let twin = added.pop_if(|twin| is_only && twin.form == package.form);
         pairs.push((Some(package), twin));
     }
     pairs.extend(added.into_iter().map(|package| (None, Some(package))));
@@ -134,14 +146,16 @@ impl<'a> Matcher<'a> {
         for name in both {
             self.twins.extend(before.remove(name).zip(after.remove(name)));
         }
+        if is_partial(old) || is_partial(new) {
+            return;
+        }
         for (name, twin) in self.renamed(&before, &after) {
             let (Some(old), Some(new)) = (before.remove(name), after.remove(twin)) else { continue };
             self.twins.push((old, new));
-            let change = MessageChange::Renamed(named(self.old.message(old)), named(self.new.message(new)));
-            self.changes.push(change);
+            self.changes.push(MessageChange::Renamed(named(self.old, old), named(self.new, new)));
         }
-        let removed = before.into_values().map(|id| MessageChange::Removed(named(self.old.message(id))));
-        let added = after.into_values().map(|id| MessageChange::Added(named(self.new.message(id))));
+        let removed = before.into_values().map(|id| MessageChange::Removed(named(self.old, id)));
+        let added = after.into_values().map(|id| MessageChange::Added(named(self.new, id)));
         self.changes.extend(removed.chain(added));
     }
 
@@ -201,7 +215,15 @@ impl<'a> Matcher<'a> {
             let interfaces = package.into_iter().flat_map(|package| &package.interfaces);
             interfaces.map(|found| ((found.kind, found.name.as_str()), found)).collect()
         };
-        let named = |found: &'a Interface| Named { kind: found.kind, name: &found.name, span: found.span };
+        if is_partial(old) || is_partial(new) {
+            return;
+        }
+        let named = |found: &'a Interface| Named {
+            kind: found.kind,
+            name: &found.name,
+            span: found.span,
+            is_uorb: false,
+        };
         let mut added = by_name(new);
         for (name, before) in by_name(old) {
             match added.remove(&name) {
@@ -247,8 +269,16 @@ impl<'a> Matcher<'a> {
     }
 }
 
-fn named(message: &Message) -> Named<'_> {
-    Named { kind: message.kind, name: &message.name, span: message.span }
+/// True if a version contains only some messages of a package. The other messages may exist, so nothing is known about
+/// them.
+fn is_partial(package: Option<&Package>) -> bool {
+    package.is_some_and(|package| package.is_dependency)
+}
+
+fn named(schema: &Schema, id: MessageId) -> Named<'_> {
+    let message = schema.message(id);
+    let is_uorb = is_uorb(schema, message);
+    Named { kind: message.kind, name: &message.name, span: message.span, is_uorb }
 }
 
 /// True if a code has a different meaning: neither its abbreviation nor its description resembles the old one.

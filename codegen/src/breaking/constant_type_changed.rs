@@ -3,6 +3,7 @@
 use super::message::both;
 use super::message::{ConstantChange, Pair};
 use super::rule::{Category, Check, Rule, Sink};
+use super::signature::plain;
 use crate::diagnostic::Level;
 use crate::example::Example;
 use crate::schema::{Shape, Type};
@@ -32,7 +33,8 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, change: &ConstantChange<'_>, sink: &mut Sink<'_>) {
     let (ConstantChange::Same(old, new) | ConstantChange::Renamed(old, new)) = change else { return };
-    if old.ty == new.ty {
+    let types = (plain(pair.old_schema, pair.old, old.ty), plain(pair.new_schema, pair.new, new.ty));
+    if types.0 == types.1 {
         return;
     }
     let text = |element| Type { element, shape: Shape::Single };

@@ -37,12 +37,12 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    // All fields from this index on were added.
+    let end = pair.kept().map(|kept| kept.new + 1).max().unwrap_or(0);
     for change in &pair.fields {
         let FieldChange::Added(at) = *change else { continue };
         let field = &pair.new.fields[at];
-        let last = pair.new.fields.len()
-            - pair.fields.iter().rev().take_while(|change| matches!(change, FieldChange::Added(_))).count();
-        let cdr = if at >= last {
+        let cdr = if at >= end {
             "messages are longer: existing readers reject the extra bytes, and new readers don't find the field in \
                 old messages"
         } else {

@@ -1,7 +1,6 @@
 //! `field-frame-changed`: the coordinate frame of a field changed.
 
-use super::message::Pair;
-use super::message::both;
+use super::message::{Pair, both};
 use super::rule::{Category, Check, Rule, Sink};
 use crate::diagnostic::Level;
 use crate::example::Example;
@@ -33,7 +32,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     let (Some(before), Some(now)) = (old.attribute(&FRAME), new.attribute(&FRAME)) else { return };
-    if before == now {
+    if pair.is_same_frame(before, now) {
         return;
     }
     let message = format!("`{}.{}` is in frame {now} instead of {before}", pair.name(), new.name);

@@ -34,14 +34,13 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
     for before in old.constraints.iter().filter(|found| !found.is_special()) {
-        let Some(now) = new.constraint(before.kind).filter(|now| *now != before) else { continue };
-        let message = format!(
-            "the range of `{}.{}` is {} instead of {}",
-            pair.name(),
-            new.name,
-            text(now),
-            text(before)
-        );
+        let Some(now) = new.constraint(before.kind).map(text) else { continue };
+        // Compared as text, since the integer 0 doesn't equal the float 0.0.
+        let before = text(before);
+        if before == now {
+            continue;
+        }
+        let message = format!("the range of `{}.{}` is {now} instead of {before}", pair.name(), new.name);
         sink.change(new.span, both(old.span, new.span), message)
             .breaks(Category::Semantic, "valid values may now be out of range or have a different scale");
     }

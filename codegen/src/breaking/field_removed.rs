@@ -38,11 +38,13 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    // All fields from this index on were removed.
+    let end = pair.kept().map(|kept| kept.old + 1).max().unwrap_or(0);
     for change in &pair.fields {
         let FieldChange::Removed(at) = *change else { continue };
         let field = &pair.old.fields[at];
         let message = format!("`{}.{}` ({}) was removed", pair.name(), field.name, pair.old_type(field.ty));
-        let cdr = if at + 1 == pair.old.fields.len() {
+        let cdr = if at >= end {
             "messages are shorter: existing readers expect more bytes, and new readers reject the extra bytes of old \
                 messages"
         } else {

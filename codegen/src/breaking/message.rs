@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::order;
 use super::order::{MAX_COMPARISONS, align, likeness};
-use super::signature::SchemaSignatures;
+use super::signature::{SchemaSignatures, plain};
 use crate::finding::Sides;
 use crate::schema::{Constant, Dialect, Element, Field, Form, Kind, Message, MessageId, Schema, Type};
 use crate::source::Span;
@@ -43,6 +43,8 @@ pub(crate) struct Pair<'a> {
     pub fields: Vec<FieldChange>,
     /// The constants, except constants with a special meaning in PX4.
     pub constants: Vec<ConstantChange<'a>>,
+    /// The new names of renamed fields and constants, by their old names.
+    pub renamed: HashMap<&'a str, &'a str>,
     /// The kind of versions compared.
     pub between: Between,
 }
@@ -116,6 +118,13 @@ impl<'a> Pair<'a> {
         self.kept().map(|kept| (&self.old.fields[kept.old], &self.new.fields[kept.new]))
     }
 
+    /// True if two frames are the same, or references, such as `@frame`, to one field or constant that was renamed.
+    pub(crate) fn is_same_frame(&self, old: &str, new: &str) -> bool {
+        let references = old.strip_prefix('@').zip(new.strip_prefix('@'));
+        old == new
+            || references.is_some_and(|(old, new)| self.renamed.get(old).is_some_and(|name| *name == new))
+    }
+
     /// True if the names, types, lengths or order of fields changed, in which case PX4 requires a new message version.
     pub(crate) fn has_changed_fields(&self) -> bool {
         let is_changed = |change: &FieldChange| match change {
@@ -142,10 +151,14 @@ impl<'a> Pair<'a> {
         self.new.span.part(0..0)
     }
 
+    /// True if the fields or their nested messages changed. PX4's hash covers the names and types of all nested fields.
+    pub(crate) fn has_changes(&self) -> bool {
+        self.has_changed_fields() || self.old.hash != self.new.hash
+    }
+
     /// True for a uORB message.
     pub(crate) fn is_uorb(&self) -> bool {
-        let form = self.new_schema.package_of(self.new).form;
-        form == Form::Msg(Dialect::Px4) && self.new.kind == Kind::Message
+        is_uorb(self.new_schema, self.new)
     }
 
     /// The old type of a field, in the syntax of definitions.
@@ -164,33 +177,26 @@ pub(super) fn both(old: Span, new: Span) -> Sides {
     Sides { old: Some(old), new: Some(new) }
 }
 
-/// The context for matching messages.
-pub(super) struct PairOf<'a, 'm> {
+/// True for a uORB message.
+pub(super) fn is_uorb(schema: &Schema, message: &Message) -> bool {
+    schema.package_of(message).form == Form::Msg(Dialect::Px4) && message.kind == Kind::Message
+}
+
+/// The index of the new field that matches each old field.
+pub(super) type Matched = BTreeMap<usize, usize>;
+
+/// The context for matching the fields of messages.
+pub(super) struct Matching<'a, 'm> {
     pub(super) old: &'a Schema,
     pub(super) new: &'a Schema,
     /// The new message that matches each old message.
     pub(super) twins: &'m HashMap<MessageId, MessageId>,
-    pub(super) old_signatures: SchemaSignatures,
-    pub(super) new_signatures: SchemaSignatures,
-    pub(super) between: Between,
 }
 
-impl<'a> PairOf<'a, '_> {
-    pub(super) fn pair(&self, old: MessageId, new: MessageId) -> Pair<'a> {
-        let (before, after) = (self.old.message(old), self.new.message(new));
-        Pair {
-            old_schema: self.old,
-            new_schema: self.new,
-            old: before,
-            new: after,
-            ids: (old, new),
-            fields: self.fields(before, after),
-            constants: constants(before, after),
-            between: self.between,
-        }
-    }
-
-    fn fields(&self, old: &Message, new: &Message) -> Vec<FieldChange> {
+impl<'a> Matching<'a, '_> {
+    /// Matches the fields of two messages.
+    pub(super) fn fields(&self, old: MessageId, new: MessageId) -> Matched {
+        let (old, new) = (self.old.message(old), self.new.message(new));
         let mut twin_of = same_names(old, new);
         let is_taken: BTreeSet<usize> = twin_of.values().copied().collect();
         let removed = gaps(&old.fields, |at| twin_of.contains_key(&at));
@@ -205,7 +211,7 @@ impl<'a> PairOf<'a, '_> {
                 let is_other_unit =
                     before.unit.is_some() && after.unit.is_some() && before.unit != after.unit;
                 before.ty.shape == after.ty.shape
-                    && self.is_same(before.ty.element, after.ty.element)
+                    && self.is_same((old, before.ty.element), (new, after.ty.element))
                     && !is_other_unit
             };
             let similarity =
@@ -213,6 +219,55 @@ impl<'a> PairOf<'a, '_> {
             let renamed = align(removed.len(), added.len(), &mut budget, can_match, similarity);
             twin_of.extend(renamed.into_iter().map(|(left, right)| (removed[left], added[right])));
         }
+        twin_of
+    }
+
+    /// The old names of the new fields. An added field has its own name, which no old field has.
+    pub(super) fn old_names(&self, old: MessageId, new: MessageId, fields: &Matched) -> Vec<&'a str> {
+        let (old, new) = (self.old.message(old), self.new.message(new));
+        let mut names: Vec<&str> = new.fields.iter().map(|field| field.name.as_str()).collect();
+        for (before, after) in fields {
+            names[*after] = &old.fields[*before].name;
+        }
+        names
+    }
+
+    /// True if two types are the same.
+    fn is_same(&self, (old, before): (&Message, Element), (new, after): (&Message, Element)) -> bool {
+        match (before, after) {
+            (Element::Message(before), Element::Message(after)) => self.twins.get(&before) == Some(&after),
+            _ => before == after || plain(self.old, old, before) == plain(self.new, new, after),
+        }
+    }
+}
+
+/// The context for comparing messages.
+pub(super) struct PairOf<'a, 'm> {
+    pub(super) matching: Matching<'a, 'm>,
+    pub(super) old_signatures: SchemaSignatures,
+    pub(super) new_signatures: SchemaSignatures,
+    pub(super) between: Between,
+}
+
+impl<'a> PairOf<'a, '_> {
+    pub(super) fn pair(&self, old: MessageId, new: MessageId, fields: &Matched) -> Pair<'a> {
+        let (old_schema, new_schema) = (self.matching.old, self.matching.new);
+        let (before, after) = (old_schema.message(old), new_schema.message(new));
+        let constants = constants(before, after);
+        Pair {
+            old_schema,
+            new_schema,
+            old: before,
+            new: after,
+            ids: (old, new),
+            fields: self.changes(before, after, fields),
+            renamed: renamed((before, after), fields, &constants),
+            constants,
+            between: self.between,
+        }
+    }
+
+    fn changes(&self, old: &Message, new: &Message, twin_of: &Matched) -> Vec<FieldChange> {
         let positions: Vec<usize> = twin_of.values().copied().collect();
         let mut moved = order::moved(&positions).into_iter();
         let is_kept: BTreeSet<usize> = positions.into_iter().collect();
@@ -233,7 +288,7 @@ impl<'a> PairOf<'a, '_> {
     fn kept(&self, old: &Message, new: &Message, (before, after): (usize, usize), is_moved: bool) -> Kept {
         let elements = (old.fields[before].ty.element, new.fields[after].ty.element);
         let held = match elements {
-            (old, new) if !self.is_same(old, new) => Held::Other,
+            _ if !self.matching.is_same((old, elements.0), (new, elements.1)) => Held::Other,
             (Element::Message(old), Element::Message(new)) => {
                 let cdr = self.old_signatures.cdr(old) != self.new_signatures.cdr(new);
                 let uorb = self.old_signatures.uorb(old) != self.new_signatures.uorb(new);
@@ -243,17 +298,10 @@ impl<'a> PairOf<'a, '_> {
         };
         Kept { old: before, new: after, held, is_moved }
     }
-
-    fn is_same(&self, old: Element, new: Element) -> bool {
-        match (old, new) {
-            (Element::Message(old), Element::Message(new)) => self.twins.get(&old) == Some(&new),
-            _ => old == new,
-        }
-    }
 }
 
 /// Maps the index of each old field to the index of the new field with the same name.
-fn same_names(old: &Message, new: &Message) -> BTreeMap<usize, usize> {
+fn same_names(old: &Message, new: &Message) -> Matched {
     let by_name: HashMap<&str, usize> =
         new.fields.iter().enumerate().map(|(at, field)| (field.name.as_str(), at)).collect();
     let names = old.fields.iter().enumerate();
@@ -272,6 +320,22 @@ fn gaps(fields: &[Field], is_known: impl Fn(usize) -> bool) -> BTreeMap<&str, Ve
         }
     }
     gaps
+}
+
+/// The new names of renamed fields and constants, by their old names.
+fn renamed<'a>(
+    (old, new): (&'a Message, &'a Message),
+    fields: &Matched,
+    constants: &[ConstantChange<'a>],
+) -> HashMap<&'a str, &'a str> {
+    let constants = constants.iter().filter_map(|change| match *change {
+        ConstantChange::Renamed(old, new) => Some((old.name.as_str(), new.name.as_str())),
+        _ => None,
+    });
+    let fields =
+        fields.iter().map(|(at, twin)| (old.fields[*at].name.as_str(), new.fields[*twin].name.as_str()));
+    // A reference is to a field if a constant has the same name.
+    constants.chain(fields.filter(|(old, new)| old != new)).collect()
 }
 
 fn constants<'a>(old: &'a Message, new: &'a Message) -> Vec<ConstantChange<'a>> {

@@ -43,7 +43,7 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
         .breaks(Category::Source, "programs that use this type no longer compile")
         .breaks(Category::Json, "programs no longer recognize JSON messages of this type")
         .breaks(Category::Cdr, "updated peers no longer send or accept messages of this type");
-    if old.kind == Kind::Message {
+    if old.is_uorb {
         change.breaks(Category::Uorb, "the message's topics no longer exist, and are missing from new logs");
     }
 }

@@ -39,9 +39,15 @@ fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
     let MessageChange::Renamed(old, new) = change else { return };
     let places = both(old.span.part(0..0), new.span.part(0..0));
     let message = format!("`{}` was renamed to `{}`", old.name, new.name);
-    sink.change(new.span.part(0..0), places, message)
+    let mut change = sink.change(new.span.part(0..0), places, message);
+    change
         .breaks(Category::Source, "programs that use this type no longer compile")
         .breaks(Category::Json, "the type names in messages change, and so do references to the schema")
-        .breaks(Category::Cdr, "DDS and ROS 2 match types by name and hash: existing peers no longer match")
-        .breaks(Category::Uorb, "the format name in logs changes, and so do topics named after the message");
+        .breaks(Category::Cdr, "DDS and ROS 2 match types by name and hash: existing peers no longer match");
+    if old.is_uorb {
+        change.breaks(
+            Category::Uorb,
+            "the format name in logs changes, and so do topics named after the message",
+        );
+    }
 }

@@ -41,12 +41,10 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
             format!("the version of `{name}` decreases from {before} to {now}"),
             "a version must not decrease".to_owned(),
         )
-    } else if !pair.has_changed_fields() {
-        return;
-    } else if now == before {
+    } else if now == before && pair.has_changed_fields() {
         let message = format!("the fields of `{name}` changed, but its version is still {now}");
         (message, format!("raise {VERSION} to {next}"))
-    } else if now > next && pair.between == Between::Commits {
+    } else if now > next && pair.between == Between::Commits && pair.has_changes() {
         let message = format!("the version of `{name}` jumps from {before} to {now}");
         (
             message,

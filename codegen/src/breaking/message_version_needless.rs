@@ -29,7 +29,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
     let (Some(before), Some(now)) = (pair.old.version, pair.new.version) else { return };
-    if now <= before || pair.has_changed_fields() {
+    if now <= before || pair.has_changes() {
         return;
     }
     let message =

@@ -47,7 +47,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
         if cdr {
             change.breaks(
                 Category::Cdr,
-                "existing readers decode the nested message and all following fields incorrectly",
+                "existing readers decode the nested message incorrectly, and fields after it may move",
             );
         }
         if memory && pair.is_uorb() {

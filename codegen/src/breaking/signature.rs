@@ -2,18 +2,21 @@
 
 use std::collections::HashMap;
 
-use crate::schema::{Element, MessageId, Schema, Shape};
+use crate::schema::{Dialect, Element, Form, Message, MessageId, Schema, Shape};
 use uavspec_runtime::Scalar;
 
-/// Numbers that identify message layouts. Identical layouts have the same number, regardless of names.
+/// Numbers that identify message layouts. Identical layouts have the same number. Fields are identified by their old
+/// names, so a renamed field stays the same, and two fields that swap places don't.
 #[derive(Debug, Default)]
-pub(super) struct Signatures {
-    known: HashMap<Vec<Member>, u32>,
+pub(super) struct Signatures<'a> {
+    known: HashMap<Vec<Member<'a>>, u32>,
 }
 
-/// A member of a layout.
+/// A part of a layout.
 #[derive(Debug, PartialEq, Eq, Hash)]
-enum Member {
+enum Member<'a> {
+    /// The old name of the next member.
+    Name(&'a str),
     Scalar(Scalar, Shape),
     String(bool, Option<u32>, Shape),
     /// A nested message, by its signature.
@@ -39,36 +42,56 @@ impl SchemaSignatures {
     }
 }
 
-impl Signatures {
+impl<'a> Signatures<'a> {
     /// Computes the signatures of all messages of `schema`. Signatures of different versions can be compared if the
-    /// same `Signatures` computed them.
-    pub(super) fn of(&mut self, schema: &Schema) -> SchemaSignatures {
+    /// same `Signatures` computed them. `old_names` contains the old names of the fields of messages that both versions
+    /// have.
+    pub(super) fn of(
+        &mut self,
+        schema: &'a Schema,
+        old_names: &HashMap<MessageId, Vec<&'a str>>,
+    ) -> SchemaSignatures {
         let count = schema.messages.len();
         let mut found = SchemaSignatures { cdr: vec![0; count], uorb: vec![0; count] };
         for id in schema.nested_first.iter().copied() {
             let message = schema.message(id);
+            let names = old_names.get(&id);
+            let name = |index: usize| {
+                Member::Name(names.map_or(message.fields[index].name.as_str(), |names| names[index]))
+            };
             let member = |index: usize, nested: &[u32]| {
                 let ty = message.fields[index].ty;
-                match ty.element {
+                match plain(schema, message, ty.element) {
                     Element::Scalar(scalar) => Member::Scalar(scalar, ty.shape),
                     Element::String { wide, bound } => Member::String(wide, bound, ty.shape),
                     Element::Message(nested_id) => Member::Message(nested[nested_id.0 as usize], ty.shape),
                 }
             };
-            let cdr = (0..message.fields.len()).map(|index| member(index, &found.cdr)).collect();
+            let fields = 0..message.fields.len();
+            let cdr = fields.flat_map(|index| [name(index), member(index, &found.cdr)]).collect();
             found.cdr[id.0 as usize] = self.number(cdr);
             let slots = message.uorb.iter().flat_map(|layout| &layout.slots);
             let placed = slots.filter_map(|slot| Some((slot.offset, slot.field?)));
-            let mut uorb: Vec<Member> =
-                placed.flat_map(|(offset, index)| [Member::At(offset), member(index, &found.uorb)]).collect();
+            let mut uorb: Vec<Member<'a>> = placed
+                .flat_map(|(offset, index)| [name(index), Member::At(offset), member(index, &found.uorb)])
+                .collect();
             uorb.push(Member::At(message.uorb.as_ref().map_or(0, |layout| layout.size)));
             found.uorb[id.0 as usize] = self.number(uorb);
         }
         found
     }
 
-    fn number(&mut self, members: Vec<Member>) -> u32 {
+    fn number(&mut self, members: Vec<Member<'a>>) -> u32 {
         let next = u32::try_from(self.known.len()).unwrap_or(u32::MAX);
         *self.known.entry(members).or_insert(next)
+    }
+}
+
+/// The type of an item of `message` without aliases. In ROS 2, `char` is an alias of `uint8`.
+pub(super) fn plain(schema: &Schema, message: &Message, element: Element) -> Element {
+    let is_ros2 = schema.package_of(message).form == Form::Msg(Dialect::Ros2);
+    match element {
+        Element::Scalar(Scalar::Char) if is_ros2 => Element::Scalar(Scalar::UInt8),
+        _ => element,
     }
 }

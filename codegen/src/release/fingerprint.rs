@@ -111,7 +111,7 @@ impl<'t> LayoutHashes<'t> {
             let element = match field.element {
                 PlacedElement::Scalar(scalar) => scalar.name().to_owned(),
                 PlacedElement::Text(length) => format!("char[{length}]"),
-                PlacedElement::String => return None,
+                PlacedElement::String { .. } => return None,
                 PlacedElement::Message(nested) => format!("{:016x}", self.nested(nested, depth + 1)?),
             };
             hasher.update(format!("{element}{} {} {}\n", shape_text(field.shape), field.name, field.offset));

@@ -54,6 +54,7 @@ impl<'s> Resolver<'s> {
             self.schema.packages.push(Package {
                 origin: source.origin.clone(),
                 revision: source.revision.clone(),
+                is_dependency: source.select.as_ref().is_some_and(Vec::is_empty),
                 messages,
                 interfaces,
                 ..Package::new(source.name.clone(), source.form, source.ros_package.clone())

@@ -94,6 +94,8 @@ pub struct Package {
     pub origin: Option<String>,
     /// The revision of the origin.
     pub revision: Option<String>,
+    /// True if the package contains only the messages that other packages refer to.
+    pub is_dependency: bool,
     /// The messages, by name.
     pub messages: Vec<MessageId>,
     /// The services and actions, by kind and name.
@@ -115,6 +117,7 @@ impl Package {
             ros_package,
             origin: None,
             revision: None,
+            is_dependency: false,
             messages: Vec::new(),
             interfaces: Vec::new(),
             error_tables: Vec::new(),
