@@ -3,9 +3,9 @@
 //! Each rule has a file with its text, examples and check, and an entry in [`RULES`]. Parser warnings are rules as well
 //! (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are always reported.
 //!
-//! A comment `# uavspec:ignore RULE reason` ignores a finding. If the comment is at the end of a declaration or above
-//! it, the comment applies to that declaration. If the comment is in the description at the start of a file, it applies
-//! to the whole file. Pages use HTML comments: `<!-- uavspec:ignore RULE reason -->`.
+//! A comment `# uavspec:ignore RULE reason` ignores a finding. The comment applies to its own line. If it is above a
+//! declaration, it applies to that declaration as well. If the comment is in the description at the start of a file, it
+//! applies to the whole file. Pages use HTML comments: `<!-- uavspec:ignore RULE reason -->`.
 //!
 //! ```
 //! use uavspec_codegen::lint::{Settings, lint};

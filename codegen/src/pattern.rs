@@ -4,16 +4,95 @@
 use regex_syntax::ParserBuilder;
 use regex_syntax::hir::{Class, Hir, HirKind};
 
-/// Syntax that is supported only by Rust's dialect, or only by the ECMA-262 dialect, which JSON Schema uses.
-const FOREIGN: [&str; 11] = ["(?", "\\A", "\\z", "\\Z", "\\x{", "\\p", "\\P", "[:", "&&", "--", "~~"];
+/// Characters that may follow a backslash, in addition to `\xHH` and `\uHHHH`. JSON Schema validators set the flag `u`
+/// of ECMA-262. With this flag, other escapes are errors, or have a different meaning than in Rust.
+const ESCAPED: &str = "^$\\.*+?()[]{}|/dDwWfnrtv";
+
+/// Escapes of word boundaries, which aren't part of a class.
+const BOUNDARIES: &str = "bB";
 
 /// The maximum length of an example.
 const MAX_EXAMPLE_LEN: usize = 1_000;
 
 /// True if all dialects interpret the regular expression in the same way.
+///
+/// `.` is an exception that is accepted because patterns often contain it. In Rust, it matches all characters except
+/// `\n`. In ECMA-262, it doesn't match `\r`, U+2028 and U+2029 either.
 pub(crate) fn is_known(pattern: &str) -> bool {
-    let plain = pattern.replace("(?:", "(");
-    FOREIGN.iter().all(|foreign| !plain.contains(foreign)) && parse(pattern).is_some()
+    is_shared(pattern) && parse(pattern).is_some()
+}
+
+/// True if the regular expression contains only syntax of both Rust's dialect and the ECMA-262 dialect, which JSON Schema
+/// uses.
+fn is_shared(pattern: &str) -> bool {
+    let mut rest = pattern;
+    let mut can_repeat = false;
+    while let Some(character) = rest.chars().next() {
+        let after = &rest[character.len_utf8()..];
+        let end = match character {
+            '\\' => after_escape(after, BOUNDARIES),
+            '[' => after_class(after),
+            '(' => Some(after.strip_prefix("?:").unwrap_or(after)),
+            '*' | '+' | '?' | '{' if can_repeat => after_quantifier(rest),
+            '*' | '+' | '?' | '{' | ']' | '}' => None,
+            _ => Some(after),
+        };
+        let Some(end) = end else { return false };
+        let is_boundary = character == '\\' && after.starts_with(['b', 'B']);
+        can_repeat = !is_boundary && !matches!(character, '^' | '$' | '(' | '|' | '*' | '+' | '?' | '{');
+        rest = end;
+    }
+    true
+}
+
+/// The text after an escape, if the escape is shared. `text` starts after the backslash, and `others` contains further
+/// characters that may be escaped.
+fn after_escape<'t>(text: &'t str, others: &str) -> Option<&'t str> {
+    let character = text.chars().next()?;
+    let digits = match character {
+        'x' => 2,
+        'u' => 4,
+        _ if ESCAPED.contains(character) || others.contains(character) => 0,
+        _ => return None,
+    };
+    let rest = &text[character.len_utf8()..];
+    let code = rest.get(..digits)?;
+    code.bytes().all(|byte| byte.is_ascii_hexdigit()).then(|| &rest[digits..])
+}
+
+/// The text after a class, if the class is shared. `text` starts after the opening bracket. Only Rust has nested classes
+/// and operators in classes, and only ECMA-262 has empty classes.
+fn after_class(text: &str) -> Option<&str> {
+    let mut rest = text.strip_prefix('^').unwrap_or(text);
+    if rest.starts_with(']') {
+        return None;
+    }
+    loop {
+        let character = rest.chars().next()?;
+        let after = &rest[character.len_utf8()..];
+        rest = match character {
+            ']' => return Some(after),
+            '\\' => after_escape(after, "-")?,
+            '[' => return None,
+            '&' | '-' | '~' if after.starts_with(character) => return None,
+            _ => after,
+        };
+    }
+}
+
+/// The text after a quantifier, if the quantifier is shared.
+fn after_quantifier(text: &str) -> Option<&str> {
+    let rest = match text.strip_prefix('{') {
+        Some(bounds) => {
+            let (bounds, rest) = bounds.split_once('}')?;
+            let (least, most) = bounds.split_once(',').unwrap_or((bounds, ""));
+            let is_number = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+            (!least.is_empty() && is_number(least) && is_number(most)).then_some(rest)?
+        }
+        None => text.get(1..)?,
+    };
+    // A `?` makes the quantifier lazy.
+    Some(rest.strip_prefix('?').unwrap_or(rest))
 }
 
 /// True if a part of the text matches the regular expression.
@@ -74,6 +153,7 @@ mod tests {
             (r"^\d+(\.\d+){0,2}$", "0"),
             ("glider", "glider"),
             ("^(north|south)$", "north"),
+            (r"^\/[a\-z]+?\x41\u0042$", "/aAB"),
             ("", ""),
         ] {
             assert!(is_known(pattern), "{pattern}");
@@ -86,6 +166,15 @@ mod tests {
         for pattern in ["(?i)a", r"\Aa", r"\p{L}", "[[:alpha:]]", "(", "[a&&b]", "a{2", r"(?<n>a)"] {
             assert!(!is_known(pattern), "{pattern}");
         }
-        assert!(is_known("(?:a|b)c"));
+        for pattern in [r"a\-b", r"\#", r"\&", r"\~", r"\a", r"\x{41}", r"\x4", "a}", "a]", "[]a]", "[a[b]]"]
+        {
+            assert!(!is_known(pattern), "{pattern}");
+        }
+        for pattern in ["a**", "a{2}{3}", "a*?+", "^*", r"\b+", "(*a)", "a|+", "a{,2}"] {
+            assert!(!is_known(pattern), "{pattern}");
+        }
+        for pattern in ["(?:a|b)c", "a--b", "[a-]", "a{2,}?", r"\ba"] {
+            assert!(is_known(pattern), "{pattern}");
+        }
     }
 }

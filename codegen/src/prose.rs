@@ -98,15 +98,23 @@ fn is_abbreviated(text: &str) -> bool {
 fn escape(line: &str, out: &mut String) {
     let mut rest = line;
     let mut previous = ' ';
+    // No URL starts before this position.
+    let mut searched = 0;
     while let Some(character) = rest.chars().next() {
-        if let Some(address) = address(rest).filter(|_| !previous.is_alphanumeric()) {
-            // A bare URL causes a warning in rustdoc.
-            out.push('<');
-            out.push_str(address);
-            out.push('>');
-            rest = &rest[address.len()..];
-            previous = '>';
-            continue;
+        let at = line.len() - rest.len();
+        if at >= searched && !previous.is_alphanumeric() {
+            match address(rest) {
+                Ok(address) => {
+                    // A bare URL causes a warning in rustdoc.
+                    out.push('<');
+                    out.push_str(address);
+                    out.push('>');
+                    rest = &rest[address.len()..];
+                    previous = '>';
+                    continue;
+                }
+                Err(len) => searched = at + len,
+            }
         }
         let next = rest[character.len_utf8()..].chars().next().unwrap_or(' ');
         let is_at_start = rest.len() == line.len();
@@ -136,17 +144,21 @@ fn is_ordinal_mark(line: &str, rest: &str, character: char) -> bool {
     matches!(character, '.' | ')') && !before.is_empty() && before.bytes().all(|byte| byte.is_ascii_digit())
 }
 
-/// The URL at the start of `text`.
-fn address(text: &str) -> Option<&str> {
+/// The URL at the start of `text`, or the number of bytes at the start of `text` in which no URL starts.
+fn address(text: &str) -> Result<&str, usize> {
     if !text.starts_with("http://") && !text.starts_with("https://") {
-        return None;
+        return Err(0);
     }
     let end = text
         .find(|c: char| c.is_whitespace() || matches!(c, '<' | '>' | '"' | '`' | '|' | '\\'))
         .unwrap_or(text.len());
     let address = text[..end].trim_end_matches(['.', ',', ';', ':', '!', '?', ')', ']', '\'']);
-    let is_plain = address.bytes().all(|byte| byte.is_ascii_graphic()) && address.len() > "https://".len();
-    is_plain.then_some(address)
+    match address.bytes().rposition(|byte| !byte.is_ascii_graphic()) {
+        // Each URL that starts before this byte contains it.
+        Some(last) => Err(last + 1),
+        None if address.len() > "https://".len() => Ok(address),
+        None => Err(0),
+    }
 }
 
 /// Replaces hidden characters, which could disguise text, with U+FFFD, and a tab with a space.
@@ -191,5 +203,13 @@ mod tests {
     fn urls_become_links() {
         assert_eq!(inline("see http://x.org/a_b."), "see <http://x.org/a_b>.");
         assert_eq!(inline("(https://x.org)"), "(<https://x.org>)");
+        assert_eq!(inline("http://é/http://x.org"), "http://é/<http://x.org>");
+        assert_eq!(inline("http:// xhttp://x.org"), "http:// xhttp://x.org");
+    }
+
+    #[test]
+    fn urls_with_non_ascii_characters_stay_text() {
+        let text = "http://".repeat(100_000) + "é";
+        assert_eq!(inline(&text), text);
     }
 }

@@ -41,9 +41,18 @@ struct Source {
     start: u32,
     /// The starts of all lines except the first, created lazily.
     lines: OnceLock<Vec<u32>>,
+    /// The reason why the source can't be read, and its location in the text.
+    error: Option<(Problem, Range<usize>)>,
 }
 
 impl Source {
+    /// The reason why the source can't be read.
+    fn diagnostic(&self) -> Option<Diagnostic> {
+        let (problem, range) = self.error.as_ref()?;
+        let start = Span { start: self.start, end: self.start };
+        Some(Diagnostic::new(problem.clone(), start.part(range.clone())))
+    }
+
     /// The number (from 0) of the line that contains a position, and the start of that line.
     fn line(&self, at: usize) -> (usize, usize) {
         let starts = self
@@ -67,46 +76,57 @@ impl SourceMap {
     /// 4 GiB. The readable part of the text is still added, for display.
     #[allow(clippy::result_large_err)] // called once per file
     pub fn add(&mut self, path: impl Into<String>, bytes: Vec<u8>) -> Result<SourceId, Diagnostic> {
-        let start = self.sources.last().map_or(0, |last| last.start + offset(last.text.len()) + 1);
+        let start = self.next_start();
         let id = SourceId(offset(self.sources.len()));
         let len = bytes.len();
         let total_fits =
             u32::try_from(len + MAX_SOURCE_LEN).is_ok_and(|len| start.checked_add(len).is_some());
         let too_long = len > MAX_SOURCE_LEN || !total_fits;
-        let (text, invalid) = match String::from_utf8(if too_long { Vec::new() } else { bytes }) {
-            Ok(text) => (text, None),
+        let (text, error) = match String::from_utf8(if too_long { Vec::new() } else { bytes }) {
+            _ if too_long => {
+                (String::new(), Some((Problem::SourceTooLong { len, max: MAX_SOURCE_LEN }, 0..0)))
+            }
+            Ok(text) => {
+                let has_bom = text.starts_with('\u{feff}');
+                (text, has_bom.then(|| (Problem::ByteOrderMark, 0..'\u{feff}'.len_utf8())))
+            }
             Err(error) => {
                 let valid = error.utf8_error().valid_up_to();
-                let byte = error.as_bytes()[valid];
-                (String::from_utf8_lossy(error.as_bytes()).into_owned(), Some((valid, byte)))
+                let problem = Problem::InvalidUtf8 { byte: error.as_bytes()[valid] };
+                let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+                (text, Some((problem, valid..valid + '\u{fffd}'.len_utf8())))
             }
         };
-        let whole = Span { start, end: start };
-        let has_bom = text.starts_with('\u{feff}');
-        self.sources.push(Source { path: path.into(), text, start, lines: OnceLock::new() });
-        if too_long {
-            return Err(Diagnostic::new(Problem::SourceTooLong { len, max: MAX_SOURCE_LEN }, whole));
-        }
-        if let Some((at, byte)) = invalid {
-            return Err(Diagnostic::new(
-                Problem::InvalidUtf8 { byte },
-                whole.part(at..at + '\u{fffd}'.len_utf8()),
-            ));
-        }
-        if has_bom {
-            return Err(Diagnostic::new(Problem::ByteOrderMark, whole.part(0..'\u{feff}'.len_utf8())));
-        }
-        Ok(id)
+        let source = Source { path: path.into(), text, start, lines: OnceLock::new(), error };
+        let diagnostic = source.diagnostic();
+        self.sources.push(source);
+        diagnostic.map_or(Ok(id), Err)
     }
 
-    /// A copy with the same ids, but with new text for some of the sources.
+    /// The start of the next source. Sources don't touch, so each position belongs to one source.
+    fn next_start(&self) -> u32 {
+        let end = |last: &Source| last.start.saturating_add(offset(last.text.len()));
+        self.sources.last().map_or(0, |last| end(last).saturating_add(1))
+    }
+
+    /// The errors of the sources that can't be read, as [`Self::add`] returned them.
+    pub fn errors(&self) -> impl Iterator<Item = Diagnostic> {
+        self.sources.iter().filter_map(Source::diagnostic)
+    }
+
+    /// A copy with the same ids, but with new text for some of the sources. The copy may have other [`Self::errors`].
     #[must_use]
     pub fn with_texts(&self, texts: &BTreeMap<SourceId, String>) -> Self {
         let mut sources = Self::default();
         for (at, source) in self.sources.iter().enumerate() {
-            let text = texts.get(&SourceId(offset(at))).unwrap_or(&source.text);
-            // Add invalid text as well, to preserve the ids.
-            let _ = sources.add(source.path.clone(), text.clone().into_bytes());
+            if let Some(text) = texts.get(&SourceId(offset(at))) {
+                // Add invalid text as well, to preserve the ids.
+                let _ = sources.add(source.path.clone(), text.clone().into_bytes());
+            } else {
+                // The text of an unreadable source isn't the text that was added.
+                let start = sources.next_start();
+                sources.sources.push(Source { start, ..source.clone() });
+            }
         }
         sources
     }
@@ -210,5 +230,23 @@ mod tests {
         );
         let error = sources.add("c", vec![b' '; MAX_SOURCE_LEN + 1]).expect_err("too long");
         assert!(matches!(error.problem, Problem::SourceTooLong { .. }));
+    }
+
+    #[test]
+    fn a_copy_with_other_texts_has_the_errors_at_their_new_locations() {
+        let mut sources = SourceMap::default();
+        let first = sources.add("a", "uint8 a\n".into()).expect("valid");
+        sources.add("b", b"ok\n\xff".to_vec()).expect_err("invalid");
+        let last = sources.add("c", "uint8 c\n".into()).expect("valid");
+        let texts = [(first, "uint8 longer\n".to_owned()), (last, "\u{feff}uint8 c\n".to_owned())];
+        let changed = sources.with_texts(&texts.into());
+        let place = |found: Diagnostic| {
+            let path = changed.path(changed.source_of(found.span));
+            (path, changed.position(found.span).line, found.problem)
+        };
+        let found: Vec<_> = changed.errors().map(place).collect();
+        let expected = [("b", 2, Problem::InvalidUtf8 { byte: 0xff }), ("c", 1, Problem::ByteOrderMark)];
+        assert_eq!(found, expected);
+        assert_eq!(changed.with_texts(&[(last, String::new())].into()).errors().count(), 1);
     }
 }

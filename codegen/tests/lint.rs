@@ -136,6 +136,18 @@ fn each_further_case_has_the_expected_findings() {
 }
 
 #[test]
+fn an_ignore_comment_applies_to_its_own_line_and_to_the_declaration_below() {
+    let text = "# Glider\n\nuint64 timestamp  # [us] Time\n\n\
+                # Old notes. # uavspec:ignore comment-lost still useful\n\n\
+                # uavspec:ignore unit-missing not known\n\
+                float32 sink  # Sink rate\n";
+    let (sources, findings) = judge(&[("Glider.msg".to_owned(), text.to_owned())]);
+    let ids = ["comment-lost", "unit-missing", "unused-ignore", "invalid-ignore"];
+    let found: Vec<Finding> = findings.into_iter().filter(|finding| ids.contains(&finding.rule)).collect();
+    assert!(found.is_empty(), "{}", render::findings(&found, &sources, false));
+}
+
+#[test]
 fn each_parser_warning_is_a_rule_and_no_parser_error_is() {
     assert_eq!(Problem::CODES.len(), Problem::LEVELS.len());
     for (code, level) in Problem::CODES.iter().zip(Problem::LEVELS) {
@@ -416,6 +428,7 @@ fn checks_unusual_definitions_in_linear_time() {
         lines(&|at| format!("uint8 a{at}_COUNT = 1\n  # b\n")),
         format!("uint8 {}=1\n", "A_".repeat(many)),
         lines(&|at| format!("uint8 a{at}_{}\n", "b_".repeat(50))),
+        format!("\n# {}\n", "1 0 ".repeat(many)) + &lines(&|at| format!("float32 f{at} # x\n")),
     ];
     for (path, text) in ["VehicleCommand.msg", "FailsafeFlags.msg"].into_iter().cycle().zip(texts) {
         let (sources, findings) = judge(&[(path.to_owned(), format!("{head}{text}"))]);

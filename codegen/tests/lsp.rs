@@ -500,3 +500,170 @@ fn invalid_messages_are_answered_with_errors() {
     let far = json!({ "line": 4_000_000_000_u32, "character": 4_000_000_000_u32 });
     assert_eq!(editor.about("hover", "msg/Tow.msg", json!({ "position": far })), Ok(Value::Null));
 }
+
+#[test]
+fn a_rename_changes_the_references_in_annotations() {
+    let gauge = "\
+# A gauge
+
+uint64 timestamp  # [us] Time since system start
+
+uint8 LEVEL_NONE = 255  # No level
+
+uint8 axes  # Axes of the force
+uint8 level  # [@invalid LEVEL_NONE] Level
+float32[3] force  # [N] [@frame @axes] Force
+uint8 BODY = 1
+float32[3] drag  # [N] [@frame @BODY] Drag
+float32[4] marks  # [m] Marks
+uint8 num_marks  # Used marks
+";
+    let path = "msg/Gauge.msg";
+    let mut editor = Editor::new(&[with_winch()[0], (path, gauge)]);
+    editor.open(path);
+    let mut rename = |place: &str, name: &str| -> Result<String, String> {
+        let renamed = editor.at("rename", path, place, json!({ "newName": name }))?;
+        Ok(editor.apply(path, &renamed["documentChanges"][0]["edits"]))
+    };
+    let constant = gauge.replace("LEVEL_NONE", "LEVEL_UNKNOWN");
+    assert_eq!(rename("LEVEL_NO^NE = 255", "LEVEL_UNKNOWN"), Ok(constant.clone()));
+    assert_eq!(rename("@invalid LEVEL_NO^NE", "LEVEL_UNKNOWN"), Ok(constant));
+    assert_eq!(rename("uint8 ax^es", "frame"), Ok(gauge.replace("axes", "frame")));
+    // A constant without a comment gets a dissimilar name, so it looks like a different constant.
+    assert_eq!(rename("BO^DY = 1", "HULL"), Ok(gauge.replace("BODY", "HULL")));
+    // The name of a field determines the array that it counts.
+    for (place, name, reason) in [
+        (
+            "float32[4] mar^ks",
+            "points",
+            "`num_marks` would no longer count `marks`: write `[@count marks]` in its comment first",
+        ),
+        (
+            "uint8 num_mar^ks",
+            "used",
+            "`used` would no longer count `marks`: write `[@count marks]` in its comment first",
+        ),
+        (
+            "uint8 num_mar^ks",
+            "num_force",
+            "`num_force` would count `force` instead of `marks`: write `[@count marks]` in its comment first",
+        ),
+        ("uint8 ax^es", "num_force", "`num_force` would count `force`: choose a different name"),
+    ] {
+        assert_eq!(rename(place, name), Err(reason.to_owned()), "{place}");
+    }
+}
+
+#[test]
+fn errors_of_unreadable_files_are_reported_there() {
+    let mut editor = Editor::new(&with_winch());
+    let files = json!({ "changes": [] });
+    fs::write(editor.path("msg/Tow.msg"), b"# A tow\n# \xff\n").expect("written");
+    editor.notify("workspace/didChangeWatchedFiles", files);
+    editor.expect_codes("msg/Tow.msg", &["invalid-utf8"]);
+    // The error stays in its place if the file before it becomes longer.
+    editor.open("msg/Mark.msg");
+    editor.edit("msg/Mark.msg", "# [m] ", "# [parsec] ");
+    editor.expect_codes("msg/Mark.msg", &["unknown-unit"]);
+    editor.hover("msg/Mark.msg", "hei^ght");
+    let place = &editor.diagnostics("msg/Tow.msg")[0]["range"]["start"];
+    assert_eq!(place, &json!({ "line": 1, "character": 2 }));
+    // The file is read as soon as its text is valid.
+    editor.open_with("msg/Tow.msg", TOW);
+    editor.expect_codes("msg/Tow.msg", &[]);
+    assert!(editor.hover("msg/Tow.msg", "Ma^rk[3]").contains("glide/Mark"));
+}
+
+#[test]
+fn a_configuration_file_determines_the_findings_of_its_files() {
+    let config = "[lint]\nlevels = { unknown-unit = \"off\" }\n\n".to_owned() + with_winch()[0].1;
+    let mark = MARK.replace("[m]", "[parsec]");
+    // A folder that becomes a part of the workspace, within another one.
+    let mut editor = Editor::new(&[("inner/msg/Mark.msg", mark.as_str())]);
+    editor.expect_codes("inner/msg/Mark.msg", &["unknown-unit"]);
+    fs::write(editor.path("inner/uavspec.toml"), &config).expect("written");
+    let added = json!([{ "uri": editor.uri("inner"), "name": "inner" }]);
+    let event = json!({ "event": { "added": added, "removed": [] } });
+    editor.notify("workspace/didChangeWorkspaceFolders", event);
+    editor.expect_codes("inner/msg/Mark.msg", &[]);
+    // A configuration file that is new, and later removed.
+    let mut editor = Editor::new(&[("msg/Mark.msg", mark.as_str())]);
+    editor.expect_codes("msg/Mark.msg", &["unknown-unit"]);
+    fs::write(editor.path("uavspec.toml"), &config).expect("written");
+    editor.notify("workspace/didChangeWatchedFiles", json!({ "changes": [] }));
+    editor.expect_codes("msg/Mark.msg", &[]);
+    fs::remove_file(editor.path("uavspec.toml")).expect("removed");
+    editor.notify("workspace/didChangeWatchedFiles", json!({ "changes": [] }));
+    editor.expect_codes("msg/Mark.msg", &["unknown-unit"]);
+}
+
+#[test]
+fn packages_that_a_configuration_only_refers_to_keep_their_findings() {
+    let tow = "src/tow_msgs/msg/Tow.msg";
+    let (mark, gust) = ("src/sky_msgs/msg/Mark.msg", "src/sky_msgs/msg/Gust.msg");
+    let config = "[lint]\nlevels = { unknown-unit = \"off\" }\n\n[[package]]\nname = \"tow_msgs\"\n\
+                  dialect = \"ros2\"\ninclude = [\"msg/*.msg\"]\n";
+    let mut editor = Editor::new(&[
+        ("src/tow_msgs/uavspec.toml", config),
+        (tow, "# A tow\n\nsky_msgs/Mark mark  # Mark\nfloat64 speed  # [parsec] Speed\n"),
+        (mark, "# A turning point\n\nfloat64 height  # [parsec] Height\n"),
+        // No message of the configured package refers to this one.
+        (gust, "# A gust\n\nfloat64 heading  # [NED] Heading\n"),
+    ]);
+    editor.expect_codes(tow, &["unknown-unit"]);
+    editor.expect_codes(mark, &["unknown-unit"]);
+    editor.expect_codes(gust, &["annotation-near-miss"]);
+    let added = json!([{ "uri": editor.uri("src/tow_msgs"), "name": "tow_msgs" }]);
+    let event = json!({ "event": { "added": added, "removed": [] } });
+    editor.notify("workspace/didChangeWorkspaceFolders", event);
+    editor.expect_codes(tow, &[]);
+    editor.expect_codes(mark, &["unknown-unit"]);
+    editor.expect_codes(gust, &["annotation-near-miss"]);
+    // The quick fixes belong to the same findings.
+    editor.open(gust);
+    let range = json!({ "start": { "line": 2, "character": 20 }, "end": { "line": 2, "character": 20 } });
+    let params = json!({ "range": range, "context": { "diagnostics": [], "only": ["quickfix"] } });
+    let actions = editor.about("codeAction", gust, params).expect("an answer");
+    assert_eq!(actions.as_array().map(Vec::len), Some(1), "{actions}");
+}
+
+#[test]
+fn an_open_file_that_a_new_configuration_does_not_include_keeps_a_project() {
+    let gust = "extra/Gust.msg";
+    let text = MARK.replace("[m]", "[parsec]");
+    let mut editor = Editor::new(&[("msg/Mark.msg", MARK), (gust, text.as_str())]);
+    editor.open(gust);
+    editor.expect_codes(gust, &["unknown-unit"]);
+    // As long as the configuration contains a mistake, it may include the file.
+    fs::write(editor.path("uavspec.toml"), "[").expect("written");
+    editor.notify("workspace/didChangeWatchedFiles", json!({ "changes": [] }));
+    editor.expect_codes("uavspec.toml", &[""]);
+    assert_eq!(editor.hover(gust, "hei^ght"), "");
+    fs::write(editor.path("uavspec.toml"), with_winch()[0].1).expect("written");
+    editor.notify("workspace/didChangeWatchedFiles", json!({ "changes": [] }));
+    assert!(editor.hover(gust, "hei^ght").contains("height"));
+    editor.expect_codes("uavspec.toml", &[]);
+    editor.expect_codes(gust, &["unknown-unit"]);
+}
+
+#[test]
+fn a_package_is_read_as_soon_as_a_text_refers_to_it() {
+    let path = "src/tow_msgs/msg/Tow.msg";
+    let config =
+        "[[package]]\nname = \"tow_msgs\"\ndialect = \"ros2\"\ninclude = [\"src/tow_msgs/msg/*.msg\"]\n";
+    let mut editor = Editor::new(&[
+        ("uavspec.toml", config),
+        (path, "# A tow\n\nuint8 phase  # Phase\n"),
+        ("src/sky_msgs/msg/Mark.msg", "# A turning point\n\nfloat64 height  # [m] Height\n"),
+        ("src/std_msgs/msg/Header.msg", "# A header\n\nstring frame_id  # Frame\n"),
+    ]);
+    editor.open(path);
+    editor.edit(path, "uint8 phase", "sky_msgs/Mark mark  # Mark\nuint8 phase");
+    assert!(editor.hover(path, "sky_msgs/Ma^rk").contains("sky_msgs/Mark"));
+    editor.edit(path, "uint8 phase", "Header header  # Header\nuint8 phase");
+    assert!(editor.hover(path, "Hea^der header").contains("std_msgs/Header"));
+    editor.edit(path, "uint8 phase", "nav_msgs/Odometry odometry  # Odometry\nuint8 phase");
+    editor.expect_codes(path, &["unknown-package"]);
+    editor.edit(path, "nav_msgs/Odometry", "sky_msgs/Mark");
+    editor.expect_codes(path, &[]);
+}

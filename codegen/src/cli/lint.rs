@@ -186,7 +186,7 @@ fn fix(
             break;
         }
         fixed += selected.iter().filter(|finding| !finding.fix.is_empty()).count();
-        loaded.sources = loaded.sources.with_texts(&new);
+        loaded.set_texts(&new);
         texts.extend(new);
         *findings = check(loaded, settings);
     }

@@ -70,8 +70,8 @@ struct Request<'s> {
 }
 
 enum Scope {
-    /// Findings that start on this line.
-    Line(Span),
+    /// Findings that start on one of these lines.
+    Lines(Vec<Span>),
     /// Findings in this source.
     Source(SourceId),
     /// Findings in these sources, or in all.
@@ -95,7 +95,7 @@ pub(super) fn apply(
         add_requests_of_page(text, sources, &mut requests);
     }
     requests.retain(|request| match request.scope {
-        Scope::Line(_) | Scope::Source(_) => selected.contains(&sources.source_of(request.span)),
+        Scope::Lines(_) | Scope::Source(_) => selected.contains(&sources.source_of(request.span)),
         Scope::Sources(_) => true,
     });
     let index = Index::new(&requests);
@@ -130,11 +130,12 @@ fn add_requests_of_part<'s>(
         let Some(directive) = comment.directive else { continue };
         let below = || part.lines[at..].iter().find(|line| line.item.is_some());
         let scope = if line.item.is_some() {
-            Scope::Line(line.span)
+            Scope::Lines(vec![line.span])
         } else if at < head {
             Scope::Source(source)
         } else {
-            below().map_or(Scope::Source(source), |line| Scope::Line(line.span))
+            // The comment can have findings as well, not only the declaration below it.
+            below().map_or(Scope::Source(source), |below| Scope::Lines(vec![line.span, below.span]))
         };
         let removal = if comment.is_directive() && line.item.is_none() {
             whole_line(line.span, sources)
@@ -155,7 +156,7 @@ fn add_requests_of_page<'s>(page: &SourceText<'s>, sources: &SourceMap, requests
             (Scope::Source(sources.source_of(span)), whole_line(span, sources))
         } else {
             let end = if line.ends_with("-->") { line.len() } else { start };
-            (Scope::Line(span), span.part(start..end))
+            (Scope::Lines(vec![span]), span.part(start..end))
         };
         requests.push(Request::of(directive, scope, removal));
     }
@@ -236,8 +237,8 @@ pub(crate) fn similar(id: &str, ids: impl Iterator<Item = &'static str>) -> Opti
 
 /// Requests, indexed by scope.
 struct Index<'s> {
-    /// The requests to ignore findings on one line, by rule and the start of the line.
-    lines: BTreeMap<(&'s str, u32), usize>,
+    /// The ends of lines and the requests to ignore findings on them, by rule and the start of the line.
+    lines: BTreeMap<(&'s str, u32), (u32, usize)>,
     sources: BTreeMap<(&'s str, SourceId), usize>,
     /// The few requests in the configuration.
     others: Vec<usize>,
@@ -247,12 +248,14 @@ impl<'s> Index<'s> {
     fn new(requests: &[Request<'s>]) -> Self {
         let mut index = Self { lines: BTreeMap::new(), sources: BTreeMap::new(), others: Vec::new() };
         for (at, request) in requests.iter().enumerate() {
-            match request.scope {
-                Scope::Line(line) => {
-                    index.lines.entry((request.rule, line.start)).or_insert(at);
+            match &request.scope {
+                Scope::Lines(lines) => {
+                    for line in lines {
+                        index.lines.entry((request.rule, line.start)).or_insert((line.end, at));
+                    }
                 }
                 Scope::Source(source) => {
-                    index.sources.entry((request.rule, source)).or_insert(at);
+                    index.sources.entry((request.rule, *source)).or_insert(at);
                 }
                 Scope::Sources(_) => index.others.push(at),
             }
@@ -265,9 +268,8 @@ impl<'s> Index<'s> {
         let source = sources.source_of(finding.span);
         let in_line = || {
             let before = self.lines.range((finding.rule, 0)..=(finding.rule, finding.span.start));
-            let (_, request) = before.last()?;
-            let Scope::Line(line) = requests[*request].scope else { return None };
-            (finding.span.start <= line.end).then_some(*request)
+            let (_, (end, request)) = before.last()?;
+            (finding.span.start <= *end).then_some(*request)
         };
         let in_source = || self.sources.get(&(finding.rule, source)).copied();
         let in_others = || {

@@ -6,7 +6,7 @@ use regex_lite::Regex;
 
 use crate::msg::ast::Shape;
 use crate::msg::constraint::{RANGE, Stated};
-use crate::schema::{Docs, Field, Message};
+use crate::schema::{Field, Message};
 use crate::unit;
 use crate::value::Value;
 
@@ -35,20 +35,38 @@ static INTERVAL: LazyLock<Option<Regex>> = LazyLock::new(|| {
     Regex::new(&format!("{bracketed}|{bare}")).ok()
 });
 
+/// The groups of a message.
+pub(super) struct Groups {
+    /// One flag for each group, which is true if its comment describes plain numbers.
+    are_plain: Vec<bool>,
+}
+
+impl Groups {
+    pub(super) fn new(message: &Message) -> Self {
+        Self { are_plain: message.groups.iter().map(|docs| is_plain(&docs.text())).collect() }
+    }
+
+    /// True if the comment of the field's group describes plain numbers.
+    fn is_plain(&self, field: &Field) -> bool {
+        field.group.and_then(|group| self.are_plain.get(group)) == Some(&true)
+    }
+}
+
+/// True if a text describes plain numbers.
+fn is_plain(text: &str) -> bool {
+    words(text).any(|word| is_one_of(word, &ADJECTIVES))
+        || text.contains('1') && INTERVAL.as_ref().is_some_and(|interval| interval.is_match(text))
+}
+
 /// True if the values of a field are plain numbers, such as ratios, quaternions or values from -1 to 1. A unit in the
 /// comment takes precedence: a `signal to noise ratio in units of dB` has a unit.
-pub(super) fn is_dimensionless(field: &Field, message: &Message) -> bool {
+pub(super) fn is_dimensionless(field: &Field, groups: &Groups) -> bool {
     if let Some((symbol, _)) = stated_unit(field) {
         return [unit::NONE, "norm"].contains(&symbol);
     }
-    let group = field.group.and_then(|group| message.groups.get(group)).map(Docs::text);
-    let is_plain = |text: &str| {
-        words(text).any(|word| is_one_of(word, &ADJECTIVES))
-            || text.contains('1') && INTERVAL.as_ref().is_some_and(|interval| interval.is_match(text))
-    };
     has_normalised_range(field)
         || is_plain(&field.description)
-        || group.is_some_and(|text| is_plain(&text))
+        || groups.is_plain(field)
         || words(head(&field.description)).any(|word| is_one_of(word, &NOUNS) || is_one_of(word, &HEAD_NOUNS))
         || name_words(field).any(|word| is_one_of(word, &NOUNS) || is_one_of(word, &ADJECTIVES))
         || is_quaternion(field)

@@ -1,11 +1,11 @@
 //! `unit-missing`: a float field without a unit.
 
-use super::quantity;
+use super::quantity::{self, Groups};
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
 use crate::diagnostic::Level;
 use crate::example::Example;
-use crate::schema::{Field, Message};
+use crate::schema::Field;
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-missing",
@@ -40,9 +40,10 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if !subject.is_px4() {
         return;
     }
+    let groups = Groups::new(subject.message);
     for (field, _) in subject.fields() {
         let is_float = field.ty.element.is_float();
-        if is_float && field.enum_prefixes.is_empty() && lacks_unit(field, subject.message) {
+        if is_float && field.enum_prefixes.is_empty() && lacks_unit(field, &groups) {
             let help = quantity::advice(field, "m/s");
             sink.report(field.span, format!("`{}` has no unit", field.name), help);
         }
@@ -50,10 +51,10 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
 }
 
 /// True if a field needs a unit, but has no unit in an annotation.
-pub(super) fn lacks_unit(field: &Field, message: &Message) -> bool {
+pub(super) fn lacks_unit(field: &Field, groups: &Groups) -> bool {
     let is_undefined = || UNDEFINED.iter().any(|words| field.description.contains(words));
     field.unit.is_none()
         && !is_undefined()
-        && !quantity::is_dimensionless(field, message)
+        && !quantity::is_dimensionless(field, groups)
         && !quantity::is_container(field)
 }

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
-use super::quantity;
+use super::quantity::{self, Groups};
 use super::rule::{Check, Levels, Measured, Rule, Sink};
 use super::subject::Subject;
 use super::unit_missing;
@@ -64,10 +64,11 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     if !subject.is_px4() {
         return;
     }
+    let groups = Groups::new(subject.message);
     for (field, _) in subject.fields() {
         let is_integer =
             matches!(field.ty.element, Element::Scalar(scalar) if scalar.integer_bounds().is_some());
-        if is_integer && is_quantity(field, subject) && unit_missing::lacks_unit(field, subject.message) {
+        if is_integer && is_quantity(field, subject) && unit_missing::lacks_unit(field, &groups) {
             let help = quantity::advice(field, "mV");
             sink.report(field.span, format!("`{}` has no unit", field.name), help);
         }

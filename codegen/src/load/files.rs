@@ -34,7 +34,7 @@ pub(crate) struct Loaded {
     pub(crate) diagnostics: Vec<Diagnostic>,
     /// All files that were read.
     pub(crate) files: Vec<PathBuf>,
-    /// The file of each source that could be read.
+    /// The file of each source except the configuration file.
     pub(crate) paths: BTreeMap<SourceId, PathBuf>,
     /// Translation catalogues, if requested.
     pub(crate) catalogues: Vec<SourceId>,
@@ -44,6 +44,29 @@ pub(crate) struct Loaded {
     pub(crate) releases: Releases,
     /// The configuration file, to which findings may point.
     pub(crate) config: Option<Span>,
+}
+
+impl Loaded {
+    /// Replaces the texts of some sources. Each diagnostic gets the location in the new texts.
+    pub(crate) fn set_texts(&mut self, texts: &BTreeMap<SourceId, String>) {
+        self.sources = self.sources.with_texts(texts);
+        // Excludes the configuration file.
+        let has_path = |error: &Diagnostic| self.paths.contains_key(&self.sources.source_of(error.span));
+        self.diagnostics = self.sources.errors().filter(has_path).collect();
+    }
+
+    /// The packages that some of the sources refer to, but that were not loaded.
+    #[cfg(feature = "lsp")]
+    pub(crate) fn missing_packages(&self, is_selected: impl Fn(SourceId) -> bool) -> BTreeSet<String> {
+        let mut missing = BTreeSet::new();
+        for package in &self.packages {
+            let sources = package.sources.iter().copied().filter(|id| is_selected(*id)).collect();
+            let input = PackageInput::new(&package.name, package.form, sources);
+            missing.append(&mut referenced_packages(&self.sources, &input));
+        }
+        missing.retain(|name| self.packages.iter().all(|package| package.name != *name));
+        missing
+    }
 }
 
 #[cfg(feature = "cli")]
@@ -211,7 +234,11 @@ impl Loader<'_> {
                     self.loaded.paths.insert(id, path.clone());
                     sources.push(id);
                 }
-                Err(diagnostic) => self.loaded.diagnostics.push(diagnostic),
+                Err(diagnostic) => {
+                    let id = self.loaded.sources.source_of(diagnostic.span);
+                    self.loaded.paths.insert(id, path.clone());
+                    self.loaded.diagnostics.push(diagnostic);
+                }
             }
         }
         Ok(sources)

@@ -1,6 +1,7 @@
 //! Positions of the protocol: a line, and a column in code units.
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use lsp_types::{self as lsp, Position, PositionEncodingKind};
 
@@ -53,19 +54,37 @@ impl Encoding {
     }
 }
 
+/// The number of UTF-16 code units of characters, which may be incomplete: the first byte of a character counts.
+fn utf16_len(bytes: &[u8]) -> u32 {
+    let units = |byte: &u8| -> u32 {
+        match *byte {
+            0x80..=0xbf => 0,
+            0xf0..=0xff => 2,
+            _ => 1,
+        }
+    };
+    bytes.iter().map(units).sum()
+}
+
+/// The number of bytes in a block of a text.
+const BLOCK: usize = 256;
+
 /// A text and the starts of its lines.
 #[derive(Debug)]
 pub(super) struct Lines<'t> {
     text: &'t str,
     starts: Vec<usize>,
     encoding: Encoding,
+    /// The number of UTF-16 code units before each block of the text, counted lazily. With these counts, a line may have
+    /// any number of positions.
+    counts: OnceLock<Vec<u32>>,
 }
 
 impl<'t> Lines<'t> {
     pub(super) fn new(text: &'t str, encoding: Encoding) -> Self {
         let starts =
             std::iter::once(0).chain(text.match_indices('\n').map(|(newline, _)| newline + 1)).collect();
-        Self { text, starts, encoding }
+        Self { text, starts, encoding, counts: OnceLock::new() }
     }
 
     /// The text.
@@ -102,8 +121,27 @@ impl<'t> Lines<'t> {
     pub(super) fn position(&self, offset: usize) -> Position {
         let offset = self.text.floor_char_boundary_at(offset);
         let line = self.line_of(offset);
-        let character = self.encoding.len(&self.text[self.starts[line]..offset]);
+        let character = self.units(offset).saturating_sub(self.units(self.starts[line]));
         Position { line: u32::try_from(line).unwrap_or(u32::MAX), character }
+    }
+
+    /// The number of code units before a byte offset.
+    fn units(&self, offset: usize) -> u32 {
+        let bytes = self.text.as_bytes();
+        if self.encoding == Encoding::Utf8 {
+            return u32::try_from(offset).unwrap_or(u32::MAX);
+        }
+        let counts = self.counts.get_or_init(|| {
+            let mut counts = vec![0_u32];
+            let mut sum = 0_u32;
+            for block in bytes.chunks(BLOCK) {
+                sum = sum.saturating_add(utf16_len(block));
+                counts.push(sum);
+            }
+            counts
+        });
+        let block = offset / BLOCK;
+        counts.get(block).map_or(0, |count| count.saturating_add(utf16_len(&bytes[block * BLOCK..offset])))
     }
 
     /// The range of byte offsets.
@@ -154,6 +192,18 @@ mod tests {
             assert_eq!(lines.offset(at(0, b)), 7, "{encoding:?}");
             assert_eq!(lines.offset(at(0, 3)), 3, "{encoding:?}: within a character");
             assert_eq!(lines.position(4), at(0, if b == 7 { 3 } else { 2 }), "within a character");
+        }
+    }
+
+    #[test]
+    fn columns_of_a_long_line_are_counted_in_blocks() {
+        let text = "\n".to_owned() + &"aé𝄞".repeat(2 * BLOCK);
+        for encoding in [Encoding::Utf8, Encoding::Utf16] {
+            let lines = Lines::new(&text, encoding);
+            for (offset, _) in text.char_indices().skip(1) {
+                assert_eq!(lines.position(offset), at(1, encoding.len(&text[1..offset])), "{encoding:?}");
+            }
+            assert_eq!(lines.position(text.len()), at(1, encoding.len(&text[1..])));
         }
     }
 

@@ -1,6 +1,6 @@
 //! A set of packages that are read together, and their current snapshot.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use super::discovery;
@@ -58,6 +58,8 @@ pub(super) struct Project {
     pub(super) root: Root,
     change: Change,
     plan: Plan,
+    /// The referenced packages that were searched after an edit since files last changed. Some weren't found.
+    searched: BTreeSet<String>,
     snapshot: Option<Snapshot>,
     /// The reason why the definitions can't be read.
     failure: Option<Failure>,
@@ -66,7 +68,7 @@ pub(super) struct Project {
 impl Project {
     pub(super) fn new(root: Root) -> Self {
         let plan = Plan::of_packages(Vec::new());
-        Self { root, change: Change::Files, plan, snapshot: None, failure: None }
+        Self { root, change: Change::Files, plan, searched: BTreeSet::new(), snapshot: None, failure: None }
     }
 
     /// The snapshot, unless the definitions can't be read.
@@ -82,12 +84,17 @@ impl Project {
     /// True if the project reads this file.
     pub(super) fn contains(&self, path: &Path) -> bool {
         matches!(&self.root, Root::Config(file) if file == path)
-            || self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some())
+            || self.snapshot.as_ref().is_some_and(|snapshot| snapshot.contains(path))
+    }
+
+    /// True if the project reads this file only because its packages refer to the package of the file.
+    pub(super) fn is_dependency(&self, path: &Path) -> bool {
+        self.snapshot.as_ref().is_some_and(|snapshot| snapshot.is_dependency(path))
     }
 
     /// Notes the new text of an open document.
     pub(super) fn edit(&mut self, path: &Path, text: &str) {
-        let is_read = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.document(path).is_some());
+        let is_read = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.contains(path));
         let change = match &self.root {
             Root::Config(file) if file == path => Change::Files,
             // A page without definitions is no page of the project.
@@ -107,14 +114,14 @@ impl Project {
     pub(super) fn refresh(&mut self, open: &BTreeMap<PathBuf, String>, encoding: Encoding) -> bool {
         let known = match std::mem::replace(&mut self.change, Change::None) {
             Change::None => return false,
-            Change::Texts => self.snapshot.take().filter(|snapshot| !snapshot.lacks_package()),
-            Change::Files => None,
+            Change::Texts => self.snapshot.take().and_then(|snapshot| self.edited(snapshot.loaded, open)),
+            Change::Files => {
+                self.searched.clear();
+                None
+            }
         };
         let loaded = match known {
-            Some(Snapshot { loaded, .. }) => {
-                let sources = loaded.sources.with_texts(&changed(&loaded, open));
-                Ok(Loaded { sources, ..loaded })
-            }
+            Some(loaded) => Ok(loaded),
             None => self.load(open),
         };
         let is_whole = matches!(self.root, Root::Config(_));
@@ -129,10 +136,26 @@ impl Project {
         true
     }
 
+    /// The definitions with the new texts of open documents. `None` if files must be read again, because an edit refers to
+    /// another package or makes a file readable or unreadable.
+    fn edited(&mut self, mut loaded: Loaded, open: &BTreeMap<PathBuf, String>) -> Option<Loaded> {
+        let texts = changed(&loaded, open);
+        let before = unreadable(&loaded);
+        loaded.set_texts(&texts);
+        let known = self.searched.len();
+        self.searched.append(&mut loaded.missing_packages(|id| texts.contains_key(&id)));
+        (unreadable(&loaded) == before && self.searched.len() == known).then_some(loaded)
+    }
+
     fn load(&mut self, open: &BTreeMap<PathBuf, String>) -> Result<Loaded, Failure> {
         self.plan = self.root.plan(open)?;
         load_with_catalogues(&self.plan)
     }
+}
+
+/// The sources that can't be read.
+fn unreadable(loaded: &Loaded) -> BTreeSet<SourceId> {
+    loaded.diagnostics.iter().map(|diagnostic| loaded.sources.source_of(diagnostic.span)).collect()
 }
 
 /// The new texts of open documents.

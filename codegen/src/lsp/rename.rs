@@ -1,9 +1,9 @@
 //! Renames messages, fields, constants and types everywhere they are written.
 //!
-//! The definitions are read again with the new name. The rename is refused if it would cause an error, or if it would
-//! change a versioned message.
+//! The definitions are read again with the new name. The rename is refused if it would cause an error or a warning, or
+//! if it would change the meaning of a field or a versioned message.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -15,20 +15,27 @@ use lsp_types::{
 use super::snapshot::{Document, Snapshot};
 use super::symbol::{self, Occurrence, Symbol};
 use super::uri;
-use crate::breaking::{Between, breaking};
+use crate::breaking::{Between, Category, breaking};
 use crate::diagnostic::{Diagnostic, Level};
-use crate::finding::Edit;
+use crate::finding::{Edit, Finding};
 use crate::lint::edited;
 use crate::msg::Kind;
 use crate::name::is_identifier;
 use crate::read::{PackageInput, read};
-use crate::schema::{MessageId, Schema};
+use crate::schema::{Field, MessageId, Schema};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::table::type_table::is_type_name;
 use crate::terminal::{path, shown};
 
 /// The rule that a change of a versioned message violates.
 const VERSION: &str = "message-version";
+
+/// Rules that compare the old and the new name of a constant or field. A rename may violate them, because it also changes
+/// the references, such as `[@frame @axes]`.
+const NAME_RULES: [&str; 2] = ["constant-reused", "field-frame-changed"];
+
+/// Warnings about the style of names. A user may choose such a name.
+const STYLE: [&str; 2] = ["name-style", "message-name-style"];
 
 /// The name under the cursor, if it can be renamed.
 pub(super) fn prepare(document: &Document<'_>, offset: usize) -> Result<PrepareRenamePlaceholder, String> {
@@ -178,18 +185,17 @@ impl Renaming<'_> {
         }
         let (old_schema, before) = read(&sources, &loaded.packages);
         let (new_schema, after) = read(&sources, &packages);
-        let is_error = |diagnostic: &&Diagnostic| diagnostic.level() == Level::Error;
-        let key = |diagnostic: &Diagnostic| diagnostic.problem.code();
-        let mut known: Vec<&str> = before.iter().filter(is_error).map(key).collect();
-        for diagnostic in after.iter().filter(is_error) {
-            match known.iter().position(|code| *code == key(diagnostic)) {
-                Some(at) => drop(known.swap_remove(at)),
-                None => return Err(diagnostic.problem.to_string().replace('`', "")),
-            }
+        if let Some(found) = added(&before, &after) {
+            return Err(found.problem.to_string().replace('`', ""));
         }
         self.check_enums(&new_schema)?;
+        self.check_counts(&new_schema)?;
+        let is_obstacle = |finding: &&Finding| {
+            let is_error = finding.level == Level::Error && !NAME_RULES.contains(&finding.rule);
+            finding.rule == VERSION || is_error && finding.category == Some(Category::Semantic.name())
+        };
         let findings = breaking(&sources, &old_schema, &new_schema, Between::Commits);
-        match findings.iter().find(|finding| finding.rule == VERSION) {
+        match findings.iter().find(is_obstacle) {
             Some(finding) => Err(format!("{}: {}", finding.message, finding.help).replace('`', "")),
             None => Ok(()),
         }
@@ -207,6 +213,28 @@ impl Renaming<'_> {
             return Ok(());
         }
         Err(format!("{} would no longer belong to the same enums; keep its prefix", self.name))
+    }
+
+    /// Checks that all fields count the same arrays. Without an annotation, the names determine the array.
+    fn check_counts(&self, new: &Schema) -> Result<(), String> {
+        let Symbol::Field(id, _) = self.symbol else { return Ok(()) };
+        let (before, after) = (&self.snapshot.schema.message(*id).fields, &new.message(*id).fields);
+        let mut fields = before.iter().zip(after);
+        let Some((old, new)) = fields.find(|(old, new)| old.counts != new.counts) else { return Ok(()) };
+        let counted = |field: &Field, fields: &[Field]| Some(fields.get(field.counts?)?.name.clone());
+        Err(match (counted(old, before), counted(new, after)) {
+            (Some(lost), None) => format!(
+                "`{}` would no longer count `{lost}`: write `[@count {lost}]` in its comment first",
+                new.name
+            ),
+            (Some(lost), Some(found)) => format!(
+                "`{}` would count `{found}` instead of `{lost}`: write `[@count {lost}]` in its comment first",
+                new.name
+            ),
+            (None, found) => {
+                format!("`{}` would count `{}`: choose a different name", new.name, found.unwrap_or_default())
+            }
+        })
     }
 
     fn workspace_edit(&self, edits: &Edits, file: Option<MovedFile>) -> WorkspaceEdit {
@@ -242,6 +270,23 @@ impl Renaming<'_> {
         }));
         WorkspaceEdit { document_changes: Some(changes), ..WorkspaceEdit::default() }
     }
+}
+
+/// The first problem that the old definitions don't have.
+fn added<'d>(before: &[Diagnostic], after: &'d [Diagnostic]) -> Option<&'d Diagnostic> {
+    let mut known: HashMap<&str, usize> = HashMap::new();
+    for diagnostic in before {
+        *known.entry(diagnostic.problem.code()).or_default() += 1;
+    }
+    after.iter().filter(|diagnostic| !STYLE.contains(&diagnostic.problem.code())).find(|diagnostic| {
+        match known.get_mut(diagnostic.problem.code()) {
+            Some(count) if *count > 0 => {
+                *count -= 1;
+                false
+            }
+            _ => true,
+        }
+    })
 }
 
 /// True if two paths are the same on file systems that ignore case.

@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 
 use super::history::History;
 use super::lines::Encoding;
-use super::project::{Project, Root};
+use super::project::Project;
 use super::snapshot::{Document, Snapshot};
 use super::workspace::Workspace;
 use super::{
@@ -219,8 +219,14 @@ impl<'c> Server<'c> {
             Err(error) if is_known => return Err(error),
             Err(_) => return Err(unknown(method)),
         };
-        let path = uri::to_path(&place.text_document.uri);
-        let Some(document) = path.and_then(|path| self.workspace.document(&path)) else {
+        let document = uri::to_path(&place.text_document.uri).and_then(|path| {
+            if known == Method::TextDocumentCodeAction {
+                self.workspace.checked_document(&path)
+            } else {
+                self.workspace.document(&path)
+            }
+        });
+        let Some(document) = document else {
             return if is_known { Ok(Value::Null) } else { Err(unknown(method)) };
         };
         self.answer_about(&document, known, place.position, params)
@@ -293,13 +299,13 @@ impl<'c> Server<'c> {
 
     /// The diagnostics of all files that have any.
     fn diagnostics(&self) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
-        let mut current: BTreeMap<PathBuf, Vec<Diagnostic>> = BTreeMap::new();
-        let (configured, others): (Vec<&Project>, Vec<&Project>) =
-            self.workspace.projects.iter().partition(|project| matches!(project.root, Root::Config(_)));
-        for project in configured.into_iter().chain(others) {
-            for (path, found) in diagnostics::of_project(project) {
-                current.entry(path).or_insert(found);
-            }
+        let mut current = BTreeMap::new();
+        for project in &self.workspace.projects {
+            let mut found = diagnostics::of_project(project);
+            // The owner of a file also determines that the file has no findings.
+            let is_owner = |owner: &Project| owner.root == project.root;
+            found.retain(|path, _| self.workspace.owner_of(path).is_some_and(is_owner));
+            current.append(&mut found);
         }
         current
     }

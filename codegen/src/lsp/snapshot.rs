@@ -49,9 +49,16 @@ impl Snapshot {
         Self { loaded, schema, findings, ids, encoding }
     }
 
-    /// True if a definition refers to an unknown package. Its files may have been added since.
-    pub(super) fn lacks_package(&self) -> bool {
-        self.findings.iter().any(|finding| finding.rule == UNKNOWN_PACKAGE)
+    /// True if the snapshot contains this file.
+    pub(super) fn contains(&self, path: &Path) -> bool {
+        self.ids.contains_key(path)
+    }
+
+    /// True if the file was read only because other packages refer to its package.
+    pub(super) fn is_dependency(&self, path: &Path) -> bool {
+        let Some(id) = self.ids.get(path) else { return false };
+        let has_no_selected = |package: &PackageInput| package.select.as_ref().is_some_and(Vec::is_empty);
+        self.loaded.packages.iter().any(|package| has_no_selected(package) && package.sources.contains(id))
     }
 
     /// The document at a path.
@@ -100,7 +107,7 @@ impl Snapshot {
 pub(super) struct Document<'s> {
     pub(super) snapshot: &'s Snapshot,
     pub(super) id: SourceId,
-    /// The package of the definitions, or `None` for catalogues and hints.
+    /// The package of the definitions, or `None` for catalogues, hints, and definitions that can't be read.
     pub(super) package: Option<&'s PackageInput>,
     pub(super) lines: Lines<'s>,
 }

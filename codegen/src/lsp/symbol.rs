@@ -3,25 +3,29 @@
 mod occurrence;
 mod page;
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 pub(super) use self::occurrence::{Occurrence, Symbol};
 use super::snapshot::{Document, Snapshot};
 use crate::msg::annotation::Note;
 use crate::msg::ast::{Element, Field, Item, Line};
+use crate::msg::constraint::Argument;
 use crate::msg::statement::{Prefix, Statement};
-use crate::schema::{self, MessageId};
+use crate::schema::{self, Message, MessageId};
 use crate::source::Span;
 
 /// All occurrences in a document, by location.
 pub(super) fn occurrences(document: &Document<'_>) -> Vec<Occurrence> {
     let mut found = match document.tree() {
         Some(tree) => {
-            let mut finder = Finder { document, found: Vec::new() };
-            for (part, (message, _)) in tree.parts.iter().zip(document.messages_of(&tree)) {
-                part.lines.iter().for_each(|line| finder.line(message, line));
+            let mut found = Vec::new();
+            for (part, (id, _)) in tree.parts.iter().zip(document.messages_of(&tree)) {
+                let mut finder = Finder::new(document, id);
+                part.lines.iter().for_each(|line| finder.line(line));
+                found.append(&mut finder.found);
             }
-            finder.found
+            found
         }
         None => page::occurrences(document),
     };
@@ -70,31 +74,47 @@ pub(super) fn has_prefix(constant: &str, prefix: &str) -> bool {
     constant.strip_prefix(prefix).is_some_and(|rest| rest.starts_with('_'))
 }
 
+/// Finds the occurrences in a message, or in a part of a service or action.
 struct Finder<'d, 's> {
     document: &'d Document<'s>,
+    id: MessageId,
+    message: &'s Message,
+    /// The indices of the fields, by name.
+    fields: HashMap<&'s str, usize>,
+    /// The indices of the constants, by name.
+    constants: HashMap<&'s str, usize>,
     found: Vec<Occurrence>,
 }
 
-impl Finder<'_, '_> {
-    fn line(&mut self, id: MessageId, line: &Line<'_>) {
-        let message = self.document.snapshot.schema.message(id);
+impl<'d, 's> Finder<'d, 's> {
+    fn new(document: &'d Document<'s>, id: MessageId) -> Self {
+        let message = document.snapshot.schema.message(id);
+        let fields = message.fields.iter().map(|field| field.name.as_str()).zip(0..).collect();
+        let constants = message.constants.iter().map(|constant| constant.name.as_str()).zip(0..).collect();
+        Self { document, id, message, fields, constants, found: Vec::new() }
+    }
+
+    fn line(&mut self, line: &Line<'_>) {
+        let message = self.message;
         let note = line.comment.as_ref().and_then(|comment| comment.note.as_ref());
         match line.item.as_deref() {
             Some(Item::Field(field)) => {
                 let span = field.ty.span.to(field.name.span);
-                let Some(at) = message.fields.iter().position(|known| known.span == span) else { return };
-                self.define(Symbol::Field(id, at), field.name.span);
+                // The fields are in the order of their lines.
+                let Ok(at) = message.fields.binary_search_by_key(&span, |known| known.span) else { return };
+                self.define(Symbol::Field(self.id, at), field.name.span);
                 self.reference(field, &message.fields[at]);
                 if let Some(note) = note {
-                    self.note(id, note);
+                    self.note(note);
                 }
             }
             Some(Item::Constant(constant)) => {
                 let span = constant.name.span.to(constant.value_span);
-                let Some(at) = message.constants.iter().position(|known| known.span == span) else { return };
-                self.define(Symbol::Constant(id, at), constant.name.span);
+                let found = message.constants.binary_search_by_key(&span, |known| known.span);
+                let Ok(at) = found else { return };
+                self.define(Symbol::Constant(self.id, at), constant.name.span);
                 for note in note.iter().flat_map(|note| &note.parameters) {
-                    self.note(id, note);
+                    self.note(note);
                 }
             }
             None => {}
@@ -117,15 +137,14 @@ impl Finder<'_, '_> {
     }
 
     /// The constants and fields that annotations name.
-    fn note(&mut self, id: MessageId, note: &Note<'_>) {
-        let schema = &self.document.snapshot.schema;
+    fn note(&mut self, note: &Note<'_>) {
         for annotation in &note.annotations {
             let text = self.document.text(annotation.span);
             match &annotation.statement {
                 Statement::Enum(prefixes) | Statement::Flags(prefixes) => {
                     let mut from = 0;
                     for prefix in prefixes {
-                        let Some((owner, name, range)) = self.prefix(id, prefix, text, from) else {
+                        let Some((owner, name, range)) = self.prefix(prefix, text, from) else {
                             continue;
                         };
                         from = range.end;
@@ -139,14 +158,36 @@ impl Finder<'_, '_> {
                     }
                 }
                 Statement::Count(name) => {
-                    let fields = &schema.message(id).fields;
-                    let at = fields.iter().position(|field| field.name == *name);
-                    if let Some((at, range)) = at.zip(word(text, name, "@count".len())) {
-                        self.push(Symbol::Field(id, at), annotation.span.part(range));
-                    }
+                    let found = self.field(name);
+                    self.name(found, name, annotation.span, "@count".len());
+                }
+                Statement::Constraint(kind, Argument::Name(name), _) => {
+                    let found = self.constant(name);
+                    self.name(found, name, annotation.span, "@".len() + kind.name.len());
+                }
+                Statement::Attribute(attribute, value) => {
+                    // The value is in a field or a constant.
+                    let Some(name) = value.strip_prefix('@') else { continue };
+                    let found = self.field(name).or_else(|| self.constant(name));
+                    self.name(found, name, annotation.span, "@".len() + attribute.name.len());
                 }
                 _ => {}
             }
+        }
+    }
+
+    fn field(&self, name: &str) -> Option<Symbol> {
+        self.fields.get(name).map(|at| Symbol::Field(self.id, *at))
+    }
+
+    fn constant(&self, name: &str) -> Option<Symbol> {
+        self.constants.get(name).map(|at| Symbol::Constant(self.id, *at))
+    }
+
+    /// Adds a symbol whose name is written in an annotation, after a byte offset.
+    fn name(&mut self, symbol: Option<Symbol>, name: &str, annotation: Span, from: usize) {
+        if let Some((symbol, range)) = symbol.zip(word(self.document.text(annotation), name, from)) {
+            self.push(symbol, annotation.part(range));
         }
     }
 
@@ -154,16 +195,15 @@ impl Finder<'_, '_> {
     /// annotation's text.
     fn prefix(
         &self,
-        id: MessageId,
         prefix: &Prefix<'_>,
         text: &str,
         from: usize,
     ) -> Option<(MessageId, Option<Range<usize>>, Range<usize>)> {
         let Some(name) = prefix.message else {
-            return Some((id, None, word(text, prefix.prefix, from)?));
+            return Some((self.id, None, word(text, prefix.prefix, from)?));
         };
         let schema = &self.document.snapshot.schema;
-        let package = &schema.packages[schema.message(id).package];
+        let package = &schema.packages[self.message.package];
         let owner = package.messages.iter().find(|id| schema.message(**id).name == *name)?;
         let written = word(text, name, from)?;
         let start = written.end + 1;

@@ -1,6 +1,6 @@
 //! The folders and documents that are open in the editor.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use lsp_types::TextDocumentContentChangeEvent as Change;
@@ -14,14 +14,25 @@ use crate::load::Config;
 pub(super) struct Workspace {
     pub(super) encoding: Encoding,
     pub(super) projects: Vec<Project>,
+    /// The folders of the editor's workspace, each with the root of its project.
+    folders: Vec<(PathBuf, Root)>,
     open: BTreeMap<PathBuf, String>,
+    /// Open documents that had a project before files changed, and may have none now.
+    uncertain: BTreeSet<PathBuf>,
     /// True if definitions were read since the diagnostics were published, or if a project was removed.
     is_changed: bool,
 }
 
 impl Workspace {
     pub(super) fn new(folders: &[PathBuf], encoding: Encoding) -> Self {
-        let mut workspace = Self { encoding, projects: Vec::new(), open: BTreeMap::new(), is_changed: true };
+        let mut workspace = Self {
+            encoding,
+            projects: Vec::new(),
+            folders: Vec::new(),
+            open: BTreeMap::new(),
+            uncertain: BTreeSet::new(),
+            is_changed: true,
+        };
         for folder in folders {
             workspace.add_folder(folder);
         }
@@ -30,12 +41,15 @@ impl Workspace {
 
     /// Adds the project of a folder.
     pub(super) fn add_folder(&mut self, folder: &Path) {
-        self.add(Root::of_folder(folder));
+        let root = Root::of_folder(folder);
+        self.folders.push((folder.to_path_buf(), root.clone()));
+        self.add(root);
     }
 
     /// Removes the projects in a folder.
     pub(super) fn remove_folder(&mut self, folder: &Path) {
         self.projects.retain(|project| !project.root.folder().starts_with(folder));
+        self.folders.retain(|(known, _)| !known.starts_with(folder));
         self.is_changed = true;
     }
 
@@ -45,7 +59,7 @@ impl Workspace {
         }
     }
 
-    /// Opens a document. A document outside all projects opens the project of its configuration file or its folder.
+    /// Opens a document.
     pub(super) fn open(&mut self, path: &Path, text: String) {
         self.projects.iter_mut().for_each(|project| project.edit(path, &text));
         self.open.insert(path.to_path_buf(), text);
@@ -56,24 +70,30 @@ impl Workspace {
             self.refresh();
         }
         if self.project_of(path).is_none() {
-            let folder = path.parent().unwrap_or(path);
-            let config = path.ancestors().skip(1).find_map(Config::in_folder);
-            let roots = config.map(Root::Config).into_iter().chain([Root::Folder(folder.to_path_buf())]);
-            for root in roots {
-                let known = self.projects.len();
-                self.add(root);
-                self.refresh();
-                if self.project_of(path).is_some() {
-                    return;
-                }
-                self.projects.truncate(known);
+            self.add_project_of(path);
+        }
+    }
+
+    /// Adds the project of a document outside all projects: that of its configuration file, or of its folder.
+    fn add_project_of(&mut self, path: &Path) {
+        let folder = path.parent().unwrap_or(path);
+        let config = path.ancestors().skip(1).find_map(Config::in_folder);
+        let roots = config.map(Root::Config).into_iter().chain([Root::Folder(folder.to_path_buf())]);
+        for root in roots {
+            let known = self.projects.len();
+            self.add(root);
+            self.read_changes();
+            if self.project_of(path).is_some() {
+                return;
             }
+            self.projects.truncate(known);
         }
     }
 
     /// Closes a document. From now on, its file is read.
     pub(super) fn close(&mut self, path: &Path) {
         self.open.remove(path);
+        self.uncertain.remove(path);
         self.projects.iter_mut().filter(|project| project.contains(path)).for_each(Project::reload);
     }
 
@@ -94,13 +114,47 @@ impl Workspace {
         }
     }
 
-    /// Notes that files changed.
+    /// Notes that files changed. The configuration file of a workspace folder may be new or removed.
     pub(super) fn reload(&mut self) {
+        let with_project: Vec<PathBuf> =
+            self.open.keys().filter(|path| self.project_of(path).is_some()).cloned().collect();
+        self.uncertain.extend(with_project);
+        let mut removed = Vec::new();
+        for (folder, root) in &mut self.folders {
+            removed.push(std::mem::replace(root, Root::of_folder(folder)));
+        }
+        let current: Vec<Root> = self.folders.iter().map(|(_, root)| root.clone()).collect();
+        removed.retain(|root| !current.contains(root));
+        self.projects.retain(|project| !removed.contains(&project.root));
+        self.is_changed |= !removed.is_empty();
+        for root in current {
+            self.add(root);
+        }
         self.projects.iter_mut().for_each(Project::reload);
     }
 
-    /// Reads the definitions that changed.
+    /// Reads the definitions that changed. Adds a project for each open document that lost its project.
     pub(super) fn refresh(&mut self) {
+        self.read_changes();
+        for path in std::mem::take(&mut self.uncertain) {
+            if self.project_of(&path).is_some() {
+                continue;
+            }
+            if self.may_be_configured(&path) {
+                self.uncertain.insert(path);
+            } else {
+                self.add_project_of(&path);
+            }
+        }
+    }
+
+    /// True if the document is in the folder of a project that can't be read: its configuration may include the document.
+    fn may_be_configured(&self, path: &Path) -> bool {
+        let has_failed = |project: &Project| project.failure().is_some();
+        self.projects.iter().any(|project| has_failed(project) && path.starts_with(project.root.folder()))
+    }
+
+    fn read_changes(&mut self) {
         for project in &mut self.projects {
             self.is_changed |= project.refresh(&self.open, self.encoding);
         }
@@ -122,9 +176,28 @@ impl Workspace {
         self.project_of(path)?.snapshot()?.document(path)
     }
 
+    /// The document at a path, in the project that determines its findings.
+    pub(super) fn checked_document(&self, path: &Path) -> Option<Document<'_>> {
+        self.owner_of(path)?.snapshot()?.document(path)
+    }
+
+    /// The project that determines the findings of a file. A project that only refers to the package of the file comes
+    /// last.
+    pub(super) fn owner_of(&self, path: &Path) -> Option<&Project> {
+        self.projects_with(path).min_by_key(|project| (project.is_dependency(path), is_folder(project)))
+    }
+
     /// The project that reads a file. A configuration file takes precedence over a folder without one.
     fn project_of(&self, path: &Path) -> Option<&Project> {
-        let projects = self.projects.iter().filter(|project| project.contains(path));
-        projects.min_by_key(|project| matches!(project.root, Root::Folder(_)))
+        self.projects_with(path).min_by_key(|project| is_folder(project))
     }
+
+    fn projects_with(&self, path: &Path) -> impl Iterator<Item = &Project> {
+        self.projects.iter().filter(move |project| project.contains(path))
+    }
+}
+
+/// True for a project without a configuration file.
+fn is_folder(project: &Project) -> bool {
+    matches!(project.root, Root::Folder(_))
 }
