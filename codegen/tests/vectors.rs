@@ -320,6 +320,34 @@ fn adjacent_typical_bytes_differ() {
     assert!(bytes[..size].windows(2).all(|pair| pair[0] != pair[1] && pair[0] != 0), "{bytes:?}");
 }
 
+/// ROS 2 counts the bytes of a `string` and the UTF-16 code units of a `wstring`. Our codecs and some others count
+/// characters.
+#[test]
+fn all_ways_to_count_agree_about_bounds_of_strings() {
+    let bounds: [u32; 6] = [1, 2, 3, 4, 6, 7];
+    let declared = |ty: &str| bounds.map(|bound| format!("{ty}<={bound} {ty}_{bound}\n")).concat();
+    let text = declared("string") + &declared("wstring");
+    let emitted = Emitted::of(support::texts(ROS2, &[("Bounded.msg", &text)]));
+    let (_, _, cases) = emitted.messages().next().expect("a message");
+    let mut multibyte = BTreeSet::new();
+    for case in &cases {
+        for (name, value) in case["json"].as_object().into_iter().flatten() {
+            let (Some(text), Some((ty, bound))) = (value.as_str(), name.split_once('_')) else { continue };
+            let bound: usize = bound.parse().expect("a number");
+            let length = if ty == "string" { text.len() } else { text.encode_utf16().count() };
+            assert_eq!(length > bound, text.chars().count() > bound, "{}: {name}: {text}", case["id"]);
+            if !text.is_ascii() {
+                multibyte.insert(format!("{} {name}", case["id"].as_str().expect("an id")));
+            }
+        }
+    }
+    for (field, has_sample) in
+        [("string_6", false), ("string_7", true), ("wstring_3", false), ("wstring_4", true)]
+    {
+        assert_eq!(multibyte.contains(&format!("{field}-multibyte {field}")), has_sample, "{field}");
+    }
+}
+
 #[test]
 fn takes_the_severity_of_error_codes_from_their_bits() {
     let emitted = definitions();

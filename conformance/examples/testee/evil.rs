@@ -63,6 +63,9 @@ impl RequestFault {
                 process::exit(5);
             }
             "wrong-id" => writeln!(output, "{}", json!({ "id": 1_000_000, "ok": null }))?,
+            "babble" => loop {
+                writeln!(output, "{}", json!({ "id": 1_000_000, "ok": null }))?;
+            },
             "not-utf8" => {
                 write!(output, "{{\"id\":{},\"ok\":\"", request["id"])?;
                 output.write_all(b"\xff\"}\n")?;

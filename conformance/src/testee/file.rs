@@ -33,13 +33,15 @@ pub(crate) fn dump(
 }
 
 /// The expected responses. `ok` lists the accepted values. Without `ok`, any value is accepted if `accepted` is true.
+/// In responses to `encode`, a NaN may have other bits.
 fn expected(case: &Case, types: &Types) -> Value {
     let is_accepted = case.expected.ok != ExpectedResponse::Nothing;
     let mut expected = json!({ "rejected": case.expected.rejection, "accepted": is_accepted });
-    let message = || case.type_name.split_once('/').and_then(|(package, name)| types.find(package, name));
     match &case.expected.ok {
         ExpectedResponse::Nothing | ExpectedResponse::Anything => {}
-        ExpectedResponse::Message(value) => expected["ok"] = json!([to_wire(value, message())]),
+        ExpectedResponse::Message(value) => {
+            expected["ok"] = json!([to_wire(value, case.message_type(types))]);
+        }
         ExpectedResponse::Exactly(value) => expected["ok"] = json!([to_wire(value, None)]),
         ExpectedResponse::Bytes(right) => {
             expected["ok"] = right.iter().map(|bytes| to_base64(bytes)).collect();

@@ -20,7 +20,7 @@ pub struct Options {
     pub start_timeout: Duration,
     /// The number of concurrent processes.
     pub jobs: usize,
-    /// The maximum number of consecutive restarts without finding a case that crashes the testee by itself.
+    /// The maximum number of consecutive restarts of one job without finding a case that crashes the testee by itself.
     pub max_restarts: u32,
     /// The maximum length of a line, in bytes.
     pub line_limit: usize,

@@ -169,26 +169,31 @@ pub(crate) enum Response {
 impl Response {
     /// Parses a line into the id and the response.
     pub(crate) fn read(line: &[u8]) -> Result<(i64, Self), String> {
-        let value = json(line)?;
+        let mut value = json(line)?;
         let id = Some(&value["id"]).filter(|id| id.is_number()).and_then(integer);
         let id = id.and_then(|id| i64::try_from(id).ok()).ok_or("expected \"id\" to be an integer")?;
-        let text = |value: &Value| value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-        let mut found = ["ok", "rejected", "unsupported", "error"]
-            .into_iter()
-            .filter_map(|name| Some((name, value.get(name)?)));
-        let (Some((name, member)), None) = (found.next(), found.next()) else {
+        let Some(name) = Self::kind(&value) else {
             // The id is known, so this is the response to that case. No other response is expected.
             let wrong = "expected exactly one of \"ok\", \"rejected\", \"unsupported\" and \"error\"";
             return Ok((id, Self::Error(wrong.to_owned())));
         };
+        // A result may be megabytes long, so it isn't copied.
+        let member = value.get_mut(name).map(Value::take).unwrap_or_default();
         let answer = match name {
-            "ok" => Self::Ok(member.clone()),
+            "ok" => Self::Ok(member),
             "rejected" => Self::Rejected(text(member)),
-            "unsupported" if *member == true => Self::Unsupported,
+            "unsupported" if member == true => Self::Unsupported,
             "unsupported" => Self::Error(format!("\"unsupported\": expected true, found {member}")),
             _ => Self::Error(text(member)),
         };
         Ok((id, answer))
+    }
+
+    /// The name of the member that contains the response; `None` if there are several, or none.
+    fn kind(value: &Value) -> Option<&'static str> {
+        let kinds = ["ok", "rejected", "unsupported", "error"];
+        let mut found = kinds.into_iter().filter(|name| value.get(*name).is_some());
+        found.next().filter(|_| found.next().is_none())
     }
 
     /// Like [`read`](Self::read), but returns an error response for an unreadable line that starts with an id. Many
@@ -204,6 +209,14 @@ impl Response {
 fn json(line: &[u8]) -> Result<Value, String> {
     let text = utf8(line)?;
     serde_json::from_str(text).map_err(|error| format!("invalid JSON: {error}"))
+}
+
+/// The text of a reason, which should be a string.
+fn text(value: Value) -> String {
+    match value {
+        Value::String(text) => text,
+        other => other.to_string(),
+    }
 }
 
 /// The id at the beginning of a line that can't be parsed.
@@ -247,6 +260,8 @@ mod tests {
     fn reads_the_four_kinds_of_responses() {
         let read = |line: &str| Response::read(line.as_bytes());
         assert_eq!(read(r#"{"id":1,"ok":null}"#), Ok((1, Response::Ok(Value::Null))));
+        let message = json!({ "mark": [{ "ok": 1 }, null, "ok"] });
+        assert_eq!(read(&format!("{{\"id\":1,\"ok\":{message}}}")), Ok((1, Response::Ok(message))));
         assert_eq!(read(r#"{"id":2,"rejected":"short"}"#), Ok((2, Response::Rejected("short".to_owned()))));
         assert_eq!(read(r#"{"id":3,"unsupported":true}"#), Ok((3, Response::Unsupported)));
         assert_eq!(read(r#"{"id":4,"error":{"no":1}}"#), Ok((4, Response::Error(r#"{"no":1}"#.to_owned()))));

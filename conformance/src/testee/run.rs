@@ -86,8 +86,6 @@ struct State {
     verdicts: Vec<(usize, Verdict)>,
     protocol_remarks: ProtocolRemarks,
     restarts: u32,
-    /// The number of restarts since a crash was last attributed to a case.
-    futile: u32,
     gave_up: Option<String>,
 }
 
@@ -131,6 +129,9 @@ struct Worker<'s, 'r> {
     suspects: VecDeque<usize>,
     /// The reason why these requests are repeated.
     suspicion: Option<String>,
+    /// The number of restarts since this worker last attributed a crash to a case. Each worker has a separate count,
+    /// because each needs some restarts to find a case.
+    futile: u32,
 }
 
 impl<'s, 'r> Worker<'s, 'r> {
@@ -145,6 +146,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             last: Instant::now(),
             suspects: VecDeque::new(),
             suspicion: None,
+            futile: 0,
         }
     }
 
@@ -174,19 +176,16 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     fn start(&mut self, is_restart: bool) -> bool {
         if is_restart {
-            let mut state = self.shared.state();
-            if state.futile >= self.shared.options.max_restarts {
+            if self.futile >= self.shared.options.max_restarts {
                 let why =
                     self.suspicion.as_ref().map(|why| format!("; the last time, {why}")).unwrap_or_default();
-                let restarts = format!(
-                    "{} consecutive restarts without finding the case that causes them",
-                    state.futile
-                );
-                state.gave_up = Some(format!("gave up after {restarts}{why}"));
+                let restarts =
+                    format!("{} consecutive restarts without finding the case that causes them", self.futile);
+                self.shared.state().gave_up = Some(format!("gave up after {restarts}{why}"));
                 return false;
             }
-            state.restarts += 1;
-            state.futile += 1;
+            self.shared.state().restarts += 1;
+            self.futile += 1;
         }
         match start(self.shared.options, true) {
             Ok((link, _)) => {
@@ -297,9 +296,8 @@ impl<'s, 'r> Worker<'s, 'r> {
                     End::Ended(how) => Verdict::Crashed { how, stderr },
                 },
             );
-            (self.suspicion, self.window) = (None, 1);
+            (self.suspicion, self.window, self.futile) = (None, 1, 0);
             let mut state = self.shared.state();
-            state.futile = 0;
             self.suspects.drain(..).rev().for_each(|id| state.queue.push_front(id));
             return;
         }

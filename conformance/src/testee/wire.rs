@@ -6,6 +6,7 @@
 
 use serde_json::{Map, Number, Value, json};
 use uavspec_codegen::dynamic::{MessageType, PlacedElement};
+use uavspec_codegen::schema::Shape;
 
 pub use crate::json::base64::{decode as from_base64, encode as to_base64};
 
@@ -19,7 +20,7 @@ const UNSIGNED: &str = "$u64";
 const SIGNED: &str = "$i64";
 
 /// The tag of floats that JSON can't represent.
-const FLOAT: &str = "$f";
+pub(super) const FLOAT: &str = "$f";
 
 /// Encodes a value for the wire. `message` determines which fields are floats. In these fields, null means NaN.
 pub fn to_wire(value: &Value, message: Option<MessageType<'_>>) -> Value {
@@ -37,17 +38,20 @@ pub fn to_wire(value: &Value, message: Option<MessageType<'_>>) -> Value {
 
 fn member_to_wire(name: &str, value: &Value, message: Option<MessageType<'_>>) -> Value {
     let field = message.and_then(|message| message.layout().find(|field| field.name == name));
-    match field.map(|field| field.element) {
-        Some(PlacedElement::Message(nested)) => to_wire(value, Some(nested)),
-        Some(PlacedElement::Scalar(scalar)) if scalar.is_float() => float_to_wire(value),
+    match field.map(|field| (field.element, field.shape)) {
+        Some((PlacedElement::Message(nested), _)) => to_wire(value, Some(nested)),
+        Some((PlacedElement::Scalar(scalar), shape)) if scalar.is_float() => float_to_wire(value, shape),
         _ => to_wire(value, None),
     }
 }
 
-fn float_to_wire(value: &Value) -> Value {
+/// Encodes a float, or an array of floats. A null or an array in place of the other is invalid, and stays as it is.
+fn float_to_wire(value: &Value, shape: Shape) -> Value {
     match value {
-        Value::Null => json!({ FLOAT: "NaN" }),
-        Value::Array(items) => items.iter().map(float_to_wire).collect(),
+        Value::Null if shape == Shape::Single => json!({ FLOAT: "NaN" }),
+        Value::Array(items) if shape != Shape::Single => {
+            items.iter().map(|item| float_to_wire(item, Shape::Single)).collect()
+        }
         other => to_wire(other, None),
     }
 }
@@ -131,6 +135,7 @@ fn tag(value: &Value) -> Option<(&str, &str)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::definitions::Definitions;
 
     #[test]
     fn encodes_base64_as_in_rfc_4648() {
@@ -166,5 +171,24 @@ mod tests {
         assert_eq!(integer(&json!(5.0)), Some(5));
         assert_eq!(integer(&json!(5.5)), None);
         assert_eq!(integer(&json!({ "$u64": "5", "x": 1 })), None);
+    }
+
+    #[test]
+    fn tags_null_as_nan_only_in_place_of_a_float() {
+        let definitions = Definitions::built_in();
+        let battery = definitions.types().find("px4", "BatteryStatus");
+        assert!(battery.is_some());
+        let nan = json!({ "$f": "NaN" });
+        for (field, plain, wire) in [
+            ("voltage_v", Value::Null, nan.clone()),
+            ("voltage_cell_v", json!([null, 1.5]), json!([nan, 1.5])),
+            // These values are invalid, and are sent as they are.
+            ("voltage_cell_v", Value::Null, Value::Null),
+            ("voltage_v", json!([null]), json!([null])),
+            ("voltage_cell_v", json!([[null]]), json!([[null]])),
+            ("timestamp", Value::Null, Value::Null),
+        ] {
+            assert_eq!(to_wire(&json!({ field: plain }), battery), json!({ field: wire }), "{field}");
+        }
     }
 }

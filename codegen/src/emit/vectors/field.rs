@@ -234,16 +234,19 @@ fn text(length: u32) -> Vec<Sample> {
     samples
 }
 
+/// Samples for a string. Some implementations count the characters of a bounded string, and others count the bytes of a
+/// `string` and the UTF-16 code units of a `wstring`. All samples are on the same side of the bound for all of them.
 fn strings(is_wide: bool, bound: Option<u32>) -> Vec<Sample> {
     let mut samples = Vec::new();
-    if bound.is_none_or(|bound| bound > 2) {
-        let json = format!("\"aé{WIDE}\"");
+    let multibyte = format!("aé{WIDE}");
+    let length = if is_wide { multibyte.encode_utf16().count() } else { multibyte.len() };
+    if bound.is_none_or(|bound| length <= bound as usize) {
+        let json = format!("\"{multibyte}\"");
         samples.push(Sample::new("multibyte", "multibyte characters", json, Verdict::VALID));
     }
-    if let Some(bound) = bound.filter(|bound| is_fillable(*bound, WIDE)) {
+    if let Some(bound) = bound.filter(|bound| is_fillable(*bound, "a")) {
         let growth = Change::Growth { size: if is_wide { WIDE_UNIT } else { 1 }, filler: b'a' };
-        samples
-            .extend(bounded(bound, "\"\"", growth, |length| format!("\"{}\"", WIDE.repeat(length as usize))));
+        samples.extend(bounded(bound, "\"\"", growth, |length| format!("\"{}\"", letters(0, length))));
     }
     samples.push(Sample::mistyped("null", "null", "null"));
     samples.push(Sample::mistyped("number", "a number", "1"));

@@ -39,12 +39,17 @@ impl Typical {
         format!("\"{}\"", letters(first, room.saturating_sub(1).max(1).min(room)))
     }
 
-    /// The next string, different from the previous one.
+    /// The next string, different from the previous one. If the bytes of a string with a multibyte character exceed the
+    /// bound, the string is ASCII, because implementations differ in how they count multibyte characters.
     pub(super) fn string(&mut self, bound: Option<u32>) -> String {
         self.strings += 1;
-        let text: String = format!("{}é", self.strings);
+        let number = self.strings.to_string();
+        let text = format!("{number}é");
         let room = bound.map_or(usize::MAX, |bound| bound as usize);
-        format!("\"{}\"", text.chars().take(room).collect::<String>())
+        if text.len() <= room {
+            return format!("\"{text}\"");
+        }
+        format!("\"{}\"", number.get(..room).unwrap_or(&number))
     }
 
     /// The length of a sequence.

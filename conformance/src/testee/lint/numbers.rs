@@ -34,9 +34,7 @@ fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> CheckOutcome {
     let is_right = |case: &&Case| case.rule.is_none() && !case.expected.rejection;
     let wanted = |case: &Case| match (&case.op, &case.expected.ok) {
         (Op::Decode, ExpectedResponse::Message(value)) => {
-            let message = case.type_name.split_once('/');
-            let message = message.and_then(|(package, name)| bench.types.find(package, name));
-            Some(to_wire(value, message)).filter(|wire| has(wire, tags))
+            Some(to_wire(value, case.message_type(bench.types))).filter(|wire| has(wire, tags))
         }
         _ => None,
     };

@@ -152,16 +152,16 @@ impl<'o> Session<'o> {
         while !self.is_answered() {
             let wrong = match self.link.receive(until) {
                 Received::Line(line) => {
-                    // Lines other than responses don't extend the time limit.
+                    // Lines other than responses don't extend the time limit, even if they never end.
                     if self.received.take(&line) {
                         until = Instant::now() + self.options.timeout;
                     }
-                    continue;
+                    if self.is_answered() || Instant::now() < until {
+                        continue;
+                    }
+                    self.no_response()
                 }
-                Received::Nothing => {
-                    let after = self.options.timeout.as_secs_f32();
-                    format!("no response to {} within {after} s", self.missing())
-                }
+                Received::Nothing => self.no_response(),
                 Received::TooLong => {
                     let what = format!("a line longer than {} bytes", self.options.line_limit);
                     self.received.strays.push(what.clone());
@@ -175,6 +175,11 @@ impl<'o> Session<'o> {
             return Err(wrong + &remaining_stderr(&self.link.kill()));
         }
         Ok(())
+    }
+
+    /// A description of the requests without a response at the time limit.
+    fn no_response(&self) -> String {
+        format!("no response to {} within {} s", self.missing(), self.options.timeout.as_secs_f32())
     }
 
     /// Sends a case and waits for its response, which shows that the testee has survived all earlier input.
