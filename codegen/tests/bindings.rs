@@ -173,6 +173,43 @@ fn exports_the_same_names_from_both_kinds_of_modules() {
     }
 }
 
+#[test]
+fn error_codes_are_integers_if_no_table_has_rows() {
+    let page = "# Winch\n\n## Rope\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n\
+                |code|no|ErrorCode|A code|\n|codes|yes|ErrorList|Codes|\n";
+    let empty = "# Codes\n\n## Warnings (64-127)\n\n| Code | Abbreviation | Description |\n|---|---|---|\n";
+    let schema = schema(Form::Table, &[("winch.md", page), ("codes.md", empty)]);
+    assert_eq!(schema.packages[0].error_tables.len(), 1);
+    let typescript = emit_typescript(&schema, typescript::Form::Source);
+    let python = python::emit(&schema, &NONE);
+    let (typescript, python) = (text(&typescript, "demo.ts"), text(&python, "demo.py"));
+    for line in ["\n  code?: number;\n", "\n  codes: number[];\n"] {
+        has(typescript, line);
+    }
+    for line in ["\n    code: NotRequired[int]\n", "\n    codes: list[int]\n"] {
+        has(python, line);
+    }
+    for module in [typescript, python] {
+        assert!(!module.contains("ErrorCode"), "{module}");
+    }
+}
+
+#[test]
+fn flags_are_int_flags_only_if_all_values_are_positive() {
+    let text_of_flags = |ty: &str| {
+        let field = format!("{ty} FLAG_WET = 1\n{ty} FLAG_TORN = 4\n{ty} state # [@flags FLAG] State\n");
+        let schema = px4(&[("Sail.msg", &field)]);
+        text(&python::emit(&schema, &NONE), "demo.py").to_owned()
+    };
+    for ty in ["uint8", "uint64"] {
+        has(&text_of_flags(ty), "class SailFlag(IntFlag):");
+    }
+    // `IntFlag` would turn -1 into the sum of all known flags.
+    for ty in ["int8", "int64"] {
+        has(&text_of_flags(ty), "class SailFlag(OpenIntEnum):");
+    }
+}
+
 const GLIDER: &str = "# A glider\n\nuint8 MODE_SOAR=1 # Soaring\nuint8 MODE_GLIDE=1 # The same\nuint8 MODE_DIVE=2\n\n\
                       uint8 mode # [@enum MODE] What it does\n";
 

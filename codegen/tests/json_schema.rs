@@ -284,6 +284,10 @@ fn uses_one_of_only_for_alternatives_that_are_disjoint_as_doubles() {
         &[json!(1.5), json!("0")],
     );
     assert_eq!(keyword("float32 a  # [@range 0, 1] [@invalid -1] [@uncontrolled -1]\n"), Some("anyOf"));
+    // NaN is null in JSON, so it is not one of the alternatives.
+    let text = "float32 a  # [@range 0, 1] [@invalid NaN] [@uncontrolled -1]\n";
+    assert_eq!(keyword(text), Some("oneOf"));
+    px4_field(text).expect("A", "a", &[json!(0.5), json!(-1), json!(null)], &[json!(-0.5), json!("NaN")]);
     // As 64-bit floats, the special value and the upper bound of the range are equal.
     let text = "uint64 a  # [@range 0, 18446744073709551614] [@invalid 18446744073709551615]\n";
     assert_eq!(keyword(text), Some("anyOf"));
@@ -565,6 +569,21 @@ fn combines_restrictions_of_a_type_and_its_use() {
     let annotations = &documents.by_path["demo/Load.schema.json"]["$defs"]["annotations"];
     assert_eq!((&annotations["x-unit"], &annotations["x-range"]), (&json!("N"), &json!([0, 9000])));
     assert_eq!(documents.field("Rope", "loads")["$defs"]["annotations"]["x-type"], "list of Load");
+}
+
+#[test]
+fn nullable_strings_with_a_format_and_a_pattern_accept_null() {
+    let text = "# Log\n\n## Entry\n\n|Field|Required|Type|Description|\n|-|-|-|-|\n\
+        |data|no|string or null|[@format base64] [@pattern `^Y`] Both|\n\
+        |other|no|null or string|[@format base64] One|\n";
+    let documents = Documents::texts(Form::Table, &[("log.md", text)]);
+    let good = [json!({ "data": null, "other": null }), json!({ "data": "YQ==", "other": "ZQ==" })];
+    let bad =
+        [json!({ "data": "ZQ==" }), json!({ "data": "YQ" }), json!({ "data": 1 }), json!({ "other": "YQ" })];
+    check_values(&documents, "Entry", &good, &bad);
+    check_documents(&documents);
+    assert!(documents.field("Entry", "data").get("anyOf").is_some());
+    assert_eq!(documents.field("Entry", "other")["type"], json!(["string", "null"]));
 }
 
 const ANNOTATED: &str = "\

@@ -100,7 +100,8 @@ pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
         .collect()
 }
 
-/// Splits a name at non-alphanumeric characters and at case changes that start a word.
+/// Splits a name at non-alphanumeric characters and at case changes that start a word. An uppercase letter after a digit
+/// starts a word only if a lowercase letter follows, because `2D` and `PX4IO` are words.
 fn words(name: &str) -> Vec<&str> {
     let bytes = name.as_bytes();
     let mut words = Vec::new();
@@ -111,7 +112,7 @@ fn words(name: &str) -> Vec<&str> {
             Some(byte) if !byte.is_ascii_alphanumeric() => true,
             Some(byte) if byte.is_ascii_uppercase() && at > start => {
                 let next_is_lower = bytes.get(at + 1).is_some_and(u8::is_ascii_lowercase);
-                !bytes[at - 1].is_ascii_uppercase() || next_is_lower
+                bytes[at - 1].is_ascii_lowercase() || next_is_lower
             }
             Some(_) => false,
         };
@@ -139,6 +140,13 @@ mod tests {
             ("Ekf2Timestamps", "ekf2_timestamps", "Ekf2Timestamps"),
             ("UInt8MultiArray", "u_int8_multi_array", "UInt8MultiArray"),
             ("GPSData", "gps_data", "GpsData"),
+            ("Pose2D", "pose2d", "Pose2d"),
+            ("Pose2DStamped", "pose2d_stamped", "Pose2dStamped"),
+            ("I2C", "i2c", "I2c"),
+            ("I2cBus", "i2c_bus", "I2cBus"),
+            ("RC1IN", "rc1in", "Rc1in"),
+            ("FIX_TYPE_3D", "fix_type_3d", "FixType3d"),
+            ("SOURCE_PX4IO_PPM", "source_px4io_ppm", "SourcePx4ioPpm"),
             ("COMM T/O", "comm_t_o", "CommTO"),
             ("vehicle_status", "vehicle_status", "VehicleStatus"),
         ] {

@@ -35,8 +35,9 @@ pub(in crate::emit) enum Kind {
     Record { properties: Vec<Property>, is_closed: bool },
     /// An alias of another type.
     Alias(Type),
-    /// Named integers. A field contains one of these integers or, for flags, any combination.
-    Enumeration { is_flags: bool, members: Vec<Named> },
+    /// Named integers. A field contains one of these integers or, for flags, any combination. `is_signed` is true if
+    /// the type of the field has negative values.
+    Enumeration { is_flags: bool, is_signed: bool, members: Vec<Named> },
     /// Named values.
     Constants(Vec<Named>),
     /// Message types by message name.

@@ -114,9 +114,10 @@ fn expression(declarer: &Declarer<'_>, package: usize, found: &Expression) -> Ty
     }
 }
 
-/// A page may use error codes without defining an error-code table.
+/// The type of error codes. A module declares `ErrorCode` only if a table contains a code.
 fn error_code(declarer: &Declarer<'_>, package: usize) -> Type {
-    if declarer.schema.packages[package].error_tables.is_empty() {
+    let tables = &declarer.schema.packages[package].error_tables;
+    if tables.iter().all(|table| table.codes.is_empty()) {
         return Type::Integer;
     }
     Type::Enumeration { module: None, name: ERROR_CODE.to_owned() }

@@ -69,10 +69,11 @@ fn enumeration(owner: &Message, found: &Enum, name: &str) -> Declaration {
         value: Value::Int(member.value),
         text: text::constant(&owner.constants[member.constant]),
     });
+    let is_signed = found.scalar.integer_bounds().is_some_and(|(least, _)| least < 0);
     Declaration {
         name: name.to_owned(),
         text,
-        kind: Kind::Enumeration { is_flags: found.is_flags, members: members.collect() },
+        kind: Kind::Enumeration { is_flags: found.is_flags, is_signed, members: members.collect() },
     }
 }
 

@@ -3,7 +3,6 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use super::cell::unit;
 use super::language::heading;
 use super::markdown::Page;
 use super::site::{Localized, Site};
@@ -11,6 +10,7 @@ use super::words::{self, Word, Words};
 use crate::prose::{gist, visible, xml};
 use crate::schema::{Dialect, Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout};
 use crate::translation::MessageText;
+use crate::unit;
 
 /// Maximum number of controls on a page. Larger forms would be unusable.
 const MAX_CONTROLS: usize = 500;
@@ -119,7 +119,8 @@ fn field(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>) ->
     put("label", short(label));
     put("lang", label.tag.into());
     put("group", field.group.map(|group| short(site.localized_of(id, MessageText::Group(group)))).into());
-    put("unit", unit(field.unit.as_deref()).into());
+    // The script shows plain text, not Markdown.
+    put("unit", field.unit.as_deref().filter(|symbol| *symbol != unit::NONE).into());
     put("offset", offset.into());
     if let Shape::Array(count) = field.ty.shape {
         put("count", count.into());

@@ -651,6 +651,12 @@ fn embeds_the_data_of_the_composer() {
     let boats = field("boats");
     assert_eq!((&boats["count"], &boats["size"]), (&2.into(), &16.into()));
     assert_eq!(boats["fields"][1]["offset"], 8);
+    // The data is not Markdown.
+    let kite = composer(&one_message(
+        "uint64 timestamp # [us] Time\nfloat32 pull # [V*s] Pull\nuint8 knots # [-] Knots\n",
+    ));
+    assert_eq!(kite["fields"][1]["unit"], "V*s");
+    assert_eq!(kite["fields"][2].get("unit"), None);
     // A message without fields or without a layout has no composer.
     assert!(!one_message("uint8 TOW = 1\n").contains("composer"));
 }

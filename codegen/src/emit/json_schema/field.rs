@@ -2,7 +2,7 @@
 
 use std::iter::once;
 
-use uavspec_runtime::Scalar;
+use uavspec_runtime::{Number, Scalar};
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, prefixes, stated, unit};
@@ -76,7 +76,7 @@ impl<'s> FieldSchema<'s> {
         let outside = self.outside(&used, &whole, scalar);
         let alternatives = (!outside.is_empty()).then(|| {
             let within = once(member("type", ty.clone())).chain(bounds::members(&used)).collect();
-            let keyword = if self.are_disjoint(&used, scalar) { "oneOf" } else { "anyOf" };
+            let keyword = if self.are_disjoint(&used, &whole, scalar) { "oneOf" } else { "anyOf" };
             member(keyword, once(Node::Object(within)).chain(outside).collect::<Node>())
         });
         let mut members = vec![member("type", ty.clone())];
@@ -97,10 +97,10 @@ impl<'s> FieldSchema<'s> {
     /// True if the special values and the normal range are disjoint for all readers. Code generators need `oneOf` to
     /// create union types, but `oneOf` is correct only for disjoint alternatives. For readers that store all numbers as
     /// 64-bit floats, adjacent large integers are equal, so one value could match two alternatives.
-    fn are_disjoint(self, used: &Numbers, scalar: Scalar) -> bool {
+    fn are_disjoint(self, used: &Numbers, whole: &Numbers, scalar: Scalar) -> bool {
         let specials = self.field.constraints.iter().filter(|found| found.is_special());
         let values = specials.filter_map(|special| bounds::stored(special.stated.value()?, scalar).number());
-        let exact = values.filter(|value| used.violated_by(*value).is_some());
+        let exact = values.filter(|value| is_outside(*value, used, whole));
         let exact = exact.map(|value| bounds::exactly(value, scalar));
         let all: Vec<Numbers> = once(*used).chain(exact).collect();
         all.iter()
@@ -114,7 +114,7 @@ impl<'s> FieldSchema<'s> {
         let nodes = self.field.constraints.iter().filter_map(|special| {
             let Effect::Allows { title, .. } = special.kind.effect else { return None };
             let value = bounds::stored(special.stated.value()?, scalar).number()?;
-            if whole.violated_by(value).is_some() || used.violated_by(value).is_none() {
+            if !is_outside(value, used, whole) {
                 return None;
             }
             let mut members = bounds::only(value, scalar);
@@ -188,6 +188,12 @@ impl<'s> FieldSchema<'s> {
     fn is_text(self) -> bool {
         matches!(self.schema.package_of(self.message).form, Form::Msg(dialect) if self.field.is_text(dialect))
     }
+}
+
+/// True if `value` is a value of the type, but not in the normal range. NaN is not such a value: see
+/// [`FieldSchema::outside`].
+fn is_outside(value: Number, used: &Numbers, whole: &Numbers) -> bool {
+    whole.violated_by(value).is_none() && used.violated_by(value).is_some()
 }
 
 /// The documented values, plus any other value, because newer firmware may send undocumented values.

@@ -169,8 +169,11 @@ impl<'s> Writer<'s> {
         // The common expression `string or null` becomes one schema with two types.
         if let [plain, Expression::Null] | [Expression::Null, plain] = alternatives {
             let mut members = self.expression(plain, limits);
+            // The schemas in `allOf` have types too, which reject null.
+            let is_nested = members.iter().any(|(name, _)| name == "allOf");
             if let Some((name, ty @ Node::Text(_))) = members.first_mut()
                 && name == "type"
+                && !is_nested
                 && !matches!(plain, Expression::OneOf(_))
             {
                 *ty = Node::List(vec![ty.clone(), Node::from("null")]);

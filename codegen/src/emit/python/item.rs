@@ -4,7 +4,6 @@ use super::text;
 use super::types::{is_attribute, ty, value, words};
 use super::uses::Uses;
 use crate::emit::binding::{Declaration, Kind, Named, Property, quoted};
-use crate::value::Value;
 
 const INDENT: &str = "    ";
 
@@ -18,11 +17,9 @@ pub(super) fn declaration(declaration: &Declaration, uses: &mut Uses) -> String 
             let aliased = ty(aliased, uses);
             format!("{name}: TypeAlias = {aliased}\n{}", text::docstring(documentation, ""))
         }
-        Kind::Enumeration { is_flags, members } => {
+        Kind::Enumeration { is_flags, is_signed, members } => {
             // In Python, a negative `IntFlag` value is the complement of a set of flags.
-            let is_negative =
-                members.iter().any(|member| matches!(member.value, Value::Int(value) if value < 0));
-            let base = if *is_flags && !is_negative {
+            let base = if *is_flags && !is_signed {
                 uses.is_flags_used = true;
                 "IntFlag"
             } else {

@@ -20,7 +20,7 @@ pub(super) fn declaration(declaration: &Declaration, language: Language) -> Stri
         Kind::Messages(entries) if language.has_types() => documentation + &messages(name, entries),
         Kind::Record { .. } | Kind::Alias(_) | Kind::Messages(_) => String::new(),
         Kind::Constants(members) => constant(name, &documentation, members, language),
-        Kind::Enumeration { is_flags, members } => {
+        Kind::Enumeration { is_flags, members, .. } => {
             let value = constant(name, &documentation, members, language);
             if !language.has_types() {
                 return value;

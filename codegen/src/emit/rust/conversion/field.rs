@@ -277,7 +277,12 @@ impl Copied<'_> {
                     Neutral::Int(value) => types::integer(clamped(self.target, value)),
                     Neutral::Default | Neutral::Float(_) => types::integer(0),
                 };
-                quote!(#ty::try_from(#raw).unwrap_or(#neutral))
+                let Some(most) = self.copy.at_most else {
+                    return quote!(#ty::try_from(#raw).unwrap_or(#neutral));
+                };
+                // The neutral value may exceed the length of an array that was cut.
+                let most = types::integer(clamped(self.target, most.into()));
+                return quote!(#ty::try_from(#raw).map_or(#neutral, |number| number.min(#most)));
             }
             Elements::Narrow(Narrowing::Nearest) => {
                 let Some((low, high)) = to.integer_bounds() else { return quote!(#raw as #ty) };
