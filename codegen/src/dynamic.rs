@@ -25,8 +25,8 @@
 //! A message is one buffer. The fields are laid out as in uORB. A uORB or `ULog` payload of a fixed-size message is
 //! therefore already in memory form, and can be read in place ([`DynamicView`]). A string or sequence has an eight-byte
 //! slot among the fields. The bytes of the string or the elements of the sequence follow the fields, and the slot
-//! contains their offset and count. For CDR, a type is compiled to a list of steps. Most steps copy numbers that are
-//! contiguous in both forms.
+//! contains their offset and count. A string that is not Unicode stays unchanged. For CDR, a type
+//! is compiled to a list of steps. Most steps copy numbers that are contiguous in both forms.
 //!
 //! No input causes a panic, and memory use is bounded. In memory, a message takes at most eight times as many bytes as
 //! its CDR payload or JSON text. The worst case is an array of messages that contain one `uint8` each. The limit also
@@ -45,6 +45,7 @@ mod message;
 mod packed;
 mod plan;
 mod step;
+mod text;
 mod trail;
 mod types;
 mod ulog;
@@ -58,6 +59,7 @@ pub(crate) use self::bytes::{copy_short, part};
 pub use self::error::{Defect, Error, Reason};
 pub use self::message::DynamicMessage;
 pub(crate) use self::plan::SLOT;
+pub(crate) use self::text::characters;
 pub use self::types::{MessageType, Placed, PlacedElement, Types};
 pub use self::ulog::{FormatError, FormatProblem, ULOG_PACKAGE};
 pub use self::validate::Violation;

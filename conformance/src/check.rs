@@ -43,7 +43,7 @@ use uavspec_codegen::schema::MessageId;
 #[cfg(test)]
 pub(crate) use self::bag::check_mcap;
 pub use self::bag::{BagChannel, BagSummary, Basis, BusEndpoint, BusTopic, CheckStatus, McapSummary};
-pub(crate) use self::bag::{HASH, LiveBag, decompressed, states_other_type};
+pub(crate) use self::bag::{HASH, LiveBag, decompressed, digest, states_no_type, states_other_type};
 pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};

@@ -12,6 +12,8 @@ mod hostile;
 mod json;
 mod live_matrix;
 mod mcap;
+#[cfg(feature = "tables")]
+mod messages;
 mod mutants;
 mod outcomes;
 mod releases;

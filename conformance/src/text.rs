@@ -1,6 +1,7 @@
 //! Formats text for people to read.
 
 mod command_line;
+mod secrets;
 mod similar;
 mod wrap;
 
@@ -8,6 +9,11 @@ use std::borrow::Cow;
 use std::fmt;
 
 pub(crate) use self::command_line::command_line;
+#[cfg(feature = "stores")]
+pub(crate) use self::secrets::is_object_url;
+#[cfg(any(feature = "stores", feature = "tables"))]
+pub(crate) use self::secrets::shown_url;
+pub(crate) use self::secrets::shown_words;
 pub(crate) use self::similar::similar;
 pub(crate) use self::wrap::wrapped;
 // All text from captures, servers, testees, files and arguments passes through this function before it is shown.

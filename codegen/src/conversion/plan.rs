@@ -57,7 +57,7 @@ pub struct Copy {
     pub source: usize,
     /// The conversion of each element. Elements that the target has no room for are dropped.
     pub elements: Elements,
-    /// The value of elements of the target that the source lacks.
+    /// The value of elements of the target that the source lacks, and of numbers that [`Narrowing::Neutral`] replaces.
     pub rest: Neutral,
     /// The maximum value, if the field counts the elements of an array that was cut.
     pub at_most: Option<u32>,

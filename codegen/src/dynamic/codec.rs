@@ -43,7 +43,20 @@ impl<'t> MessageType<'t> {
         Ok(DynamicView { types: self.types, plan: self.plan, bytes: payload, base: 0 })
     }
 
-    /// Reads a CDR payload in either byte order. A `bool` is true unless its byte is 0.
+    /// Views the memory of a message in place.
+    ///
+    /// `memory` must be the result of [`DynamicMessage::memory`] for a message of the same type. This isn't checked. The
+    /// values in other bytes are meaningless, and reading them may take unbounded time.
+    pub fn view_memory<'v>(self, memory: &'v [u8]) -> Result<DynamicView<'v>, Error>
+    where
+        't: 'v,
+    {
+        self.check()?;
+        Ok(DynamicView { types: self.types, plan: self.plan, bytes: memory, base: 0 })
+    }
+
+    /// Reads a CDR payload in either byte order. A `bool` is true unless its byte is 0. Strings that are not Unicode are
+    /// accepted; [`DynamicMessage::validate`] reports them.
     ///
     /// The payload may end with up to three padding bytes, which extend it to a multiple of four bytes.
     pub fn decode_cdr(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
@@ -51,7 +64,8 @@ impl<'t> MessageType<'t> {
         cdr::decode(self, payload, false)
     }
 
-    /// Like [`decode_cdr`](Self::decode_cdr), but rejects a `bool` that is neither 0 nor 1.
+    /// Like [`decode_cdr`](Self::decode_cdr), but rejects a `bool` that is neither 0 nor 1, and a string that is not
+    /// Unicode.
     pub fn decode_cdr_strict(self, payload: &[u8]) -> Result<DynamicMessage<'t>, Error> {
         self.check()?;
         cdr::decode(self, payload, true)

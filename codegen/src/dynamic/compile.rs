@@ -294,8 +294,7 @@ fn is_restricted(field: &Field, plans: &[Plan]) -> bool {
     field.bound().is_some()
         || match field.element {
             Element::Scalar(_) => field.restriction.is_some(),
-            Element::String(bounds) => bounds.bound.is_some(),
-            Element::Text(_) => true,
+            Element::Text(_) | Element::String(_) => true,
             Element::Message(plan) => plans[plan].is_restricted,
         }
 }

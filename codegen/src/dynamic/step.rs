@@ -2,6 +2,8 @@
 
 use uavspec_runtime::Scalar;
 
+use super::text::characters;
+
 /// The constraints of a string.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Bounds {
@@ -12,13 +14,12 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// True if UTF-8 `text` exceeds the maximum number of characters.
-    pub(super) fn exceeded_by(self, text: &[u8]) -> bool {
-        let is_start = |byte: &&u8| **byte & 0xc0 != 0x80;
-        self.bound.is_some_and(|bound| {
-            let bound = bound as usize;
-            text.len() > bound && text.iter().filter(is_start).count() > bound
-        })
+    /// The maximum number of characters and the number in `text`, if `text` has more.
+    pub(super) fn exceeded_by(self, text: &[u8]) -> Option<(u32, usize)> {
+        // A text never has more characters than bytes.
+        let bound = self.bound.filter(|bound| text.len() > *bound as usize)?;
+        let found = characters(text).count();
+        (found > bound as usize).then_some((bound, found))
     }
 }
 

@@ -74,7 +74,9 @@ impl<'t> MessageType<'t> {
             element: match field.element {
                 Element::Scalar(scalar) => PlacedElement::Scalar(scalar),
                 Element::Text(length) => PlacedElement::Text(length),
-                Element::String(_) => PlacedElement::String,
+                Element::String(bounds) => {
+                    PlacedElement::String { is_wide: bounds.is_wide, bound: bounds.bound }
+                }
                 Element::Message(index) => {
                     PlacedElement::Message(MessageType { types: self.types, plan: &self.types.plans[index] })
                 }
@@ -135,7 +137,12 @@ pub enum PlacedElement<'t> {
     /// PX4's `char[N]`, treated as one text of `N` bytes.
     Text(u32),
     /// A string. The layout contains only its slot.
-    String,
+    String {
+        /// True for a `wstring`.
+        is_wide: bool,
+        /// Maximum number of characters.
+        bound: Option<u32>,
+    },
     /// A nested message.
     Message(MessageType<'t>),
 }

@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 
 use uavspec_runtime::{Constraint, Number, Rule};
 
-use super::bytes::until_nul;
 use super::plan::{Element, Field, Plan};
 use super::trail::Trail;
 use super::view::{DynamicView, scalar_value};
@@ -59,13 +58,14 @@ impl<'v> Walk<'v> for Validator<'v, '_> {
                 let rule = constraint.unwrap_or(Constraint::NONE).violated_by(found)?;
                 Some((rule, found, None))
             }),
-            Stop::Text(bytes) => std::str::from_utf8(until_nul(bytes))
-                .err()
-                .map(|error| (Rule::Text, length(error.valid_up_to()), None)),
-            Stop::String(text) => match field.element {
-                Element::String(bounds) => exceeding(text.chars().count(), bounds.bound),
-                _ => None,
-            },
+            Stop::Text(text) => not_utf8(text),
+            Stop::String(text) => {
+                let Element::String(bounds) = field.element else { return ControlFlow::Continue(()) };
+                let excess = bounds.exceeded_by(text);
+                excess
+                    .map(|(bound, found)| (Rule::Bound, length(found), Some(bound)))
+                    .or_else(|| not_utf8(text))
+            }
             Stop::Length(length) => exceeding(length, field.bound()),
         };
         if let Some((rule, found, bound)) = violation {
@@ -73,6 +73,11 @@ impl<'v> Walk<'v> for Validator<'v, '_> {
         }
         ControlFlow::Continue(())
     }
+}
+
+fn not_utf8(text: &[u8]) -> Option<(Rule, Number, Option<u32>)> {
+    let error = std::str::from_utf8(text).err()?;
+    Some((Rule::Text, length(error.valid_up_to()), None))
 }
 
 fn exceeding(found: usize, bound: Option<u32>) -> Option<(Rule, Number, Option<u32>)> {

@@ -35,8 +35,9 @@ pub enum Value<'v> {
     Float64(f64),
     /// The bytes of PX4's `char[N]` before the first NUL. The bytes may be invalid UTF-8.
     Text(&'v [u8]),
-    /// A string.
-    String(&'v str),
+    /// The bytes of a string. They may be invalid UTF-8: in a `string`, any bytes other than NUL; in a `wstring`,
+    /// unpaired surrogates of three bytes each, as in WTF-8.
+    String(&'v [u8]),
     /// A nested message.
     Message(DynamicView<'v>),
     /// An array or a sequence.
@@ -152,10 +153,9 @@ impl<'v> Elements<'v> {
     }
 
     #[inline]
-    pub(super) fn string(self, index: usize) -> &'v str {
+    pub(super) fn string(self, index: usize) -> &'v [u8] {
         let (start, length) = slot(self.view.bytes, self.at(index));
-        // Strings were checked for valid UTF-8 when the buffer was built.
-        std::str::from_utf8(part(self.view.bytes, start, length)).unwrap_or_default()
+        part(self.view.bytes, start, length)
     }
 
     #[inline]

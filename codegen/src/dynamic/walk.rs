@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use uavspec_runtime::Scalar;
 
+use super::bytes::until_nul;
 use super::plan::{Element, Field, Plan};
 use super::trail::Trail;
 use super::view::DynamicView;
@@ -13,10 +14,10 @@ use super::view::DynamicView;
 pub(super) enum Stop<'v> {
     /// A number: its type, its bytes, and their offset in the buffer.
     Number(Scalar, &'v [u8], usize),
-    /// The bytes of a `char[N]`.
+    /// The bytes of a `char[N]` before the first NUL.
     Text(&'v [u8]),
-    /// A string.
-    String(&'v str),
+    /// The bytes of a string.
+    String(&'v [u8]),
     /// The number of elements of a sequence, reported before its elements.
     Length(usize),
 }
@@ -65,7 +66,7 @@ fn walk_field<'v>(
             Element::Scalar(scalar) => {
                 Stop::Number(scalar, elements.element_bytes(index), elements.at(index))
             }
-            Element::Text(_) => Stop::Text(elements.element_bytes(index)),
+            Element::Text(_) => Stop::Text(until_nul(elements.element_bytes(index))),
             Element::String(_) => Stop::String(elements.string(index)),
             Element::Message(_) => {
                 walk(elements.message(index), trail, walker)?;

@@ -143,6 +143,18 @@ fn limits_counts_of_cut_arrays_whose_type_changes() {
     }
 }
 
+#[test]
+fn the_neutral_value_of_a_count_is_not_limited() {
+    let count = |length: u32, ty: &str| {
+        format!("{ty} count  # [@count items] [@invalid 255]\nuint8[{length}] items\n")
+    };
+    let hints = "[[hint]]\nmessage = \"Tank\"\nnarrow = { count = \"neutral\" }\n";
+    let found = convert(&[("Tank", &count(5, "uint32"))], &[("Tank", &count(2, "uint8"))], hints);
+    let converted =
+        found.run(found.forward("Tank"), &serde_json::json!({"count": 300, "items": [1, 2, 3, 4, 0]}));
+    assert_eq!(converted, serde_json::json!({"count": 255, "items": [1, 2]}));
+}
+
 /// The losses that a conversion counts in a message.
 fn losses(found: &Converted, conversion: &Conversion, fields: &str) -> Vec<(LossKind, u64)> {
     let types = Types::new(&found.schema);
@@ -185,6 +197,35 @@ fn counts_lost_strings_and_sequences() {
     ] {
         assert_eq!(counted(&lost), 1, "{lost}");
     }
+}
+
+/// JSON has no form for such strings, so the reference can't convert them.
+#[test]
+fn copies_strings_that_are_not_unicode() {
+    let found = convert_dialect(
+        Dialect::Ros2,
+        &[("Glider", "string name\nstring text\nwstring wide\n")],
+        &[("Glider", "wstring wide\nstring<=2 name\nstring text\n")],
+        "",
+    );
+    let conversion = found.forward("Glider");
+    let types = Types::new(&found.schema);
+    let [source, target] = [conversion.from, conversion.to].map(|id| types.get(id));
+    let header = ByteOrder::LittleEndian.header();
+    // A string with its length, padded so that the next length is aligned.
+    let string = |text: &[u8]| {
+        let length = u32::try_from(text.len() + 1).expect("a length");
+        let mut bytes = [&length.to_le_bytes()[..], text, &[0]].concat();
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        bytes
+    };
+    // An unpaired surrogate.
+    let wide: [u8; 8] = [1, 0, 0, 0, 0, 0xd8, 0, 0];
+    let payload = [&header[..], &string(b"a\xff\xfe"), &string(b"\xe9t\xe9"), &wide].concat();
+    let message = source.decode_cdr(&payload).expect("a message");
+    let converted = Converter::new(conversion, source, target).convert(&message).expect("a message");
+    let expected = [&header[..], &wide, &string(b"a\xff"), &string(b"\xe9t\xe9")].concat();
+    assert_eq!(converted.to_cdr(ByteOrder::LittleEndian).as_deref(), Ok(&*expected));
 }
 
 #[test]

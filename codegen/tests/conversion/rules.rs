@@ -55,6 +55,45 @@ fn narrowing_policies_decide() {
 }
 
 #[test]
+fn numbers_that_do_not_fit_get_the_default() {
+    let hints = "[[hint]]\nmessage = \"Glider\"\nnarrow = { sink = \"neutral\" }\n";
+    let ros =
+        |old: &str, new: &str| convert_dialect(Dialect::Ros2, &[("Glider", old)], &[("Glider", new)], hints);
+    let found = ros("int32 sink\n", "int8 sink 7\n");
+    assert_eq!(found.problems(), "");
+    let converted = |sink: i64| {
+        let message = found.message(found.forward("Glider").from, &format!(r#"{{"sink": {sink}}}"#));
+        found.run(found.forward("Glider"), &message)["sink"].clone()
+    };
+    assert_eq!([300, -300, 30].map(converted), [json!(7), json!(7), json!(30)]);
+    let found = ros("int32[2] sink\n", "int8[2] sink [1, 2]\n");
+    assert_eq!(
+        found.problems(),
+        "`Glider.sink` has no neutral value for numbers that don't fit: its elements have no common default\n"
+    );
+}
+
+#[test]
+fn numbers_that_do_not_fit_need_a_valid_neutral_value() {
+    let hints = "[[hint]]\nmessage = \"Glider\"\nnarrow = { sink = \"neutral\" }\n";
+    let range = "# [@range 1, 9] Rate";
+    let text = undecided(&format!("int32 sink  {range}\n"), &format!("int8 sink  {range}\n"), hints);
+    let expected = "`Glider.sink` has no neutral value for numbers that don't fit: 0 is not a valid value, and the \
+                    definition has no value for missing data\n";
+    assert_eq!(text, expected);
+}
+
+#[test]
+fn a_missing_neutral_value_is_reported_once() {
+    let hints = "[[hint]]\nmessage = \"Glider\"\nnarrow = { sink = \"neutral\" }\n";
+    let range = "# [@range 1, 9] Rate";
+    let text = undecided(&format!("int32[2] sink  {range}\n"), &format!("int8[3] sink  {range}\n"), hints);
+    let expected = "`Glider.sink` has more elements, and 0 is not a valid value, and the definition has no value for \
+                    missing data\n";
+    assert_eq!(text, expected);
+}
+
+#[test]
 fn renamed_fields_are_copied_only_if_their_comments_are_the_same() {
     let old = "float32 sink  # Sink rate\n";
     let found = convert(&[("Glider", old)], &[("Glider", "float32 rate_of_sink  # Sink rate\n")], "");
@@ -104,6 +143,14 @@ fn changed_meanings_are_undecided() {
         let hint = format!("[[hint]]\nmessage = \"Glider\"\nsame = [\"{}\"]\n", name.expect("a name"));
         assert_eq!(undecided(old, new, &hint), "", "{part}");
     }
+    // A reference to a renamed field is the same frame, unless the hint gives the new field another value.
+    let [old, new] = ["axes", "axis"].map(|name| {
+        format!("uint8 {name}  # Axes of the wind\nfloat32 wind  # [m/s] [@frame @{name}] Wind\n")
+    });
+    assert_eq!(undecided(&old, &new, ""), "");
+    let hint = "[[hint]]\nmessage = \"Glider\"\nnew.axis = 0\nold.axes = 0\n";
+    let found = undecided(&old, &new, hint);
+    assert!(found.contains("another frame: @axis instead of @axes"), "{found}");
     // An annotation that is added or removed contradicts nothing.
     assert_eq!(undecided("float32 sink\n", "float32 sink  # [m/s] Rate\n", ""), "");
 }

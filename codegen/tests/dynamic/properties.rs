@@ -73,6 +73,8 @@ fn check(schema: &Schema, seed: u64) -> Result<(), TestCaseError> {
 fn check_json(ty: MessageType<'_>, json: &Json) -> Result<(), TestCaseError> {
     let message = ty.from_json(json).map_err(|error| TestCaseError::fail(error.to_string()))?;
     prop_assert_eq!(&message.to_json().expect("JSON"), json);
+    let view = ty.view_memory(message.memory()).expect("a message");
+    prop_assert_eq!(&view.to_json().expect("JSON"), json);
     prop_assert_eq!(
         message.view().to_json_text().expect("JSON"),
         serde_json::to_string(&message).expect("JSON")

@@ -12,7 +12,7 @@ use uavspec_codegen::dynamic::{DynamicView, MessageType, Types};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_runtime::cdr::ByteOrder;
-use uavspec_runtime::{Definition, Message, UorbMessage, record};
+use uavspec_runtime::{Definition, Fault, Message, UorbMessage, record};
 
 use super::values::Draw;
 use crate::support;
@@ -112,8 +112,12 @@ macro_rules! dynamic {
 }
 
 fn agree_on_cdr<T: Message + Serialize>(ty: MessageType<'_>, payload: &[u8]) -> Result<(), TestCaseError> {
-    let found: Outcome = dynamic!(ty.decode_cdr(payload));
-    prop_assert_eq!(found, typed(T::from_cdr(payload)));
+    let expected = T::from_cdr(payload);
+    // Generated types contain Rust strings, so they can't accept text that isn't Unicode.
+    if !matches!(&expected, Err(error) if error.fault == Fault::NotUnicode) {
+        let found: Outcome = dynamic!(ty.decode_cdr(payload));
+        prop_assert_eq!(found, typed(expected));
+    }
     let found: Outcome = dynamic!(ty.decode_cdr_strict(payload));
     prop_assert_eq!(found, typed(T::from_cdr_strict(payload)));
     Ok(())

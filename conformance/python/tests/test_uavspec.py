@@ -166,6 +166,10 @@ def test_problems_are_errors(tmp_path: Path):
         (lambda: uavspec.read(b"", TOPIC), "bytes: "),
         (lambda: uavspec.explain(b"nothing"), "bytes: "),
         (lambda: uavspec.check(GOOD).findings.metadata("absent"), "absent"),
+        (lambda: uavspec.read(GOOD, TOPIC, instance=256), "instance: expected 0 to 255, found 256"),
+        (lambda: uavspec.read(GOOD, TOPIC, instance=-1), "instance: expected 0 to 255, found -1"),
+        (lambda: uavspec.check_files([GOOD], jobs=0), "jobs: expected at least 1, found 0"),
+        (lambda: uavspec.check_files([GOOD], jobs=-1), "jobs: expected at least 1, found -1"),
     ]:
         with pytest.raises(uavspec.Error, match=problem):
             call()
@@ -176,6 +180,15 @@ def test_problems_are_errors(tmp_path: Path):
             uavspec.check(wrong)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="only bytes have a name"):
         uavspec.check("a.ulg", name="b.ulg")
+    for single in ("flight.ulg", b"content", bytearray(b"content"), memoryview(b"content"), tmp_path):
+        with pytest.raises(TypeError, match="captures: expected a list, found a single value"):
+            uavspec.check_files(single)  # type: ignore[arg-type]
+    for single in ("schemas", tmp_path):
+        with pytest.raises(TypeError, match="schemas: expected a list, found a single value"):
+            uavspec.check(GOOD, schemas=single)  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match="schemas: expected a list, found a single value"):
+            uavspec.check_files([GOOD], schemas=single)  # type: ignore[arg-type]
+    assert len(uavspec.check_files([GOOD], jobs=2**80).captures) == 1
 
 
 @pytest.mark.parametrize("content", [b"", b"\0", b"ULog", b"ULog\x01\x12\x35\x01" + bytes(8), os.urandom(4096), b"{" * 70_000])

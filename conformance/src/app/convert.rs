@@ -42,10 +42,11 @@ values that aren't messages. A value that spans lines is written on one line.
 If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. After any \
 other error and after Ctrl-C, there is no output, and an existing file stays unchanged.
 
-Limits: a converted message may take up to 256 MiB in memory, and the schemas of a bag up to 64 MiB. A JSON value \
-may have up to 16 MiB. A file may have up to 10,000 topics and JSON types. An attachment of more than 16 MiB is stored \
-in the folder for temporary files until it is complete. The index of an MCAP file is in memory until the end: about \
-0.6 MiB for each GiB of a bag with 235 topics.
+Limits: a converted message may take up to 256 MiB in memory. The schemas and channels of a bag may take up to 64 MiB, \
+with the names of attachments and metadata records. The names of schemas and topics in a bag may have up to 256 bytes. A \
+JSON value may have up to 16 MiB. A log, or a file with JSON messages, may have up to 10,000 topics and types. An \
+attachment of more than 16 MiB is stored in the folder for temporary files until it is complete. The index of an MCAP \
+file is in memory until the end: about 0.6 MiB for each GiB of a bag with 235 topics.
 
 Exit status:
   0  success

@@ -10,6 +10,8 @@ use crate::capture::names::NOT_A_CAPTURE;
 use crate::capture::store::{self, Listed};
 use crate::report::Unreadable;
 use crate::tables::{Done, Origin};
+#[cfg(feature = "stores")]
+use crate::text::shown_url;
 use crate::text::terminal;
 
 /// The help for a URL that can't be listed.
@@ -82,7 +84,7 @@ impl Found {
     /// Adds the objects that a URL denotes.
     #[cfg(feature = "stores")]
     fn add_url(&mut self, url: &str) -> Result<(), Status> {
-        let shown = store::shown_url(url);
+        let shown = shown_url(url);
         let Listed { captures, skipped } = store::list(url).map_err(|problem| {
             terminal::error(format_args!("{}: {problem}", terminal::shown(&shown)), Some(CREDENTIALS));
             Status::Unreadable

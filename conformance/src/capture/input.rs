@@ -89,9 +89,10 @@ impl Input {
         }
     }
 
-    /// The size in bytes, before decompression, if it is known.
+    /// The size in bytes, before decompression, if it is known. The size of a folder is that of the files in it.
     pub(crate) fn size(&self) -> Option<u64> {
         match self {
+            Self::Path(path) if path.is_dir() => size_of_folder(path).ok(),
             Self::Path(path) => fs::metadata(path).ok().filter(Metadata::is_file).map(|file| file.len()),
             #[cfg(feature = "stores")]
             Self::Object(object) => object.size(),
@@ -110,14 +111,6 @@ impl Input {
             Self::Bytes(..) => None,
         }
     }
-}
-
-/// A path as given, or a URL without credentials.
-#[cfg(feature = "tables")]
-pub(crate) fn shown(name: &str) -> String {
-    #[cfg(feature = "stores")]
-    let name = &store::shown_url(name);
-    name.to_owned()
 }
 
 /// The files that paths denote.
@@ -201,6 +194,15 @@ impl Files {
             Found::File(_) | Found::Dangling(_) | Found::Skipped(..) => {}
         }
     }
+}
+
+/// The total size of the files in a folder, without subfolders.
+fn size_of_folder(folder: &Path) -> io::Result<u64> {
+    let size = |entry: io::Result<fs::DirEntry>| -> io::Result<u64> {
+        let file = fs::metadata(entry?.path())?;
+        Ok(if file.is_file() { file.len() } else { 0 })
+    };
+    fs::read_dir(folder)?.map(size).sum()
 }
 
 /// True if the name of a file or of one of its parents below `folder` starts with a dot.
@@ -338,6 +340,20 @@ mod tests {
             (found.captures.len(), names(&[found.empty[0].0.clone()])),
             (0, names(&[empty.path().into()]))
         );
+    }
+
+    #[test]
+    fn the_size_of_a_folder_is_that_of_its_files() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::create_dir(folder.path().join("other")).expect("a folder");
+        for (name, size) in [("a.mcap", 5), ("metadata.yaml", 7), ("other/b.mcap", 9)] {
+            fs::write(folder.path().join(name), vec![0; size]).expect("a file");
+        }
+        let size = |path: PathBuf| Input::Path(path).size();
+        assert_eq!(size(folder.path().to_owned()), Some(12));
+        assert_eq!(size(folder.path().join("a.mcap")), Some(5));
+        assert_eq!(size(folder.path().join("absent")), None);
+        assert_eq!(size(STANDARD_INPUT.into()), None);
     }
 
     #[cfg(unix)]

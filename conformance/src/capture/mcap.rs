@@ -58,7 +58,11 @@ pub(crate) const APPLICATION: &str = "uavspec:application";
 /// The name of the metadata records about lost messages. The values are `topic` and `count`.
 pub(crate) const LOST: &str = "uavspec:lost";
 
-/// The name of the metadata records about notable events, such as unreadable data. The value is `text`.
+/// The name of the metadata records about data of a live vehicle that wasn't received or can't be read. The value is
+/// `text`.
+pub(crate) const UNREADABLE: &str = "uavspec:unreadable";
+
+/// The name of the metadata records about notable events, such as invalid announcements. The value is `text`.
 pub(crate) const NOTE: &str = "uavspec:note";
 
 /// The name of the metadata record of a recording that was cut short. The value is `reason`.

@@ -18,28 +18,15 @@ use std::path::Path;
 pub(crate) use self::connect::{Listed, list};
 pub(crate) use self::object::Object;
 pub(crate) use self::reader::Failure;
+use crate::text::is_object_url;
 
-/// The schemes of URLs.
-const SCHEMES: [&str; 8] = ["s3", "s3a", "gs", "az", "abfs", "abfss", "https", "http"];
-
-/// The problem of a URL without captures.
-pub(crate) const NOTHING: &str = "no captures have a URL that starts with this one";
+/// The problem of a URL without captures. Stores list whole folders only.
+pub(crate) const NOTHING: &str =
+    "no captures at this URL: expected a capture, a folder, or a list on a web server";
 
 /// True if an input is the URL of an object store.
 pub(crate) fn is_url(input: &Path) -> bool {
-    let scheme = input.to_str().and_then(|text| text.split_once(SCHEME_END)).map(|(scheme, _)| scheme);
-    scheme.is_some_and(|scheme| SCHEMES.iter().any(|known| known.eq_ignore_ascii_case(scheme)))
-}
-
-/// A URL without its query, its fragment and its password. Other names stay as they are.
-pub(crate) fn shown_url(name: &str) -> String {
-    let Some((scheme, rest)) = name.split_once(SCHEME_END) else { return name.to_owned() };
-    let rest = rest.split(['?', '#']).next().unwrap_or(rest);
-    let (server, path) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
-    // In URLs of Azure, the name before the server is a container.
-    let is_container = scheme.get(..4).is_some_and(|start| start.eq_ignore_ascii_case("abfs"));
-    let server = if is_container { server } else { server.rsplit('@').next().unwrap_or(server) };
-    format!("{scheme}{SCHEME_END}{server}{path}")
+    input.to_str().is_some_and(is_object_url)
 }
 
 /// A text without the queries and passwords of the URLs in it.
@@ -68,30 +55,6 @@ const END: [char; 7] = [' ', '\n', '"', '\'', ')', '>', '`'];
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn urls_have_a_scheme() {
-        for url in ["s3://logs", "gs://logs/2026", "https://example.org/list.txt"] {
-            assert!(is_url(Path::new(url)), "{url}");
-        }
-        for path in ["s3", "s3:/logs", "logs/s3://x", "file:///x", "dds://0"] {
-            assert!(!is_url(Path::new(path)), "{path}");
-        }
-    }
-
-    #[test]
-    fn shown_urls_contain_no_secrets() {
-        for (url, expected) in [
-            ("s3://logs/flight (2).ulg?signature=secret", "s3://logs/flight (2).ulg"),
-            ("HTTPS://me:sec)ret@host/a.ulg#secret", "HTTPS://host/a.ulg"),
-            ("https://secret@host?secret", "https://host"),
-            ("abfss://logs@account/a.ulg", "abfss://logs@account/a.ulg"),
-            ("what?.ulg", "what?.ulg"),
-            ("://", "://"),
-        ] {
-            assert_eq!(shown_url(url), expected);
-        }
-    }
 
     #[test]
     fn errors_contain_no_secrets() {

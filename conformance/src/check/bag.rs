@@ -22,6 +22,7 @@ use std::hash::{DefaultHasher, Hasher as _};
 use std::rc::Rc;
 use std::sync::Arc;
 
+use uavspec_codegen::dynamic::{DynamicMessage, MessageType};
 use uavspec_codegen::schema::MessageId;
 use uavspec_codegen::source::Span;
 
@@ -50,7 +51,7 @@ use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Detail, Endpoint, Extent, Findings, Location, Message};
 use crate::px4::comparison::{Comparison, compare_declared};
-use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
+use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans, decode};
 use crate::px4::memory::FieldCounts;
 use crate::rules::px4;
 use crate::text::utf8;
@@ -103,6 +104,24 @@ pub(crate) fn states_other_type(
     let stated = metadata.get(HASH).filter(|hash| is_comparable(hash));
     stated
         .is_some_and(|stated| !definitions.type_hashes(message).any(|hash| hash.eq_ignore_ascii_case(stated)))
+}
+
+/// True if neither the schema of a channel nor the hash in its metadata states a type.
+pub(crate) fn states_no_type(
+    schema: Option<(&str, &str, &[u8])>,
+    metadata: &BTreeMap<String, String>,
+) -> bool {
+    lacks_type(schema) && !has_hash(metadata)
+}
+
+/// True if the schema of a channel states no type: there is none, it is empty, or its encoding isn't supported.
+fn lacks_type(schema: Option<(&str, &str, &[u8])>) -> bool {
+    schema.is_none_or(|(_, encoding, text)| encoding != "ros2msg" || text.is_empty())
+}
+
+/// True if the metadata of a channel contain a type hash of the supported version.
+fn has_hash(metadata: &BTreeMap<String, String>) -> bool {
+    metadata.get(HASH).is_some_and(|hash| is_comparable(hash))
 }
 
 /// A file of a bag.
@@ -255,18 +274,19 @@ impl<'d> Channels<'d> {
             open.fields = Some((num_fields, num_fields).into());
             return self.format(open);
         }
-        let has_hash = declared.metadata.get(HASH).is_some_and(|hash| is_comparable(hash));
-        let lacks_schema = open.status == CheckStatus::Checked(Basis::NoSchema);
-        let is_unknown = lacks_schema && !has_hash;
+        let schema = self.schemas.content(declared.schema);
+        let lacks_schema = lacks_type(schema);
+        let is_unknown = states_no_type(schema, &declared.metadata);
         // This program may have sent messages before the release was known.
-        let is_outdated = declared.metadata.contains_key(OWN) && !self.has_defined_hash(declared, message_id);
+        let has_defined_hash = self.has_defined_hash(declared, message_id);
+        let is_outdated = declared.metadata.contains_key(OWN) && !has_defined_hash;
         if is_outdated || is_unknown && definitions.is_undecided(message_id) {
             open.status = CheckStatus::Checked(Basis::Undecided);
             self.run.undecided(&open.identity.channel());
             return;
         }
         // Without a schema, only the hash shows the fields.
-        if lacks_schema && has_hash {
+        if lacks_schema && has_hash(&declared.metadata) && !has_defined_hash {
             open.status = CheckStatus::Checked(Basis::OtherHash);
             self.run.undecided(&open.identity.channel());
             return self.hash(open, declared, message_id);
@@ -414,8 +434,10 @@ impl<'d> Channels<'d> {
                 let checked = check.check(payload, wants_values, &channel, location, definitions, findings);
                 let Some(seen) = checked else { return self.run.lost(channel.index, location) };
                 open.tally.count(true, None);
-                let values = check.view(&seen, definitions);
-                self.run.message(&channel, &Message { timestamp: seen.timestamp, values, location });
+                let observed = check.view(&seen, definitions);
+                let values = observed.filter(|values| values.message_type().size().is_some());
+                let message = Message { timestamp: seen.timestamp, values, location };
+                self.run.message_with(&channel, &message, observed);
             }
             Reading::Json(message_id) => {
                 let Some(plans) = &self.plans else { return };
@@ -426,11 +448,8 @@ impl<'d> Channels<'d> {
                     key: None,
                     is_rosbridge: true,
                 };
-                let size = definitions
-                    .types()
-                    .get(*message_id)
-                    .size()
-                    .filter(|_| self.run.wants_values(channel.index));
+                let ty = definitions.types().get(*message_id);
+                let size = ty.size().filter(|_| self.run.wants_values(channel.index));
                 self.values.clear();
                 self.values.resize(size.map_or(0, |size| size.padded), 0);
                 match check_message(plans, origin, payload, &mut self.values, &mut self.run.findings) {
@@ -438,10 +457,13 @@ impl<'d> Channels<'d> {
                     Ok(Clean { timestamp, dialects }) => {
                         self.dialects.absorb(dialects);
                         open.tally.count(true, None);
-                        let view =
-                            |message_id| definitions.types().get(message_id).view_uorb(&self.values).ok();
-                        let values = (!self.values.is_empty()).then(|| view(*message_id)).flatten();
-                        self.run.message(&channel, &Message { timestamp, values, location });
+                        let view = || ty.view_uorb(&self.values).ok();
+                        let values = (!self.values.is_empty()).then(view).flatten();
+                        let is_decoded = values.is_none() && self.run.observes_values(channel.index);
+                        let decoded = is_decoded.then(|| decoded(payload, ty)).flatten();
+                        let observed = values.or(decoded.as_ref().map(DynamicMessage::view));
+                        let message = Message { timestamp, values, location };
+                        self.run.message_with(&channel, &message, observed);
                     }
                 }
             }
@@ -484,6 +506,12 @@ fn check_message(
     Ok(Clean { timestamp: plans.timestamp(origin.id, &tree), dialects })
 }
 
+/// Decodes a JSON message that may have findings. `None` if its values don't fit into its fields.
+fn decoded<'t>(payload: &[u8], ty: MessageType<'t>) -> Option<DynamicMessage<'t>> {
+    let tree = Tree::read(utf8(payload).ok()?).ok()?;
+    decode(&tree, ty, true).ok().map(|(message, _)| message)
+}
+
 /// True if the text has the form of a ROS type hash. Nothing is known about the digits of other versions.
 fn is_type_hash(text: &str) -> bool {
     if let Some(digits) = text.strip_prefix(HASH_VERSION) {
@@ -499,7 +527,7 @@ fn is_comparable(text: &str) -> bool {
 }
 
 /// A hash of a declaration, used to distinguish declarations without storing them.
-fn digest(declaration: &impl std::hash::Hash) -> u64 {
+pub(crate) fn digest(declaration: &impl std::hash::Hash) -> u64 {
     let mut hasher = DefaultHasher::new();
     declaration.hash(&mut hasher);
     hasher.finish()

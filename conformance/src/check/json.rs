@@ -8,6 +8,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 
 use serde::Serialize;
+use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
@@ -25,7 +26,7 @@ use crate::capture::json::{Event, Reader};
 use crate::definitions::Definitions;
 use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Channel, Extent, Location, Message};
-use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans};
+use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans, decode};
 use crate::rules::px4;
 use crate::text::{shown, utf8};
 
@@ -266,6 +267,7 @@ impl<'d> JsonChecker<'d> {
             return self.message(at, clean, location);
         }
         match read(text, &self.channels, &self.plans, &mut self.values) {
+            Fast::Clean(at, _) if self.needs_tree(at) => self.explain(text, line, is_last),
             Fast::Clean(at, clean) => {
                 if clean.dialects == Dialects::default() {
                     self.templates.learn(text, &self.channels.open[at], at, &self.plans);
@@ -325,6 +327,7 @@ impl<'d> JsonChecker<'d> {
         // The channel is open now. If the first message has no findings, rules may need its values.
         if known.is_none()
             && let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
+            && !self.needs_tree(at)
         {
             return self.message(at, clean, location);
         }
@@ -339,6 +342,13 @@ impl<'d> JsonChecker<'d> {
         let fields = &self.run.definitions.schema.message(id).fields;
         let names: BTreeSet<&str> = fields.iter().map(|field| &*field.name).collect();
         names == members.iter().map(|(key, _)| &**key).collect()
+    }
+
+    /// True if the observer needs the values of a channel's messages, and their size varies. Only trees contain such
+    /// values.
+    fn needs_tree(&self, at: usize) -> bool {
+        let open = &self.channels.open[at];
+        open.num_bytes == 0 && open.defined.is_some_and(|(_, index)| self.run.observes_values(index))
     }
 
     /// Stores the stated type of a topic.
@@ -358,7 +368,13 @@ impl<'d> JsonChecker<'d> {
         let timestamp = self.plans.timestamp(id, tree);
         // A message with findings may have other wrong values, so its values aren't passed to stateful rules.
         self.values.clear();
-        self.message(at, Clean { timestamp, dialects }, location);
+        let decoded = if open.defined.is_some_and(|(_, index)| self.run.observes_values(index)) {
+            decode(tree, self.run.definitions.types().get(id), is_rosbridge).ok()
+        } else {
+            None
+        };
+        let observed = decoded.as_ref().map(|(message, _)| message.view());
+        self.message_with(at, Clean { timestamp, dialects }, location, observed);
     }
 
     /// Counts a message without a definition.
@@ -368,6 +384,17 @@ impl<'d> JsonChecker<'d> {
     }
 
     fn message(&mut self, at: usize, clean: Clean, location: Location) {
+        self.message_with(at, clean, location, None);
+    }
+
+    /// Like `message`, with the values of a message that aren't passed to rules.
+    fn message_with(
+        &mut self,
+        at: usize,
+        clean: Clean,
+        location: Location,
+        observed: Option<DynamicView<'_>>,
+    ) {
         self.run.records += 1;
         self.dialects.absorb(clean.dialects);
         let open = &mut self.channels.open[at];
@@ -378,7 +405,7 @@ impl<'d> JsonChecker<'d> {
             let view = |id| definitions.types().get(id).view_uorb(&self.values).ok();
             let values = channel.definition.filter(|_| !self.values.is_empty()).and_then(view);
             let message = Message { timestamp: clean.timestamp, values, location };
-            self.run.message(&channel, &message);
+            self.run.message_with(&channel, &message, values.or(observed));
         }
     }
 

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io;
 
+use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::source::Span;
 
 use super::coverage::Parts;
@@ -11,7 +12,7 @@ use super::flockwave::{Listeners, Report};
 use super::{CaptureResult, Clock, Observer, Summary, Unit};
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Connection, Direction, SessionRecord};
-use crate::flockwave::session::{Exchange, Sessions};
+use crate::flockwave::session::{Exchange, Sessions, message_excerpt};
 use crate::json::Tree;
 use crate::model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
 use crate::rules::px4::Interest;
@@ -79,13 +80,15 @@ struct Follower {
     coverage: u64,
 }
 
-/// The rules that check the messages of a channel.
+/// The rules and the observer that receive the messages of a channel.
 #[derive(Default)]
 struct Subscribers {
     /// The indices of the [`Follower`]s that receive the channel's messages.
     followers: Vec<usize>,
-    /// The highest [`Interest`] among these followers.
+    /// The highest [`Interest`] among these followers and the observer.
     interest: Interest,
+    /// The interest of the observer.
+    observed: Interest,
 }
 
 impl Follower {
@@ -161,7 +164,8 @@ impl<'d> CheckRun<'d> {
             }
         }
         if let Some(observer) = &mut self.observer {
-            subscribers.interest = subscribers.interest.max(observer.opened(channel, self.definitions));
+            subscribers.observed = observer.opened(channel, self.definitions);
+            subscribers.interest = subscribers.interest.max(subscribers.observed);
         }
         self.channels[channel.index] = subscribers;
     }
@@ -184,13 +188,29 @@ impl<'d> CheckRun<'d> {
         self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
     }
 
-    /// True if a rule needs the field values of a channel's messages.
+    /// True if a rule or the observer needs the field values of a channel's messages.
     pub(super) fn wants_values(&self, channel: usize) -> bool {
         self.channels[channel].interest == Interest::Values
     }
 
+    /// True if the observer needs the field values of a channel's messages.
+    pub(super) fn observes_values(&self, channel: usize) -> bool {
+        self.channels[channel].observed == Interest::Values
+    }
+
     /// Passes a message to the rules of its channel. The message's values have already been checked.
     pub(super) fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
+        self.message_with(channel, message, message.values);
+    }
+
+    /// Like `message`, but with other values for the observer. Rules receive no values of messages whose size varies, or
+    /// of JSON messages with findings.
+    pub(super) fn message_with(
+        &mut self,
+        channel: &Channel<'_>,
+        message: &Message<'_>,
+        observed: Option<DynamicView<'_>>,
+    ) {
         self.checked += 1;
         // A log time of 0 is unknown.
         if self.record_time.unwrap_or_default() == 0 {
@@ -205,7 +225,9 @@ impl<'d> CheckRun<'d> {
         if let Some(observer) = &mut self.observer {
             let is_known = |time: &u64| *time > 0;
             let time = self.record_time.filter(is_known).or(message.timestamp.filter(is_known));
-            observer.message(channel, message, time, self.definitions);
+            let Message { timestamp, location, .. } = *message;
+            let message = Message { timestamp, values: observed, location };
+            observer.message(channel, &message, time, self.definitions);
         }
         self.place(message.location, message.timestamp);
     }
@@ -307,7 +329,7 @@ impl<'d> CheckRun<'d> {
                 && matches!(message, Tree::Object(_))
             {
                 let path = if detail.path.is_empty() { "/body" } else { &detail.path };
-                detail.excerpt = message.excerpt_at(path);
+                detail.excerpt = message_excerpt(message, path);
             }
         });
     }

@@ -19,7 +19,7 @@ use crate::check::{definition_of, is_flockwave};
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::Extent;
-use crate::px4::json::Dialects;
+use crate::px4::json::decode;
 use crate::text::utf8;
 
 /// A topic or a type of the capture.
@@ -281,8 +281,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         if !self.is_json {
             return Err(Error::Input("expected objects in JSON, found none".to_owned()));
         }
-        if self.is_array && self.written > 0 {
-            self.output.write_all(b"\n]\n")?;
+        if self.is_array {
+            self.output.write_all(if self.written > 0 { b"\n]\n" } else { b"[]\n" })?;
         }
         self.output.flush()?;
         Ok((self.channels.into_iter().map(|channel| channel.topic.finish()).collect(), self.problems))
@@ -302,7 +302,7 @@ impl Converted<'_> {
         is_rosbridge: bool,
         losses: &mut [u64],
     ) -> Result<String, String> {
-        let (message, dialects): (_, Dialects) = message::read(tree, self.source, is_rosbridge)?;
+        let (message, dialects) = decode(tree, self.source, is_rosbridge)?;
         message::write(&self.message(&message, losses)?, dialects)
     }
 }

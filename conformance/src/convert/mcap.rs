@@ -3,7 +3,7 @@
 mod json_schema;
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, Read, Seek as _, SeekFrom, Write};
 
 use mcap::records::MessageHeader;
@@ -15,14 +15,16 @@ use super::plan::{Converted, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
-use crate::capture::mcap::{Event, Item, Packing, Reader, Writer, compressed};
-use crate::check::{HASH, decompressed, definition_of, states_other_type};
+use crate::capture::mcap::{AttachmentHead, Event, Item, Packing, Reader, Writer, compressed};
+use crate::check::json::MAX_NAME;
+use crate::check::{HASH, decompressed, definition_of, digest, states_no_type, states_other_type};
 use crate::definitions::Definitions;
 use crate::json::Tree;
-use crate::text::utf8;
+use crate::text::{start_of, utf8};
 
-/// The maximum total length of the schemas in a file, in bytes.
-const MAX_SCHEMAS: usize = 64 << 20;
+/// The maximum total size of the schemas and channels in a file, in bytes. It includes the names of attachments and
+/// metadata records, which the index of the output contains. The limit also applies to the schemas in the output.
+const MAX_SIZE: usize = 64 << 20;
 
 /// The size of the attachments that are kept in memory, in bytes. A larger one is stored in a temporary file, until it
 /// is complete.
@@ -47,6 +49,8 @@ enum Origin {
 
 struct Channel<'p> {
     topic: Topic<'p>,
+    /// A hash of the declaration.
+    digest: u64,
     is_json: bool,
     /// True if the output contains the payloads of the input.
     keeps_payloads: bool,
@@ -57,9 +61,14 @@ struct Stream<'p, 'o> {
     settings: Settings,
     output: Writer<&'o mut dyn Write>,
     schemas: HashMap<u16, Schema>,
-    schema_size: usize,
+    /// The ids of the schemas that exceed a limit.
+    left_out: BTreeSet<u16>,
+    /// The total size of the schemas and channels, in bytes, with the names of attachments and metadata records.
+    size: usize,
     /// The ids of the schemas in the output.
     written: HashMap<Origin, u16>,
+    /// The total size of the schemas in the output, in bytes.
+    written_size: usize,
     /// The channels, by id. The output has the same ids.
     channels: Vec<Option<Box<Channel<'p>>>>,
     /// The attachment that is being read.
@@ -117,8 +126,10 @@ impl<'p, 'o> Stream<'p, 'o> {
             settings,
             output,
             schemas: HashMap::new(),
-            schema_size: 0,
+            left_out: BTreeSet::new(),
+            size: 0,
             written: HashMap::new(),
+            written_size: 0,
             channels: Vec::new(),
             attachment: None,
         }
@@ -131,21 +142,14 @@ impl<'p, 'o> Stream<'p, 'o> {
         let found = match item.event {
             Event::Schema { id, name, encoding, text } => self.schema(id, (name, encoding), text),
             Event::Channel { id, schema, topic, encoding, metadata } => {
-                self.channel(id, schema, (topic, encoding), metadata)?;
-                None
+                self.channel(id, schema, (topic, encoding), metadata)?
             }
             Event::Message { channel, time, publish_time, sequence, payload } => {
                 let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time };
                 self.message(header, payload)?
             }
-            Event::Attachment { length, at, bytes } => {
-                self.attachment((length, at), bytes)?;
-                None
-            }
-            Event::Metadata { body } => {
-                self.output.metadata(body)?;
-                None
-            }
+            Event::Attachment { length, at, bytes } => self.attachment((length, at), bytes)?,
+            Event::Metadata { body } => self.metadata(body)?,
             Event::Private { opcode, body, is_in_chunk } => {
                 self.output.private(opcode, body, is_in_chunk)?;
                 None
@@ -158,39 +162,58 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(())
     }
 
-    /// Chunks and the summary repeat schemas. The first declaration of an id is used.
+    /// Stores a schema. Returns the problem if it is left out. Chunks and the summary repeat schemas; the first declaration
+    /// of an id is used.
     fn schema(&mut self, id: u16, (name, encoding): (String, String), text: &[u8]) -> Option<String> {
-        if self.schemas.contains_key(&id) {
+        if id == 0 {
+            return Some("a schema has the reserved id 0".to_owned());
+        }
+        if let Some((known_name, known_encoding, known)) = self.schemas.get(&id) {
+            let is_same = *known_name == name && *known_encoding == encoding && *known == text;
+            return (!is_same).then(|| declared_again("schema", id));
+        }
+        if self.left_out.contains(&id) {
             return None;
         }
-        if self.schema_size + text.len() > MAX_SCHEMAS {
-            let limit = MAX_SCHEMAS >> 20;
-            return Some(format!("schema {id}: the schemas take more than {limit} MiB"));
-        }
-        self.schema_size += text.len();
-        self.schemas.insert(id, (name, encoding, text.to_vec()));
-        None
+        let problem = if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
+            format!("the name or the encoding is longer than {MAX_NAME} bytes")
+        } else if fits(&mut self.size, name.len() + encoding.len() + text.len()) {
+            self.schemas.insert(id, (name, encoding, text.to_vec()));
+            return None;
+        } else {
+            too_large()
+        };
+        self.left_out.insert(id);
+        Some(format!("schema {id}: {problem}"))
     }
 
+    /// Declares a channel. Returns the problem if it is left out.
     fn channel(
         &mut self,
         id: u16,
         schema: u16,
         (topic, encoding): (String, String),
         mut metadata: BTreeMap<String, String>,
-    ) -> Result<(), Error> {
+    ) -> Result<Option<String>, Error> {
+        let digest = digest(&(schema, &topic, &encoding, &metadata));
         let at = usize::from(id);
+        if let Some(Some(known)) = self.channels.get(at) {
+            return Ok((known.digest != digest).then(|| declared_again("channel", id)));
+        }
         if self.channels.len() <= at {
             self.channels.resize_with(at + 1, || None);
         }
-        if self.channels[at].is_some() {
-            return Ok(());
+        let is_json = encoding == "json";
+        if let Some(reason) = self.refusal(schema, &topic, &encoding, &metadata) {
+            let problem = format!("channel {id}: {reason}");
+            let topic = Topic::left_out(&start_of(&topic, MAX_NAME), reason);
+            self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, keeps_payloads: false }));
+            return Ok(Some(problem));
         }
         let plan = self.plan;
         let stored = self.schemas.get(&schema);
         let treatment = treatment(plan, (&topic, &encoding), stored, &metadata);
-        let topic = Topic::new(&topic, treatment, plan, self.settings);
-        let is_json = encoding == "json";
+        let mut topic = Topic::new(&topic, treatment, plan, self.settings);
         let mut keeps_payloads = true;
         let origin = match &topic.converted {
             Some(converted) => {
@@ -204,25 +227,58 @@ impl<'p, 'o> Stream<'p, 'o> {
             }
             None => Origin::Input(schema),
         };
+        let mut problem = None;
         if topic.report.action != Action::LeftOut {
-            let schema = self.written(origin)?;
-            self.output.channel((id, schema), (topic.output_name(), &encoding), &metadata);
+            if let Some(schema) = self.written(origin)? {
+                self.output.channel((id, schema), (topic.output_name(), &encoding), &metadata)?;
+            } else {
+                topic.leave_out(too_large());
+                problem = Some(format!("channel {id}: {}", too_large()));
+            }
         }
-        self.channels[at] = Some(Box::new(Channel { topic, is_json, keeps_payloads }));
-        Ok(())
+        self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, keeps_payloads }));
+        Ok(problem)
     }
 
-    /// The id of a schema in the output; 0 if there is none. Writes the schema if necessary.
-    fn written(&mut self, origin: Origin) -> Result<u16, Error> {
-        if let Some(id) = self.written.get(&origin) {
-            return Ok(*id);
+    /// The reason why a new channel is left out: it exceeds a limit, or its schema is unknown. Without the schema, its
+    /// topic could be mistaken for a topic of PX4.
+    fn refusal(
+        &mut self,
+        schema: u16,
+        topic: &str,
+        encoding: &str,
+        metadata: &BTreeMap<String, String>,
+    ) -> Option<String> {
+        if topic.len() > MAX_NAME || encoding.len() > MAX_NAME {
+            return Some(format!("the topic or the encoding is longer than {MAX_NAME} bytes"));
         }
-        let Some((name, encoding, text)) = content(self.plan, &self.schemas, origin) else { return Ok(0) };
+        if self.left_out.contains(&schema) {
+            return Some(format!("its schema {schema} is left out"));
+        }
+        if schema != 0 && !self.schemas.contains_key(&schema) {
+            return Some(format!("its schema {schema} hasn't been declared yet"));
+        }
+        let pairs: usize = metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
+        (!fits(&mut self.size, topic.len() + encoding.len() + pairs)).then(too_large)
+    }
+
+    /// The id of a schema in the output; 0 if there is none. Writes the schema if necessary. `None` if the schemas in the
+    /// output take too much space.
+    fn written(&mut self, origin: Origin) -> Result<Option<u16>, Error> {
+        if let Some(id) = self.written.get(&origin) {
+            return Ok(Some(*id));
+        }
+        let Some((name, encoding, text)) = content(self.plan, &self.schemas, origin) else {
+            return Ok(Some(0));
+        };
+        if !fits(&mut self.written_size, text.len()) {
+            return Ok(None);
+        }
         let id = u16::try_from(self.written.len() + 1);
         let id = id.map_err(|_| io::Error::other("the output needs more than 65,535 schemas"))?;
-        self.output.schema(id, (&name, &encoding), &text);
+        self.output.schema(id, (&name, &encoding), &text)?;
         self.written.insert(origin, id);
-        Ok(id)
+        Ok(Some(id))
     }
 
     /// Writes a message. Returns the problem if its channel is unknown.
@@ -249,20 +305,58 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(None)
     }
 
-    /// Copies an attachment after its last part. A truncated attachment is left out.
-    fn attachment(&mut self, (length, at): (u64, u64), bytes: &[u8]) -> Result<(), Error> {
+    /// Copies a metadata record. Returns the problem if it is left out. The index contains the name.
+    fn metadata(&mut self, body: &[u8]) -> Result<Option<String>, Error> {
+        let length = body.first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
+        if !fits(&mut self.size, length) {
+            return Ok(Some(format!("a metadata record is left out: {}", too_large())));
+        }
+        self.output.metadata(body)?;
+        Ok(None)
+    }
+
+    /// Copies an attachment after its last part. Returns the problem if it is left out. A truncated attachment is left out
+    /// as well.
+    fn attachment(&mut self, (length, at): (u64, u64), bytes: &[u8]) -> Result<Option<String>, Error> {
         if at == 0 {
+            // The index contains both texts.
+            let head = AttachmentHead::read(bytes);
+            let names = head.map_or(0, |head| head.name.len() + head.media_type.len());
+            if !fits(&mut self.size, names) {
+                self.attachment = None;
+                return Ok(Some(format!("an attachment is left out: {}", too_large())));
+            }
             self.attachment = Some(SpooledTempFile::new(MAX_ATTACHMENT));
         }
-        let Some(body) = &mut self.attachment else { return Ok(()) };
+        let Some(body) = &mut self.attachment else { return Ok(None) };
         body.write_all(bytes)?;
         if at + bytes.len() as u64 == length {
             body.seek(SeekFrom::Start(0))?;
             self.output.attachment(length, body)?;
             self.attachment = None;
         }
-        Ok(())
+        Ok(None)
     }
+}
+
+/// The problem of a declaration that differs from an earlier one.
+fn declared_again(kind: &str, id: u16) -> String {
+    format!("{kind} {id} is declared again with different content; the first declaration is used")
+}
+
+/// The problem of declarations that take too much space.
+fn too_large() -> String {
+    format!("the schemas, channels and names take more than {} MiB", MAX_SIZE >> 20)
+}
+
+/// Adds a size to a total, unless this would exceed the limit. Returns true if it was added.
+fn fits(total: &mut usize, size: usize) -> bool {
+    let sum = total.saturating_add(size);
+    if sum > MAX_SIZE {
+        return false;
+    }
+    *total = sum;
+    true
 }
 
 /// The content of a schema in the output.
@@ -313,6 +407,8 @@ fn treatment<'p>(
     }
     let treatment = match encoding {
         "cdr" if states_other_type(stated, metadata, id, definitions) => plan.differs(id),
+        // Only the type shows the fields of a CDR message.
+        "cdr" if plan.is_release_unknown(id) && states_no_type(stated, metadata) => Plan::unknown_release(),
         "cdr" | "json" => plan.treatment(id, topic),
         _ => Treatment::Copy,
     };

@@ -26,6 +26,8 @@ pub(crate) struct Plan {
     source: Arc<Definitions>,
     target: Arc<Definitions>,
     release: LoadedRelease,
+    /// True if the user names the release of the capture.
+    is_source_named: bool,
     /// The conversions of each package of the source, by its index.
     packages: BTreeMap<usize, Package>,
     /// The definitions of the target by full ROS name, as text.
@@ -145,7 +147,8 @@ impl Plan {
         }
         let text = write(&target.schema);
         let texts = entries(&text).map(|entry| (full_name(&entry), entry.text.to_owned())).collect();
-        Ok(Self { source, target, release, packages, texts })
+        let is_source_named = library.names_release(release.family);
+        Ok(Self { source, target, release, is_source_named, packages, texts })
     }
 
     /// The definitions of the capture.
@@ -171,6 +174,12 @@ impl Plan {
     pub(super) fn concerns(&self, id: MessageId) -> bool {
         self.packages.contains_key(&self.source.schema.message(id).package)
     }
+
+    /// True if neither the capture nor the user shows the release of messages of this type without a schema.
+    pub(super) fn is_release_unknown(&self, id: MessageId) -> bool {
+        !self.is_source_named && self.source.is_undecided(id)
+    }
+
     /// The treatment of messages that the source doesn't define. `is_other` is true if the target defines other messages for
     /// their topic or type.
     pub(super) fn undefined(&self, is_other: impl FnOnce(&Definitions) -> bool) -> Treatment<'_> {
@@ -184,6 +193,13 @@ impl Plan {
     pub(super) fn differs(&self, id: MessageId) -> Treatment<'_> {
         let release = self.source.release_of(id).map_or("", |release| &release.title);
         Treatment::LeaveOut(format!("its fields differ from {release}"))
+    }
+
+    /// The treatment of messages of an unknown release.
+    pub(super) fn unknown_release() -> Treatment<'static> {
+        let reason = "there is no supported schema or type hash, and the size of the messages doesn't show their release; \
+                      name it with --from";
+        Treatment::LeaveOut(reason.to_owned())
     }
 
     /// The treatment of the messages of a type, on a topic.

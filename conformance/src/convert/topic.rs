@@ -44,6 +44,12 @@ impl<'p> Topic<'p> {
         topic
     }
 
+    /// Creates a topic that is left out.
+    pub(super) fn left_out(name: &str, reason: String) -> Self {
+        let report = TopicReport { reason: Some(reason), ..TopicReport::new(name) };
+        Self { report, converted: None, losses: Vec::new() }
+    }
+
     /// The name in the output.
     pub(super) fn output_name(&self) -> &str {
         self.report.renamed.as_deref().unwrap_or(&self.report.topic)

@@ -165,6 +165,11 @@ impl Library {
         !self.is_fixed
     }
 
+    /// True if the user names the release of a family.
+    pub(crate) fn names_release(&self, family: Family) -> bool {
+        self.forced.contains_key(&family)
+    }
+
     /// The formats of the logs of a run.
     pub(crate) fn formats(&self) -> &Arc<FormatCache> {
         &self.formats

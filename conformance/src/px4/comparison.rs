@@ -225,7 +225,8 @@ fn type_text(field: Placed<'_>) -> String {
     let element = match field.element {
         PlacedElement::Scalar(scalar) => scalar.name().to_owned(),
         PlacedElement::Text(length) => return format!("char[{length}]"),
-        PlacedElement::String => "string".to_owned(),
+        PlacedElement::String { is_wide: false, .. } => "string".to_owned(),
+        PlacedElement::String { is_wide: true, .. } => "wstring".to_owned(),
         PlacedElement::Message(_) => "message".to_owned(),
     };
     element + &shape_text(field.shape)

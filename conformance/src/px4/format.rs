@@ -73,7 +73,7 @@ fn name_of(element: PlacedElement<'_>) -> String {
         },
         PlacedElement::Text(_) => "char".to_owned(),
         // Messages of a fixed size have no strings.
-        PlacedElement::String => String::new(),
+        PlacedElement::String { .. } => String::new(),
         PlacedElement::Message(nested) => format_name(nested.name()),
     }
 }

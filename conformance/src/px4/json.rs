@@ -10,6 +10,7 @@
 //! those of the tree.
 
 mod clean;
+mod decode;
 mod dialect;
 mod explain;
 mod template;
@@ -18,6 +19,7 @@ mod tests;
 mod value;
 
 pub(crate) use self::clean::Clean;
+pub(crate) use self::decode::{decode, is_bytes};
 pub(crate) use self::dialect::{Dialect, Dialects};
 pub(crate) use self::explain::MessageOrigin;
 pub(crate) use self::template::Template;

@@ -30,8 +30,12 @@ const MAX_PATH: usize = 256;
 #[derive(Debug)]
 pub(crate) struct Plan {
     rules: &'static ValueRules,
-    steps: Vec<Step>,
-    screen: Option<Screen>,
+    /// The steps of values at fixed positions.
+    fixed: Vec<Step>,
+    /// The fast check of the fixed steps.
+    screen: Screen,
+    /// The steps of sequences and strings, whose content has no fixed position.
+    varying: Vec<Step>,
     /// For each rule, the number of values that it covers in a message.
     coverage: Coverage,
 }
@@ -66,7 +70,7 @@ enum Content {
 #[derive(Debug)]
 struct Values {
     element: Element,
-    /// The size of a value, in bytes.
+    /// The size of a value among the fields, in bytes. A string has a slot there.
     width: usize,
     restriction: Option<Box<Restriction>>,
     healthy: Healthy,
@@ -126,14 +130,17 @@ impl Plan {
             Within { base: 0, path: "", subject: topic, entries: &[] },
             &mut steps,
         );
-        Self { rules, screen: Screen::new(&steps), steps, coverage: compiler.coverage }
+        let (fixed, varying): (Vec<Step>, Vec<Step>) = steps.into_iter().partition(Step::is_fixed);
+        Self { rules, screen: Screen::new(&fixed), fixed, varying, coverage: compiler.coverage }
     }
 
     /// Checks a payload. The payload must contain all fields of its format.
     pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
-        if !self.screen.as_ref().is_some_and(|screen| screen.accepts(payload)) {
-            Run { payload, location, rules: self.rules, findings }.steps(&self.steps, 0, None);
+        let mut run = Run { payload, location, rules: self.rules, findings };
+        if !self.screen.accepts(payload) {
+            run.steps(&self.fixed, 0, None);
         }
+        run.steps(&self.varying, 0, None);
     }
 
     /// Adds the coverage of this many messages.
@@ -342,6 +349,10 @@ fn is_same(placed: Placed<'_>, field: &FieldPlan, message: &MessagePlan) -> bool
         }
         (PlacedElement::Text(length), Element::Text(room)) => length == room,
         (PlacedElement::Text(length), Element::Scalar(Scalar::Char)) => field.shape == Shape::Array(length),
+        // The decoder checks only the bound of the format.
+        (PlacedElement::String { is_wide, bound }, Element::String { is_wide: wide, bound: defined }) => {
+            is_wide == wide && bound == defined && placed.shape == field.shape
+        }
         (PlacedElement::Message(_), Element::Message(_)) => placed.shape == field.shape,
         _ => false,
     }
@@ -369,7 +380,7 @@ impl Counter {
             .find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
         match placed.element {
             PlacedElement::Scalar(scalar) => Some(Self { offset: base + placed.offset, scalar }),
-            PlacedElement::Text(_) | PlacedElement::String | PlacedElement::Message(_) => None,
+            PlacedElement::Text(_) | PlacedElement::String { .. } | PlacedElement::Message(_) => None,
         }
     }
 
@@ -401,6 +412,8 @@ impl Values {
             }
             PlacedElement::Scalar(Scalar::Bool) => (Element::Scalar(Scalar::Bool), None),
             PlacedElement::Text(length) => (Element::Text(length), None),
+            // The decoder has checked the bound.
+            PlacedElement::String { is_wide, .. } => (Element::String { is_wide, bound: None }, None),
             PlacedElement::Scalar(scalar) => {
                 let (message, field) = field?;
                 let mut restriction = Box::new(field.restriction.clone()?);
@@ -409,12 +422,13 @@ impl Values {
                 restriction.limits.count = counted.and_then(|array| most(&array.name, message_type));
                 (Element::Scalar(scalar), Some(restriction))
             }
-            PlacedElement::String | PlacedElement::Message(_) => return None,
+            PlacedElement::Message(_) => return None,
         };
         let width = match element {
             Element::Scalar(scalar) => scalar.size(),
             Element::Text(room) => room as usize,
-            Element::String { .. } | Element::Message(_) => return None,
+            Element::String { .. } => placed.stride,
+            Element::Message(_) => return None,
         };
         let mut values = Self { element, width, restriction, healthy: Healthy::Unknown, definition };
         values.healthy = Healthy::new(values.constraint())?;
@@ -423,6 +437,16 @@ impl Values {
 
     fn constraint(&self) -> Constraint<'_> {
         Constraint { element: self.element, shape: Shape::Single, restriction: self.restriction.as_deref() }
+    }
+
+    /// The bytes of the value at `start`, if the payload contains all of them.
+    #[inline]
+    fn bytes<'p>(&self, start: usize, payload: &'p [u8]) -> Option<&'p [u8]> {
+        let (start, length) = match self.element {
+            Element::String { .. } => sequence(payload, start),
+            _ => (start, self.width),
+        };
+        payload.get(start..start + length)
     }
 }
 
@@ -457,7 +481,7 @@ impl Run<'_> {
     fn values(&mut self, step: &Step, values: &Values, base: usize, trail: Option<&Trail<'_>>) {
         let (payload, mut start) = (self.payload, base + step.offset);
         for index in 0..step.count {
-            if let Some(bytes) = payload.get(start..start + values.width)
+            if let Some(bytes) = values.bytes(start, payload)
                 && !values.healthy.accepts(bytes)
                 && step.is_in_use(index, values, base, payload)
             {
@@ -530,6 +554,14 @@ impl Entry {
 }
 
 impl Step {
+    /// True if the values have fixed positions.
+    fn is_fixed(&self) -> bool {
+        match &self.content {
+            Content::Values(values) => !matches!(values.element, Element::String { .. }),
+            Content::Sequence(_) => false,
+        }
+    }
+
     /// True if a value is in use. Unused values are ignored.
     fn is_in_use(&self, index: usize, values: &Values, base: usize, payload: &[u8]) -> bool {
         // All characters of a text form a single value.

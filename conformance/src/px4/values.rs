@@ -17,7 +17,7 @@ use crate::model::{Detail, Findings, Rule};
 pub(crate) struct ValueRules {
     /// A bool is 0 or 1.
     pub bool: &'static Rule,
-    /// Text is UTF-8.
+    /// Text is valid Unicode.
     pub text: &'static Rule,
     /// A number satisfies each demand of its restriction.
     pub number: fn(Demand) -> &'static Rule,
@@ -83,6 +83,7 @@ pub(super) enum Element {
     /// PX4's `char[N]`.
     Text(u32),
     String {
+        is_wide: bool,
         bound: Option<u32>,
     },
     Message(MessageId),
@@ -114,6 +115,8 @@ pub(super) enum Violation<'c> {
     Nul(usize),
     /// Text with invalid UTF-8 at this byte.
     NotUtf8(usize),
+    /// A `wstring` with an unpaired surrogate at this code unit.
+    NotUtf16(usize),
 }
 
 /// Rules, each with the number of values that it covers.
@@ -152,13 +155,15 @@ impl<'c> Constraint<'c> {
     ) -> impl Iterator<Item = &'static Rule> + use<> {
         let is_json = encoding == Encoding::Json;
         let is_bounded = matches!(self.shape, Shape::Array(_) | Shape::Bounded(_))
-            || matches!(self.element, Element::Text(_) | Element::String { bound: Some(_) });
+            || matches!(self.element, Element::Text(_) | Element::String { bound: Some(_), .. });
         let restriction = self.restriction.map(|restriction| restriction.constraint().rules());
         let applicable = [
             (is_json, rules.json_type),
             (is_json && is_bounded, rules.length),
             (!is_json && self.element == Element::Scalar(Scalar::Bool), rules.bool),
             (matches!(self.element, Element::Text(_)), rules.text),
+            // A string in JSON is always Unicode.
+            (!is_json && matches!(self.element, Element::String { .. }), rules.text),
         ];
         let applicable = applicable.into_iter().filter(|(applies, _)| *applies).map(|(_, rule)| rule);
         applicable.chain(restriction.into_iter().flatten().map(rules.number))
@@ -173,7 +178,8 @@ impl<'c> Constraint<'c> {
             },
             Element::Scalar(scalar) => number(scalar, bytes).map_or(Ok(()), |found| self.check_number(found)),
             Element::Text(_) => check_text(bytes),
-            Element::String { .. } | Element::Message(_) => Ok(()),
+            Element::String { is_wide, .. } => check_string(bytes, is_wide),
+            Element::Message(_) => Ok(()),
         }
     }
 
@@ -196,6 +202,16 @@ pub(super) fn check_text<'c>(bytes: &[u8]) -> Result<(), Violation<'c>> {
     }
 }
 
+/// Checks the bytes of a string in memory, where a `wstring` is UTF-8 except for its unpaired surrogates.
+fn check_string<'c>(bytes: &[u8], is_wide: bool) -> Result<(), Violation<'c>> {
+    let Err(error) = std::str::from_utf8(bytes) else { return Ok(()) };
+    if !is_wide {
+        return Err(Violation::NotUtf8(error.valid_up_to()));
+    }
+    let before = bytes.utf8_chunks().next().map_or("", |chunk| chunk.valid());
+    Err(Violation::NotUtf16(before.encode_utf16().count()))
+}
+
 impl Violation<'_> {
     /// The violated rule.
     pub(super) fn rule(&self, rules: &ValueRules) -> &'static Rule {
@@ -204,14 +220,14 @@ impl Violation<'_> {
             Self::Type | Self::TooLarge(_) => rules.json_type,
             Self::Number(demand, ..) => (rules.number)(*demand),
             Self::Length { .. } => rules.length,
-            Self::Nul(_) | Self::NotUtf8(_) => rules.text,
+            Self::Nul(_) | Self::NotUtf8(_) | Self::NotUtf16(_) => rules.text,
         }
     }
 
     /// True if the violation concerns the value itself rather than its notation. Violations of this kind count only for
     /// array entries in use.
     pub(super) fn is_of_value(&self) -> bool {
-        matches!(self, Self::Bool(_) | Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_))
+        matches!(self, Self::Bool(_) | Self::Number(..) | Self::Nul(_) | Self::NotUtf8(_) | Self::NotUtf16(_))
     }
 
     /// The detail of a finding. For JSON, `expected` describes the type of the field, and `found` is the text of the
@@ -239,6 +255,9 @@ impl Violation<'_> {
             }
             Self::Nul(at) => Detail::new(format!("NUL at byte {at}, which terminates the text")),
             Self::NotUtf8(at) => Detail::new(format!("invalid UTF-8 at byte {at}")).expected("UTF-8"),
+            Self::NotUtf16(at) => {
+                Detail::new(format!("unpaired surrogate at code unit {at}")).expected("UTF-16")
+            }
         }
     }
 }
@@ -301,7 +320,9 @@ impl FieldPlan {
                 (Element::Text(length), Shape::Single)
             }
             (schema::Element::Scalar(scalar), shape) => (Element::Scalar(scalar), shape),
-            (schema::Element::String { bound, .. }, shape) => (Element::String { bound }, shape),
+            (schema::Element::String { wide, bound }, shape) => {
+                (Element::String { is_wide: wide, bound }, shape)
+            }
             (schema::Element::Message(id), shape) => (Element::Message(id), shape),
         };
         let slots = message.uorb.iter().flat_map(|layout| &layout.slots);

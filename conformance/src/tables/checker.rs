@@ -13,7 +13,7 @@ use super::failures;
 use super::messages::{self, Messages};
 use super::rows::{Rows, TABLES};
 use super::timeline;
-use crate::capture::input::{Input, shown};
+use crate::capture::input::Input;
 use crate::check::{Checked as CheckedInput, parallel};
 use crate::definitions::Library;
 use crate::flockwave::body_schema::Schemas;
@@ -21,6 +21,7 @@ use crate::report::story::{to_json, to_text};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 use crate::story::{Story as CaptureStory, Texts};
 use crate::tables::Origin;
+use crate::text::shown_url;
 
 /// The language of the labels in the text of a story.
 const ENGLISH: &str = "en";
@@ -192,7 +193,7 @@ impl Checker {
         let check = |capture: &Capture| self.subject(capture);
         parallel::each(captures, jobs, check, |capture, result| match result {
             Ok((input, subject, story)) => rows.add(&subject, Origin::of(&input), story.as_ref()),
-            Err(message) => failures.push(Unreadable { path: shown(capture.name()), message }),
+            Err(message) => failures.push(Unreadable { path: shown_url(capture.name()), message }),
         });
         Tables::new(rows, &failures, self.texts.is_some())
     }
@@ -247,11 +248,11 @@ impl Capture {
     fn input(&self) -> Result<Input, String> {
         match self {
             Self::Named(name) => Input::named(name),
-            Self::Bytes { name, bytes } => Ok(Input::Bytes(shown(name), Arc::clone(bytes))),
+            Self::Bytes { name, bytes } => Ok(Input::Bytes(shown_url(name), Arc::clone(bytes))),
         }
     }
 
     fn problem(&self, reason: impl fmt::Display) -> Problem {
-        Problem::of(&shown(self.name()), reason)
+        Problem::of(&shown_url(self.name()), reason)
     }
 }

@@ -135,15 +135,19 @@ impl<R> Table<R> {
 
     /// The rows in Arrow.
     pub(super) fn batch(&self, rows: &[R]) -> Result<RecordBatch, ArrowError> {
-        let arrays = self.columns.iter().map(|column| array_of(column, rows)).collect();
-        RecordBatch::try_new(self.schema(), arrays)
+        let arrays: Result<Vec<_>, ArrowError> =
+            self.columns.iter().map(|column| array_of(column, rows)).collect();
+        RecordBatch::try_new(self.schema(), arrays?)
     }
 }
 
 /// The values of a column.
-fn array_of<R>(column: &Column<R>, rows: &[R]) -> ArrayRef {
-    match column.value {
-        Value::Text(value) => Arc::new(rows.iter().map(value).collect::<StringArray>()),
+fn array_of<R>(column: &Column<R>, rows: &[R]) -> Result<ArrayRef, ArrowError> {
+    Ok(match column.value {
+        Value::Text(value) => {
+            check_size(column.name, rows.iter().filter_map(value).map(str::len))?;
+            Arc::new(rows.iter().map(value).collect::<StringArray>())
+        }
         Value::Count(value) => Arc::new(rows.iter().map(|row| integer(value(row))).collect::<Int64Array>()),
         Value::Number(value) => Arc::new(rows.iter().map(value).collect::<Float64Array>()),
         Value::Flag(value) => Arc::new(rows.iter().map(value).collect::<BooleanArray>()),
@@ -151,10 +155,33 @@ fn array_of<R>(column: &Column<R>, rows: &[R]) -> ArrayRef {
             let times = rows.iter().map(|row| integer(value(row)));
             Arc::new(times.collect::<TimestampMicrosecondArray>().with_timezone(UTC))
         }
+    })
+}
+
+/// Fails if the texts of a column are too long. Arrow stores their positions in 32 bits.
+fn check_size(column: &str, lengths: impl Iterator<Item = usize>) -> Result<(), ArrowError> {
+    if i32::try_from(lengths.sum::<usize>()).is_ok() {
+        return Ok(());
     }
+    Err(ArrowError::ComputeError(format!("the texts in the column `{column}` take more than 2 GiB")))
 }
 
 /// A signed integer, or `None` if the value is too large.
 fn integer(value: Option<u64>) -> Option<i64> {
     value.and_then(|value| value.try_into().ok())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texts_in_a_column_are_limited() {
+        assert!(check_size("path", [1 << 30, (1 << 30) - 1].into_iter()).is_ok());
+        let error = check_size("path", [1 << 30, 1 << 30].into_iter()).expect_err("too long");
+        assert!(
+            error.to_string().ends_with("the texts in the column `path` take more than 2 GiB"),
+            "{error}"
+        );
+    }
 }

@@ -20,14 +20,16 @@ use super::{Origin, captures};
 const COLUMNS: [&str; 3] = ["capture", "etag", "size"];
 
 /// The captures of an earlier run, as hashes. A capture counts as done if its version is the same: the version that the
-/// object store states, or otherwise the size.
+/// object store states, or otherwise the size. A capture without either, such as standard input, is never done.
 #[derive(Debug, Default)]
 pub(crate) struct Done(HashSet<u64>);
 
 impl Done {
     /// True if the tables contain this version of a capture.
     pub(crate) fn contains(&self, capture: &str, origin: &Origin) -> bool {
-        self.0.contains(&hash(capture, origin.etag.as_deref(), origin.size))
+        let Origin { size, etag } = origin;
+        let has_version = size.is_some() || etag.is_some();
+        has_version && self.0.contains(&hash(capture, etag.as_deref(), *size))
     }
 
     /// Adds the captures of a file of the table `captures`.

@@ -7,10 +7,10 @@ use arrow_array::RecordBatch;
 use super::Origin;
 use super::checker::Problem;
 use super::column::{Column, Table};
-use crate::capture::input::{self, Input, shown};
+use crate::capture::input::{self, Input};
 #[cfg(feature = "stores")]
 use crate::capture::store;
-use crate::text::terminal;
+use crate::text::{shown_url, terminal};
 
 static TABLE: Table<(String, Origin)> = Table {
     name: "found",
@@ -33,7 +33,7 @@ static TABLE: Table<(String, Origin)> = Table {
 pub fn find(inputs: &[PathBuf]) -> Result<RecordBatch, Problem> {
     let mut rows = Vec::new();
     for input in inputs {
-        let problem = |reason: String| Problem::of(&shown(&input.to_string_lossy()), reason);
+        let problem = |reason: String| Problem::of(&shown_url(&input.to_string_lossy()), reason);
         let found = captures(input).map_err(problem)?;
         rows.extend(found.iter().map(|capture| (capture.name(), Origin::of(capture))));
     }

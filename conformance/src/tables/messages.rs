@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use arrow_array::{ArrayRef, RecordBatch, UInt64Array};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
+use uavspec_codegen::dynamic::MessageType;
 
 use self::columns::Column;
 use crate::capture::input::Input;
@@ -20,7 +21,10 @@ use crate::text::similar;
 /// The maximum number of rows in a batch.
 const ROWS: usize = 65_536;
 
-/// The name of the first column.
+/// The size of the values above which a batch ends, in bytes. Arrow limits the text in a column to 2 GiB.
+const SIZE: usize = 64 << 20;
+
+/// The name of the first column. If a field has this name, `_` follows.
 const TIME: &str = "capture_time";
 
 /// The messages of a topic, with a row for each message.
@@ -56,6 +60,8 @@ struct Reader<'t> {
     /// The number of messages that can't be read.
     unreadable: usize,
     has_definition: bool,
+    /// The indices of the channels whose type was compared with the columns.
+    compared: BTreeSet<usize>,
     rows: Option<Rows>,
     batches: Vec<RecordBatch>,
     error: Option<String>,
@@ -64,8 +70,12 @@ struct Reader<'t> {
 /// The rows of a batch.
 struct Rows {
     schema: SchemaRef,
+    /// The fields of the messages, without metadata.
+    fields: Vec<Field>,
     times: Vec<Option<u64>>,
     columns: Vec<Column>,
+    /// The approximate size of the values, in bytes.
+    size: usize,
 }
 
 impl Observer for Reader<'_> {
@@ -78,6 +88,8 @@ impl Observer for Reader<'_> {
         if !self.is_wanted(channel) {
             return Interest::Nothing;
         }
+        // A new channel may reuse the index of an old one.
+        self.compared.remove(&channel.index);
         self.has_definition |= channel.definition.is_some();
         Interest::Values
     }
@@ -89,22 +101,22 @@ impl Observer for Reader<'_> {
         time: Option<u64>,
         definitions: &Definitions,
     ) {
-        if !self.is_wanted(channel) {
+        if !self.is_wanted(channel) || self.error.is_some() {
             return;
         }
         let Some(values) = message.values else {
             self.unreadable += 1;
             return;
         };
-        let rows = self.rows.get_or_insert_with(|| {
-            let definition = channel.definition.map(|id| definitions.schema.message(id));
-            Rows::new(columns::of(values.message_type(), definition, &definitions.schema))
-        });
+        if self.compared.insert(channel.index) {
+            self.compare(channel, values.message_type(), definitions);
+        }
+        let Some(rows) = self.rows.as_mut().filter(|_| self.error.is_none()) else { return };
         rows.times.push(time);
         for (column, (_, value)) in rows.columns.iter_mut().zip(values.fields()) {
-            column.push(Some(value));
+            rows.size += column.push(Some(value));
         }
-        if rows.times.len() == ROWS {
+        if rows.times.len() == ROWS || rows.size >= SIZE {
             self.flush();
         }
     }
@@ -121,6 +133,23 @@ impl Reader<'_> {
     /// True if the channel has the topic and the instance.
     fn is_wanted(&self, channel: &Channel<'_>) -> bool {
         self.is_named(channel) && channel.multi_id.is_none_or(|instance| instance == self.instance)
+    }
+
+    /// Compares the type of a channel's messages with the columns, or creates the columns.
+    fn compare(&mut self, channel: &Channel<'_>, ty: MessageType<'_>, definitions: &Definitions) {
+        let schema = &definitions.schema;
+        let fields = columns::fields(ty, None, schema);
+        match &self.rows {
+            None => {
+                let definition = channel.definition.map(|id| schema.message(id));
+                let described = columns::fields(ty, definition, schema);
+                self.rows = Some(Rows::new(fields, described, columns::columns(ty, definition, schema)));
+            }
+            Some(rows) if rows.fields != fields => {
+                self.error = Some(format!("topic `{}` has messages of several types", self.topic));
+            }
+            Some(_) => {}
+        }
     }
 
     fn flush(&mut self) {
@@ -181,19 +210,25 @@ impl Reader<'_> {
 }
 
 impl Rows {
-    fn new((fields, columns): (Vec<Field>, Vec<Column>)) -> Self {
+    /// Creates the rows. `fields` contains the fields without metadata.
+    fn new(fields: Vec<Field>, described: Vec<Field>, columns: Vec<Column>) -> Self {
+        let mut name = TIME.to_owned();
+        while fields.iter().any(|field| *field.name() == name) {
+            name.push('_');
+        }
         let time = columns::described(
-            Field::new(TIME, DataType::UInt64, true),
+            Field::new(name, DataType::UInt64, true),
             Some("us"),
             "The time of the record by the clock of the capture: since boot in a log, since 1970 in a bag.",
             None,
         );
-        let schema = Arc::new(Schema::new([vec![time], fields].concat()));
-        Self { schema, times: Vec::new(), columns }
+        let schema = Arc::new(Schema::new([vec![time], described].concat()));
+        Self { schema, fields, times: Vec::new(), columns, size: 0 }
     }
 
     /// The rows, which are then dropped.
     fn batch(&mut self) -> Result<RecordBatch, ArrowError> {
+        self.size = 0;
         let times: ArrayRef = Arc::new(UInt64Array::from(std::mem::take(&mut self.times)));
         let fields = self.columns.iter_mut().map(Column::finish);
         let arrays: Result<Vec<ArrayRef>, ArrowError> = std::iter::once(Ok(times)).chain(fields).collect();

@@ -199,6 +199,16 @@ fn a_version_of_a_capture_is_its_etag_or_its_size() {
 }
 
 #[test]
+fn captures_without_a_version_are_checked_again() {
+    let (folder, subject) = (TempDir::new().expect("a folder"), &SUBJECTS[0]);
+    let (mut tables, _) = resume(folder.path());
+    tables.add(subject, &Origin::default(), None);
+    tables.finish().expect("written");
+    let (_, done) = resume(folder.path());
+    assert!(!done.contains(&subject.path, &Origin::default()));
+}
+
+#[test]
 fn other_files_are_not_continued() {
     let folder = TempDir::new().expect("a folder");
     write(folder.path(), [&SUBJECTS[0]]);

@@ -10,7 +10,7 @@ use ::mcap::records::MessageHeader;
 
 use crate::bus::{Encoding, Event, Received, Schema, Topic};
 use crate::capture::mcap::{
-    self, APPLICATION, CUT_SHORT, ENDPOINT, LOST, NOTE, OWN, Packing, Writer, metadata_body,
+    self, APPLICATION, CUT_SHORT, ENDPOINT, LOST, NOTE, OWN, Packing, UNREADABLE, Writer, metadata_body,
 };
 use crate::check::{HASH, LiveBag};
 use crate::model::ApplicationType;
@@ -26,7 +26,8 @@ type Key = (Topic, Option<Arc<Schema>>, Encoding, bool);
 
 /// Writes a bag. Each record can be checked at the same time.
 pub(super) struct Recorder {
-    writer: Writer<Counted>,
+    /// `None` if further events are only checked.
+    writer: Option<Writer<Counted>>,
     path: PathBuf,
     /// The id and the next sequence number of each channel.
     channels: HashMap<Key, (u16, u32)>,
@@ -38,15 +39,10 @@ pub(super) struct Recorder {
 struct Counted {
     file: BufWriter<File>,
     size: u64,
-    /// True if further bytes are discarded.
-    is_closed: bool,
 }
 
 impl Write for Counted {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        if self.is_closed {
-            return Ok(bytes.len());
-        }
         let length = self.file.write(bytes)?;
         self.size += length as u64;
         Ok(length)
@@ -60,10 +56,11 @@ impl Write for Counted {
 impl Recorder {
     /// Creates the file.
     pub(super) fn create(path: &Path) -> io::Result<Self> {
-        let output = Counted { file: BufWriter::new(File::create(path)?), size: 0, is_closed: false };
+        let output = Counted { file: BufWriter::new(File::create(path)?), size: 0 };
         let mut writer = Writer::new(output, "ros2")?;
         writer.set_packing(Some(Packing::Lz4))?;
-        Ok(Self { writer, path: path.to_owned(), channels: HashMap::new(), schemas: HashMap::new() })
+        let (channels, schemas) = (HashMap::new(), HashMap::new());
+        Ok(Self { writer: Some(writer), path: path.to_owned(), channels, schemas })
     }
 
     /// The path of the file.
@@ -73,22 +70,23 @@ impl Recorder {
 
     /// The size of the file so far, in bytes.
     pub(super) fn size(&self) -> u64 {
-        self.writer.output().size
+        self.writer.as_ref().map_or(0, |writer| writer.output().size)
     }
 
     /// Writes all events so far to the file.
     pub(super) fn flush(&mut self) -> io::Result<()> {
-        self.writer.flush()
+        self.writer.as_mut().map_or(Ok(()), Writer::flush)
     }
 
-    /// Discards all further events instead of writing them.
+    /// Closes the file. Further events are checked, but not written: the index of an open file grows without limit.
     pub(super) fn discard(&mut self) {
-        self.writer.output_mut().is_closed = true;
+        self.writer = None;
     }
 
     /// Writes the end of the file. Returns its path and its size.
     pub(super) fn finish(self) -> io::Result<(PathBuf, u64)> {
-        let Counted { mut file, size, .. } = self.writer.finish()?;
+        let Some(writer) = self.writer else { return Ok((self.path, 0)) };
+        let Counted { mut file, size } = writer.finish()?;
         file.flush()?;
         Ok((self.path, size))
     }
@@ -99,7 +97,11 @@ impl Recorder {
             Event::Endpoint(endpoint) => self.metadata(ENDPOINT, &endpoint.to_values(), live),
             Event::Ended(id) => self.metadata(ENDPOINT, &[("id".to_owned(), id.clone())].into(), live),
             Event::Lost { topic, count } => self.lost(topic, *count, live),
+            Event::Unreadable(text) => {
+                self.metadata(UNREADABLE, &[("text".to_owned(), text.clone())].into(), live)
+            }
             Event::Message(message) => self.message(message, live),
+            // The probe writes notes and the reason of the end.
             Event::Problem(_) | Event::Closed(_) => Ok(()),
         }
     }
@@ -131,7 +133,9 @@ impl Recorder {
         live: Option<&mut LiveBag<'_>>,
     ) -> io::Result<()> {
         let body = metadata_body(name, values);
-        self.writer.metadata(&body)?;
+        if let Some(writer) = &mut self.writer {
+            writer.metadata(&body)?;
+        }
         if let Some(live) = live {
             live.record(mcap::Event::Metadata { body: &body });
         }
@@ -150,10 +154,10 @@ impl Recorder {
             None => (self.channel(key, live.as_deref_mut())?, 0),
         };
         let (log_time, publish_time) = (message.time, message.time);
-        self.writer.message(
-            &MessageHeader { channel_id: channel, sequence, log_time, publish_time },
-            &message.payload,
-        )?;
+        if let Some(writer) = &mut self.writer {
+            let header = MessageHeader { channel_id: channel, sequence, log_time, publish_time };
+            writer.message(&header, &message.payload)?;
+        }
         if let Some(live) = live {
             let payload = &message.payload;
             live.record(mcap::Event::Message { channel, time: log_time, publish_time, sequence, payload });
@@ -173,7 +177,9 @@ impl Recorder {
         let hash = topic.type_hash.as_ref().map(|hash| (HASH.to_owned(), hash.to_string()));
         let own = is_own.then(|| (OWN.to_owned(), true.to_string()));
         let metadata: BTreeMap<String, String> = hash.into_iter().chain(own).collect();
-        self.writer.channel((id, schema), (&topic.name, encoding), &metadata);
+        if let Some(writer) = &mut self.writer {
+            writer.channel((id, schema), (&topic.name, encoding), &metadata)?;
+        }
         if let Some(live) = live {
             let (topic, encoding) = (topic.name.to_string(), encoding.to_owned());
             live.record(mcap::Event::Channel { id, schema, topic, encoding, metadata });
@@ -197,7 +203,9 @@ impl Recorder {
         let id = u16::try_from(self.schemas.len() + 1).map_err(io::Error::other)?;
         let (encoding, text) =
             schema.map_or(("ros2msg", &[][..]), |schema| (&*schema.encoding, &*schema.text));
-        self.writer.schema(id, (&topic.type_name, encoding), text);
+        if let Some(writer) = &mut self.writer {
+            writer.schema(id, (&topic.type_name, encoding), text)?;
+        }
         if let Some(live) = live {
             let (name, encoding) = (topic.type_name.to_string(), encoding.to_owned());
             live.record(mcap::Event::Schema { id, name, encoding, text });

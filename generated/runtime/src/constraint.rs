@@ -224,7 +224,7 @@ pub enum Rule {
     Count,
     /// A sequence or string must not exceed its bound.
     Bound,
-    /// Fixed-size text must be valid UTF-8 up to its first NUL.
+    /// Text must be valid UTF-8. Fixed-size text ends at its first NUL.
     Text,
     /// A field with `@enum` or `@flags` must contain only documented values.
     Enum,

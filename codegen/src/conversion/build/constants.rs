@@ -133,7 +133,7 @@ fn plain_value(side: Side<'_>, name: &str) -> Option<i128> {
 
 /// The new names of renamed constants, by their names in the source.
 fn renamed<'a>(direction: &Direction<'a>) -> HashMap<&'a str, &'a str> {
-    let changes = direction.constants.iter().filter_map(|change| match change {
+    let changes = direction.pair.constants.iter().filter_map(|change| match change {
         ConstantChange::Renamed(old, new) if direction.is_forward => Some((old, new)),
         ConstantChange::Renamed(old, new) => Some((new, old)),
         _ => None,
@@ -237,7 +237,7 @@ pub(super) fn changed(
             || all.iter().any(|names| is_sentinel_among(name, names))
     };
     let mut found = Vec::new();
-    for change in direction.constants {
+    for change in &direction.pair.constants {
         let (old, new, message) = match change {
             // Compared as text, since NaN doesn't equal itself.
             ConstantChange::Same(old, new) if old.value.to_string() != new.value.to_string() => {

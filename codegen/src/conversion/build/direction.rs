@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::breaking::{ConstantChange, FieldChange, Pair};
+use crate::breaking::{FieldChange, Pair};
 use crate::schema::{Message, MessageId, Schema};
 
 /// The matched messages of both packages, by old and new id.
@@ -22,7 +22,7 @@ pub(super) struct Direction<'a> {
     pub(super) to: Side<'a>,
     /// The index of the source field for each field of the target.
     pub(super) sources: BTreeMap<usize, usize>,
-    pub(super) constants: &'a [ConstantChange<'a>],
+    pub(super) pair: &'a Pair<'a>,
     /// All matched messages, by old and new id.
     pub(super) pairs: &'a Pairs<'a>,
 }
@@ -37,7 +37,7 @@ impl<'a> Direction<'a> {
         });
         let sources = kept.map(|(old, new)| if is_forward { (new, old) } else { (old, new) });
         let (from, to) = if is_forward { (old, new) } else { (new, old) };
-        Self { is_forward, from, to, sources: sources.collect(), constants: &pair.constants, pairs }
+        Self { is_forward, from, to, sources: sources.collect(), pair, pairs }
     }
 
     /// Sorts a pair of a source and a target item into old and new.

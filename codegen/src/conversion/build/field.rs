@@ -168,7 +168,13 @@ impl<'a> FieldBuilder<'_, 'a> {
             }
             elements = values;
         }
-        let rest = self.rest(at);
+        let known = self.conversion.undecided.len();
+        let mut rest = self.rest(at);
+        // Both values need a neutral value, whose absence is reported once.
+        let is_reported = self.conversion.undecided.len() > known;
+        if matches!(elements, Elements::Narrow(Narrowing::Neutral)) && !is_reported {
+            rest = self.replacement(at).unwrap_or(rest);
+        }
         Step::Copy(Copy { source: at, elements, rest, at_most: None })
     }
 
@@ -195,6 +201,21 @@ impl<'a> FieldBuilder<'_, 'a> {
             .then_some(policy)
     }
 
+    /// The default, which replaces numbers that the target type can't represent. `None` if there is no default. Reports a
+    /// field without a neutral value, and an array with a default: its elements have no common default.
+    fn replacement(&mut self, at: usize) -> Option<Neutral> {
+        let target = self.field();
+        let problem = match (&target.default, target.ty.shape) {
+            (Some(Value::Int(value)), Shape::Single) => return Some(Neutral::Int(*value)),
+            (Some(_), _) => "its elements have no common default".to_owned(),
+            (None, _) => self.neutral().err()?,
+        };
+        let problem = format!("has no neutral value for numbers that don't fit: {problem}");
+        let help = format!("choose the other policy: narrow = {{ {} = \"nearest\" }}", target.name);
+        self.undecide(Some(at), &problem, &help);
+        None
+    }
+
     /// Reports a changed unit, frame or value for missing data.
     fn compare_meanings(&mut self, at: usize) {
         let (source, target) = (&self.direction.from.message.fields[at], self.field());
@@ -206,28 +227,38 @@ impl<'a> FieldBuilder<'_, 'a> {
             let stated = &field.constraint(&INVALID)?.stated;
             stated.value().map(Value::to_string)
         };
-        let meanings = [
-            ("unit", source.unit.clone(), target.unit.clone()),
-            (
-                "frame",
-                source.attribute(&FRAME).map(str::to_owned),
-                target.attribute(&FRAME).map(str::to_owned),
-            ),
-            ("value for missing data", special(source), special(target)),
-        ];
-        for (name, before, after) in meanings {
-            let (Some(before), Some(after)) = (before, after) else { continue };
-            if before != after {
-                let (old, new) = self.direction.old_and_new(before, after);
-                let side = if self.direction.is_forward { "new" } else { "old" };
-                let field = &target.name;
-                self.undecide(
-                    Some(at),
-                    &format!("has another {name}: {new} instead of {old}"),
-                    &format!("compute it: {side}.{field} = \"…\", or keep the numbers: same = [\"{field}\"]"),
-                );
+        let frame = |field: &Field| field.attribute(&FRAME).map(str::to_owned);
+        let is_changed = |(before, after): &(String, String)| before != after;
+        let units = source.unit.clone().zip(target.unit.clone()).filter(is_changed);
+        let frames = frame(source).zip(frame(target));
+        let frames = frames.filter(|(before, after)| !self.is_same_frame(before, after));
+        let missing = special(source).zip(special(target)).filter(is_changed);
+        for (name, change) in [("unit", units), ("frame", frames), ("value for missing data", missing)] {
+            let Some((before, after)) = change else { continue };
+            let (old, new) = self.direction.old_and_new(before, after);
+            let side = if self.direction.is_forward { "new" } else { "old" };
+            let field = &target.name;
+            self.undecide(
+                Some(at),
+                &format!("has another {name}: {new} instead of {old}"),
+                &format!("compute it: {side}.{field} = \"…\", or keep the numbers: same = [\"{field}\"]"),
+            );
+        }
+    }
+
+    /// True if two frames are the same, or references, such as `@frame`, to one field or constant that was renamed. Hints
+    /// about the field take precedence.
+    fn is_same_frame(&self, source: &str, target: &str) -> bool {
+        if let (Some(from), Some(to)) = (source.strip_prefix('@'), target.strip_prefix('@')) {
+            if let Some(name) = self.decisions.renamed.get(to) {
+                return *name == from;
+            }
+            if self.decisions.values.contains_key(to) {
+                return from == to;
             }
         }
+        let (old, new) = self.direction.old_and_new(source, target);
+        self.direction.pair.is_same_frame(old, new)
     }
 
     fn compare_types(&self, source: &Field, target: &Field) -> Compared {

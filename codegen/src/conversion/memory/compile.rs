@@ -49,7 +49,7 @@ fn slots(ty: MessageType<'_>, memory: &[u8], base: usize, found: &mut Vec<usize>
         };
         for place in (0..count).map(|index| start + index * field.stride) {
             match field.element {
-                PlacedElement::String => found.push(place),
+                PlacedElement::String { .. } => found.push(place),
                 PlacedElement::Message(nested) => slots(nested, memory, place, found),
                 PlacedElement::Scalar(_) | PlacedElement::Text(_) => {}
             }
@@ -147,10 +147,12 @@ fn element(copy: &Copy, source: PlacedElement<'_>, target: PlacedElement<'_>) ->
         }
         (PlacedElement::Text(length), PlacedElement::Text(other)) if length == other => Element::Bytes,
         (PlacedElement::Text(_), PlacedElement::Text(_)) => Element::Text,
-        (PlacedElement::String, PlacedElement::String) => Element::String(match copy.elements {
-            Elements::String(bound) => bound,
-            _ => None,
-        }),
+        (PlacedElement::String { .. }, PlacedElement::String { .. }) => {
+            Element::String(match copy.elements {
+                Elements::String(bound) => bound,
+                _ => None,
+            })
+        }
         (PlacedElement::Scalar(from), PlacedElement::Scalar(to)) => scalar(copy, from, to),
         _ => return None,
     })

@@ -69,10 +69,12 @@ fn kind_of(kind: LossKind, source: &Placed<'_>, step: Option<(&Copy, &Placed<'_>
                     Some(TestKind::Bytes(length as usize))
                 }
                 // Two losses may concern the same field: its elements and their characters.
-                (PlacedElement::String, _, Elements::String(Some(bound))) if source.shape == target.shape => {
+                (PlacedElement::String { .. }, _, Elements::String(Some(bound)))
+                    if source.shape == target.shape =>
+                {
                     Some(TestKind::Characters(*bound))
                 }
-                (PlacedElement::String, ..) => None,
+                (PlacedElement::String { .. }, ..) => None,
                 _ => match (Place::of(source).room, target.shape) {
                     (Room::Fixed(_), Shape::Array(length)) | (_, Shape::Bounded(length)) => {
                         Some(TestKind::Elements(length as usize))
@@ -95,7 +97,7 @@ fn leaves(field: &Placed<'_>) -> Vec<(Place, Leaf)> {
     match field.element {
         PlacedElement::Scalar(scalar) => whole(Leaf::Scalar(scalar)),
         PlacedElement::Text(length) => whole(Leaf::Text(length as usize)),
-        PlacedElement::String => whole(Leaf::String),
+        PlacedElement::String { .. } => whole(Leaf::String),
         PlacedElement::Message(ty) => ty.layout().flat_map(|field| nested(&field)).collect(),
     }
 }

@@ -6,6 +6,7 @@ use uavspec_runtime::record::Primitive;
 use crate::conversion::expression::Computed;
 use crate::conversion::json::flags;
 use crate::conversion::plan::{Elements, Narrowing};
+use crate::dynamic;
 
 /// The conversion of a number.
 #[derive(Debug)]
@@ -95,6 +96,6 @@ pub(super) fn characters(text: &[u8], bound: Option<u32>) -> &[u8] {
     let Some(bound) = bound.map(|bound| bound as usize).filter(|bound| text.len() > *bound) else {
         return text;
     };
-    let starts = text.iter().enumerate().filter(|(_, byte)| **byte & 0xc0 != 0x80);
-    starts.map(|(at, _)| at).nth(bound).map_or(text, |end| &text[..end])
+    let end: usize = dynamic::characters(text).take(bound).map(<[u8]>::len).sum();
+    &text[..end]
 }

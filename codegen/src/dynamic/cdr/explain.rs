@@ -3,12 +3,13 @@
 //! This slow pass reads field by field, like the typed codec, and reports the same errors.
 
 use uavspec_runtime::Fault;
-use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding, wide_characters};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding};
 use uavspec_runtime::record::Primitive as _;
 
 use crate::dynamic::error::{Error, Reason};
 use crate::dynamic::plan::{Element, Field, Plan};
 use crate::dynamic::step::Bounds;
+use crate::dynamic::text::{read_narrow, read_wide};
 use crate::dynamic::trail::Trail;
 use crate::dynamic::types::{MessageType, Types};
 use crate::schema::Shape;
@@ -140,32 +141,18 @@ impl<'b> Reader<'b> {
 
     fn string(&mut self, bounds: Bounds) -> Result<(), FaultAt> {
         let start = self.at.next_multiple_of(4);
-        let text = if bounds.is_wide {
+        let excess = if bounds.is_wide {
             let length = self.length(None, WIDE_UNIT)?;
-            wide_length(self.take(length * WIDE_UNIT, 1)?, self.order)
+            let text = read_wide(self.take(length * WIDE_UNIT, 1)?, self.order, self.is_strict);
+            text.map(|text| bounds.exceeded_by(&text))
         } else {
             let length = self.length(None, 1)?;
-            narrow_length(self.take(length, 1)?)
+            let text = read_narrow(self.take(length, 1)?, self.is_strict);
+            text.map(|text| bounds.exceeded_by(text))
         };
-        let found = text.map_err(|fault| (fault, start))?;
-        match bounds.bound.filter(|bound| found > *bound as usize) {
-            Some(bound) => Err((Fault::TooLong { bound, found }, start)),
+        match excess.map_err(|fault| (fault, start))? {
+            Some((bound, found)) => Err((Fault::TooLong { bound, found }, start)),
             None => Ok(()),
         }
     }
-}
-
-/// Counts the characters that the bytes of a `string` encode.
-fn narrow_length(bytes: &[u8]) -> Result<usize, Fault> {
-    let text = match bytes.split_last() {
-        None => return Ok(0),
-        Some((0, text)) if !text.contains(&0) => text,
-        Some(_) => return Err(Fault::Nul),
-    };
-    std::str::from_utf8(text).map(|text| text.chars().count()).map_err(|_| Fault::NotUnicode)
-}
-
-/// Counts the characters that the bytes of a `wstring` encode.
-fn wide_length(bytes: &[u8], order: ByteOrder) -> Result<usize, Fault> {
-    wide_characters(bytes, order).try_fold(0, |count, character| character.map(|_| count + 1))
 }

@@ -1,6 +1,6 @@
 //! CDR decoder.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding, wide_characters};
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding};
 
 use super::explain;
 use crate::dynamic::bytes::copy;
@@ -8,9 +8,10 @@ use crate::dynamic::error::{Error, Reason};
 use crate::dynamic::message::DynamicMessage;
 use crate::dynamic::plan::{GROWTH, Plan, SLOT};
 use crate::dynamic::step::{Bounds, Run, Sequence, Step, Width};
+use crate::dynamic::text::{read_narrow, read_wide};
 use crate::dynamic::types::{MessageType, Types};
 
-/// Reads a message. In strict mode each `bool` must be 0 or 1.
+/// Reads a message. In strict mode each `bool` must be 0 or 1, and each string must be Unicode.
 pub(in crate::dynamic) fn decode<'t>(
     ty: MessageType<'t>,
     payload: &[u8],
@@ -143,38 +144,19 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         let length = self.length()?;
         let start = self.buffer.len();
         if bounds.is_wide {
-            self.wide_text(length)?;
+            let bytes = self.take(length.checked_mul(WIDE_UNIT)?, Width::One)?;
+            let order = if BIG { ByteOrder::BigEndian } else { ByteOrder::LittleEndian };
+            self.buffer.extend(read_wide(bytes, order, self.is_strict).ok()?);
         } else {
-            self.narrow_text(length)?;
+            let bytes = self.take(length, Width::One)?;
+            self.buffer.extend_from_slice(read_narrow(bytes, self.is_strict).ok()?);
         }
         let text = &self.buffer[start..];
         let length = text.len();
-        if bounds.exceeded_by(text) {
+        if bounds.exceeded_by(text).is_some() {
             return None;
         }
         self.point(slot, start, length)
-    }
-
-    /// Reads a string of `length` bytes, including its NUL. Some writers omit the NUL of an empty string.
-    fn narrow_text(&mut self, length: usize) -> Option<()> {
-        let bytes = self.take(length, Width::One)?;
-        let Some((nul, text)) = bytes.split_last() else { return Some(()) };
-        if *nul != 0 || text.contains(&0) {
-            return None;
-        }
-        self.buffer.extend_from_slice(std::str::from_utf8(text).ok()?.as_bytes());
-        Some(())
-    }
-
-    /// Reads text of `length` UTF-16 units.
-    fn wide_text(&mut self, length: usize) -> Option<()> {
-        let bytes = self.take(length.checked_mul(WIDE_UNIT)?, Width::One)?;
-        let order = if BIG { ByteOrder::BigEndian } else { ByteOrder::LittleEndian };
-        for character in wide_characters(bytes, order) {
-            let character = character.ok()?;
-            self.buffer.extend_from_slice(character.encode_utf8(&mut [0; 4]).as_bytes());
-        }
-        Some(())
     }
 
     /// Writes a slot: the offset of the bytes or elements, and their number.

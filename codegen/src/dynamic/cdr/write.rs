@@ -10,6 +10,7 @@ use crate::dynamic::bytes::{part, slot};
 use crate::dynamic::error::{Error, Reason};
 use crate::dynamic::plan::{Element, Field, Plan, SLOT};
 use crate::dynamic::step::{Bounds, Run, Sequence, Step, Width};
+use crate::dynamic::text::code_units;
 use crate::dynamic::trail::Trail;
 use crate::dynamic::types::Types;
 use crate::dynamic::view::DynamicView;
@@ -117,32 +118,38 @@ impl<const BIG: bool> Writer<'_, BIG> {
 
     fn string(&mut self, at: usize, bounds: Bounds) -> Option<()> {
         let (start, length) = slot(self.bytes, at);
-        let text = std::str::from_utf8(part(self.bytes, start, length)).ok()?;
-        if fault(text, bounds).is_some() {
+        let text = part(self.bytes, start, length);
+        if bounds.exceeded_by(text).is_some() {
             return None;
         }
         if bounds.is_wide {
-            self.length(text.encode_utf16().count())?;
-            for unit in text.encode_utf16() {
+            let units = code_units(text)?;
+            self.length(units.len())?;
+            for unit in units {
                 let unit = u32::from(unit);
                 self.out.extend_from_slice(&if BIG { unit.to_be_bytes() } else { unit.to_le_bytes() });
             }
         } else {
+            if text.contains(&0) {
+                return None;
+            }
             self.length(text.len() + 1)?;
-            self.out.extend_from_slice(text.as_bytes());
+            self.out.extend_from_slice(text);
             self.out.push(0);
         }
         Some(())
     }
 }
 
-/// The fault that prevents CDR from representing a string, if any.
-fn fault(text: &str, bounds: Bounds) -> Option<Fault> {
-    let exceeded = bounds.bound.filter(|_| bounds.exceeded_by(text.as_bytes()));
-    match exceeded {
-        Some(bound) => Some(Fault::TooLong { bound, found: text.chars().count() }),
-        None => (!bounds.is_wide && text.as_bytes().contains(&0)).then_some(Fault::Nul),
+/// The fault that prevents CDR from representing a string, if any. [`Writer::string`] refuses the same strings.
+fn fault(text: &[u8], bounds: Bounds) -> Option<Fault> {
+    if let Some((bound, found)) = bounds.exceeded_by(text) {
+        return Some(Fault::TooLong { bound, found });
     }
+    if bounds.is_wide {
+        return code_units(text).is_none().then_some(Fault::NotUnicode);
+    }
+    text.contains(&0).then_some(Fault::Nul)
 }
 
 /// Finds the reason why a message has no CDR form.

@@ -22,7 +22,8 @@ impl Serialize for DynamicMessage<'_> {
     }
 }
 
-/// Serializes all fields in declaration order. In text formats NaN is `null`, and infinity is an error.
+/// Serializes all fields in declaration order. In text formats NaN is `null`, and infinity is an error. Text that is not
+/// UTF-8 is an error in all formats.
 impl Serialize for DynamicView<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut out = serializer.serialize_map(Some(self.plan.fields.len()))?;
@@ -46,10 +47,11 @@ impl Serialize for Member<'_> {
         match field.element {
             Element::Scalar(scalar) if is_single => number(field, scalar, elements.bytes(), serializer),
             Element::Scalar(scalar) => numbers(field, scalar, elements.bytes(), serializer),
-            Element::Text(_) => text(field, elements.bytes(), serializer),
-            Element::String(_) if is_single => serializer.serialize_str(elements.string(0)),
+            Element::Text(_) => text(field, until_nul(elements.bytes()), serializer),
+            Element::String(_) if is_single => text(field, elements.string(0), serializer),
             Element::String(_) => {
-                serializer.collect_seq((0..elements.len()).map(|index| elements.string(index)))
+                let string = |index| StringOf { field, bytes: elements.string(index) };
+                serializer.collect_seq((0..elements.len()).map(string))
             }
             Element::Message(_) if is_single => elements.message(0).serialize(serializer),
             Element::Message(_) => {
@@ -165,8 +167,20 @@ macro_rules! floats {
 
 floats!(f32, f64);
 
+/// An element of an array of strings.
+struct StringOf<'v> {
+    field: &'v Field,
+    bytes: &'v [u8],
+}
+
+impl Serialize for StringOf<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        text(self.field, self.bytes, serializer)
+    }
+}
+
 fn text<S: Serializer>(field: &Field, bytes: &[u8], serializer: S) -> Result<S::Ok, S::Error> {
-    let text = std::str::from_utf8(until_nul(bytes));
+    let text = std::str::from_utf8(bytes);
     let text = text.map_err(|error| S::Error::custom(format_args!("{}: {error}", field.name)))?;
     serializer.serialize_str(text)
 }
@@ -193,8 +207,7 @@ impl<'v> Walk<'v> for Search<'v> {
     fn enters(&self, _: &[Plan], field: &Field) -> bool {
         match field.element {
             Element::Scalar(scalar) => scalar.is_float(),
-            Element::Text(_) | Element::Message(_) => true,
-            Element::String(_) => false,
+            Element::Text(_) | Element::String(_) | Element::Message(_) => true,
         }
     }
 
@@ -206,11 +219,11 @@ impl<'v> Walk<'v> for Search<'v> {
                 }
                 _ => return ControlFlow::Continue(()),
             },
-            Stop::Text(bytes) => match std::str::from_utf8(until_nul(bytes)) {
+            Stop::Text(bytes) | Stop::String(bytes) => match std::str::from_utf8(bytes) {
                 Ok(_) => return ControlFlow::Continue(()),
                 Err(error) => error.to_string(),
             },
-            _ => return ControlFlow::Continue(()),
+            Stop::Length(_) => return ControlFlow::Continue(()),
         };
         let path = trail.text(self.message);
         self.found = Some(Error { reason: Reason::Json(text), path, offset: None });

@@ -22,7 +22,7 @@ The modules `px4`, `flockwave` and `labels` contain the types of the definitions
 
 from collections.abc import Iterable
 from os import PathLike
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
 
 from . import _native, flockwave, px4
 from ._native import Error, Report, Results, Story, Table, __version__
@@ -46,6 +46,11 @@ __all__ = [
 
 Capture: TypeAlias = str | PathLike[str] | bytes | bytearray | memoryview
 """A capture: the path of a file or of a bag's folder, the URL of an object, or the content of a file."""
+
+_MAX_INSTANCE = 255
+"""The highest instance of a topic. A log stores it in a byte."""
+
+_T = TypeVar("_T")
 
 
 def check(
@@ -77,7 +82,8 @@ def check(
     >>> check(b'{"type": "px4/ArmingCheckRequest", "message": {"request_id": "7"}}', name="request.jsonl").outcome
     'does not conform'
     """
-    return _native.check(capture, name, definitions, list(schemas), timeline, strict_formats, deny_warnings)
+    folders = _several(schemas, "schemas")
+    return _native.check(capture, name, definitions, folders, timeline, strict_formats, deny_warnings)
 
 
 def check_files(
@@ -98,13 +104,22 @@ def check_files(
         captures: paths, URLs, or pairs of a name and the content.
         jobs: the number of threads. By default, there is one for each processor.
 
+    Raises:
+        Error: the definitions can't be read, or `jobs` is less than 1.
+
     >>> request = b'{"type": "px4/ArmingCheckRequest", "message": {"request_id": 7}}'
     >>> results = check_files([("a.jsonl", request), ("b.jsonl", request), "absent.ulg"])
     >>> len(results.captures), len(results.failures)
     (2, 1)
     """
-    options = (definitions, list(schemas), timeline, strict_formats, deny_warnings)
-    return _native.check_files(list(captures), *options, jobs)
+    options = (definitions, _several(schemas, "schemas"), timeline, strict_formats, deny_warnings)
+    all_captures = _several(captures, "captures")
+    if jobs is not None:
+        if jobs < 1:
+            raise Error(f"jobs: expected at least 1, found {jobs}")
+        # More threads would have nothing to do.
+        jobs = min(jobs, max(1, len(all_captures)))
+    return _native.check_files(all_captures, *options, jobs)
 
 
 def find(*inputs: str | PathLike[str]) -> Table:
@@ -134,7 +149,7 @@ def read(
 
     Args:
         topic: the name in the capture, such as "vehicle_status" in a PX4 log or "/fmu/out/vehicle_status_v1" in a bag.
-        instance: the instance of the topic in a PX4 log.
+        instance: the instance of the topic in a PX4 log, from 0 to 255.
 
     Raises:
         Error: the capture doesn't contain the topic, or the topic has no definition.
@@ -145,6 +160,8 @@ def read(
     >>> len(table), table.metadata("timestamp")["unit"]
     (1, 'us')
     """
+    if not 0 <= instance <= _MAX_INSTANCE:
+        raise Error(f"instance: expected 0 to {_MAX_INSTANCE}, found {instance}")
     return _native.read(capture, topic, instance, definitions)
 
 
@@ -155,3 +172,10 @@ def explain(capture: Capture, *, definitions: str | PathLike[str] | None = None)
         Error: the capture can't be read.
     """
     return _native.explain(capture, definitions)
+
+
+def _several(values: Iterable[_T], name: str) -> list[_T]:
+    """A list of the values of an argument. A single path or content is also iterable, but its parts are characters or numbers."""
+    if isinstance(values, str | bytes | bytearray | memoryview | PathLike):
+        raise TypeError(f"{name}: expected a list, found a single value")
+    return list(values)

@@ -93,7 +93,12 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    pub(crate) fn schema(&mut self, id: u16, (name, encoding): (&str, &str), content: &[u8]) {
+    pub(crate) fn schema(
+        &mut self,
+        id: u16,
+        (name, encoding): (&str, &str),
+        content: &[u8],
+    ) -> io::Result<()> {
         let start = self.chunk.records.len();
         record(&mut self.chunk.records, op::SCHEMA, |out| {
             out.extend_from_slice(&id.to_le_bytes());
@@ -103,6 +108,7 @@ impl<W: Write> Writer<W> {
         });
         self.summary.schemas.extend_from_slice(&self.chunk.records[start..]);
         self.summary.counts.schemas += 1;
+        self.close_full_chunk()
     }
 
     pub(crate) fn channel(
@@ -110,7 +116,7 @@ impl<W: Write> Writer<W> {
         (id, schema): (u16, u16),
         (topic, encoding): (&str, &str),
         metadata: &BTreeMap<String, String>,
-    ) {
+    ) -> io::Result<()> {
         let start = self.chunk.records.len();
         record(&mut self.chunk.records, op::CHANNEL, |out| {
             out.extend_from_slice(&id.to_le_bytes());
@@ -121,6 +127,7 @@ impl<W: Write> Writer<W> {
         });
         self.summary.channels.extend_from_slice(&self.chunk.records[start..]);
         self.summary.counts.channels += 1;
+        self.close_full_chunk()
     }
 
     pub(crate) fn message(&mut self, header: &MessageHeader, payload: &[u8]) -> io::Result<()> {
@@ -265,11 +272,6 @@ impl<W: Write> Writer<W> {
     /// The output.
     pub(crate) fn output(&self) -> &W {
         &self.output
-    }
-
-    /// The output. Bytes that are written to it directly corrupt the file.
-    pub(crate) fn output_mut(&mut self) -> &mut W {
-        &mut self.output
     }
 
     /// Writes the summary and the end of the file. Returns the output.

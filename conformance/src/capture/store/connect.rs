@@ -1,6 +1,6 @@
 //! Connects to object stores, and lists their objects.
 
-use std::io::Read as _;
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
@@ -20,8 +20,8 @@ use url::{Position, Url};
 use super::object::Object;
 use super::reader::Failure;
 use super::request::{attempts, runtime, text};
-use super::shown_url;
 use crate::capture::names::is_capture;
+use crate::text::{Grouped, shown_url, utf8};
 
 /// The time limits of a request. The other settings come from the environment.
 const LIMITS: [(ClientConfigKey, &str); 3] = [
@@ -45,8 +45,7 @@ pub(crate) struct Listed {
     pub(crate) skipped: Vec<String>,
 }
 
-/// Lists the captures that a URL denotes: a capture, the objects whose names start with a prefix, or the lines of a list on
-/// a web server.
+/// Lists the captures that a URL denotes: a capture, the objects in a folder, or the lines of a list on a web server.
 ///
 /// # Errors
 /// The text describes the problem, without credentials.
@@ -96,12 +95,20 @@ fn single(object: Object) -> Listed {
     Listed { captures: vec![object], skipped: Vec::new() }
 }
 
+/// Reads the text of a list. Fails if it is longer than `limit` bytes.
+fn read_text(reader: impl Read, limit: u64) -> Result<String, String> {
+    let mut bytes = Vec::new();
+    reader.take(limit + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > limit {
+        return Err(format!("the list is longer than {} bytes", Grouped(limit)));
+    }
+    utf8(&bytes).map(str::to_owned)
+}
+
 /// Reads a list with a URL in each line. URLs may be relative to that of the list.
 fn read_list(url: &Url, object: &Object) -> Result<Listed, String> {
-    let mut list = String::new();
-    let read =
-        object.open(&Failure::default()).and_then(|reader| reader.take(MAX_LIST).read_to_string(&mut list));
-    read.map_err(|error| error.to_string())?;
+    let reader = object.open(&Failure::default()).map_err(|error| error.to_string())?;
+    let list = read_text(reader, MAX_LIST)?;
     let mut listed = Listed::default();
     let mut stores: Vec<(Url, Arc<dyn ObjectStore>)> = Vec::new();
     for (number, line) in (1..).zip(list.lines()) {
@@ -196,6 +203,14 @@ fn url_of(url: &Url, location: &Location) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lists_have_a_maximum_length() {
+        assert_eq!(read_text(&b"a.ulg\n"[..], 6).as_deref(), Ok("a.ulg\n"));
+        let problem = read_text(&b"a.ulg\nb.ulg\n"[..], 6);
+        assert_eq!(problem, Err("the list is longer than 6 bytes".to_owned()));
+        assert_eq!(read_text(&b"\xff"[..], 6), Err("invalid UTF-8 at byte 0".to_owned()));
+    }
 
     #[test]
     fn the_url_of_an_object_denotes_it() {

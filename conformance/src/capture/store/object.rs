@@ -16,7 +16,7 @@ pub(crate) struct Object {
     location: Path,
     /// The URL without its query.
     url: String,
-    /// The size and the version. `None` if the list doesn't state them.
+    /// The size and the version, if the list states them. Lists of web servers don't.
     known: Option<Known>,
 }
 

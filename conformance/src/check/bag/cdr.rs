@@ -24,7 +24,7 @@ const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
 pub(super) struct Seen {
     /// The `timestamp` field, if there is one.
     pub(super) timestamp: Option<u64>,
-    /// The field values in memory layout, if a rule needs them.
+    /// The field values in memory layout, if they are needed.
     pub(super) memory: Option<Vec<u8>>,
 }
 
@@ -164,14 +164,14 @@ impl CdrChecker {
         Some(Seen { timestamp: self.timestamp_of(&message), memory })
     }
 
-    /// The field values of a message, if a rule needs them and the message has a fixed size.
+    /// The field values of a message, if they are needed.
     pub(super) fn view<'v>(
         &'v self,
         seen: &'v Seen,
         definitions: &'v Definitions,
     ) -> Option<DynamicView<'v>> {
         let memory = seen.memory.as_deref()?;
-        self.source.message_type(definitions).view_uorb(memory).ok()
+        self.source.message_type(definitions).view_memory(memory).ok()
     }
 
     /// Checks the header of a payload.

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::cdr::decompressed;
 use super::schemas::{MAX_SCHEMA, MAX_SCHEMAS};
-use super::{HASH, Stated, is_type_hash};
+use super::{HASH, MAX_NAME, Stated, is_comparable};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadata};
 use crate::check::Source;
@@ -95,7 +95,7 @@ fn declarations(input: impl Read) -> Clues {
     while let Ok(Some(item)) = reader.next() {
         match item.event {
             Event::Schema { id, name, encoding, text }
-                if schemas.len() < MAX_TYPES && !schemas.contains_key(&id) =>
+                if name.len() <= MAX_NAME && schemas.len() < MAX_TYPES && !schemas.contains_key(&id) =>
             {
                 let is_read = encoding == "ros2msg" && text.len() <= MAX_SCHEMA.min(room);
                 let hash = is_read.then(|| schema_hash(&name, text)).flatten();
@@ -105,14 +105,14 @@ fn declarations(input: impl Read) -> Clues {
             Event::Channel { metadata, .. } if metadata.contains_key(OWN) => {}
             Event::Channel { id, schema, topic, encoding, metadata } if encoding == "cdr" => {
                 let Some((name, hash)) = schemas.get(&schema) else { continue };
-                let stated = metadata.get(HASH).filter(|hash| is_type_hash(hash));
+                let stated = metadata.get(HASH).filter(|hash| is_comparable(hash));
                 if let Some(name) = add(&mut clues, &topic, name, hash.as_ref().or(stated)) {
                     unknown.insert(id, name);
                 }
             }
             Event::Channel { id, schema, topic, encoding, .. } if encoding == "json" => {
                 let ty = schemas.get(&schema).map(|(name, _)| name.clone()).unwrap_or_default();
-                if json.len() < MAX_TYPES {
+                if json.len() < MAX_TYPES && topic.len() <= MAX_NAME {
                     json.insert(id, (topic, ty));
                 }
             }
@@ -127,7 +127,9 @@ fn declarations(input: impl Read) -> Clues {
             Event::Metadata { body } => {
                 let values = metadata(body).filter(|(name, _)| name == ENDPOINT).map(|(_, values)| values);
                 let endpoint = values.as_ref().and_then(Endpoint::from_values);
-                if let Some(endpoint) = endpoint.filter(|endpoint| !endpoint.is_own()) {
+                let is_used =
+                    |endpoint: &Endpoint| !endpoint.is_own() && endpoint.type_name.len() <= MAX_NAME;
+                if let Some(endpoint) = endpoint.filter(is_used) {
                     add_version(&mut clues, &endpoint.topic, &full_name(&endpoint.type_name));
                 }
             }
@@ -152,6 +154,7 @@ pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
     let mut hashes: HashMap<String, String> = HashMap::new();
     let _ = bag.definitions(|definition| {
         if definition.encoding == "ros2msg"
+            && definition.ty.len() <= MAX_NAME
             && hashes.len() < MAX_TYPES
             && let Some(hash) = schema_hash(&definition.ty, definition.text.as_bytes())
         {
@@ -160,9 +163,11 @@ pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
     });
     let (mut clues, mut unknown) = (Clues::default(), HashMap::new());
     let _ = bag.topics(|topic| {
-        let stated = Some(&topic.hash).filter(|hash| is_type_hash(hash));
+        let stated = Some(&topic.hash).filter(|hash| is_comparable(hash));
         let hash = hashes.get(&topic.ty).or(stated);
         if topic.encoding == "cdr"
+            && topic.ty.len() <= MAX_NAME
+            && unknown.len() < MAX_TYPES
             && let Some(name) = add(&mut clues, &topic.name, &topic.ty, hash)
         {
             unknown.insert(topic.id, name);

@@ -6,11 +6,12 @@ use std::io::Read;
 use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{
-    APPLICATION, CUT_SHORT, ENDPOINT, Event, Item, LOST, NOTE, Packing, Reader, metadata,
+    APPLICATION, CUT_SHORT, ENDPOINT, Event, Item, LOST, NOTE, Packing, Reader, UNREADABLE, metadata,
 };
 use crate::check::{CaptureResult, CheckRun, Kind, Logged, Observer, Summary, has_magic};
 use crate::definitions::Definitions;
 use crate::model::{ApplicationType, Endpoint, Extent, Findings, Location};
+use crate::text::shown;
 
 pub(in crate::check) const KIND: Kind = Kind {
     name: "MCAP",
@@ -236,6 +237,10 @@ impl<'c> McapFile<'c> {
             LOST => {
                 let (count, topic) = (value("count").unwrap_or_default(), value("topic").unwrap_or_default());
                 let text = format!("{count} messages of {topic} were lost before they were recorded");
+                self.corruption(bag, Location::Message(bag.run.records), &text, Extent::WithGaps);
+            }
+            UNREADABLE => {
+                let text = shown(values.get("text").map_or("", String::as_str));
                 self.corruption(bag, Location::Message(bag.run.records), &text, Extent::WithGaps);
             }
             NOTE => bag.run.note(values.get("text").map_or("", String::as_str)),

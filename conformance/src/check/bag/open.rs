@@ -66,9 +66,10 @@ pub enum Basis {
     TooLong,
     /// Messages of the defined type aren't supported; contains the reason. The channel wasn't checked.
     Unusable(String),
-    /// Several definitions have messages of this size, or none has. The channel wasn't checked.
+    /// Neither a schema nor a type hash shows the release. Several definitions have messages of this size, or none has.
+    /// The channel wasn't checked.
     Undecided,
-    /// There is no schema, and the type hash is not that of the definition. The channel wasn't checked.
+    /// There is no supported schema, and the type hash is not that of the definition. The channel wasn't checked.
     OtherHash,
     /// The channels have too many fields. This channel wasn't checked.
     TooMany,
@@ -111,12 +112,13 @@ impl Basis {
             Self::TooLong => Some("the schema is too long".to_owned()),
             Self::Unusable(defect) => Some(format!("not checked: its definition {defect}")),
             Self::Undecided => Some(
-                "not checked: there is no schema or type hash, and the size of the messages doesn't show their release"
+                "not checked: there is no supported schema or type hash, and the size of the messages doesn't show their \
+                 release"
                     .to_owned(),
             ),
-            Self::OtherHash => {
-                Some("not checked: there is no schema, and the type hash is not that of the definition".to_owned())
-            }
+            Self::OtherHash => Some(
+                "not checked: there is no supported schema, and the type hash is not that of the definition".to_owned(),
+            ),
             Self::TooMany => Some("not checked: the channels have too many fields".to_owned()),
         }
     }

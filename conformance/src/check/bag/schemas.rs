@@ -93,6 +93,12 @@ impl Schemas {
         (&self.all[index].name, &self.all[index].encoding)
     }
 
+    /// The name, the encoding and the text of a schema. The text is empty if it is too long to store.
+    pub(super) fn content(&self, index: Option<usize>) -> Option<(&str, &str, &[u8])> {
+        let Schema { name, encoding, text, .. } = self.all.get(index?)?;
+        Some((name.as_str(), encoding.as_str(), text.as_deref().unwrap_or_default()))
+    }
+
     /// The types of a schema, if they can be read.
     pub(super) fn own(&self, index: Option<usize>) -> Option<Rc<Stated>> {
         let schema = self.all.get(index?)?;

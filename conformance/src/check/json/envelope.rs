@@ -53,7 +53,7 @@ pub(super) struct Open {
     /// True if the first message has the keys of the definition.
     pub(super) has_keys: bool,
     pub(super) tally: Tally,
-    /// The size of the messages in memory, in bytes; 0 if no rule needs their values.
+    /// The size of the messages in memory, in bytes; 0 if it varies, or if no rule needs their values.
     pub(super) num_bytes: usize,
     /// The line of the first message.
     pub(super) line: u64,

@@ -70,7 +70,7 @@ impl FieldPlan {
                 }
                 at_most(text.len(), room, "bytes")
             }
-            (Element::String { bound }, Leaf::Text(text)) => match bound {
+            (Element::String { bound, .. }, Leaf::Text(text)) => match bound {
                 // A string never has more characters than bytes.
                 Some(bound) if text.len() > bound as usize => {
                     at_most(text.chars().count(), bound, "characters")

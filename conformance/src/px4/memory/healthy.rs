@@ -12,6 +12,8 @@ pub(super) enum Healthy {
     Bool,
     /// UTF-8 text up to the first NUL.
     Text,
+    /// A string without invalid UTF-8.
+    String,
     /// Integers between two bounds, inclusive.
     Between(Scalar, i64, i64),
     /// Bytes from a set, with a bit for each byte.
@@ -29,8 +31,9 @@ impl Healthy {
         let scalar = match constraint.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
             Element::Text(_) => return Some(Self::Text),
+            Element::String { .. } => return Some(Self::String),
             Element::Scalar(scalar) => scalar,
-            Element::String { .. } | Element::Message(_) => return None,
+            Element::Message(_) => return None,
         };
         let restriction = constraint.restriction?;
         if restriction.constraint() == uavspec_runtime::Constraint::NONE {
@@ -94,6 +97,7 @@ impl Healthy {
         match self {
             Self::Bool => value[0] < 2,
             Self::Text => std::str::from_utf8(until_nul(value)).is_ok(),
+            Self::String => std::str::from_utf8(value).is_ok(),
             Self::Between(scalar, low, high) => {
                 integer(*scalar, value).is_some_and(|value| (*low..=*high).contains(&value))
             }

@@ -26,11 +26,11 @@ struct Series {
 }
 
 impl Screen {
-    /// Collects the values of steps. `None` if there are sequences, whose elements have no fixed positions.
-    pub(super) fn new(steps: &[Step]) -> Option<Self> {
+    /// Collects the values of steps with fixed positions.
+    pub(super) fn new(steps: &[Step]) -> Self {
         let mut screen = Self::default();
         for step in steps {
-            let Content::Values(values) = &step.content else { return None };
+            let Content::Values(values) = &step.content else { continue };
             let (start, stride, width, healthy) =
                 (step.offset, step.stride.max(1), values.width, values.healthy);
             let Some(others) = step.count.checked_sub(1) else { continue };
@@ -46,7 +46,7 @@ impl Screen {
                 screen.others.push(Series { starts: start..last + 1, stride, width, healthy });
             }
         }
-        Some(screen)
+        screen
     }
 
     /// True if all values are guaranteed to produce no findings.

@@ -12,17 +12,18 @@ const NAME: usize = 4 + 8 + 8;
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
         id: "PX-STR-01",
-        name: "Text is UTF-8",
+        name: "Text is valid Unicode",
         level: Level::Should,
         status: Status::Normative,
-        statement: "Text in a `char` array is valid UTF-8 and ends at the first NUL.",
-        source: "`char[N]` in the definition",
+        statement: "Text in a `char` array is valid UTF-8 and ends at the first NUL. A `string` is valid UTF-8, and a \
+                    `wstring` is valid UTF-16.",
+        source: "`char[N]`, `string` or `wstring` in the definition; ROS 2 design, Unicode Support",
         applies_to: "message values",
         why: "Readers show replacement characters in place of invalid bytes, or reject the message.",
         example: "definition: char[25] name\n\
             bytes:      4d 6f 64 65 ff 00 …    (ff is not valid in UTF-8)",
-        fix: "Write valid UTF-8, and fill the rest of the array with NUL bytes. If you shorten a text, do not split a \
-              character.",
+        fix: "Write valid UTF-8, or valid UTF-16 in a `wstring`. Fill the rest of a `char` array with NUL bytes. If you \
+              shorten a text, do not split a character.",
     },
     check: Check::Value,
     bug: Some(Bug::message(Side::Component, "The name of the component ends with an invalid byte.", |out| {

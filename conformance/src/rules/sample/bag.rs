@@ -180,7 +180,8 @@ fn fields(schema: &Schema, message: &Message) -> String {
     for field in &message.fields {
         let ty = match field.ty.element {
             Element::Scalar(scalar) => scalar.name().to_owned(),
-            Element::String { .. } => "string".to_owned(),
+            Element::String { wide: false, .. } => "string".to_owned(),
+            Element::String { wide: true, .. } => "wstring".to_owned(),
             Element::Message(id) => ros_name(schema, schema.message(id)).replace("/msg/", "/"),
         };
         let _ = writeln!(text, "{ty}{} {}", shape_text(field.ty.shape), field.name);

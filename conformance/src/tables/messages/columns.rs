@@ -10,12 +10,16 @@ use arrow_array::types::{
 };
 use arrow_array::{Array as _, ArrayRef, FixedSizeListArray, ListArray, StructArray};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Fields};
+use serde_json::Number;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement, Value};
 use uavspec_codegen::schema::{Element, Field as Defined, Message, Schema, Shape};
 use uavspec_runtime::Scalar;
 
 /// The name of the elements of an array.
 const ITEM: &str = "item";
+
+/// The text of a unit if the values have none.
+const NO_UNIT: &str = "-";
 
 /// The values of a field.
 pub(super) enum Column {
@@ -36,7 +40,8 @@ pub(super) enum Column {
 
 /// Numbers, flags or texts.
 pub(super) trait Plain {
-    fn push(&mut self, value: Option<Value<'_>>);
+    /// Adds a value. Returns its approximate size in bytes.
+    fn push(&mut self, value: Option<Value<'_>>) -> usize;
 
     fn finish(&mut self) -> ArrayRef;
 }
@@ -47,8 +52,9 @@ struct Numbers<T: ArrowPrimitiveType> {
 }
 
 impl<T: ArrowPrimitiveType> Plain for Numbers<T> {
-    fn push(&mut self, value: Option<Value<'_>>) {
+    fn push(&mut self, value: Option<Value<'_>>) -> usize {
         self.builder.append_option(value.and_then(self.read));
+        size_of::<T::Native>()
     }
 
     fn finish(&mut self) -> ArrayRef {
@@ -57,11 +63,12 @@ impl<T: ArrowPrimitiveType> Plain for Numbers<T> {
 }
 
 impl Plain for BooleanBuilder {
-    fn push(&mut self, value: Option<Value<'_>>) {
+    fn push(&mut self, value: Option<Value<'_>>) -> usize {
         self.append_option(value.and_then(|value| match value {
             Value::Bool(flag) => Some(flag),
             _ => None,
         }));
+        1
     }
 
     fn finish(&mut self) -> ArrayRef {
@@ -70,12 +77,15 @@ impl Plain for BooleanBuilder {
 }
 
 impl Plain for StringBuilder {
-    fn push(&mut self, value: Option<Value<'_>>) {
+    fn push(&mut self, value: Option<Value<'_>>) -> usize {
+        let before = self.values_slice().len();
         match value {
-            Some(Value::String(text)) => self.append_value(text),
-            Some(Value::Text(bytes)) => self.append_value(String::from_utf8_lossy(bytes)),
+            Some(Value::Text(bytes) | Value::String(bytes)) => {
+                self.append_value(String::from_utf8_lossy(bytes));
+            }
             _ => self.append_null(),
         }
+        self.values_slice().len() - before + size_of::<i32>()
     }
 
     fn finish(&mut self) -> ArrayRef {
@@ -83,24 +93,40 @@ impl Plain for StringBuilder {
     }
 }
 
-/// The fields and columns of a message type.
-pub(super) fn of(
+/// The fields of a message type, with the facts of the definition.
+pub(super) fn fields(message: MessageType<'_>, definition: Option<&Message>, schema: &Schema) -> Vec<Field> {
+    let field = |placed: Placed<'_>| {
+        let known = field_of(definition, placed.name);
+        let field = Field::new(placed.name, data_type(placed, known, schema), true);
+        match known {
+            Some(known) => defined(field, known, schema),
+            None => field,
+        }
+    };
+    message.layout().map(field).collect()
+}
+
+/// The empty columns for the fields of a message type.
+pub(super) fn columns(
     message: MessageType<'_>,
     definition: Option<&Message>,
     schema: &Schema,
-) -> (Vec<Field>, Vec<Column>) {
-    let columns = message.layout().map(|placed| {
-        let known =
-            definition.and_then(|message| message.fields.iter().find(|field| field.name == placed.name));
-        let (data_type, column) = column(placed, known, schema);
-        let field = Field::new(placed.name, data_type, true);
-        let field = match known {
-            Some(known) => defined(field, known, schema),
-            None => field,
-        };
-        (field, column)
-    });
-    columns.unzip()
+) -> Vec<Column> {
+    let column = |placed: Placed<'_>| column(placed, field_of(definition, placed.name), schema);
+    message.layout().map(column).collect()
+}
+
+/// The field of a definition with this name.
+fn field_of<'d>(definition: Option<&'d Message>, name: &str) -> Option<&'d Defined> {
+    definition?.fields.iter().find(|field| field.name == name)
+}
+
+/// The definition of the message in a field.
+fn nested<'s>(known: Option<&Defined>, schema: &'s Schema) -> Option<&'s Message> {
+    match known?.ty.element {
+        Element::Message(id) => Some(schema.message(id)),
+        _ => None,
+    }
 }
 
 /// Adds a unit, a description, and the values of an enum in JSON to a field.
@@ -116,39 +142,55 @@ fn defined(field: Field, known: &Defined, schema: &Schema) -> Field {
     let values = known.enumeration.map(|reference| {
         let members = schema.enumeration(reference).members.iter();
         let values: serde_json::Map<String, serde_json::Value> = members
-            .filter_map(|member| Some((member.name.clone(), i64::try_from(member.value).ok()?.into())))
+            .filter_map(|member| Some((member.name.clone(), Number::from_i128(member.value)?.into())))
             .collect();
         serde_json::Value::Object(values).to_string()
     });
-    described(field, known.unit.as_deref(), &known.description, values.as_deref())
+    let unit = known.unit.as_deref().filter(|unit| *unit != NO_UNIT);
+    described(field, unit, &known.description, values.as_deref())
 }
 
-fn column(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> (DataType, Column) {
-    let (data_type, column) = match placed.element {
+fn data_type(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> DataType {
+    match (placed.shape, size(placed.shape)) {
+        (Shape::Single, _) => element_type(placed, known, schema),
+        (_, Some(size)) => DataType::FixedSizeList(item(placed, known, schema), size),
+        (_, None) => DataType::List(item(placed, known, schema)),
+    }
+}
+
+/// The elements of an array.
+fn item(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> FieldRef {
+    Arc::new(Field::new(ITEM, element_type(placed, known, schema), true))
+}
+
+/// The type of a field or its elements.
+fn element_type(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> DataType {
+    match placed.element {
+        PlacedElement::Scalar(scalar) => scalar_type(scalar),
+        PlacedElement::Text(_) | PlacedElement::String { .. } => DataType::Utf8,
+        PlacedElement::Message(message) => {
+            DataType::Struct(fields(message, nested(known, schema), schema).into())
+        }
+    }
+}
+
+fn column(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> Column {
+    let column = match placed.element {
         PlacedElement::Scalar(scalar) => plain(scalar),
-        PlacedElement::Text(_) | PlacedElement::String => {
-            (DataType::Utf8, Column::Plain(Box::new(StringBuilder::new())))
+        PlacedElement::Text(_) | PlacedElement::String { .. } => {
+            Column::Plain(Box::new(StringBuilder::new()))
         }
         PlacedElement::Message(message) => {
-            let inner = known.and_then(|known| match known.ty.element {
-                Element::Message(id) => Some(schema.message(id)),
-                _ => None,
-            });
-            let (fields, columns) = of(message, inner, schema);
-            let fields = Fields::from(fields);
-            (DataType::Struct(fields.clone()), Column::Message { fields, columns, rows: 0 })
+            let definition = nested(known, schema);
+            let fields = Fields::from(fields(message, definition, schema));
+            Column::Message { fields, columns: columns(message, definition, schema), rows: 0 }
         }
     };
     if placed.shape == Shape::Single {
-        return (data_type, column);
+        return column;
     }
-    let item: FieldRef = Arc::new(Field::new(ITEM, data_type, true));
-    let data_type = match size(placed.shape) {
-        Some(size) => DataType::FixedSizeList(Arc::clone(&item), size),
-        None => DataType::List(Arc::clone(&item)),
-    };
-    let elements = Box::new(column);
-    (data_type, Column::List { item, shape: placed.shape, lengths: Vec::new(), elements })
+    let (item, elements) = (item(placed, known, schema), Box::new(column));
+    Column::List { item, shape: placed.shape, lengths: Vec::new(), elements }
 }
 
 /// The number of elements, if it is fixed.
@@ -159,9 +201,25 @@ fn size(shape: Shape) -> Option<i32> {
     }
 }
 
-fn plain(scalar: Scalar) -> (DataType, Column) {
+fn scalar_type(scalar: Scalar) -> DataType {
     match scalar {
-        Scalar::Bool => (DataType::Boolean, Column::Plain(Box::new(BooleanBuilder::new()))),
+        Scalar::Bool => DataType::Boolean,
+        Scalar::Byte | Scalar::Char | Scalar::UInt8 => DataType::UInt8,
+        Scalar::UInt16 => DataType::UInt16,
+        Scalar::UInt32 => DataType::UInt32,
+        Scalar::UInt64 => DataType::UInt64,
+        Scalar::Int8 => DataType::Int8,
+        Scalar::Int16 => DataType::Int16,
+        Scalar::Int32 => DataType::Int32,
+        Scalar::Int64 => DataType::Int64,
+        Scalar::Float32 => DataType::Float32,
+        Scalar::Float64 => DataType::Float64,
+    }
+}
+
+fn plain(scalar: Scalar) -> Column {
+    match scalar {
+        Scalar::Bool => Column::Plain(Box::new(BooleanBuilder::new())),
         Scalar::Byte | Scalar::Char | Scalar::UInt8 => numbers::<UInt8Type>(unsigned),
         Scalar::UInt16 => numbers::<UInt16Type>(unsigned),
         Scalar::UInt32 => numbers::<UInt32Type>(unsigned),
@@ -181,8 +239,8 @@ fn plain(scalar: Scalar) -> (DataType, Column) {
     }
 }
 
-fn numbers<T: ArrowPrimitiveType>(read: fn(Value<'_>) -> Option<T::Native>) -> (DataType, Column) {
-    (T::DATA_TYPE, Column::Plain(Box::new(Numbers::<T> { builder: PrimitiveBuilder::new(), read })))
+fn numbers<T: ArrowPrimitiveType>(read: fn(Value<'_>) -> Option<T::Native>) -> Column {
+    Column::Plain(Box::new(Numbers::<T> { builder: PrimitiveBuilder::new(), read }))
 }
 
 fn unsigned<N: TryFrom<u64>>(value: Value<'_>) -> Option<N> {
@@ -200,8 +258,8 @@ fn signed<N: TryFrom<i64>>(value: Value<'_>) -> Option<N> {
 }
 
 impl Column {
-    /// Adds a value. `None` adds a missing one.
-    pub(super) fn push(&mut self, value: Option<Value<'_>>) {
+    /// Adds a value. `None` adds a missing one. Returns the approximate size in bytes.
+    pub(super) fn push(&mut self, value: Option<Value<'_>>) -> usize {
         match self {
             Self::Plain(plain) => plain.push(value),
             Self::Message { columns, rows, .. } => {
@@ -210,9 +268,8 @@ impl Column {
                     Value::Message(view) => Some(view),
                     _ => None,
                 });
-                for (index, column) in columns.iter_mut().enumerate() {
-                    column.push(view.and_then(|view| view.field(index)));
-                }
+                let columns = columns.iter_mut().enumerate();
+                columns.map(|(index, column)| column.push(view.and_then(|view| view.field(index)))).sum()
             }
             Self::List { shape, lengths, elements, .. } => {
                 let values = value.and_then(|value| match value {
@@ -222,7 +279,9 @@ impl Column {
                 let found = values.map_or(0, uavspec_codegen::dynamic::Elements::len);
                 let length = size(*shape).and_then(|size| usize::try_from(size).ok()).unwrap_or(found);
                 lengths.push(length);
-                (0..length).for_each(|index| elements.push(values.and_then(|values| values.get(index))));
+                let element = |index| values.and_then(|values| values.get(index));
+                let size: usize = (0..length).map(|index| elements.push(element(index))).sum();
+                size_of::<usize>() + size
             }
         }
     }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
-use super::{checked, converted};
+use super::{checked, converted, release, try_converted};
 use crate::capture::mcap::{Event, Packing, Reader};
-use crate::convert::{Action, Settings};
+use crate::convert::{Action, ConversionReport, Settings};
 use crate::tests::mcap::file::{self, FORMS, Form};
 
 /// The definition of `ArmingCheckRequest` in PX4 1.16.
@@ -231,6 +231,152 @@ fn unreadable_json_messages_are_left_out() {
         let (report, output) = converted(&file::file(&records), "px4@1.17", Settings::default());
         assert!(!report.is_complete(), "{}", report.to_text());
         assert_eq!(checked(&output).result.records, 0);
+    }
+}
+
+/// The problems in a report, without their offsets.
+fn problems(report: &ConversionReport) -> Vec<&str> {
+    report.problems.iter().filter_map(|problem| Some(problem.split_once(": ")?.1)).collect()
+}
+
+#[test]
+fn the_first_declaration_of_an_id_is_used() {
+    let records = [
+        declarations(),
+        file::message(5, &request(1)),
+        // Chunks and the summary repeat declarations.
+        declarations(),
+        file::schema(9, "px4_msgs/msg/ArmingCheckRequest", "ros2msg", b"uint8 id\n"),
+        file::channel(5, 9, "/winch", "cdr", &[]),
+        file::message(5, &request(2)),
+    ];
+    let (report, output) = converted(&file::file(&records.concat()), "px4@1.17", Settings::default());
+    let again = "is declared again with different content; the first declaration is used";
+    assert_eq!(problems(&report), [format!("schema 9 {again}"), format!("channel 5 {again}")]);
+    let found = checked(&output);
+    assert_eq!((found.result.records, found.result.findings.groups().count()), (2, 0));
+}
+
+#[test]
+fn names_are_limited() {
+    let long = "x".repeat(257);
+    let records = [
+        declarations(),
+        file::message(5, &request(1)),
+        file::schema(2, &long, "ros2msg", b"uint8 id\n"),
+        file::schema(3, "club_msgs/msg/Winch", &long, b"uint8 id\n"),
+        file::channel(6, 0, &long, "cdr", &[]),
+        file::channel(7, 0, "/winch", &long, &[]),
+        file::message(6, &request(2)),
+        file::message(7, &request(3)),
+        metadata(&long),
+        attachment(&long, b"text"),
+    ];
+    let (report, output) = converted(&file::file(&records.concat()), "px4@1.17", Settings::default());
+    let name = "the topic or the encoding is longer than 256 bytes";
+    let expected = [
+        "schema 2: the name or the encoding is longer than 256 bytes",
+        "schema 3: the name or the encoding is longer than 256 bytes",
+        &format!("channel 6: {name}"),
+        &format!("channel 7: {name}"),
+    ];
+    assert_eq!(problems(&report), expected);
+    let found: Vec<_> = left_out(&report).map(|(topic, reason)| (topic.len(), reason)).collect();
+    assert_eq!(found, [("/winch".len(), name), (256 + "…".len(), name)]);
+    assert_eq!((checked(&output).result.records, others(&output).len()), (1, 2));
+}
+
+/// The topics that are left out after one message, with the reasons.
+fn left_out(report: &ConversionReport) -> impl Iterator<Item = (&str, &str)> {
+    let topics = report.topics.iter().filter(|topic| topic.action == Action::LeftOut && topic.messages == 1);
+    topics.map(|topic| (&*topic.topic, topic.reason.as_deref().unwrap_or_default()))
+}
+
+#[test]
+fn channels_without_their_schema_are_left_out() {
+    let long = "x".repeat(257);
+    let declare = |id: u16, schema: u16| {
+        let topic = format!("/vehicle_{id}/fmu/out/arming_check_request");
+        [file::channel(id, schema, &topic, "cdr", &[]), file::message(id, &request(1))].concat()
+    };
+    // Summaries repeat schemas.
+    let schema = file::schema(2, &long, "ros2msg", b"uint8 id\n");
+    let records = [declarations(), schema.clone(), declare(6, 2), declare(7, 77), schema];
+    for keeps_unconverted in [false, true] {
+        let settings = Settings { keeps_unconverted };
+        let (report, output) = converted(&file::file(&records.concat()), "px4@1.17", settings);
+        let expected = [
+            "schema 2: the name or the encoding is longer than 256 bytes",
+            "channel 6: its schema 2 is left out",
+            "channel 7: its schema 77 hasn't been declared yet",
+        ];
+        assert_eq!(problems(&report), expected);
+        let expected = [
+            ("/vehicle_6/fmu/out/arming_check_request", "its schema 2 is left out"),
+            ("/vehicle_7/fmu/out/arming_check_request", "its schema 77 hasn't been declared yet"),
+        ];
+        assert_eq!(left_out(&report).collect::<Vec<_>>(), expected);
+        assert_eq!(checked(&output).result.records, 0);
+    }
+}
+
+#[test]
+fn the_size_of_channels_and_names_is_limited() {
+    let channels = (0..10_001).map(|id| file::channel(id, 0, &format!("/winch_{id}"), "cdr", &[]));
+    let (report, _) =
+        converted(&file::file(&channels.collect::<Vec<_>>().concat()), "px4@1.17", Settings::default());
+    assert_eq!((problems(&report), report.topics.len()), (Vec::new(), 10_001));
+
+    let large = "x".repeat(33 << 20);
+    let channel = |id: u16| file::channel(id, 0, &format!("/winch_{id}"), "cdr", &[("text", large.as_str())]);
+    let records = [channel(1), channel(2), file::message(2, &request(1)), metadata(&large)];
+    let (report, output) = converted(&file::file(&records.concat()), "px4@1.17", Settings::default());
+    let excess = "the schemas, channels and names take more than 64 MiB";
+    let expected = [format!("channel 2: {excess}"), format!("a metadata record is left out: {excess}")];
+    assert_eq!(problems(&report), expected);
+    assert_eq!(left_out(&report).collect::<Vec<_>>(), [("/winch_2", excess)]);
+    assert!(others(&output).is_empty());
+}
+
+#[test]
+fn large_schemas_end_a_chunk() {
+    let text = [&b"uint8 id\n#"[..], &b"x".repeat(3 << 20)].concat();
+    let declare = |id: u16| {
+        let schema = file::schema(id, &format!("club_msgs/msg/Winch{id}"), "ros2msg", &text);
+        [schema, file::channel(id, id, &format!("/winch_{id}"), "cdr", &[])].concat()
+    };
+    let bytes = file::file(&(1..5).map(declare).collect::<Vec<_>>().concat());
+    let (report, output) = converted(&bytes, "px4@1.17", Settings::default());
+    assert_eq!((problems(&report), report.topics.len()), (Vec::new(), 4));
+    let summary = ::mcap::Summary::read(&output).expect("a summary").expect("a summary");
+    assert!(summary.chunk_indexes.len() > 1);
+    assert_eq!(summary.channels.len(), 4);
+}
+
+/// PX4 1.14 and 1.15 have different failsafe flags of the same size.
+#[test]
+fn messages_of_an_unknown_release_are_left_out() {
+    let payload = [&[0, 1, 0, 0][..], &[0; 85]].concat();
+    let idl = &b"module px4_msgs { module msg { struct FailsafeFlags { uint64 timestamp; }; }; };"[..];
+    for (encoding, text) in [("ros2msg", &b""[..]), ("ros2idl", idl)] {
+        let records = [
+            file::schema(9, "px4_msgs/msg/FailsafeFlags", encoding, text),
+            file::channel(5, 9, "/failsafe_flags", "cdr", &[]),
+            file::message(5, &payload),
+        ];
+        let bytes = file::file(&records.concat());
+        let found = checked(&bytes).result;
+        assert_eq!((found.records, found.checked, found.findings.groups().count()), (1, 0, 0), "{encoding}");
+        let (report, output) = converted(&bytes, "px4@1.15", Settings::default());
+        assert_eq!(report.count(Action::LeftOut), 1, "{}", report.to_text());
+        assert!(report.to_text().contains("name it with --from"), "{}", report.to_text());
+        assert_eq!(checked(&output).result.records, 0);
+        let (kept, _) = converted(&bytes, "px4@1.15", Settings { keeps_unconverted: true });
+        assert_eq!(kept.count(Action::Copied), 1, "{}", kept.to_text());
+        let named = try_converted(&bytes, &release("px4@1.15"), "px4@1.15", Settings::default());
+        let (report, output) = named.expect("a conversion");
+        assert_eq!(report.count(Action::Converted), 1, "{}", report.to_text());
+        assert_eq!(checked(&output).result.records, 1);
     }
 }
 

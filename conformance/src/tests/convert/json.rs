@@ -104,6 +104,8 @@ fn types_that_only_the_target_defines_are_left_out() {
     let line = line("px4@1.17", "BatteryInfo");
     let (report, output) = converted(line.as_bytes(), "px4@1.16", "px4@1.17");
     assert_eq!((report.topics[0].action, output.as_str()), (Action::LeftOut, ""));
+    let (report, output) = converted(format!("[{line}]").as_bytes(), "px4@1.16", "px4@1.17");
+    assert_eq!((report.topics[0].action, output.as_str()), (Action::LeftOut, "[]\n"));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use crate::check::{CaptureResult, check_mcap};
 use crate::definitions::Definitions;
+use crate::px4::memory::shared_fields;
 use serde_json::{Value, json};
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_runtime::cdr::ByteOrder;
@@ -18,21 +19,27 @@ string<=4 name
 bool[] knots
 Strand[<=3] strands
 float32 tension  # [N] [@range 0, 10] Pull
+string[2] ends
+string[] marks
 ";
 const STRAND: &str = "uint8 KIND_SILK = 1\nuint8 kind  # [@enum KIND] Of what\nwstring label\n";
 
-static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(|| {
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(|| definitions(ROPE));
+
+/// Definitions with this text of the message `Rope`.
+fn definitions(rope: &str) -> Definitions {
     let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
-    write("Rope.msg", ROPE);
+    write("Rope.msg", rope);
     write("Strand.msg", STRAND);
     write("uavspec.toml", "[[package]]\nname = \"club_msgs\"\ndialect = \"ros2\"\ninclude = [\"*.msg\"]\n");
     Definitions::load(folder.path()).expect("definitions")
-});
+}
 
 fn rope() -> Value {
     json!({
-        "timestamp": 7, "name": "long", "knots": [true, false], "tension": 2.5,
+        "timestamp": 7, "name": "long", "knots": [true, false], "tension": 2.5, "ends": ["bow", "mast"],
+        "marks": ["red", "blue"],
         "strands": [{"kind": 1, "label": "a"}, {"kind": 1, "label": "😀"}],
     })
 }
@@ -62,6 +69,21 @@ fn conforming_messages_have_no_findings() {
     assert_eq!(*status, crate::check::CheckStatus::Checked(equal()));
 }
 
+/// The decoder checks the bound of the format, not that of the definition.
+#[test]
+fn strings_with_another_bound_are_not_shared() {
+    let id = DEFINITIONS.message_of_type("club_msgs/msg/Rope").expect("a message");
+    let shared = |text: &str| {
+        let other = definitions(text);
+        let format = other.types().find("club_msgs", "Rope").expect("a type");
+        shared_fields(format, Some(id), &DEFINITIONS.schema)
+    };
+    assert_eq!(shared(ROPE), (7, 7));
+    for ty in ["string", "string<=5"] {
+        assert_eq!(shared(&ROPE.replace("string<=4", ty)), (6, 7), "{ty}");
+    }
+}
+
 #[test]
 fn each_mutant_violates_its_rule() {
     let value = |path: &str, to: Value| {
@@ -80,14 +102,25 @@ fn each_mutant_violates_its_rule() {
         payload[at] = byte;
         payload
     };
+    let at = |bytes: &[u8]| good.windows(bytes.len()).position(|found| found == bytes).expect("the bytes");
+    // The label 😀 has two code units, which are a pair of surrogates.
+    let label = at(&[0x3d, 0xd8, 0, 0, 0, 0xde, 0, 0]);
     for (id, payload, message) in [
         ("PX-BOOL-01", with(knots + 1, 9), "rope.knots: knots[1]: expected 0 or 1, found 9"),
         ("PX-CDR-02", with(name + 4, b'x'), "rope: name at byte "),
-        ("PX-CDR-02", with(name, 0xff), "rope: name at byte "),
+        ("PX-CDR-02", with(label + 2, 1), "rope: strands[1].label at byte "),
         ("PX-CDR-02", with(knots - 4, 200), "rope: knots at byte "),
         ("PX-CDR-02", with(name - 4, 255), "rope: name at byte "),
         ("PX-ENUM-01", value("/strands/1/kind", json!(2)), "rope.strands.kind: strands[1].kind: 2 "),
         ("PX-RANGE-01", value("/tension", json!(11.0)), "rope.tension: 11 is outside the range 0 to 10"),
+        ("PX-STR-01", with(name + 1, 0xff), "rope.name: invalid UTF-8 at byte 1"),
+        ("PX-STR-01", with(at(b"mast"), 0xff), "rope.ends: ends[1]: invalid UTF-8 at byte 0"),
+        ("PX-STR-01", with(at(b"blue"), 0xff), "rope.marks: marks[1]: invalid UTF-8 at byte 0"),
+        (
+            "PX-STR-01",
+            with(label + 1, 0),
+            "rope.strands.label: strands[1].label: unpaired surrogate at code unit 1",
+        ),
     ] {
         let found = violated(&checked(&payload));
         assert!(
@@ -95,6 +128,20 @@ fn each_mutant_violates_its_rule() {
             "{message}: {found:?}"
         );
     }
+}
+
+#[test]
+fn checks_the_other_values_of_a_message_with_invalid_text() {
+    let mut rope = rope();
+    rope["tension"] = json!(11.0);
+    let mut payload = cdr(&rope);
+    payload[4 + 8 + 4] = 0xff;
+    let result = checked(&payload);
+    let ids: Vec<_> = violated(&result).into_iter().map(|(id, _)| id).collect();
+    assert_eq!((ids, result.checked), (vec!["PX-RANGE-01", "PX-STR-01"], 1));
+    // The name and the two ends. The number of elements of a sequence isn't known in advance.
+    let group = result.findings.groups().find(|group| group.rule.id == "PX-STR-01").expect("a finding");
+    assert_eq!(result.findings.covered(group.rule), 3);
 }
 
 #[test]
