@@ -14,6 +14,8 @@ mod dds;
 #[cfg(feature = "foxglove")]
 mod foxglove;
 pub(crate) mod memory;
+#[cfg(any(feature = "dds", feature = "foxglove", feature = "rosbridge", feature = "zenoh", test))]
+mod problems;
 #[cfg(any(feature = "dds", feature = "zenoh", test))]
 mod queue;
 #[cfg(feature = "rosbridge")]
@@ -89,6 +91,11 @@ pub(crate) trait Bus {
     /// Publishes a message in CDR, including the encapsulation header. An error describes the problem.
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String>;
 
+    /// The losses that [`receive`](Self::receive) didn't return before the caller stopped receiving.
+    fn remaining_losses(&mut self) -> Vec<Event> {
+        Vec::new()
+    }
+
     /// True if a publisher and a subscriber exchange messages only if their quality of service is compatible.
     fn is_matched_by_qos(&self) -> bool {
         false
@@ -151,7 +158,10 @@ pub(crate) enum Event {
         /// The number of messages.
         count: u64,
     },
-    /// Data that can't be read. The text names the data, the problem and its origin.
+    /// Data that isn't received or can't be read. The text names the data, the problem and its origin.
+    Unreadable(String),
+    /// A remark about the bus, such as an invalid announcement. No message is missing. The text names the problem and its
+    /// origin.
     Problem(String),
     /// The connection ended. The text is the reason. No event follows.
     Closed(String),

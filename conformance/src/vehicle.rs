@@ -20,10 +20,11 @@ mod recorder;
 mod reference;
 mod release;
 mod role;
+mod temporary;
 #[cfg(test)]
 mod tests;
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -31,7 +32,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use globset::GlobSet;
-use tempfile::TempPath;
+use uavspec_codegen::emit::docs::markdown::plural;
 
 use self::actor::{Actor, Step, role, step};
 use self::inquiry::Inquiry;
@@ -40,7 +41,9 @@ use self::recorder::{MAX_SIZE, Recorder};
 pub(crate) use self::reference::serve;
 use self::release::Release;
 use self::role::{Purpose, Role};
-use crate::bus::{Bus, Event, Topic};
+use self::temporary::Temporary;
+pub(crate) use self::temporary::remove_recordings;
+use crate::bus::{Bus, Event, MAX_ENDPOINTS, Topic};
 use crate::capture::mcap::Reader;
 use crate::check::{
     CaptureResult, Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording,
@@ -55,7 +58,7 @@ const START: Duration = Duration::from_millis(1_500);
 /// The maximum time until the probe notices that it was asked to stop.
 const NOTICE_TIME: Duration = Duration::from_millis(50);
 
-/// The maximum number of notes.
+/// The maximum number of notes. Further ones are only counted.
 const MAX_NOTES: usize = 50;
 
 /// Options of a probe.
@@ -113,9 +116,10 @@ pub(crate) fn probe(
     // A component must unregister, even if the recording can't be written.
     let last = probe.withdraw();
     listened?;
-    for event in last {
+    for event in last.into_iter().chain(probe.bus.remaining_losses()) {
         probe.recorder.record(&event, Some(&mut live))?;
     }
+    probe.note_rest();
     probe.record_notes(Some(&mut live))?;
     let Probe { mut recorder, cut_short, .. } = probe;
     if let Some(reason) = cut_short {
@@ -135,7 +139,7 @@ pub(crate) fn observe(
     options: &Options,
     observer: &mut dyn Observer,
 ) -> io::Result<Option<String>> {
-    let (path, _temporary) = recording(options)?;
+    let (path, temporary) = recording(options)?;
     let mut probe = Probe::new(bus, options, Recorder::create(&path)?, &|_| {});
     // Without messages, nothing shows the release.
     while probe.progress.messages == 0 && probe.cut_short.is_none() && probe.started.elapsed() < options.time
@@ -147,17 +151,18 @@ pub(crate) fn observe(
     let mut live = LiveBag::new(&definitions, Some(observer));
     replay(probe.recorder.path(), &mut live)?;
     probe.recorder.discard();
+    drop(temporary);
     probe.listen(options.time, Some(&mut live))?;
     Ok(probe.cut_short)
 }
 
 /// The path of the recording. Without `--record`, the file is temporary.
-fn recording(options: &Options) -> io::Result<(PathBuf, Option<TempPath>)> {
+fn recording(options: &Options) -> io::Result<(PathBuf, Option<Temporary>)> {
     if let Some(path) = &options.record {
         return Ok((path.clone(), None));
     }
-    let file = tempfile::Builder::new().prefix("uavspec-").suffix(".mcap").tempfile()?.into_temp_path();
-    Ok((file.to_path_buf(), Some(file)))
+    let file = Temporary::create()?;
+    Ok((file.path().to_owned(), Some(file)))
 }
 
 /// Checks the records that were written before the release was chosen.
@@ -191,13 +196,19 @@ struct Probe<'p> {
     options: &'p Options,
     recorder: Recorder,
     actors: Vec<Actor>,
-    /// The endpoints that were discovered before the roles joined.
-    endpoints: Vec<Endpoint>,
+    /// The endpoints that exist before the roles join, by id. `None` if no role joins any more.
+    endpoints: Option<BTreeMap<String, Endpoint>>,
     started: Instant,
     subscribed: HashSet<Topic>,
     progress: Progress,
     on_progress: &'p dyn Fn(&Progress),
+    /// The problems with topics that the bus refused. They weren't recorded yet.
+    refused: Vec<String>,
+    /// True if the maximum number of topics was reported.
+    is_full: bool,
     notes: Vec<String>,
+    /// The number of notes beyond the maximum.
+    omitted: u64,
     /// The number of notes that were recorded.
     recorded: usize,
     cut_short: Option<String>,
@@ -210,17 +221,21 @@ impl<'p> Probe<'p> {
         recorder: Recorder,
         on_progress: &'p dyn Fn(&Progress),
     ) -> Self {
+        let has_roles = options.role.is_some() || options.application.is_some();
         Self {
             bus,
             options,
             recorder,
             actors: Vec::new(),
-            endpoints: Vec::new(),
+            endpoints: has_roles.then(BTreeMap::new),
             started: Instant::now(),
             subscribed: HashSet::new(),
             progress: Progress::default(),
             on_progress,
+            refused: Vec::new(),
+            is_full: false,
             notes: Vec::new(),
+            omitted: 0,
             recorded: 0,
             cut_short: None,
         }
@@ -228,11 +243,10 @@ impl<'p> Probe<'p> {
 
     /// Joins the bus in all roles of the probe.
     fn join_all(&mut self, definitions: &Arc<Definitions>, library: &Library) -> io::Result<()> {
-        if self.options.role.is_none() && self.options.application.is_none() {
-            return Ok(());
-        }
+        let Some(endpoints) = self.endpoints.take() else { return Ok(()) };
+        let endpoints: Vec<Endpoint> = endpoints.into_values().collect();
         let namespace = self.options.namespace.clone();
-        let namespace = match namespace.map_or_else(|| Namespace::of_vehicle(&self.endpoints), Ok) {
+        let namespace = match namespace.map_or_else(|| Namespace::of_vehicle(&endpoints), Ok) {
             Ok(namespace) => namespace,
             Err(problem) => {
                 self.cut_short = Some(problem);
@@ -241,21 +255,21 @@ impl<'p> Probe<'p> {
         };
         let release = &Arc::new(Release::new(definitions, library, namespace.clone()));
         if let Some(side) = self.options.role {
-            self.join(role(side, Purpose::Judge, release), release)?;
+            self.join(role(side, Purpose::Judge, release), release, &endpoints)?;
         }
         if let Some(application) = &self.options.application {
             application.iter().try_for_each(|ty| self.recorder.application(ty))?;
             let inquiry = Inquiry::new(application, namespace, self.options.topics.clone());
-            self.join(Box::new(inquiry), release)?;
+            self.join(Box::new(inquiry), release, &endpoints)?;
         }
         Ok(())
     }
 
-    /// Announces the topics of a role.
-    fn join(&mut self, role: Box<dyn Role>, release: &Arc<Release>) -> io::Result<()> {
+    /// Announces the topics of a role. `known` are the endpoints of others.
+    fn join(&mut self, role: Box<dyn Role>, release: &Arc<Release>, known: &[Endpoint]) -> io::Result<()> {
         match Actor::join(self.bus, role, Arc::clone(release), None) {
             Ok((mut actor, endpoints)) => {
-                actor.discover(&self.endpoints);
+                actor.discover(known);
                 self.actors.push(actor);
                 endpoints.iter().try_for_each(|endpoint| self.recorder.record(endpoint, None))
             }
@@ -318,17 +332,24 @@ impl<'p> Probe<'p> {
     fn follow(&mut self, event: Event) {
         match event {
             Event::Endpoint(endpoint) => {
-                if self.actors.is_empty() {
-                    self.endpoints.push(endpoint.clone());
+                if let Some(known) = &mut self.endpoints
+                    && (known.len() < MAX_ENDPOINTS || known.contains_key(&endpoint.id))
+                {
+                    known.insert(endpoint.id.clone(), endpoint.clone());
                 }
                 if endpoint.kind == EndpointKind::Publisher {
                     self.subscribe(endpoint);
                 }
             }
+            Event::Ended(id) => {
+                if let Some(known) = &mut self.endpoints {
+                    known.remove(&id);
+                }
+            }
             Event::Message(_) => self.progress.messages += 1,
             Event::Problem(problem) => self.note(problem),
             Event::Closed(reason) => self.cut_short = Some(reason),
-            Event::Ended(_) | Event::Lost { .. } => {}
+            Event::Lost { .. } | Event::Unreadable(_) => {}
         }
     }
 
@@ -340,9 +361,18 @@ impl<'p> Probe<'p> {
             type_name: publisher.type_name.into(),
             type_hash: publisher.type_hash.map(Into::into),
         };
-        if !is_selected || !self.subscribed.insert(topic.clone()) {
+        if !is_selected || self.subscribed.contains(&topic) {
             return;
         }
+        if self.subscribed.len() >= MAX_ENDPOINTS {
+            if !std::mem::replace(&mut self.is_full, true) {
+                let limit =
+                    format!("only the first {MAX_ENDPOINTS} topics are received: select fewer with --topics");
+                self.refused.push(limit);
+            }
+            return;
+        }
+        self.subscribed.insert(topic.clone());
         if !topic.name.starts_with('/') {
             // In DDS, such names belong to services and parameters.
             if !publisher.is_matched_by_qos {
@@ -353,12 +383,15 @@ impl<'p> Probe<'p> {
         }
         self.progress.topics += 1;
         if let Err(problem) = self.bus.subscribe(&topic, &Qos::WEAKEST) {
-            self.note(format!("{}: {problem}", topic.name.escape_debug()));
+            self.refused.push(format!("{}: {problem}", topic.name.escape_debug()));
         }
     }
 
-    /// Writes the new notes to the recording, so that a later check reports them as well.
+    /// Writes the new notes and the refused topics to the recording, so that a later check reports them as well.
     fn record_notes(&mut self, mut live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+        for text in std::mem::take(&mut self.refused) {
+            self.recorder.record(&Event::Unreadable(text), live.as_deref_mut())?;
+        }
         for note in &self.notes[self.recorded..] {
             self.recorder.note(note, live.as_deref_mut())?;
         }
@@ -367,8 +400,20 @@ impl<'p> Probe<'p> {
     }
 
     fn note(&mut self, text: String) {
-        if self.notes.len() < MAX_NOTES && !self.notes.contains(&text) {
+        if self.notes.contains(&text) {
+            return;
+        }
+        if self.notes.len() < MAX_NOTES {
             self.notes.push(text);
+        } else {
+            self.omitted += 1;
+        }
+    }
+
+    /// Notes the number of the notes beyond the maximum.
+    fn note_rest(&mut self) {
+        if self.omitted > 0 {
+            self.notes.push(format!("… and {}", plural(self.omitted, "more note")));
         }
     }
 

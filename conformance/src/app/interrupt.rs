@@ -10,9 +10,10 @@ use anstyle::AnsiColor;
 use super::Status;
 use crate::probe::{Options, Stop};
 use crate::text::terminal;
+use crate::vehicle::remove_recordings;
 
-/// The exit status after a second interrupt: 128 plus the number of SIGINT.
-const INTERRUPTED: i32 = 130;
+/// The exit status after an interrupt that ends the program immediately: 128 plus the number of SIGINT.
+pub(super) const INTERRUPTED: i32 = 130;
 
 /// The time after the first interrupt in which others are ignored. `timeout` sends its signal twice, and so does the end
 /// of a terminal session. Such a signal must not leave UAVs in the air.
@@ -45,6 +46,7 @@ fn end(stop: &Stop, limit: u64) {
             return;
         }
         drop(Danger::new(stop));
+        remove_recordings();
         std::process::exit(INTERRUPTED);
     }
     let state = at_risk.map_or_else(

@@ -71,7 +71,8 @@ pub(super) struct WatchArgs {
     /// tcps, https or socketios.
     ///
     /// Vehicles: `dds://DOMAIN`, zenoh://HOST:PORT, foxglove://HOST:PORT or rosbridge://HOST:PORT. Zenoh URLs may end in
-    /// ?domain=NUMBER.
+    /// ?domain=NUMBER. Vehicles require a program that was built with the feature `live`, or with the feature of the
+    /// transport, such as `dds`.
     ///
     /// Captures: the path of a PX4 log, a bag, or JSON messages. The capture is replayed.
     #[arg(value_name = "URL|FILE")]

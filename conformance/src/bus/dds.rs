@@ -17,7 +17,8 @@
 //! # Limits
 //!
 //! Above [`MAX_ENDPOINTS`](super::MAX_ENDPOINTS) endpoints, topics or participants, the connection ends, which frees the
-//! memory of rustdds. The number of subscribers depends on the number of files that the process may open.
+//! memory of rustdds. The number of subscribers depends on the number of files that the process may open. The probe raises this
+//! limit if the system permits it.
 //!
 //! rustdds reserves and clears the memory for a fragmented message when its first fragment arrives. It trusts the total
 //! size in the fragment, up to 4 GiB, and doesn't check that the sender is known. It stores up to 128 incomplete messages
@@ -49,6 +50,7 @@ use self::worker::Worker;
 use super::queue::{Queue, queue};
 use super::{Bus, Event, Publisher, Topic};
 use crate::model::{History, Qos, Reliability};
+use crate::net::raise_open_files;
 
 /// The identifier of little-endian CDR in the encapsulation header.
 const CDR_LE: [u8; 2] = [0, 1];
@@ -64,6 +66,7 @@ pub(super) fn connect(domain: u16, peers: &[IpAddr]) -> Result<Box<dyn Bus>, Str
     };
     let peers = peers.iter().map(ipv4).collect::<Result<Vec<_>, _>>()?;
     let is_local = !peers.is_empty() && peers.iter().all(Ipv4Addr::is_loopback);
+    raise_open_files(worker::FILES);
     Ok(Box::new(DdsBus::join(domain, is_local.then_some(Ipv4Addr::LOCALHOST), &peers)?))
 }
 
@@ -139,6 +142,10 @@ impl Bus for DdsBus {
         let writer = self.connection()?.writers.get(publisher.0).ok_or("an unknown publisher")?;
         let body = Bytes::copy_from_slice(body(payload)?);
         writer.write(body, None).map_err(|error| format!("can't publish: {error}"))
+    }
+
+    fn remaining_losses(&mut self) -> Vec<Event> {
+        self.events.remaining_losses()
     }
 
     fn is_matched_by_qos(&self) -> bool {
@@ -283,7 +290,7 @@ mod tests {
         for topic in [wind(), wind(), topic("/wind", "sky_msgs/msg/Storm")] {
             bus.subscribe(&topic, &Qos::WEAKEST).expect("sent");
         }
-        let Event::Problem(problem) = wait(&mut bus, || {}, |_| true) else { panic!() };
+        let Event::Unreadable(problem) = wait(&mut bus, || {}, |_| true) else { panic!() };
         assert!(problem.contains("type sky_msgs/msg/Storm may be missing"), "{problem}");
     }
 

@@ -29,6 +29,9 @@ const MESSAGE_DATA: u8 = 1;
 /// Other kinds of binary messages: times, responses of services, assets, and the state of playback.
 const OTHER_KINDS: std::ops::RangeInclusive<u8> = 2..=5;
 
+/// A part of the status with which `foxglove_bridge` reports that it drops messages. It doesn't name their topics.
+const DROPPED: &str = "buffer limit";
+
 /// The client doesn't offer `foxglove.sdk.v1.1`, which moves schemas to a table. Servers still support the version before.
 const SERVICE: Service = Service {
     example: "foxglove_bridge (port 8765)",
@@ -113,7 +116,7 @@ impl Foxglove {
 
     /// Adds a channel, or replaces it. Returns its id, or `None` if there are too many channels.
     fn add(&mut self, described: &Tree<'_>) -> Result<Option<u64>, String> {
-        let (id, channel) = Channel::read(described)?;
+        let (id, mut channel) = Channel::read(described)?;
         self.remove(id);
         if self.channels.len() >= MAX_ENDPOINTS {
             self.report_limit();
@@ -121,9 +124,9 @@ impl Foxglove {
         }
         let total = self.schemas + channel.schema_size();
         if total > MAX_SCHEMAS {
-            return Err(format!("expected at most {MAX_SCHEMAS} bytes of schemas, found {total} bytes"));
+            channel.refuse(format!("expected at most {MAX_SCHEMAS} bytes of schemas, found {total} bytes"));
         }
-        self.schemas = total;
+        self.schemas += channel.schema_size();
         self.link.push(Event::Endpoint(channel.endpoint(id)));
         self.channels.insert(id, channel);
         Ok(Some(id))
@@ -131,18 +134,20 @@ impl Foxglove {
 
     fn report_limit(&mut self) {
         if !std::mem::replace(&mut self.is_full, true) {
-            self.link.problem(format!(
+            self.link.unreadable(format!(
                 "ignored the channels after the first {MAX_ENDPOINTS}: limit the topics of the server, for example \
                  with the parameter `topic_whitelist` of foxglove_bridge"
             ));
         }
     }
 
-    fn unadvertised(&mut self, ids: &[Tree<'_>]) -> Result<(), String> {
+    fn unadvertised(&mut self, ids: &[Tree<'_>]) {
         for id in ids {
-            self.remove(channel::id(id).ok_or_else(|| format!("expected the id of a channel, found {id}"))?);
+            match channel::id(id) {
+                Some(id) => self.remove(id),
+                None => self.link.problem(format!("expected the id of a channel, found {id}")),
+            }
         }
-        Ok(())
     }
 
     fn remove(&mut self, id: u64) {
@@ -164,7 +169,7 @@ impl Foxglove {
         for &id in ids {
             match self.new_subscription(id) {
                 Ok(number) => subscriptions.push(json!({ "id": number, "channelId": id })),
-                Err(problem) => self.link.problem(problem),
+                Err(problem) => self.link.unreadable(problem),
             }
         }
         if subscriptions.is_empty() {
@@ -176,9 +181,8 @@ impl Foxglove {
     /// The number of a new subscription. An error describes the reason why the channel can't be read.
     fn new_subscription(&mut self, id: u64) -> Result<u32, String> {
         let channel = self.channels.get_mut(&id).ok_or_else(|| format!("channel {id} ended"))?;
-        if let Err(name) = &channel.encoding {
-            let topic = &channel.topic.name;
-            return Err(format!("can't read {topic:?} (channel {id}): expected cdr or json, found {name:?}"));
+        if let Err(problem) = &channel.encoding {
+            return Err(format!("can't read {:?} (channel {id}): {problem}", channel.topic.name));
         }
         self.last = self.last.checked_add(1).ok_or("the server has advertised too many channels")?;
         channel.subscription = Some(self.last);
@@ -214,6 +218,21 @@ impl Foxglove {
         }));
         Ok(())
     }
+
+    /// Reports a status of the server.
+    fn status(&mut self, status: &Tree<'_>) -> Result<(), String> {
+        let message = excerpt(string(status, "message")?);
+        if message.to_ascii_lowercase().contains(DROPPED) {
+            self.link.unreadable(format!("the server dropped messages: {message:?}"));
+            return Ok(());
+        }
+        match status.get("level") {
+            Some(Tree::Int(0)) => {}
+            Some(Tree::Int(1)) => self.link.problem(format!("the server reports a warning: {message:?}")),
+            _ => self.link.problem(format!("the server reports an error: {message:?}")),
+        }
+        Ok(())
+    }
 }
 
 impl Protocol for Foxglove {
@@ -226,8 +245,11 @@ impl Protocol for Foxglove {
         match string(&operation, "op")? {
             "serverInfo" => self.server_info(&operation),
             "advertise" => self.advertised(list(&operation, "channels")?),
-            "unadvertise" => self.unadvertised(list(&operation, "channelIds")?),
-            "status" => status(&operation),
+            "unadvertise" => {
+                self.unadvertised(list(&operation, "channelIds")?);
+                Ok(())
+            }
+            "status" => self.status(&operation),
             _ => Ok(()),
         }
     }
@@ -236,7 +258,10 @@ impl Protocol for Foxglove {
         match bytes.split_first() {
             Some((&MESSAGE_DATA, rest)) => self.message(rest),
             Some((kind, _)) if OTHER_KINDS.contains(kind) => Ok(()),
-            Some((kind, _)) => Err(format!("received a binary message of unknown kind {kind}")),
+            Some((kind, _)) => {
+                self.link.problem(format!("received a binary message of unknown kind {kind}"));
+                Ok(())
+            }
             None => Err("received an empty binary message".to_owned()),
         }
     }
@@ -294,16 +319,6 @@ impl Bus for Foxglove {
         }
         let message = [&[MESSAGE_DATA], &id.to_le_bytes()[..], payload].concat();
         self.link.send(Message::binary(message))
-    }
-}
-
-/// A status of the server as an error.
-fn status(status: &Tree<'_>) -> Result<(), String> {
-    let message = excerpt(string(status, "message")?);
-    match status.get("level") {
-        Some(Tree::Int(0)) => Ok(()),
-        Some(Tree::Int(1)) => Err(format!("the server reports a warning: {message:?}")),
-        _ => Err(format!("the server reports an error: {message:?}")),
     }
 }
 

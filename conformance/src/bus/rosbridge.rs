@@ -27,6 +27,9 @@ const LIST_LIMIT: Duration = Duration::from_secs(10);
 /// The service that lists the topics.
 const LIST_SERVICE: &str = "/rosapi/topics";
 
+/// The id of requests for the list of topics.
+const LIST_ID: &str = "topics";
+
 /// The error of publishing.
 const ONLY_JSON: &str =
     "rosbridge accepts JSON instead of CDR: to publish, connect with dds://, zenoh:// or foxglove://";
@@ -35,11 +38,17 @@ const ONLY_JSON: &str =
 pub(super) struct Rosbridge {
     link: Link,
     listing: Listing,
+    /// The number of requests for the list that have no answer yet. A slow answer may follow the next request.
+    unanswered: usize,
+    /// True if the latest request for the list failed.
+    has_failed: bool,
+    /// True if a failure was reported.
+    is_reported: bool,
     /// The listed topics with their types.
     topics: BTreeMap<String, Arc<str>>,
     /// The topics to receive.
     subscribed: HashMap<Arc<str>, Topic>,
-    /// The topics to receive if rosapi isn't available.
+    /// The topics to receive if rosapi isn't available, without those from which a message was received.
     names: Vec<String>,
 }
 
@@ -50,9 +59,6 @@ enum Listing {
     Due(Instant),
     /// The list was requested at this time.
     Requested(Instant),
-    /// rosapi isn't available. The named topics without messages are subscribed at this time: the server refuses topics
-    /// that have no publisher yet.
-    Failed(Instant),
 }
 
 impl Rosbridge {
@@ -61,6 +67,9 @@ impl Rosbridge {
         Ok(Self {
             link: Link::open(&SERVICE, address, Instant::now() + CONNECT_LIMIT)?,
             listing: Listing::Due(Instant::now()),
+            unanswered: 0,
+            has_failed: false,
+            is_reported: false,
             topics: BTreeMap::new(),
             subscribed: HashMap::new(),
             names: names.to_vec(),
@@ -83,23 +92,33 @@ impl Rosbridge {
         Ok(())
     }
 
-    /// Reads the list of topics.
-    fn listed(&mut self, response: &Tree<'_>) -> Result<(), String> {
-        if !matches!(self.listing, Listing::Requested(_)) {
-            return Err(format!("received an answer of {LIST_SERVICE} without a request"));
+    /// Handles an answer to a request for the list of topics.
+    fn answered(&mut self, response: &Tree<'_>) {
+        let Some(unanswered) = self.unanswered.checked_sub(1) else {
+            return self.link.problem(format!("received an answer of {LIST_SERVICE} without a request"));
+        };
+        self.unanswered = unanswered;
+        self.listing = Listing::Due(Instant::now() + LIST_INTERVAL);
+        match self.listed(response) {
+            Ok(()) => self.has_failed = false,
+            Err(reason) => self.fail(&reason),
         }
+    }
+
+    /// Reads the list of topics. An error is the reason why there is none.
+    fn listed(&mut self, response: &Tree<'_>) -> Result<(), String> {
         let values = response.get("values");
         if response.get("result") == Some(&Tree::Bool(false)) {
-            return Err(self.fail(&described(values)));
+            return Err(described(values));
         }
-        self.listing = Listing::Due(Instant::now() + LIST_INTERVAL);
         let values = values.ok_or("the member `values` is missing")?;
         let (names, types) = (list(values, "topics")?, list(values, "types")?);
         if names.len() != types.len() {
-            return Err(format!("{LIST_SERVICE}: found {} topics but {} types", names.len(), types.len()));
+            return Err(format!("found {} topics but {} types", names.len(), types.len()));
         }
         if names.len() > MAX_ENDPOINTS {
-            self.link.problem(format!("{LIST_SERVICE}: ignored the topics after the first {MAX_ENDPOINTS}"));
+            let limit = format!("{LIST_SERVICE}: ignored the topics after the first {MAX_ENDPOINTS}");
+            self.link.unreadable(limit);
         }
         let mut topics = BTreeMap::new();
         for (name, ty) in names.iter().zip(types).take(MAX_ENDPOINTS) {
@@ -123,32 +142,49 @@ impl Rosbridge {
         self.topics = topics;
     }
 
-    /// Continues without a list. Returns the problem.
-    fn fail(&mut self, reason: &str) -> String {
-        self.listing = Listing::Failed(Instant::now());
+    /// Continues without a list until the next request.
+    fn fail(&mut self, reason: &str) {
+        self.has_failed = true;
+        self.listing = Listing::Due(Instant::now() + LIST_INTERVAL);
         let remedy = if self.names.is_empty() {
             "Start rosapi_node in addition to rosbridge, or name the topics with --topics"
         } else {
             "Only the topics that --topics names without patterns are received"
         };
-        format!("{LIST_SERVICE} doesn't list the topics: {reason}. {remedy}")
+        if !std::mem::replace(&mut self.is_reported, true) {
+            self.link.problem(format!("{LIST_SERVICE} doesn't list the topics: {reason}. {remedy}"));
+        }
+        self.subscribe_names();
     }
 
-    /// Subscribes to the named topics from which no message was received. The server finds out their types.
+    /// Subscribes to the named topics from which no message was received. The server finds out their types, and refuses
+    /// topics that have no publisher yet.
     fn subscribe_names(&mut self) {
-        self.listing = Listing::Failed(Instant::now() + LIST_INTERVAL);
         for name in self.names.clone() {
             self.subscribed.remove(&*name);
             let topic = Topic { name: name.into(), type_name: "".into(), type_hash: None };
             if let Err(problem) = self.subscribe(&topic, &Qos::WEAKEST) {
-                self.link.problem(format!("{}: {problem}", topic.name.escape_debug()));
+                self.link.unreadable(format!("{}: {problem}", topic.name.escape_debug()));
             }
+        }
+    }
+
+    /// Reports a status of the server. An error means that it refuses a topic, unless the list was requested.
+    fn status(&mut self, status: &Tree<'_>) {
+        let text = format!("the server reports a problem: {}", described(status.get("msg")));
+        // Named topics are tried until they have a publisher.
+        let is_tried = self.has_failed || status.get("id").and_then(Tree::as_str) == Some(LIST_ID);
+        match string(status, "level") {
+            Ok("info" | "none") => {}
+            Ok("error") if !is_tried => self.link.unreadable(text),
+            _ => self.link.problem(text),
         }
     }
 
     fn request_list(&mut self) {
         self.listing = Listing::Requested(Instant::now());
-        let request = json!({ "op": "call_service", "id": "topics", "service": LIST_SERVICE, "args": {} });
+        self.unanswered = self.unanswered.saturating_add(1);
+        let request = json!({ "op": "call_service", "id": LIST_ID, "service": LIST_SERVICE, "args": {} });
         // An error closes the connection, which is an event.
         let _ = self.link.request(&request);
     }
@@ -166,8 +202,14 @@ impl Protocol for Rosbridge {
                 let payload = place(&operation, places, "msg").and_then(|place| text.get(place));
                 self.message(string(&operation, "topic")?, payload.ok_or("the member `msg` is missing")?)
             }
-            "service_response" if is_list(&operation) => self.listed(&operation),
-            "status" => status(&operation),
+            "service_response" if is_list(&operation) => {
+                self.answered(&operation);
+                Ok(())
+            }
+            "status" => {
+                self.status(&operation);
+                Ok(())
+            }
             "fragment" => {
                 Err("received a part of a message: configure rosbridge without fragment_size".to_owned())
             }
@@ -185,13 +227,7 @@ impl Protocol for Rosbridge {
             Listing::Due(time) if time > Instant::now() => return Some(time),
             Listing::Due(_) => self.request_list(),
             Listing::Requested(time) if time.elapsed() < LIST_LIMIT => return Some(time + LIST_LIMIT),
-            Listing::Requested(_) => {
-                let problem = self.fail(&format!("no answer within {LIST_LIMIT:?}"));
-                self.link.problem(problem);
-            }
-            Listing::Failed(_) if self.names.is_empty() => {}
-            Listing::Failed(time) if time > Instant::now() => return Some(time),
-            Listing::Failed(_) => self.subscribe_names(),
+            Listing::Requested(_) => self.fail(&format!("no answer within {LIST_LIMIT:?}")),
         }
         None
     }
@@ -240,14 +276,6 @@ fn place(operation: &Tree<'_>, places: Vec<Range<usize>>, key: &str) -> Option<R
 /// True if a response has no name, or that of the service that lists the topics.
 fn is_list(response: &Tree<'_>) -> bool {
     response.get("service").is_none_or(|name| name.as_str() == Some(LIST_SERVICE))
-}
-
-/// A status of the server as an error.
-fn status(status: &Tree<'_>) -> Result<(), String> {
-    match string(status, "level") {
-        Ok("info" | "none") => Ok(()),
-        _ => Err(format!("the server reports a problem: {}", described(status.get("msg")))),
-    }
 }
 
 /// The description of a problem by the server.

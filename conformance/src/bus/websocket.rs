@@ -1,7 +1,8 @@
 //! The WebSocket connection of the Foxglove and rosbridge clients.
 //!
 //! [`receive`] reads the socket. There is no thread and no queue, so memory is bounded by one message. A slow reader slows
-//! down the server, which then drops messages. Neither protocol numbers its messages, so such losses can't be detected.
+//! down the server, which then drops messages. Neither protocol numbers its messages, so only losses that the server
+//! reports are known.
 
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -15,18 +16,16 @@ use tungstenite::http::HeaderValue;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Bytes, Error, HandshakeError, Message, WebSocket};
 
+use super::problems::Problems;
 use super::{Event, MAX_NAME};
 use crate::json::Tree;
 use crate::net::{Address, Stream, is_silence};
 
-/// The maximum size of a message, in bytes.
-pub(super) const MAX_MESSAGE: usize = 16 << 20;
+/// The maximum size of a message, in bytes. The records of a recording have at most 64 MiB.
+pub(super) const MAX_MESSAGE: usize = 60 << 20;
 
 /// The maximum time until the connection is open.
 pub(super) const CONNECT_LIMIT: Duration = Duration::from_secs(5);
-
-/// The maximum number of problems that a connection reports.
-const MAX_PROBLEMS: usize = 1_000;
 
 /// The maximum length of an excerpt, in characters.
 const MAX_EXCERPT: usize = 200;
@@ -59,10 +58,10 @@ pub(super) trait Protocol {
     /// The connection.
     fn link(&mut self) -> &mut Link;
 
-    /// Handles a text message. An error describes the problem.
+    /// Handles a text message. An error describes the reason why it can't be read.
     fn text(&mut self, text: &str) -> Result<(), String>;
 
-    /// Handles a binary message. An error describes the problem.
+    /// Handles a binary message. An error describes the reason why it can't be read.
     fn binary(&mut self, bytes: &[u8]) -> Result<(), String>;
 
     /// Sends requests that are due. Returns the time at which the next one is due.
@@ -86,7 +85,7 @@ pub(super) fn step(client: &mut impl Protocol, deadline: Instant) -> bool {
         _ => Ok(()),
     };
     if let Err(problem) = handled {
-        client.link().problem(problem);
+        client.link().unreadable(problem);
     }
     // Many messages without an event must not hold up the caller.
     !client.link().is_closed && Instant::now() < deadline
@@ -97,7 +96,7 @@ pub(super) struct Link {
     socket: WebSocket<Stream>,
     heartbeat: Heartbeat,
     events: VecDeque<Event>,
-    problems: usize,
+    problems: Problems,
     is_closed: bool,
 }
 
@@ -113,7 +112,13 @@ impl Link {
             HandshakeError::Failure(error) => explain(service, Some(&error)),
         })?;
         let heartbeat = Heartbeat::new(Instant::now());
-        Ok(Self { socket, heartbeat, events: VecDeque::new(), problems: 0, is_closed: false })
+        Ok(Self {
+            socket,
+            heartbeat,
+            events: VecDeque::new(),
+            problems: Problems::default(),
+            is_closed: false,
+        })
     }
 
     /// Adds an event.
@@ -121,14 +126,14 @@ impl Link {
         self.events.push_back(event);
     }
 
-    /// Reports a problem, unless there were too many.
-    pub(super) fn problem(&mut self, problem: String) {
-        self.problems = self.problems.saturating_add(1);
-        if self.problems <= MAX_PROBLEMS {
-            self.push(Event::Problem(problem));
-        } else if self.problems == MAX_PROBLEMS + 1 {
-            self.push(Event::Problem("further problems are not reported".to_owned()));
-        }
+    /// Reports a remark, unless it was reported before or there were too many problems.
+    pub(super) fn problem(&mut self, text: String) {
+        self.events.extend(self.problems.remark(text));
+    }
+
+    /// Reports data that isn't received or can't be read, unless it was reported before or there were too many problems.
+    pub(super) fn unreadable(&mut self, text: String) {
+        self.events.extend(self.problems.unreadable(text));
     }
 
     /// The reason for the end of the connection. `None` if it is open.
@@ -291,7 +296,10 @@ fn ended(error: &Error) -> String {
         Error::Io(error) if error.kind() == io::ErrorKind::ConnectionReset => {
             "the server reset the connection".to_owned()
         }
-        Error::Capacity(_) => format!("received a message of more than {} MiB", MAX_MESSAGE >> 20),
+        Error::Capacity(_) => {
+            let limit = MAX_MESSAGE >> 20;
+            format!("received a message of more than {limit} MiB: select other topics with --topics")
+        }
         error => format!("the connection failed: {error}"),
     }
 }

@@ -63,7 +63,7 @@ pub(super) struct Zenoh {
     domain: u16,
     graph: Graph,
     /// Problems that this thread found. It can't use the queue, where it would wait for itself.
-    problems: VecDeque<String>,
+    problems: VecDeque<Event>,
     subscriptions: HashMap<Arc<str>, Subscription>,
     publications: Vec<Publication>,
     last_id: u64,
@@ -149,7 +149,7 @@ impl Zenoh {
             let query = query.consolidation(ConsolidationMode::None).accept_replies(ReplyKeyExpr::Any);
             let query = query.allowed_destination(Locality::Remote);
             if let Err(error) = query.callback(move |reply| waiting.accept(&reply)).wait() {
-                self.problems.push_back(failure("query", &selector, &error));
+                self.problems.push_back(Event::Unreadable(failure("query", &selector, &error)));
             }
         }
     }
@@ -164,13 +164,17 @@ impl Zenoh {
                     self.unqueried.insert(Arc::clone(name));
                 }
             }
-            EndpointKind::Subscriber => self.problems.extend(self.mismatch(endpoint)),
+            EndpointKind::Subscriber => self.problems.extend(self.mismatch(endpoint).map(Event::Problem)),
         }
     }
 
     /// The problem that a subscriber doesn't receive the messages of this program, because it expects another type.
     fn mismatch(&self, subscriber: &Endpoint) -> Option<String> {
         let (type_name, hash) = (&*subscriber.type_name, subscriber.type_hash.as_deref());
+        if type_name.is_empty() {
+            // The type is unknown.
+            return None;
+        }
         let mut topics = self.publications.iter().map(Publication::topic);
         let topic = topics.find(|topic| {
             *topic.name == *subscriber.topic
@@ -205,7 +209,7 @@ impl Bus for Zenoh {
         while !self.is_closed {
             self.query_stored();
             if let Some(problem) = self.problems.pop_front() {
-                return Some(Event::Problem(problem));
+                return Some(problem);
             }
             let event = self.queue.receive(deadline.min(self.checked + CHECK_PERIOD));
             let event = match event {
@@ -225,7 +229,7 @@ impl Bus for Zenoh {
 
     fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
         if let Some(subscription) = self.subscriptions.get(&topic.name) {
-            self.problems.extend(subscription.other_type(topic));
+            self.problems.extend(subscription.other_type(topic).map(Event::Unreadable));
             return Ok(());
         }
         let key = keys::subscription_key(self.domain, topic)?;
@@ -259,6 +263,10 @@ impl Bus for Zenoh {
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
         let publication = self.publications.get_mut(publisher.0);
         publication.ok_or_else(|| format!("found no publisher {}", publisher.0))?.publish(payload)
+    }
+
+    fn remaining_losses(&mut self) -> Vec<Event> {
+        self.queue.remaining_losses()
     }
 }
 

@@ -294,11 +294,13 @@ impl Hub {
         if self.options.rate <= 0.0 {
             return;
         }
-        let period = Duration::from_secs_f64(1.0 / self.options.rate);
+        // A period that is too long for a duration never ends.
+        let Ok(period) = Duration::try_from_secs_f64(1.0 / self.options.rate) else { return };
         let late = self.elapsed.saturating_sub(self.notified);
         if late >= period {
             // A short delay doesn't reduce the rate. After a longer delay, missed notifications are skipped.
-            self.notified = if late < period * 2 { self.notified + period } else { self.elapsed };
+            let is_short = late < period.saturating_mul(2);
+            self.notified = if is_short { self.notified + period } else { self.elapsed };
             self.notify_of_uavs();
             self.notify_of_devices();
         }

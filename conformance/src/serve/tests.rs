@@ -422,6 +422,18 @@ fn reports_a_server_that_stopped_because_of_an_internal_error() {
 }
 
 #[test]
+fn accepts_any_rate() {
+    for rate in [f64::MIN_POSITIVE, 1e-20, 1e-19, 1e-10] {
+        let mut hub = Hub::new(Options { rate, ..Options::default() }, family::answer);
+        let sink = Rc::new(RecordingSink::default());
+        hub.open(ConnectionKind::Persistent, Rc::<RecordingSink>::clone(&sink));
+        hub.advance(Duration::from_secs(1));
+        let sent = sink.0.lock().unwrap_or_else(PoisonError::into_inner);
+        assert!(!sent.iter().any(|text| text.contains("UAV-INF")), "{rate}");
+    }
+}
+
+#[test]
 fn limits_notifications_that_requests_cause() {
     let mut hub = Hub::new(Options { rate: 0.0, ..Options::default() }, family::answer);
     let sink = Rc::new(RecordingSink::default());

@@ -8,6 +8,7 @@ use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_runtime::cdr::ByteOrder;
 
 use super::*;
+use crate::bus::Publisher;
 use crate::bus::memory::{MemoryBus, Network};
 use crate::model::{ApplicationType, Findings, Qos, Reliability};
 use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
@@ -89,6 +90,8 @@ fn probed_with(options: Options, act: impl FnOnce(&Network) + Send) -> Checked {
     assert_eq!(live.result.records, later.result.records);
     assert_eq!(live.result.notes, later.result.notes);
     assert_eq!(live.result.cut_short, later.result.cut_short);
+    assert_eq!(live.result.extent, later.result.extent);
+    assert_eq!(live.result.corruption, later.result.corruption);
     let texts = |checked: &Checked| {
         let groups = checked.result.findings.groups();
         let texts = groups.flat_map(|group| group.examples.clone());
@@ -300,6 +303,18 @@ fn several_vehicles_require_a_choice() {
 }
 
 #[test]
+fn vehicles_that_left_need_no_choice() {
+    let found = probed_with(Options { role: Some(Side::Component), ..options(TIME, None) }, |network| {
+        let [gone, present] = ["/a/fmu/out/wind", "/b/fmu/out/wind"].map(Endpoint::publisher);
+        let ended = Event::Ended(gone.id.clone());
+        for event in [Event::Endpoint(gone), ended, Event::Endpoint(present)] {
+            network.send(&event, usize::MAX);
+        }
+    });
+    assert_eq!(found.result.cut_short, Vec::<String>::new());
+}
+
+#[test]
 fn an_application_of_another_release_is_found() {
     let found = compared_with("px4@1.17");
     let groups: Vec<_> = found.result.findings.groups().collect();
@@ -322,6 +337,73 @@ fn lost_messages_make_the_outcome_incomplete() {
         thread::sleep(TIME);
     });
     assert_eq!(outcome(found), OutcomeKind::Incomplete);
+}
+
+/// The texts about data that wasn't received or can't be read.
+fn gaps(checked: &Checked) -> Vec<&str> {
+    checked.result.corruption.iter().map(|(_, text)| text.as_str()).collect()
+}
+
+#[test]
+fn unreadable_messages_make_the_outcome_incomplete() {
+    let found = probed(TIME, |network| {
+        let definitions = Definitions::built_in();
+        fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
+        for _ in 0..2 {
+            network.send(&Event::Unreadable("/wind: invalid \u{1b}".to_owned()), usize::MAX);
+        }
+        thread::sleep(TIME);
+    });
+    assert_eq!(found.result.notes, Vec::<String>::new());
+    assert_eq!(gaps(&found), ["/wind: invalid \\u{1b} (2 times)"]);
+    assert_eq!(outcome(found), OutcomeKind::Incomplete);
+}
+
+/// A bus that refuses all topics, and reports a loss at the end.
+struct Refusing(MemoryBus);
+
+impl Bus for Refusing {
+    fn receive(&mut self, deadline: Instant) -> Option<Event> {
+        self.0.receive(deadline)
+    }
+
+    fn subscribe(&mut self, _: &Topic, _: &Qos) -> Result<(), String> {
+        Err("refused".to_owned())
+    }
+
+    fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String> {
+        self.0.advertise(topic, qos)
+    }
+
+    fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
+        self.0.publish(publisher, payload)
+    }
+
+    fn remaining_losses(&mut self) -> Vec<Event> {
+        vec![Event::Lost { topic: "/wind".into(), count: 3 }]
+    }
+}
+
+#[test]
+fn refused_topics_and_late_losses_make_the_outcome_incomplete() {
+    let (network, library) = (Network::default(), Library::built_in());
+    let mut bus = Refusing(network.connect("/probe"));
+    network.send(&Event::Endpoint(Endpoint::publisher("/wind")), usize::MAX);
+    let found = probe(&mut bus, &library, &options(TIME, None), &|_| {}).expect("a result");
+    let lost = "3 messages of /wind were lost before they were recorded";
+    assert_eq!(gaps(&found), ["/wind: refused", lost]);
+    assert_eq!(outcome(found), OutcomeKind::Incomplete);
+}
+
+#[test]
+fn notes_beyond_the_maximum_are_counted() {
+    let found = probed(TIME, |network| {
+        for number in 0..MAX_NOTES + 7 {
+            network.send(&Event::Problem(format!("remark {number}")), usize::MAX);
+        }
+    });
+    assert_eq!(found.result.notes.len(), MAX_NOTES + 1);
+    assert_eq!(found.result.notes[MAX_NOTES], "… and 7 more notes");
 }
 
 #[test]

@@ -15,11 +15,12 @@ use ratatui::crossterm::event;
 use super::{Input, MAX_FRAME_TIME, MIN_FRAME_TIME, Restore, WAITING_LIMIT, WatchArgs, install_end};
 use super::{forward_terminal_events, has_colours};
 use crate::app::report::print_result;
-use crate::app::{Status, explain, library};
+use crate::app::{Status, explain, interrupt, library};
 use crate::bus::{self, Address};
 use crate::definitions::Library;
 use crate::story::Texts;
 use crate::text::terminal;
+use crate::vehicle::remove_recordings;
 use crate::watch::screen::Step;
 use crate::watch::vehicle::playback::{Kind, Playback};
 use crate::watch::vehicle::screen::{Command, Screen};
@@ -83,23 +84,36 @@ pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Result<Statu
     });
     let status = show_vehicle(args, &playback, &labels);
     IS_STOPPED.store(true, Ordering::Relaxed);
-    // The receiver removes its temporary file.
+    // The receiver removes its temporary file, if it stops in time.
     let end = Instant::now() + STOP_TIME;
     while !receiver.is_finished() && Instant::now() < end {
         thread::sleep(Duration::from_millis(5));
     }
+    remove_recordings();
     status
 }
 
 /// Shows the state of a live vehicle, or prints it.
 fn show_vehicle(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Result<Status, Status> {
     let started = Instant::now();
+    if is_once(args) {
+        remove_on_signal(labels)?;
+    }
     playback.wait_for_start().map_err(|problem| failed(labels, &problem))?;
     if is_once(args) {
         thread::sleep(args.time.unwrap_or(TIME).saturating_sub(started.elapsed()));
         return print_once(playback, labels);
     }
     show(playback, labels)
+}
+
+/// Removes the temporary recording if a signal ends the program.
+fn remove_on_signal(labels: &Labels) -> Result<(), Status> {
+    ctrlc::set_handler(|| {
+        remove_recordings();
+        std::process::exit(interrupt::INTERRUPTED);
+    })
+    .map_err(|error| failed(labels, &format!("can't handle signals: {error}")))
 }
 
 /// Replays a capture.

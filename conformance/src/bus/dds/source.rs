@@ -15,6 +15,10 @@ use crate::model::{Qos, Reliability};
 /// The maximum number of messages that are read from a topic before the next topic's turn.
 const BATCH: usize = 64;
 
+/// The maximum distance of a late message from the latest one. A greater distance means that the numbers of the publisher
+/// started again.
+const MAX_LATENESS: u64 = 1_000;
+
 /// A subscribed topic.
 pub(crate) struct Source {
     pub(crate) topic: Topic,
@@ -97,10 +101,15 @@ impl Source {
         if endpoints.is_own(guid) {
             return;
         }
-        let publisher = self.publisher(guid, message.sequence_number.into(), endpoints);
-        publisher.count(message.sequence_number.into());
+        let (number, is_reliable) = (message.sequence_number.into(), self.is_reliable);
+        let publisher = self.publisher(guid, number, endpoints);
+        if !is_reliable && publisher.is_late(number) {
+            // It was reported as lost. ROS subscribers also ignore such messages.
+            return;
+        }
+        publisher.count(number);
         let (topic, missing) = (publisher.topic.clone(), publisher.missing);
-        if !self.is_reliable && missing > 0 {
+        if !is_reliable && missing > 0 {
             self.report_lost(guid, missing, events);
         }
         let time = nanoseconds(message.receive_instant);
@@ -156,6 +165,11 @@ impl Source {
 }
 
 impl Publisher {
+    /// True if a later message has arrived already, or the same one.
+    fn is_late(&self, number: i64) -> bool {
+        number <= self.last && self.last.abs_diff(number) <= MAX_LATENESS
+    }
+
     /// Counts missing messages. A low sequence number is a message that was missing.
     fn count(&mut self, number: i64) {
         match number.saturating_sub(self.last) {
@@ -183,10 +197,23 @@ fn nanoseconds(time: Timestamp) -> u64 {
 mod tests {
     use super::*;
 
+    fn publisher(last: i64) -> Publisher {
+        let topic = Topic { name: "/wind".into(), type_name: "sky_msgs/msg/Wind".into(), type_hash: None };
+        Publisher { topic, last, missing: 0, overdue: 0 }
+    }
+
+    #[test]
+    fn late_messages_differ_from_numbers_that_start_again() {
+        let publisher = publisher(5_000);
+        for (number, is_late) in [(5_001, false), (5_000, true), (4_990, true), (1, false), (i64::MIN, false)]
+        {
+            assert_eq!(publisher.is_late(number), is_late, "{number}");
+        }
+    }
+
     #[test]
     fn messages_that_arrive_late_are_not_missing() {
-        let topic = Topic { name: "/wind".into(), type_name: "sky_msgs/msg/Wind".into(), type_hash: None };
-        let mut publisher = Publisher { topic, last: 4, missing: 0, overdue: 0 };
+        let mut publisher = publisher(4);
         for (number, missing) in [(5, 0), (9, 3), (7, 2), (6, 1), (10, 1), (8, 0), (3, 0), (i64::MAX, 1)] {
             publisher.count(number);
             assert_eq!(publisher.missing.min(3), missing.max(u64::from(number == i64::MAX) * 3));

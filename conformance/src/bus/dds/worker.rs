@@ -13,6 +13,7 @@ use rustdds::{
     StatusEvented,
 };
 
+use super::super::problems::Problems;
 use super::super::queue::Sender;
 use super::super::{Event, Topic};
 use super::endpoints::{Endpoints, Found, limit, stores};
@@ -22,6 +23,7 @@ use super::peers::Announcer;
 use super::reader::Readers;
 use super::source::Source;
 use crate::model::{Endpoint, EndpointKind, Qos};
+use crate::net::open_files;
 
 const WAKE: Token = Token(0);
 const STATUS: Token = Token(1);
@@ -39,14 +41,14 @@ const MAX_NEW: usize = 32;
 /// The time between turns while topics wait to be subscribed.
 const PAUSE: Duration = Duration::from_millis(5);
 
-/// The maximum number of different problems.
-const MAX_PROBLEMS: usize = 256;
-
 /// The maximum number of subscribed topics.
 const MAX_SOURCES: usize = 1_000;
 
 /// The number of open files of a topic: two subscribers with two pairs of sockets each.
 const FILES_OF_A_SOURCE: u64 = 8;
+
+/// The number of open files for all topics. Half of the files are left for other purposes.
+pub(crate) const FILES: u64 = 2 * FILES_OF_A_SOURCE * MAX_SOURCES as u64;
 
 /// The running thread. It ends when it is dropped.
 pub(crate) struct Worker {
@@ -83,7 +85,7 @@ impl Worker {
                 max_sources: max_sources(),
                 has_more_topics: false,
                 events,
-                problems: HashSet::new(),
+                problems: Problems::default(),
             };
             let thread = thread::Builder::new().name("dds".to_owned()).spawn(move || run(state))?;
             Ok(Self { commands: Some(commands), waker, thread: Some(thread) })
@@ -113,12 +115,9 @@ impl Drop for Worker {
 
 /// The number of topics for which the process may open files.
 fn max_sources() -> usize {
-    #[cfg(unix)]
-    if let Ok((files, _)) = nix::sys::resource::getrlimit(nix::sys::resource::Resource::RLIMIT_NOFILE) {
-        // Half of the files are left for other purposes.
-        return usize::try_from(files / 2 / FILES_OF_A_SOURCE).unwrap_or(MAX_SOURCES).min(MAX_SOURCES);
-    }
-    MAX_SOURCES
+    // Half of the files are left for other purposes.
+    let sources = open_files().and_then(|files| usize::try_from(files / 2 / FILES_OF_A_SOURCE).ok());
+    sources.map_or(MAX_SOURCES, |sources| sources.min(MAX_SOURCES))
 }
 
 /// Runs until the bus is dropped. A panic in rustdds ends the connection, but not the program.
@@ -150,7 +149,7 @@ struct State {
     memory: Memory,
     participant: DomainParticipant,
     events: Sender,
-    problems: HashSet<String>,
+    problems: Problems,
 }
 
 impl State {
@@ -222,7 +221,7 @@ impl State {
         if let Some(source) = self.sources.iter().find(|source| source.topic.name == topic.name) {
             let (first, second) = (source.topic.type_name.escape_debug(), topic.type_name.escape_debug());
             if source.topic.type_name != topic.type_name {
-                self.problem(format!(
+                self.unreadable(format!(
                     "{name}: messages of type {second} may be missing: the topic has two types, and {first} was \
                      subscribed first"
                 ));
@@ -231,8 +230,8 @@ impl State {
         }
         if self.sources.len() >= self.max_sources {
             let count = self.max_sources;
-            self.problem(format!(
-                "only the first {count} topics are subscribed: each needs open files (`ulimit -n`)"
+            self.unreadable(format!(
+                "only the first {count} topics are received: each needs open files (`ulimit -n`)"
             ));
             return;
         }
@@ -240,7 +239,7 @@ impl State {
         let token = Token(FIRST_SOURCE + self.sources.len());
         match Source::create(topic, qos, &self.readers, self.poll.registry(), token) {
             Ok(source) => self.sources.push(source),
-            Err(error) => return self.problem(format!("{name}: {error}")),
+            Err(error) => return self.unreadable(format!("{name}: {error}")),
         }
         if has_stored {
             self.request_stored(self.sources.len() - 1);
@@ -251,7 +250,7 @@ impl State {
         let source = &mut self.sources[index];
         if let Err(error) = source.request_stored(&self.readers, self.poll.registry()) {
             let problem = format!("{}: no stored messages: {error}", source.topic.name.escape_debug());
-            self.problem(problem);
+            self.unreadable(problem);
         }
     }
 
@@ -261,14 +260,21 @@ impl State {
             problems.extend(source.read(&self.endpoints, &self.events).err());
         }
         for problem in problems {
-            self.problem(problem);
+            self.unreadable(problem);
         }
     }
 
-    /// Reports a problem, once.
+    /// Reports a remark unless it was reported before.
     fn problem(&mut self, text: String) {
-        if self.problems.len() < MAX_PROBLEMS && self.problems.insert(text.clone()) {
-            self.events.send(Event::Problem(text));
+        if let Some(event) = self.problems.remark(text) {
+            self.events.send(event);
+        }
+    }
+
+    /// Reports data that isn't received or can't be read, unless it was reported before.
+    fn unreadable(&mut self, text: String) {
+        if let Some(event) = self.problems.unreadable(text) {
+            self.events.send(event);
         }
     }
 

@@ -14,7 +14,7 @@ const MAX_SCHEMA: usize = 1 << 20;
 pub(super) struct Channel {
     /// The topic.
     pub(super) topic: Topic,
-    /// The encoding; its name if it isn't supported.
+    /// The encoding. An error describes the reason why the messages can't be read.
     pub(super) encoding: Result<Encoding, String>,
     /// The schema.
     pub(super) schema: Option<Arc<Schema>>,
@@ -32,13 +32,24 @@ impl Channel {
         let encoding = string(described, "encoding")?;
         check_name("encoding", encoding)?;
         let topic = Topic { name: name.into(), type_name: type_name.into(), type_hash: None };
-        let schema = schema(described, encoding)?.map(Arc::new);
+        let schema = schema(described, encoding);
         let encoding = match encoding {
             "cdr" => Ok(Encoding::Cdr),
             "json" => Ok(Encoding::Json),
-            other => Err(other.to_owned()),
+            other => Err(format!("expected cdr or json, found {other:?}")),
         };
-        Ok((id, Self { topic, encoding, schema, subscription: None }))
+        let mut channel = Self { topic, encoding, schema: None, subscription: None };
+        match schema {
+            Ok(schema) => channel.schema = schema.map(Arc::new),
+            Err(problem) => channel.refuse(problem),
+        }
+        Ok((id, channel))
+    }
+
+    /// Drops the schema. The messages then can't be read for this reason.
+    pub(super) fn refuse(&mut self, problem: String) {
+        self.encoding = Err(problem);
+        self.schema = None;
     }
 
     /// The size of the schema, in bytes.

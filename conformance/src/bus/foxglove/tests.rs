@@ -86,6 +86,20 @@ fn reports_unsupported_encodings_once() {
         (problems.len(), problems[0]),
         (2, "can't read \"/p\" (channel 1): expected cdr or json, found \"protobuf\"")
     );
+    assert!(events.iter().any(|event| matches!(event, Event::Unreadable(_))), "{events:?}");
+}
+
+#[test]
+fn a_full_send_buffer_means_lost_messages() {
+    let mut bus = client(|peer| {
+        for text in ["Send buffer limit reached", "slow"] {
+            send(peer, &[&format!(r#"{{"op":"status","level":1,"message":"{text}"}}"#)]);
+        }
+    });
+    let events = events(&mut bus);
+    let [Event::Unreadable(lost), Event::Problem(remark), _] = &events[..] else { panic!("{events:?}") };
+    assert_eq!(lost, "the server dropped messages: \"Send buffer limit reached\"");
+    assert_eq!(remark, "the server reports a warning: \"slow\"");
 }
 
 #[test]
@@ -129,7 +143,7 @@ fn reports_each_hostile_message() {
     let texts = [
         String::new(),
         "NaN".to_owned(),
-        "[]".to_owned(),
+        r#"{"op":null}"#.to_owned(),
         r#"{"op":7}"#.to_owned(),
         r#"{"op":"advertise"}"#.to_owned(),
         r#"{"op":"advertise","channels":[{"id":-1}]}"#.to_owned(),
@@ -167,6 +181,7 @@ fn limits_channels_and_schemas() {
         let large = channel(1, "/x", "cdr").replace("uint8 a", &schema);
         send(peer, &[&many, &large]);
     });
+    bus.subscribe(&topic("/x"), &Qos::WEAKEST).expect("subscribe");
     let events = events(&mut bus);
     assert_eq!((bus.channels.len(), bus.schemas), (MAX_ENDPOINTS - 1, 0));
     let problems = problems(&events);
@@ -179,7 +194,7 @@ fn fails_to_publish_to_a_server_that_does_not_read() {
     let (done, wait) = std::sync::mpsc::channel::<()>();
     let mut bus = client(move |_| _ = wait.recv());
     bus.publishers = 1;
-    let payload = vec![0; MAX_MESSAGE];
+    let payload = vec![0; 16 << 20];
     let error = (0..4).find_map(|_| bus.publish(Publisher(1), &payload).err()).expect("an error");
     assert!(error.contains("doesn't read"), "{error}");
     drop(done);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::bus::websocket::tests::{Peer, events, problems, send, server, text, topic};
+use crate::bus::websocket::tests::{Peer, events, problems, send, server, soon, text, topic};
 
 const CALL: &str = r#"{"op":"call_service","id":"topics","service":"/rosapi/topics","args":{}}"#;
 
@@ -115,7 +115,6 @@ fn subscribes_to_named_topics_without_rosapi_until_messages_arrive() {
     let Some(Event::Problem(problem)) = problem else { panic!("{problem:?}") };
     assert!(problem.contains("names without patterns"), "{problem}");
     bus.subscribe_names();
-    bus.subscribe_names();
     let events = events(&mut bus);
     assert_eq!(received(&events), [("/a", "", "{}")]);
     assert_eq!(bus.names, Vec::<String>::new());
@@ -129,6 +128,58 @@ fn reports_a_rosapi_that_does_not_answer() {
     assert!(problems(&events)[0].contains("no answer within 10s"), "{events:?}");
 }
 
+#[test]
+fn asks_again_after_a_failure() {
+    let mut bus = client(|peer| {
+        assert_eq!(text(peer), CALL);
+        send(peer, &[&list_of(r#"["/a"]"#, "[]")]);
+        assert_eq!(text(peer), CALL);
+        send(peer, &[&list_of(r#"["/a"]"#, r#"["a/msg/B"]"#)]);
+    });
+    let problem = bus.receive(soon());
+    assert!(
+        matches!(&problem, Some(Event::Problem(text)) if text.contains("1 topics but 0 types")),
+        "{problem:?}"
+    );
+    bus.fail("a second failure isn't reported");
+    bus.listing = Listing::Due(Instant::now());
+    let found = bus.receive(soon());
+    assert!(matches!(found, Some(Event::Endpoint(_))), "{found:?}");
+    assert!(!bus.has_failed);
+}
+
+#[test]
+fn accepts_a_late_list() {
+    let (timed_out, wait) = std::sync::mpsc::channel::<()>();
+    let mut bus = client(move |peer| {
+        assert_eq!(text(peer), CALL);
+        let _ = wait.recv();
+        send(peer, &[&list_of(r#"["/a"]"#, r#"["a/msg/B"]"#)]);
+    });
+    assert!(bus.receive(Instant::now() + Duration::from_millis(50)).is_none());
+    bus.listing = Instant::now().checked_sub(LIST_LIMIT).map(Listing::Requested).expect("a time");
+    assert!(matches!(bus.receive(soon()), Some(Event::Problem(_))));
+    drop(timed_out);
+    assert!(matches!(bus.receive(soon()), Some(Event::Endpoint(_))));
+    assert!(!bus.has_failed);
+}
+
+#[test]
+fn refused_topics_are_not_received() {
+    let mut bus = client(|peer| {
+        text(peer);
+        for (id, level) in [("topics", "error"), ("", "warning"), ("", "error")] {
+            let status = format!(r#"{{"op":"status","id":"{id}","level":"{level}","msg":"no type {id}"}}"#);
+            send(peer, &[&status]);
+        }
+    });
+    let events = events(&mut bus);
+    let [Event::Problem(_), Event::Problem(_), Event::Unreadable(text), _] = &events[..] else {
+        panic!("{events:?}");
+    };
+    assert_eq!(text, "the server reports a problem: \"no type \"");
+}
+
 /// A message that is nested too deeply is reported instead of passed on.
 #[test]
 fn reports_each_hostile_message() {
@@ -137,7 +188,7 @@ fn reports_each_hostile_message() {
     let texts = [
         String::new(),
         deep(""),
-        deep(&("]".repeat(100_000) + "}")),
+        " ".to_owned() + &deep(&("]".repeat(100_000) + "}")),
         r#"{"op":"publish","topic":"/a"}"#.to_owned(),
         r#"{"op":"publish","msg":{}}"#.to_owned(),
         r#"{"op":"publish","topic":"/other","msg":1}"#.to_owned(),

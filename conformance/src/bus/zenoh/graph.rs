@@ -4,11 +4,9 @@ use std::collections::HashMap;
 use std::mem;
 
 use super::token::Token;
+use crate::bus::problems::Problems;
 use crate::bus::{Event, MAX_ENDPOINTS, Topic};
 use crate::model::Endpoint;
-
-/// The maximum number of reported problems.
-const MAX_PROBLEMS: usize = 100;
 
 /// The event for a token that appeared. `None` for own tokens, nodes and services.
 pub(super) fn appeared(key: &str, own_session: &str) -> Option<Event> {
@@ -38,39 +36,28 @@ pub(super) struct Graph {
     endpoints: HashMap<String, Endpoint>,
     /// True if the limit of the endpoints was reported.
     is_full: bool,
-    problems: usize,
+    problems: Problems,
 }
 
 impl Graph {
     /// Follows an event. Returns the event to report: a token may arrive twice, and the numbers of endpoints and
     /// problems are limited.
     pub(super) fn follow(&mut self, event: Event) -> Option<Event> {
-        match &event {
+        match event {
             Event::Endpoint(endpoint) if self.endpoints.contains_key(&endpoint.id) => None,
             Event::Endpoint(_) if self.endpoints.len() >= MAX_ENDPOINTS => {
                 let is_first = !mem::replace(&mut self.is_full, true);
                 is_first.then(|| {
-                    Event::Problem(format!("found more than {MAX_ENDPOINTS} endpoints: ignored the rest"))
+                    Event::Unreadable(format!("found more than {MAX_ENDPOINTS} endpoints: ignored the rest"))
                 })
             }
             Event::Endpoint(endpoint) => {
                 self.endpoints.insert(endpoint.id.clone(), endpoint.clone());
-                Some(event)
+                Some(Event::Endpoint(endpoint))
             }
-            Event::Ended(id) => self.endpoints.remove(id).map(|_| event),
-            Event::Problem(_) => self.limited(event),
+            Event::Ended(id) => self.endpoints.remove(&id).map(|_| Event::Ended(id)),
+            Event::Problem(text) => self.problems.remark(text),
             _ => Some(event),
-        }
-    }
-
-    fn limited(&mut self, problem: Event) -> Option<Event> {
-        self.problems = self.problems.saturating_add(1);
-        match self.problems {
-            ..=MAX_PROBLEMS => Some(problem),
-            count if count == MAX_PROBLEMS + 1 => {
-                Some(Event::Problem(format!("found more than {MAX_PROBLEMS} problems: ignored the rest")))
-            }
-            _ => None,
         }
     }
 
@@ -112,14 +99,14 @@ mod tests {
         let (endpoints, problems): (Vec<_>, Vec<_>) =
             events.partition(|event| matches!(event, Event::Endpoint(_)));
         assert_eq!(endpoints.len(), MAX_ENDPOINTS);
-        assert!(matches!(&problems[..], [Event::Problem(text)] if text.contains("10000 endpoints")));
+        assert!(matches!(&problems[..], [Event::Unreadable(text)] if text.contains("10000 endpoints")));
     }
 
     #[test]
     fn limits_the_problems() {
         let mut graph = Graph::default();
-        let events = (0..3 * MAX_PROBLEMS).filter_map(|id| appear(&mut graph, &format!("@ros2_lv/{id}")));
-        assert_eq!(events.count(), MAX_PROBLEMS + 1);
+        let events = (0..1_000).filter_map(|id| appear(&mut graph, &format!("@ros2_lv/{id}")));
+        assert!(events.count() < 500);
     }
 
     #[test]

@@ -23,7 +23,7 @@ pub(super) enum Observation {
     New,
     /// The message is new, and this number of messages is missing before it.
     After(u64),
-    /// The message arrived before.
+    /// The message arrived before, or is older than live messages.
     Repeated,
 }
 
@@ -34,8 +34,8 @@ pub(super) struct Sequences(HashMap<[u8; 16], Sequence>);
 /// The numbers that arrived from a publisher.
 #[derive(Default)]
 struct Sequence {
-    /// The lowest and the highest number of a live message.
-    live: Option<(i64, i64)>,
+    /// The highest number of a live message.
+    live: Option<i64>,
     /// The highest number of a stored message.
     stored: Option<i64>,
 }
@@ -58,22 +58,22 @@ impl Sequences {
 impl Sequence {
     /// Observes a live message. Only these show gaps: a publisher stores only its latest messages.
     fn live(&mut self, number: i64) -> Observation {
-        let Some((lowest, highest)) = self.live else {
-            self.live = Some((number, number));
+        let Some(highest) = self.live else {
+            self.live = Some(number);
             let is_known = self.stored.is_some_and(|stored| number <= stored);
             return if is_known { Observation::Repeated } else { Observation::New };
         };
-        self.live = Some((lowest.min(number), highest.max(number)));
+        self.live = Some(highest.max(number));
         match number.checked_sub(highest).and_then(|step| u64::try_from(step).ok()) {
             Some(step) if step > 1 => Observation::After(step - 1),
             _ => Observation::New,
         }
     }
 
-    /// Observes a stored message. It is new if it's newer than other stored messages, and older than live ones.
+    /// Observes a stored message. It is new if it's newer than other stored messages, and no live message has arrived: an
+    /// older message would be out of order.
     fn stored(&mut self, number: i64) -> Observation {
-        let is_live = self.live.is_some_and(|(lowest, _)| number >= lowest);
-        if is_live || self.stored.is_some_and(|stored| number <= stored) {
+        if self.live.is_some() || self.stored.is_some_and(|stored| number <= stored) {
             return Observation::Repeated;
         }
         self.stored = Some(number);
@@ -118,6 +118,8 @@ mod tests {
         assert_eq!(observe(&mut sequences, 1, 5, Delivery::Live), Observation::Repeated);
         assert_eq!(observe(&mut sequences, 1, 6, Delivery::Live), Observation::New);
         assert_eq!(observe(&mut sequences, 1, 6, Delivery::Stored), Observation::Repeated);
+        assert_eq!(observe(&mut sequences, 3, 8, Delivery::Live), Observation::New);
+        assert_eq!(observe(&mut sequences, 3, 7, Delivery::Stored), Observation::Repeated);
         assert_eq!(observe(&mut sequences, 2, 9, Delivery::Stored), Observation::New);
         assert_eq!(observe(&mut sequences, 2, 12, Delivery::Live), Observation::New);
     }

@@ -157,11 +157,15 @@ fn reports_other_types_of_a_topic() {
     let [first, second] = [topic("/wind", Some("RIHS01_1")), topic("/wind", Some("RIHS01_2"))];
     bus.subscribe(&first, &Qos::WEAKEST).expect("subscribed");
     bus.subscribe(&second, &Qos::WEAKEST).expect("not an error");
-    assert!(matches!(next(&mut bus), Event::Problem(text) if text.contains("RIHS01_2")));
+    assert!(matches!(next(&mut bus), Event::Unreadable(text) if text.contains("RIHS01_2")));
     bus.advertise(&first, &Qos::PX4).expect("advertised");
     router.announce(EndpointKind::Subscriber, &second, Qos::PX4);
     assert!(matches!(next(&mut bus), Event::Endpoint(_)));
     assert!(matches!(next(&mut bus), Event::Problem(text) if text.contains("/peer expects p/msg/A")));
+    let unknown = Topic { type_name: "".into(), ..topic("/wind", None) };
+    router.announce(EndpointKind::Subscriber, &unknown, Qos::PX4);
+    assert!(matches!(next(&mut bus), Event::Endpoint(_)));
+    assert!(bus.receive(Instant::now() + Duration::from_millis(200)).is_none());
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         status: Status::Normative,
         statement: "All publishers and subscribers of a topic have the same type: the same name, and the same type \
                     hash.",
-        source: "DDS 1.4, 2.2.2.2; ROS 2, REP 2011: type hashes",
+        source: "DDS 1.4, 2.2.2.2; ROS 2 REP 2016 (RIHS01)",
         applies_to: "publishers and subscribers of a live vehicle",
         why: "Endpoints whose types have different names don't exchange messages. Endpoints with the same name and \
               different definitions exchange messages, but decode wrong values. An application that was built for \
@@ -47,10 +47,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     ],
 };
 
-/// The difference between the types of two endpoints.
-#[allow(clippy::unnecessary_wraps, reason = "`None` means that a rule doesn't apply to the pair")]
+/// The difference between the types of two endpoints. `None` if one of them states no type.
 fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {
-    Some(difference(endpoint, other).into_iter().collect())
+    let are_known = [endpoint, other].iter().all(|endpoint| !endpoint.type_name.is_empty());
+    are_known.then(|| difference(endpoint, other).into_iter().collect())
 }
 
 fn difference(endpoint: &Endpoint, other: &Endpoint) -> Option<Detail> {
@@ -78,4 +78,40 @@ fn with_other(mut bag: Bag, change: impl FnOnce(&mut Endpoint)) -> Option<Bag> {
     change(&mut endpoint);
     bag.endpoints.push(endpoint);
     Some(bag)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn endpoint(type_name: &str, type_hash: Option<&str>) -> Endpoint {
+        let (type_name, type_hash) = (type_name.to_owned(), type_hash.map(str::to_owned));
+        Endpoint { type_name, type_hash, ..Endpoint::publisher("/wind") }
+    }
+
+    /// The number of violations. `None` if the rule doesn't apply.
+    fn count(endpoint: &Endpoint, other: &Endpoint) -> Option<usize> {
+        violations(endpoint, other).map(|found| found.len())
+    }
+
+    #[test]
+    fn unknown_types_are_not_compared() {
+        let [known, unknown] = ["sky_msgs/msg/Wind", ""].map(|name| endpoint(name, None));
+        assert_eq!(count(&known, &unknown), None);
+        assert_eq!(count(&unknown, &known), None);
+        assert_eq!(count(&unknown, &unknown), None);
+    }
+
+    #[test]
+    fn names_and_known_hashes_are_compared() {
+        let wind = endpoint("sky_msgs/msg/Wind", Some("RIHS01_1"));
+        for (name, hash, expected) in [
+            ("sky_msgs/msg/Wind", Some("RIHS01_1"), 0),
+            ("sky_msgs/msg/Wind", None, 0),
+            ("sky_msgs/msg/Wind", Some("RIHS01_2"), 1),
+            ("sky_msgs/msg/Storm", Some("RIHS01_1"), 1),
+        ] {
+            assert_eq!(count(&wind, &endpoint(name, hash)), Some(expected), "{name} {hash:?}");
+        }
+    }
 }

@@ -4,6 +4,8 @@ use std::cell::Cell;
 use std::rc::Rc;
 use std::time::Duration;
 
+use crate::net::open_files;
+
 /// The maximum length of a received message, in bytes. A list of 10,000 ids is much shorter.
 pub(super) const REQUEST_LIMIT: usize = 1 << 20;
 
@@ -72,34 +74,11 @@ pub(super) fn connections() -> usize {
     files.map_or(CONNECTION_LIMIT, |files| files.min(CONNECTION_LIMIT))
 }
 
-/// The number of files that the process may open, if the system limits it.
-#[cfg(unix)]
-fn open_files() -> Option<u64> {
-    use nix::sys::resource::{Resource, getrlimit};
-    getrlimit(Resource::RLIMIT_NOFILE).ok().map(|(soft, _)| soft)
-}
-
-#[cfg(not(unix))]
-fn open_files() -> Option<u64> {
-    None
-}
-
-/// Raises the number of files that the process may open, as far as the server needs it and the system permits it.
-#[cfg(unix)]
+/// Raises the number of files that the process may open, as far as the server needs it and the system permits it. Without
+/// permission, the server accepts fewer connections.
 pub(crate) fn raise_open_files() {
-    use nix::sys::resource::{Resource, getrlimit, setrlimit};
-    let wanted = CONNECTION_LIMIT as u64 + OTHER_FILES;
-    if let Ok((soft, hard)) = getrlimit(Resource::RLIMIT_NOFILE)
-        && soft < wanted
-    {
-        // Without permission, the server accepts fewer connections.
-        let _ = setrlimit(Resource::RLIMIT_NOFILE, wanted.min(hard), hard);
-    }
+    crate::net::raise_open_files(CONNECTION_LIMIT as u64 + OTHER_FILES);
 }
-
-/// Raises the number of files that the process may open. This system has no such limit.
-#[cfg(not(unix))]
-pub(crate) fn raise_open_files() {}
 
 /// Memory that several clients share.
 #[derive(Debug)]

@@ -89,7 +89,7 @@ impl Bus for Tap<'_> {
         let event = self.bus.receive(deadline)?;
         match &event {
             Event::Lost { count, .. } => self.playback.lose(*count),
-            Event::Problem(problem) => self.playback.note(problem.clone()),
+            Event::Unreadable(problem) | Event::Problem(problem) => self.playback.note(problem.clone()),
             Event::Endpoint(_) | Event::Ended(_) | Event::Message(_) | Event::Closed(_) => {}
         }
         Some(event)
