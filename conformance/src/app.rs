@@ -2,9 +2,9 @@
 //!
 //! | Exit status | Meaning |
 //! |---:|---|
-//! | 0 | conforms, or no violations found with partial coverage |
-//! | 1 | does not conform |
-//! | 2 | invalid usage, unreadable definitions, or unreadable lists |
+//! | 0 | success: no MUST rule is violated; coverage may be partial |
+//! | 1 | does not conform, or another check failed |
+//! | 2 | invalid usage, unreadable definitions, or an unreadable list of known failures |
 //! | 3 | an input can't be opened, a report can't be written, or a testee or server failed |
 //! | 4 | an entry in a list of known failures no longer applies |
 //! | 5 | nothing was checked |
@@ -55,7 +55,7 @@ use crate::flockwave::body_schema::Schemas;
 use crate::report::Report;
 use crate::report::{Outcome, OutcomeKind};
 use crate::rules::RULES;
-use crate::text::{command_line, similar, terminal};
+use crate::text::{command_line, shown_words, similar, terminal};
 
 const PROGRAM: &str = "uavspec";
 
@@ -68,10 +68,12 @@ const EXAMPLES: &str = "Examples:
   uavspec rules PX-RANGE-01";
 
 const STATUS: &str = "Exit status:
-  0  conforms, no violations found with partial coverage, or success
-  1  does not conform
-  2  invalid usage, unreadable definitions, or unreadable lists
-  3  an input can't be opened, or a report, testee or server failed
+  0  success: no MUST rule is violated; coverage may be partial
+  1  does not conform, or another check failed
+  2  invalid usage, unreadable definitions, or an unreadable list of known
+     failures
+  3  an input can't be opened, a report can't be written, or a testee or
+     server failed
   4  an entry in a list of known failures no longer applies
   5  nothing was checked
   6  incomplete: some data can't be read, or too little was checked
@@ -80,14 +82,16 @@ If several statuses apply, the exit status is the first of 2, 3, 1, 6, 4 and 5
 that applies.";
 
 /// The exit statuses of a command that reports an outcome. `failure` is the meaning of status 3, `incomplete` that of
-/// status 6, if the command uses it.
+/// status 6, if the command uses it. `test`, which runs cases, doesn't use it.
 fn outcome_statuses(failure: &str, incomplete: Option<&str>) -> String {
+    let success = incomplete.map_or("no case failed", |_| "no MUST rule is violated");
     let incomplete = incomplete.map(|meaning| format!("\n  6  incomplete: {meaning}")).unwrap_or_default();
     format!(
         "Exit status:
-  0  conforms, or no violations found with partial coverage
+  0  {success}; coverage may be partial
   1  does not conform
-  2  invalid usage, unreadable definitions, or unreadable lists
+  2  invalid usage, unreadable definitions, or an unreadable list of known
+     failures
   3  {failure}
   4  an entry in a list of known failures no longer applies
   5  nothing was checked{incomplete}"
@@ -137,12 +141,16 @@ enum Command {
     /// Check how a testee implements the test protocol.
     #[command(subcommand, after_help = "Example:\n  uavspec testee lint -- ./my-codec --stdio")]
     Testee(testee::TesteeCommand),
-    /// Test a live Flockwave server.
+    /// Test a live Flockwave server, or check the messages of a live PX4 vehicle.
     ///
-    /// The probe sends each type of request that changes nothing, and listens for notifications. Then it tests how the
-    /// server handles split messages, invalid JSON and about forty malformed requests, each on a new connection.
+    /// To a server, the probe sends each type of request that changes nothing, and it listens for notifications. Then
+    /// it tests how the server handles split messages, invalid JSON and about forty malformed requests, each on a new
+    /// connection.
     ///
     /// The probe may crash a server that has bugs. Never probe a server that is controlling flying UAVs.
+    ///
+    /// On the bus of a PX4 vehicle, the probe only listens, unless --as or --application is given. It checks the
+    /// messages, and compares the publishers and subscribers of each topic.
     ///
     /// With --allow-commands, the given UAVs are calibrated and tested, put to sleep and woken up. They take off, fly
     /// at 10 m above home, return and land. After the landing, they are halted and restarted.
@@ -150,16 +158,19 @@ enum Command {
     /// Ctrl-C ends the probe. It first lands the UAVs that it commanded, stops their motors and wakes them, and then
     /// writes its reports. A second Ctrl-C leaves immediately. UAVs that may still fly are the last line printed.
     Probe(Box<probe::ProbeArgs>),
-    /// Run a reference Flockwave server with a simulated fleet.
+    /// Run a reference Flockwave server, or a reference PX4 flight controller or external mode.
     ///
-    /// The server prints the address of each transport on a separate line. Port 0 selects a free port. Each HTTP or
-    /// Socket.IO address serves both HTTP and Socket.IO.
+    /// The server has a simulated fleet. It prints the address of each transport on a separate line. Port 0 selects a
+    /// free port. Each HTTP or Socket.IO address serves both HTTP and Socket.IO.
     ///
     /// Clients can send commands to the UAVs. OBJ-CMD also accepts three simulation commands. `error` sets the given
     /// error codes, or clears all codes if none are given. `battery` sets the charge in percent. After `lose`, the UAV
     /// stops reporting.
     ///
     /// Anyone who can reach an address can use the server. Prefer loopback addresses.
+    ///
+    /// With --px4, the program takes part in the arming checks on a bus: as a flight controller, or with --component as
+    /// an external mode. Don't use the bus of a real vehicle.
     Serve(serve::ServeArgs),
     /// Show the fleet of a Flockwave server, or why a PX4 vehicle can't arm, in the terminal.
     ///
@@ -293,10 +304,10 @@ fn print_unknown_rule(problem: &str, id: &str) {
     print_unknown(problem, id, RULES.iter().map(|rule| rule.id), "run `uavspec rules` for a list");
 }
 
-/// The command line of this run.
+/// The command line of this run, without secrets.
 fn command() -> String {
-    let arguments: Vec<String> =
-        std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()).collect();
+    let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
+    let arguments = shown_words(arguments);
     command_line(["uavspec"].into_iter().chain(arguments.iter().map(String::as_str)))
 }
 

@@ -431,19 +431,27 @@ impl Report {
         Self { not_checked, ..self }
     }
 
+    /// Reports that an earlier run has checked all captures.
+    #[must_use]
+    pub(crate) fn with_nothing_new(self) -> Self {
+        let text = "No new captures: an earlier run has checked all of them";
+        Self { outcome: Outcome::new(OutcomeKind::Conforms, text), ..self }
+    }
+
     /// Reports outdated entries in lists of known failures. An outdated entry doesn't override a more severe outcome.
     #[must_use]
     pub(crate) fn with_stale(mut self, entries: Vec<Reason>) -> Self {
         if entries.is_empty() {
             return self;
         }
-        let mut remarks = vec![self.outcome.text.clone()];
-        remarks.extend(entries.iter().map(Reason::to_string));
+        let listed: Vec<String> = entries.iter().map(Reason::to_string).collect();
         self.reasons.extend(entries);
         if self.outcome.kind < OutcomeKind::Stale || self.outcome.is_success() {
             let text = "A list of known failures is out of date";
-            self.outcome = Outcome { remarks, ..Outcome::new(OutcomeKind::Stale, text) };
+            let outcome = Outcome::new(OutcomeKind::Stale, text);
+            self.outcome = Outcome { remarks: vec![std::mem::take(&mut self.outcome.text)], ..outcome };
         }
+        self.outcome.remarks.extend(listed);
         self
     }
 }

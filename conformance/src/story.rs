@@ -239,7 +239,7 @@ impl<'t> Follower<'t> {
     }
 
     fn finish(
-        mut self,
+        self,
         capture: String,
         result: &CaptureResult,
         definitions: &Definitions,
@@ -247,7 +247,6 @@ impl<'t> Follower<'t> {
         if let Summary::Unknown(unknown) = &result.summary {
             return Err(unknown.reason.clone());
         }
-        self.px4.finish(&mut self.lanes);
         let is_session = matches!(result.summary, Summary::Flockwave(_));
         let start = result.clock.start_time().unwrap_or(result.end.saturating_sub(result.duration));
         let end = result.end.max(self.latest);

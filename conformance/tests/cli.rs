@@ -276,6 +276,8 @@ fn strict_formats_and_required_rules_fail_the_run() {
         ("json", &["\"reasons\": [\n    {\n      \"message\": \"PX-VER-01 is required"]),
         ("markdown", &["PX-VER-01 is required"]),
         ("html", &["PX-VER-01 is required"]),
+        ("text", &["\nfailed       PX-VER-01 is required", "\ndoes not conform"]),
+        ("short", &["\nuavspec: error: PX-VER-01 is required"]),
     ] {
         let (_, printed, _) = check(&["--require", "PX-VER-01", "--format", kind]);
         assert!(marks.iter().all(|mark| printed.contains(mark)), "{kind}: {printed}");

@@ -198,14 +198,41 @@ fn place(place: &Place) -> Value {
     json!({ "artifactLocation": artifact, "region": region })
 }
 
-/// The URI of a file. A relative path stays relative to the reader's root.
+/// The URI of a file or of a URL. A relative path stays relative to the reader's root.
 fn uri(path: &str) -> String {
     let has_drive = matches!(path.as_bytes(), [drive, b':', b'/', ..] if drive.is_ascii_alphabetic());
     match path.split_at_checked(2) {
         Some((drive, rest)) if has_drive => format!("file:///{drive}{}", percent_encoded(rest)),
         _ if path.starts_with('/') => format!("file://{}", percent_encoded(path)),
-        _ => percent_encoded(path),
+        _ => match path.split_once("://").filter(|(scheme, _)| is_scheme(scheme)) {
+            Some((scheme, rest)) => {
+                let (server, rest) = rest.split_at(rest.find('/').unwrap_or(rest.len()));
+                format!("{scheme}://{}{}", encoded_part(server, ":@[]"), encoded_part(rest, ""))
+            }
+            None => percent_encoded(path),
+        },
     }
+}
+
+fn is_scheme(text: &str) -> bool {
+    text.starts_with(|first: char| first.is_ascii_alphabetic())
+        && text.bytes().all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'+' | b'-' | b'.'))
+}
+
+/// Encodes a part of a URL, except the characters in `kept` and the escape sequences, which are encoded already.
+fn encoded_part(part: &str, kept: &str) -> String {
+    let is_escape = |at: usize| {
+        let found = part.as_bytes().get(at..at + 3);
+        matches!(found, Some([b'%', high, low]) if high.is_ascii_hexdigit() && low.is_ascii_hexdigit())
+    };
+    let encoded = part.char_indices().map(|(at, character)| {
+        if kept.contains(character) || is_escape(at) {
+            character.to_string()
+        } else {
+            percent_encoded(character.encode_utf8(&mut [0; 4]))
+        }
+    });
+    encoded.collect()
 }
 
 /// Inserts a space into `](`, because `[text](address)` is a link even in plain messages.

@@ -203,13 +203,19 @@ fn code_quality_contains_all_findings() {
 }
 
 #[test]
-fn absolute_paths_become_file_urls() {
+fn locations_become_uris() {
     for (path, expected) in [
         ("/a b/c.msg", "file:///a%20b/c.msg"),
         ("C:/a b/c.msg", "file:///C:/a%20b/c.msg"),
         ("../c.msg", "../c.msg"),
         ("c:d.msg", "c%3Ad.msg"),
         ("é", "%C3%A9"),
+        ("tcp://127.0.0.1:5001", "tcp://127.0.0.1:5001"),
+        ("ws://[::1]:5000/a b", "ws://[::1]:5000/a%20b"),
+        ("s3://logs/a%20b/50%.ulg", "s3://logs/a%20b/50%25.ulg"),
+        ("abfss://logs@account/é:1.ulg", "abfss://logs@account/%C3%A9%3A1.ulg"),
+        ("a/b://c", "a/b%3A//c"),
+        ("://c", "%3A//c"),
     ] {
         let entry = Entry { place: place(path, 1, 1, 1), ..entry("quiet", Level::Error, "a") };
         let log = sarif(&report(vec![entry]));

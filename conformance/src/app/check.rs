@@ -88,8 +88,9 @@ pub(super) struct CheckArgs {
     /// .ulg, .ulge, .mcap, .db3, .json, .jsonl and .ndjson files. The folder of a rosbag2 bag is one input. Symbolic links are followed. Other files in folders are listed as not checked,
     /// unless they are hidden.
     ///
-    /// URLs are s3://BUCKET/PREFIX, gs://BUCKET/PREFIX, az://CONTAINER/PREFIX, and https://HOST/PATH: a capture, or a list
-    /// with a URL in each line. Credentials come from the environment, or from the machine in a cloud.
+    /// URLs are s3://BUCKET/FOLDER, gs://BUCKET/FOLDER, az://CONTAINER/FOLDER, and https://HOST/PATH: a capture, or a list
+    /// with a URL in each line. Credentials come from the environment, or from the machine in a cloud. URLs require a
+    /// program that was built with the feature `stores`.
     #[allow(clippy::doc_markdown, reason = "the help would show the marks of links")]
     #[arg(required = true, value_name = "FILE|URL")]
     files: Vec<PathBuf>,
@@ -131,7 +132,8 @@ pub(super) struct CheckArgs {
     /// Write tables to this folder, like --report parquet=DIR, and skip the captures that it contains.
     ///
     /// Continues a run that was interrupted, or adds new captures. A capture is skipped if the object store states the same
-    /// version of it, or if a file has the same size. Captures that couldn't be read are tried again.
+    /// version of it, or if a file has the same size. Captures that couldn't be read are tried again. This requires a
+    /// program that was built with the feature `tables`.
     #[arg(long, value_name = "DIR")]
     resume: Option<PathBuf>,
     /// Also write the changes of failsafe flags, error codes, modes and arming checks, as a table.
@@ -179,9 +181,6 @@ fn try_check(args: &CheckArgs) -> Result<Status, Status> {
         Item::Checked(subject, origin, story) => outputs.add(*subject, &origin, story.as_deref()),
         Item::Unreadable(file) => outputs.add_unreadable(file),
     })?;
-    if checked.has_nothing_new {
-        return Ok(outputs.end_without_captures());
-    }
     let (status, totals) = (checked.status, outputs.finish());
     Ok(outputs.deliver(&checked.report(totals)).max(status))
 }
@@ -226,9 +225,11 @@ struct Finished {
 impl Finished {
     fn report(self, totals: Totals) -> Report {
         let (command, reasons) = (super::command(), uncovered(&self.required, &totals));
-        Report::of_totals(Action::Check, command, &self.definitions, totals, self.unreadable, reasons)
-            .with_not_checked(self.not_checked)
-            .with_stale(self.stale)
+        let report =
+            Report::of_totals(Action::Check, command, &self.definitions, totals, self.unreadable, reasons)
+                .with_not_checked(self.not_checked)
+                .with_stale(self.stale);
+        if self.has_nothing_new { report.with_nothing_new() } else { report }
     }
 }
 
@@ -245,6 +246,20 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
     check_outputs(args, &found.captures)?;
     let has_nothing_new = done.is_some_and(|done| found.skip(done)) && found.unreadable.is_empty();
     let mut known = args.known.read()?;
+    if has_nothing_new {
+        // The lists and the required rules are about captures that an earlier run has checked.
+        let (required, unreadable, stale) = (Vec::new(), Vec::new(), Vec::new());
+        let (definitions, not_checked, status) = (library.name().to_owned(), found.skipped, Status::Conforms);
+        return Ok(Finished {
+            definitions,
+            required,
+            unreadable,
+            not_checked,
+            stale,
+            has_nothing_new,
+            status,
+        });
+    }
     let settings = settings(args);
     let mut unreadable = std::mem::take(&mut found.unreadable);
     for file in &unreadable {
@@ -343,7 +358,7 @@ fn check_outputs(args: &CheckArgs, captures: &[Input]) -> Result<(), Status> {
     let captures = captures.iter().filter_map(Input::path);
     let inputs = Inputs {
         files: captures.chain(args.known.inputs()).collect(),
-        definitions: args.definitions.as_deref(),
+        definitions: args.definitions.as_deref().into_iter().collect(),
         schemas: &args.schemas,
     };
     outputs::check(&inputs, &outputs)

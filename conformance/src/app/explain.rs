@@ -51,13 +51,13 @@ pub(super) struct ExplainArgs {
     /// uORB message hash, a ROS type hash, or a rule. An existing path is never a word.
     #[arg(value_name = "WHAT")]
     what: PathBuf,
-    /// Explain a word by one release only, such as px4@1.16 (default: all).
+    /// Explain a word by the definitions of one release, such as px4@1.16 (default: all releases).
     #[arg(long, value_name = "RELEASE", conflicts_with_all = ["definitions", "language", "report"])]
     release: Option<String>,
     /// Definitions to use (default: the release that the capture agrees with).
     ///
-    /// A release such as px4@1.16, a `uavspec.toml`, a folder that contains one, a PX4 message file, or a folder with
-    /// such files.
+    /// A release such as px4@1.16, a uavspec.toml file, a folder that contains one, a PX4 message file, or a folder of
+    /// PX4 messages or ROS 2 packages.
     #[arg(long, value_name = "PATH")]
     definitions: Option<PathBuf>,
     /// Language of the labels, such as uk (default: en).
@@ -69,9 +69,9 @@ pub(super) struct ExplainArgs {
     /// Output format: text or json.
     #[arg(long, value_name = "FORMAT", default_value = "text", hide_possible_values = true)]
     format: Format,
-    /// Also write a page with a picture: html=FILE.
+    /// Also write the story to a file, as an HTML page with a picture: html=FILE.
     ///
-    /// The page is a single file that needs no network. A report never replaces an input.
+    /// The page is a single file that works offline. A report never replaces an input.
     #[arg(long, value_name = "html=FILE")]
     report: Option<Page>,
 }
@@ -186,8 +186,11 @@ fn write(args: &ExplainArgs, story: &Story, language: &str) -> Result<(), Status
 
 /// Checks that the page doesn't replace an input. Errors are printed.
 fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
-    let inputs =
-        Inputs { files: vec![&args.what], definitions: args.definitions.as_deref(), ..Inputs::default() };
+    let inputs = Inputs {
+        files: vec![&args.what],
+        definitions: args.definitions.as_deref().into_iter().collect(),
+        ..Inputs::default()
+    };
     let outputs: Vec<Output<'_>> =
         args.report.iter().map(|Page(path)| Output::new("--report html", path)).collect();
     outputs::check(&inputs, &outputs)

@@ -2,13 +2,15 @@
 
 use std::collections::BTreeSet;
 use std::error::Error;
-use std::fs::File;
-use std::io::Write as _;
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use tempfile::TempPath;
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::emit::docs::markdown::plural;
+use uavspec_codegen::stage::{Stage, folder_of};
 
 use super::Status;
 use super::outputs::Output;
@@ -127,8 +129,7 @@ impl NewList {
             return Status::Unreadable;
         }
         let text = new_list(&self.entries, command);
-        let written = File::create_new(&self.path).and_then(|mut file| file.write_all(text.as_bytes()));
-        match written {
+        match create_new(&self.path, &text) {
             Ok(()) => {
                 let failures = plural(self.entries.len() as u64, "failure");
                 terminal::eprintln!("{path}: {failures}; state the reason for each one");
@@ -140,6 +141,14 @@ impl NewList {
             }
         }
     }
+}
+
+/// Writes a new file completely or not at all. Fails if the file exists.
+fn create_new(path: &Path, text: &str) -> io::Result<()> {
+    let stage = Stage::new(folder_of(path))?;
+    let file = stage.path().join("list");
+    fs::write(&file, text)?;
+    Ok(TempPath::try_from_path(file)?.persist_noclobber(path)?)
 }
 
 impl Known {

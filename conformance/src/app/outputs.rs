@@ -27,8 +27,8 @@ const MAX_LINKS: usize = 40;
 pub(super) struct Inputs<'a> {
     /// Files and folders of bags; `-` means standard input.
     pub(super) files: Vec<&'a Path>,
-    /// The path of the definitions.
-    pub(super) definitions: Option<&'a Path>,
+    /// The paths of definitions.
+    pub(super) definitions: Vec<&'a Path>,
     /// The folders with JSON Schemas.
     pub(super) schemas: &'a [PathBuf],
 }
@@ -85,9 +85,9 @@ fn overwritten(inputs: &Inputs<'_>, targets: &[Target]) -> Option<String> {
         return None;
     }
     // Definitions that can't be read are reported elsewhere.
-    let definitions = inputs.definitions.and_then(|path| definition_files(path).ok()).unwrap_or_default();
+    let definitions = inputs.definitions.iter().filter_map(|path| definition_files(path).ok()).flatten();
     let schemas = inputs.schemas.iter().flat_map(|folder| schema_files(folder));
-    let found = definitions.into_iter().chain(schemas);
+    let found = definitions.chain(schemas);
     let mut files = inputs.files.iter().flat_map(|path| files_of(path)).chain(found);
     files.find_map(|path| {
         let target = targets.iter().find(|target| target.is_input(&path))?;

@@ -64,7 +64,8 @@ pub(super) struct ProbeArgs {
     /// tcps, https or socketios.
     ///
     /// Vehicles: dds://DOMAIN, zenoh://HOST:PORT, foxglove://HOST:PORT or rosbridge://HOST:PORT. Zenoh URLs may end in
-    /// ?domain=NUMBER.
+    /// ?domain=NUMBER. Vehicles require a program that was built with the feature `live`, or with the feature of the
+    /// transport, such as `dds`.
     #[allow(clippy::doc_markdown, reason = "the help would show the marks of a link")]
     #[arg(value_name = "URL")]
     target: Target,
@@ -277,10 +278,11 @@ fn check_outputs(args: &ProbeArgs) -> Result<(), Status> {
     let outputs: Vec<Output<'_>> = record.chain(args.report.outputs()).chain(args.known.outputs()).collect();
     let inputs = Inputs {
         files: args.known.inputs().chain(args.access.inputs()).collect(),
-        definitions: args.definitions.as_deref(),
+        definitions: args.definitions.iter().chain(&args.vehicle.application).map(PathBuf::as_path).collect(),
         schemas: &args.schemas,
     };
-    outputs::check(&inputs, &outputs)
+    outputs::check(&inputs, &outputs)?;
+    args.report.check_tables()
 }
 
 /// The options of the probe. Unknown names are printed as errors.

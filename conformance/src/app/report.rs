@@ -35,8 +35,8 @@ pub(super) struct ReportArgs {
     /// Write a report to a file (repeatable).
     ///
     /// For example, html=report.html. KIND is one of the formats above, or parquet or arrow: tables in the files of a new
-    /// folder. Separate multiple reports with commas. The path `-` means standard output. A report never replaces an
-    /// input.
+    /// folder. Tables require a program that was built with the feature `tables`. Separate multiple reports with
+    /// commas. The path `-` means standard output. A report never replaces an input.
     #[arg(long, value_name = "KIND=PATH", value_delimiter = ',')]
     report: Vec<Target>,
 }
@@ -169,6 +169,11 @@ impl ReportArgs {
         created.collect()
     }
 
+    /// Checks that the tables can be written, before a long run. Errors are printed.
+    pub(super) fn check_tables(&self) -> Result<(), Status> {
+        self.tables(false).map(drop)
+    }
+
     /// Starts the reports of a run, and the list of new failures. Errors are printed.
     /// `has_timeline` adds the table of the stories.
     pub(super) fn start(
@@ -250,15 +255,6 @@ impl Outputs<'_> {
             Some(format!("{folder}: can't write the tables: {error}"))
         });
         failures.collect()
-    }
-
-    /// Ends a run without new captures. Errors are printed.
-    pub(super) fn end_without_captures(mut self) -> Status {
-        let failures = self.finish_tables();
-        for failure in &failures {
-            terminal::error(failure, None);
-        }
-        if failures.is_empty() { Status::Conforms } else { Status::Unreadable }
     }
 
     /// Writes all reports. Returns the error messages.

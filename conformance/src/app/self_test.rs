@@ -168,7 +168,7 @@ fn servers(definitions: &Definitions) -> bool {
     let cases = server_cases();
     let rows = rows("servers", cases.len(), |take| live(&cases, definitions, take));
     terminal::println!(
-        "\nProbes of the reference server, first without bugs, then with each bug; checked live and from recordings:"
+        "\nProbes of the reference server, first without bugs, then with each bug; checked live and from captures:"
     );
     let results = cases.iter().zip(rows).map(|(case, row)| {
         let name = case.bug.map_or_else(|| case.name(), |bug| bug.rule.id.to_owned());
@@ -189,7 +189,7 @@ fn vehicles(buses: &[Address]) -> bool {
         cases.into_iter().partition(|case| case.missing(buses).is_none());
     let rows = rows("pairs", shown.len(), |take| pairs(&shown, buses, take));
     terminal::println!(
-        "Probes of the PX4 references, first without bugs, then with each bug; checked live and from recordings:"
+        "Probes of the PX4 references, first without bugs, then with each bug; checked live and from captures:"
     );
     let results = shown.iter().zip(rows).map(|(case, row)| {
         let has_bug = case.bug.is_some();

@@ -87,7 +87,7 @@ pub(super) struct ServeArgs {
     /// Takes the URLs of vehicles that `uavspec probe` takes. Don't use the bus of a real vehicle.
     #[arg(long, value_name = "URL", conflicts_with_all = ["tcp", "udp", "http", "socketio"])]
     px4: Option<Address>,
-    /// Be an external component, instead of a flight controller.
+    /// Run a reference external component instead of a flight controller.
     #[arg(long, requires = "px4")]
     component: bool,
     /// Namespace of the vehicle, such as alpha for topics in /alpha/fmu (default: none).

@@ -41,7 +41,8 @@ const EXAMPLES: &str = "Examples:
 const DETAILS: &str = "\
 Requests and responses look like this:
   → {\"op\":\"hello\",\"protocol\":1}
-  ← {\"op\":\"hello\",\"name\":\"my-codec\",\"ops\":[\"decode\"],\"types\":[\"px4/Event\"]}
+  ← {\"op\":\"hello\",\"protocol\":1,\"name\":\"my-codec\",\"version\":\"1.2\",
+     \"ops\":[\"decode\"],\"formats\":[\"uorb\"],\"types\":[\"px4/Event\"]}
   → {\"id\":17,\"op\":\"decode\",\"type\":\"px4/Event\",\"format\":\"uorb\",\"bytes\":\"Zg==\"}
   ← {\"id\":17,\"ok\":{…}}
 
@@ -100,8 +101,9 @@ pub(super) struct TestArgs {
     window: u16,
     /// Maximum number of unexplained restarts.
     ///
-    /// The run ends after this many successive restarts without an identified cause. A case that crashes the testee
-    /// costs one restart. A case that hangs also costs the time of --timeout. Parallel --jobs reduce the total time.
+    /// The run ends after this many successive restarts of a process without an identified cause. Each of the parallel
+    /// --jobs counts its own restarts. A case that crashes the testee costs one restart. A case that hangs also costs the
+    /// time of --timeout. Parallel --jobs reduce the total time.
     #[arg(long, value_name = "N", default_value = "20")]
     max_restarts: u32,
     /// Number of parallel processes.
@@ -207,10 +209,11 @@ fn check_outputs(args: &TestArgs) -> Result<(), Status> {
     let words = args.command.iter().map(Path::new).filter(|path| path.is_file());
     let inputs = Inputs {
         files: args.replay.as_deref().into_iter().chain(args.known.inputs()).chain(words).collect(),
-        definitions: args.definitions.as_deref(),
+        definitions: args.definitions.as_deref().into_iter().collect(),
         ..Inputs::default()
     };
-    outputs::check(&inputs, &outputs)
+    outputs::check(&inputs, &outputs)?;
+    args.report.check_tables()
 }
 
 /// The command that runs one case.

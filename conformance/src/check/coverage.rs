@@ -353,9 +353,9 @@ impl Coverage {
         self.units.is_full()
     }
 
-    /// True if no value was checked.
+    /// True if nothing was checked: no value, and no topic or type. Messages without fields have no values.
     pub(crate) fn is_empty(&self) -> bool {
-        self.values.checked == 0
+        self.values.checked == 0 && self.units.checked == 0
     }
 
     /// The number of topics or types with this result.
@@ -479,6 +479,19 @@ mod tests {
         let part = &coverage.parts[0];
         assert_eq!((part.first, part.last, part.rate), (Some(3_000_000), Some(4_000_000), Some(1.0)));
         assert!(coverage.is_full() && !coverage.is_empty());
+    }
+
+    #[test]
+    fn messages_without_fields_are_checked() {
+        let coverage_of = |result, tally, values| {
+            let mut parts = Parts::default();
+            parts.add("kite", result, tally, values);
+            parts.finish(Unit::Topic, 1)
+        };
+        let coverage = coverage_of(PartResult::Checked, tally(&[1]), Share::of(0, 0));
+        assert!(coverage.is_full() && !coverage.is_empty());
+        let coverage = coverage_of(PartResult::Undefined, Tally::of(1), Share::of(0, 3));
+        assert!(!coverage.is_full() && coverage.is_empty());
     }
 
     #[test]

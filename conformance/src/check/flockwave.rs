@@ -21,7 +21,7 @@ use self::pieces::Pieces;
 pub(super) use self::reports::Report;
 use self::reports::Reports;
 pub use self::summary::{FlockwaveSummary, TypeCount};
-use self::types::Types;
+use self::types::{FromServer, Types};
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::{CaptureResult, CheckRun, Summary, microseconds};
 use uavspec_codegen::schema::json_type;
@@ -96,6 +96,7 @@ struct ParsedLine<'h> {
 struct Counted<'m> {
     /// The type.
     name: &'m str,
+    direction: json_type::Direction,
     is_from_server: bool,
     /// The number of values in the body.
     num_values: u64,
@@ -183,6 +184,7 @@ impl<'d> FlockwaveChecker<'d> {
         self.source.notifications += 1;
         let counted = Counted {
             name: Report::TYPE,
+            direction: json_type::Direction::Notification,
             is_from_server: true,
             num_values: Report::NUM_VALUES,
             time: record.time,
@@ -373,11 +375,15 @@ impl<'d> FlockwaveChecker<'d> {
         let Some(message) = record.value else { return };
         let name = message.get("body").and_then(|body| body.get("type")).and_then(Tree::as_str);
         let is_answer = message.get("refs").is_some_and(|refs| *refs != Tree::Null);
-        let source = &mut self.source;
-        *match (is_answer, is_from_server) {
-            (true, _) => &mut source.responses,
-            (false, true) if name != Some("SYS-PING") => &mut source.notifications,
-            (false, _) => &mut source.requests,
+        let direction = match (is_answer, is_from_server) {
+            (true, _) => json_type::Direction::Response,
+            (false, true) if name != Some("SYS-PING") => json_type::Direction::Notification,
+            (false, _) => json_type::Direction::Request,
+        };
+        *match direction {
+            json_type::Direction::Request => &mut self.source.requests,
+            json_type::Direction::Response => &mut self.source.responses,
+            json_type::Direction::Notification => &mut self.source.notifications,
         } += 1;
         let Some(name) = name else {
             // Envelope rules also check messages without a type.
@@ -387,22 +393,22 @@ impl<'d> FlockwaveChecker<'d> {
             Some(Tree::Object(members)) => members.len() as u64,
             _ => 0,
         };
-        self.count_type(&Counted { name, is_from_server, num_values, time: record.time });
+        self.count_type(&Counted { name, direction, is_from_server, num_values, time: record.time });
     }
 
     /// Counts a message of a type.
     fn count_type(&mut self, message: &Counted<'_>) {
-        let Counted { name, is_from_server, num_values, time } = *message;
-        let definitions = self.run.definitions;
-        let Some(counts) = self.types.get(name, || definitions.body_schemas().has(name)) else {
+        let Counted { name, direction, is_from_server, num_values, time } = *message;
+        let Some(counts) = self.types.get(name, self.run.definitions) else {
             return self.source.uncounted += u64::from(is_from_server);
         };
         *(if is_from_server { &mut counts.messages.incoming } else { &mut counts.messages.out }) += 1;
         if is_from_server {
-            counts.tally.records += 1;
-            counts.tally.count(counts.is_known, time.and_then(microseconds));
-            counts.values += num_values;
-            self.run.checked += u64::from(counts.is_known);
+            let found = counts.sent_by_server(direction);
+            found.tally.records += 1;
+            found.tally.count(found.is_checked, time.and_then(microseconds));
+            found.values += num_values;
+            self.run.checked += u64::from(found.is_checked);
         }
     }
 
@@ -426,10 +432,18 @@ impl<'d> FlockwaveChecker<'d> {
 
     fn parts(&self) -> Parts {
         let mut parts = Parts::default();
-        for (name, counts) in self.types.iter().filter(|(_, counts)| counts.messages.incoming > 0) {
-            let result = if counts.is_known { PartResult::Checked } else { PartResult::Undefined };
-            let checked = if counts.is_known { counts.values } else { 0 };
-            parts.add(name, result, counts.tally, Share::of(checked, counts.values));
+        for (name, counts) in self.types.iter() {
+            for (direction, found) in counts.directions() {
+                let FromServer { is_checked, tally, values } = *found;
+                let result = if is_checked { PartResult::Checked } else { PartResult::Undefined };
+                let values = Share::of(if is_checked { values } else { 0 }, values);
+                if counts.is_known && !is_checked {
+                    // The type has a definition, but not for this direction.
+                    parts.add(&format!("{name} ({direction})"), result, tally, values);
+                } else {
+                    parts.add(name, result, tally, values);
+                }
+            }
         }
         if self.source.uncounted > 0 {
             let tally = Tally::of(self.source.uncounted);

@@ -22,6 +22,10 @@ const FLAG_WORDS: [&str; 3] = ["flags", "bitfield", "mask"];
 /// The source of constants that the definition of the field states.
 pub(super) const STATED: &str = "the definition";
 
+/// The sources of inferred constants. These sources don't state whether the values are masks.
+const BY_NAME: &str = "the names of the constants";
+const BY_POSITION: &str = "the position and the names of the constants";
+
 /// An annotation that names the constants of a field.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) struct Annotation {
@@ -31,6 +35,8 @@ pub(super) struct Annotation {
     pub(super) text: String,
     /// The source of the constants.
     pub(super) known_from: String,
+    /// True if the constants were inferred. All other sources state whether the values are masks.
+    pub(super) is_inferred: bool,
 }
 
 /// The texts of a definition: in the release to explain, and in all releases from the newest to the oldest.
@@ -58,6 +64,11 @@ pub(super) fn find(
         line: line.to_owned(),
         text,
         known_from: known_from.to_owned(),
+        is_inferred: false,
+    };
+    let guess = |prefix: &str, known_from: &str| Annotation {
+        is_inferred: true,
+        ..annotation(inferred(texts.own, name, prefix), known_from)
     };
     if let Some((.., mask)) =
         MODE_MASKS.iter().find(|(message, start, _)| *message == definition && name.starts_with(start))
@@ -74,10 +85,10 @@ pub(super) fn find(
     let is_single = line.split(' ').next() == Some(ty);
     let own = name.to_ascii_uppercase();
     if is_single && constants_with(texts.own, &own).next().is_some() {
-        return Some(annotation(inferred(texts.own, name, &own), "the names of the constants"));
+        return Some(guess(&own, BY_NAME));
     }
     let prefix = below(texts.own, line, ty).filter(|prefix| is_single && is_named_after(prefix, name))?;
-    Some(annotation(inferred(texts.own, name, &prefix), "the position and the names of the constants"))
+    Some(guess(&prefix, BY_POSITION))
 }
 
 /// The annotation for constants that the definition doesn't state.

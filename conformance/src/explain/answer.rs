@@ -214,6 +214,9 @@ pub(crate) struct Values {
     pub(crate) flags: bool,
     /// The source from which uavspec knows that the field uses these constants.
     pub(crate) known_from: String,
+    /// True if the constants were inferred. All other sources state whether the values are masks.
+    #[serde(skip)]
+    pub(crate) is_inferred: bool,
     /// The constants.
     pub(crate) members: Vec<Member>,
 }

@@ -17,6 +17,8 @@ pub(super) struct Located {
     at: (usize, usize),
     /// The source of the constants.
     known_from: String,
+    /// True if the constants were inferred.
+    is_inferred: bool,
 }
 
 impl Located {
@@ -36,8 +38,9 @@ impl Located {
         let part = definition.parts().find(|message| message.name == place.message)?;
         let message = schema.messages.iter().position(|message| std::ptr::eq(message, part))?;
         let field = part.fields.iter().position(|field| field.name == place.name)?;
+        let is_inferred = found.as_ref().is_some_and(|found| found.is_inferred);
         let known_from = found.map_or_else(|| STATED.to_owned(), |found| found.known_from);
-        Some(Self { definition, at: (message, field), known_from })
+        Some(Self { definition, at: (message, field), known_from, is_inferred })
     }
 
     pub(super) fn schema(&self) -> &Schema {
@@ -88,6 +91,7 @@ impl Located {
             prefixes: found.prefixes.clone(),
             flags: found.is_flags,
             known_from: self.known_from.clone(),
+            is_inferred: self.is_inferred,
             members,
         })
     }

@@ -91,7 +91,7 @@ fn names_of_all_forms_denote_a_message() {
 
 #[test]
 fn values_denote_constants_and_bits() {
-    let cases: [(&str, &[&str], &[&str]); 12] = [
+    let cases: [(&str, &[&str], &[&str]); 13] = [
         ("vehicle_status.nav_state=17", &["NAVIGATION_STATE_AUTO_TAKEOFF"], &[]),
         ("VehicleStatus.nav_state=auto_takeoff", &["NAVIGATION_STATE_AUTO_TAKEOFF"], &[]),
         ("vehicle_status.nav_state=NAVIGATION_STATE_AUTO_TAKEOFF", &["NAVIGATION_STATE_AUTO_TAKEOFF"], &[]),
@@ -105,6 +105,7 @@ fn values_denote_constants_and_bits() {
         ("failsafe_flags.mode_req_mission=0x80000000", &[], &["bit 31 (0x80000000) has no meaning"]),
         ("failsafe_flags.mode_req_mission=0", &[], &["no bit is set"]),
         ("vehicle_status.failure_detector_status=0b101", &["FAILURE_ROLL", "FAILURE_ALT"], &[]),
+        ("vehicle_odometry.pose_frame=3", &[], &["no constant has this value"]),
         ("failsafe_flags.battery_warning=2", &["WARNING_CRITICAL"], &[]),
         ("battery_status.remaining=1.5", &[], &["invalid: outside the range 0 to 1"]),
         ("battery_status.remaining=-1", &[], &["no data"]),

@@ -74,13 +74,11 @@ fn meaning(asked: &mut Asked, values: &Values, number: i128) {
     let value_of = |member: &Member| integer(&member.value);
     asked.meaning =
         values.members.iter().filter(|member| value_of(member) == Some(number)).cloned().collect();
-    let are_masks = values.flags
-        || values.members.len() > 2
-            && values.members.iter().filter_map(value_of).all(|value| value == 0 || value.count_ones() == 1);
+    let has_masks = values.flags || values.is_inferred && are_masks(values);
     if !asked.meaning.is_empty() {
         return;
     }
-    if !are_masks || number < 0 || !asked.notes.is_empty() {
+    if !has_masks || number < 0 || !asked.notes.is_empty() {
         asked.notes.push("no constant has this value".to_owned());
         return;
     }
@@ -97,6 +95,14 @@ fn meaning(asked: &mut Asked, values: &Values, number: i128) {
     }
     let bits = (0..127).filter(|bit| rest >> bit & 1 == 1);
     asked.notes.extend(bits.map(|bit| format!("bit {bit} ({:#x}) has no meaning", 1_i128 << bit)));
+}
+
+/// True if all constants have at most one bit, as in a mask. The numbers 0, 1 and 2 may also be an ordinary enum.
+fn are_masks(values: &Values) -> bool {
+    let mut numbers = values.members.iter().filter_map(|member| integer(&member.value));
+    values.members.len() > 2
+        && numbers.clone().any(|number| number > 2)
+        && numbers.all(|number| number == 0 || number.count_ones() == 1)
 }
 
 /// The constants with the same numbers in all releases, with equal neighbours in one entry.
@@ -195,4 +201,37 @@ fn notes(constraints: &[&Constraint], value: &Value) -> Vec<String> {
     };
     let outside = constraints.iter().filter(is_outside).filter_map(|constraint| constraint.valid_values());
     outside.map(|values| format!("{INVALID}outside the range {values}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Member, Values, are_masks};
+
+    #[test]
+    fn consecutive_numbers_are_not_masks() {
+        let member = |number: &u8| Member {
+            name: format!("GUST_{number}"),
+            value: number.to_string(),
+            description: String::new(),
+        };
+        let cases: [(&[u8], bool); 6] = [
+            (&[0, 1, 2], false),
+            (&[1, 2], false),
+            (&[1, 4], false),
+            (&[0, 1, 2, 3], false),
+            (&[0, 1, 2, 4], true),
+            (&[1, 2, 4], true),
+        ];
+        for (numbers, expected) in cases {
+            let values = Values {
+                message: "demo/msg/Wind".to_owned(),
+                prefixes: vec!["GUST".to_owned()],
+                flags: false,
+                known_from: String::new(),
+                is_inferred: false,
+                members: numbers.iter().map(member).collect(),
+            };
+            assert_eq!(are_masks(&values), expected, "{numbers:?}");
+        }
+    }
 }

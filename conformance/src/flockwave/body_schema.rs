@@ -45,6 +45,15 @@ impl BodySchemas<'_> {
         self.defined_schemas.has(type_name) || self.schemas.has(type_name)
     }
 
+    /// True if there is a body schema for this type and direction.
+    pub(crate) fn is_defined(&self, type_name: &str, direction: Direction) -> bool {
+        if self.defined_schemas.has(type_name) {
+            self.defined_schemas.is_defined(type_name, direction)
+        } else {
+            self.schemas.is_defined(type_name, direction)
+        }
+    }
+
     /// The violations of the body schema for a type and direction. `None` if there is no such schema.
     pub(crate) fn deviations(
         &self,

@@ -18,7 +18,7 @@ mod vocabulary;
 use std::collections::BTreeSet;
 
 pub(crate) use self::exchange::seconds;
-pub(crate) use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role};
+pub(crate) use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role, message_excerpt};
 use self::ids::Ids;
 pub(crate) use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;

@@ -67,7 +67,7 @@ pub(super) fn of_run(report: &Report) -> Vec<Entry> {
         let first = report.totals.first.as_ref().map_or(".", |first| &first.path);
         let path = if reason.path.is_empty() { first } else { &reason.path };
         let region = reason.line.map_or(Region::Whole, Region::Line);
-        entry(RUN, Level::Error, &reason.message, Place { path: path.to_owned(), region })
+        entry(RUN, Level::Error, &reason.message, place(path, region))
     });
     unreadable.chain(not_checked).chain(reasons).collect()
 }
@@ -81,7 +81,7 @@ fn finding_entry(subject: &Subject, finding: &Finding) -> Option<Entry> {
         _ => Level::Note,
     };
     let times = if finding.count == 1 { String::new() } else { format!("found {} times; ", finding.count) };
-    let at = |location| Place { path: subject.path.clone(), region: region(location) };
+    let at = |location| place(&subject.path, region(location));
     let mut related: Vec<(Place, String)> = others
         .iter()
         .map(|example| (at(example.location), format!("also: {}", shown(&example.text()))))
@@ -118,7 +118,7 @@ fn outcome_entries(subject: &Subject) -> Vec<Entry> {
 }
 
 fn corruption_entry(subject: &Subject, corruption: &Corruption) -> Entry {
-    let location = Place { path: subject.path.clone(), region: region(corruption.location) };
+    let location = place(&subject.path, region(corruption.location));
     let level = match subject.extent {
         Extent::Whole => Level::Note,
         Extent::EndsEarly | Extent::WithGaps => Level::Warning,
@@ -174,7 +174,13 @@ fn entry(rule: &str, level: Level, message: &str, location: Place) -> Entry {
 }
 
 fn whole_file(path: &str) -> Place {
-    Place { path: path.to_owned(), region: Region::Whole }
+    place(path, Region::Whole)
+}
+
+/// A part of a file. Places contain `/` on every system.
+pub(super) fn place(path: &str, region: Region) -> Place {
+    let path = if cfg!(windows) { path.replace('\\', "/") } else { path.to_owned() };
+    Place { path, region }
 }
 
 pub(super) fn region(location: model::Location) -> Region {
@@ -188,6 +194,17 @@ pub(super) fn region(location: model::Location) -> Region {
 }
 
 fn defined(line: &Definition) -> (Place, String) {
-    let location = Place { path: line.file.clone(), region: Region::Line(line.line) };
+    let location = place(&line.file, Region::Line(line.line));
     (location, format!("defined as: {}", shown(line.text.trim())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Region, place};
+
+    #[test]
+    fn places_contain_slashes_on_windows() {
+        let path = place("logs\\a.ulg", Region::Whole).path;
+        assert_eq!(path, if cfg!(windows) { "logs/a.ulg" } else { "logs\\a.ulg" });
+    }
 }

@@ -6,11 +6,11 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
+use uavspec_codegen::report::Region;
 use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
-use uavspec_codegen::report::{Place, Region};
 use uavspec_codegen::terminal::guarded;
 
-use super::entries::region;
+use super::entries::{place, region};
 use super::format::{Format, Run};
 use super::spool::Spool;
 use super::{
@@ -157,7 +157,7 @@ fn rule_case(subject: &Subject, rule: &Rule, found: &RuleVerdict) -> junit::Case
     if found.findings > 0 {
         let first = findings.first().and_then(|finding| finding.examples.first());
         let region = first.map_or(Region::Whole, |example| region(example.location));
-        case.place = Some(Place { path: subject.path.clone(), region });
+        case.place = Some(place(&subject.path, region));
     }
     case
 }

@@ -13,7 +13,7 @@ use uavspec_codegen::terminal::guarded;
 
 use super::format::{Format, Run};
 use super::spool::Spool;
-use super::{About, Case, Finding, Outcome, OutcomeKind, Report, Subject, Verdict};
+use super::{About, Case, CaseVerdict, Finding, Outcome, OutcomeKind, Report, Subject, Verdict};
 use crate::model::Location;
 use crate::text::{Grouped, shown};
 
@@ -35,6 +35,13 @@ impl Format for Short {
             let line = format!("{}: error: {}\n", shown(&file.path), shown(&file.message));
             to.write_all(guarded(&line).as_bytes())?;
         }
+        for reason in &report.reasons {
+            let program = if reason.path.is_empty() { "uavspec: " } else { "" };
+            let place =
+                reason.line.map(|line| format!("{}:{line}: ", shown(&reason.path))).unwrap_or_default();
+            let line = format!("{program}{place}error: {}\n", shown(&reason.message));
+            to.write_all(guarded(&line).as_bytes())?;
+        }
         Ok(())
     }
 }
@@ -46,14 +53,12 @@ fn subject(subject: &Subject, text: &mut String) -> fmt::Result {
     }
     if let About::Testee(testee) = &subject.about {
         let failed = testee.cases.iter().filter(|case| case.verdict.is_failure() && case.known.is_none());
-        for Case { name, verdict, expected, actual, .. } in failed {
-            let (expected, actual) = (shown(expected), shown(actual));
-            writeln!(
-                text,
-                "{path}: error: {}: {}: expected {expected}, found {actual}",
-                shown(name),
-                verdict.name()
-            )?;
+        for Case { name, verdict, expected, actual, message, .. } in failed {
+            let problem = match verdict {
+                CaseVerdict::Fail => format!("expected {}, found {}", shown(expected), shown(actual)),
+                _ => shown(message),
+            };
+            writeln!(text, "{path}: error: {}: {}: {problem}", shown(name), verdict.name())?;
         }
     }
     for corruption in &subject.corruption {

@@ -15,6 +15,7 @@ use super::outcome::plural;
 use super::spool::Spool;
 use super::{About, Known, Outcome, OutcomeKind, Report, RequestType, Subject, Verdict};
 use crate::check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN, names};
+use crate::model::Reason;
 use crate::text::{Grouped, shown, wrapped};
 
 /// The width of labels.
@@ -40,13 +41,16 @@ impl Format for Text {
     }
 }
 
-/// Renders the end of a report: the files without a section, and the outcome of a run with several files.
+/// Renders the end of a report: the files without a section, the failures of the run, and its outcome unless it is that
+/// of the only subject.
 pub(crate) fn end(report: &Report) -> String {
     let mut text = String::new();
-    let is_single = report.totals.is_single() && report.unreadable.is_empty();
+    let reasons: Vec<String> = report.reasons.iter().map(Reason::to_string).collect();
+    let is_single = report.totals.is_single() && report.unreadable.is_empty() && reasons.is_empty();
     // Writing to a string can't fail.
     let _ = labelled(FAIL, "failed", &skipped::failures(&report.unreadable), &mut text);
     let _ = labelled(PLAIN, "not checked", &skipped::lines(&report.not_checked), &mut text);
+    let _ = labelled(FAIL, "failed", &reasons, &mut text);
     if !is_single {
         let _ = outcomes(report, &mut text);
     }

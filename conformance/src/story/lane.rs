@@ -130,9 +130,7 @@ impl Value {
     }
 
     fn is_same(&self, other: &Self) -> bool {
-        self.severity == other.severity
-            && self.parts.len() == other.parts.len()
-            && self.parts.iter().zip(&other.parts).all(|(part, other)| part.name == other.name)
+        self.severity == other.severity && self.parts == other.parts
     }
 }
 
@@ -232,6 +230,26 @@ impl Lanes {
         Some(self.all.len() - 1)
     }
 
+    /// Changes the subject of a lane, unless the new subject has a lane already.
+    pub(super) fn rename(&mut self, (topic, subject, name): (&str, &str, &str), renamed: &str) {
+        let key = |subject: &str| (topic.to_owned(), subject.to_owned(), name.to_owned());
+        if self.by_key.contains_key(&key(renamed)) {
+            return;
+        }
+        if let Some(lane) = self.by_key.remove(&key(subject)) {
+            self.all[lane].subject = Some(shortened(renamed));
+            self.by_key.insert(key(renamed), lane);
+        }
+    }
+
+    /// Ends the current value of a lane, if the lane exists. It may get further values later.
+    pub(super) fn end(&mut self, (topic, subject, name): (&str, &str, &str), time: u64) {
+        let key = (topic.to_owned(), subject.to_owned(), name.to_owned());
+        if let Some(lane) = self.by_key.get(&key) {
+            self.all[*lane].close(time);
+        }
+    }
+
     /// Counts a message with the value that the lane already has.
     pub(super) fn count(&mut self, lane: usize) {
         self.all[lane].messages += 1;
@@ -259,7 +277,9 @@ impl Lanes {
         if current.is_none_or(|(known, _)| known != value) {
             self.all[lane].close(time);
             self.all[lane].current = Some((value, time));
-            self.push(lane, time, value, current.is_none());
+            // A lane that ended may have earlier values.
+            let is_first = current.is_none() && self.all[lane].messages == 1;
+            self.push(lane, time, value, is_first);
         }
     }
 

@@ -14,7 +14,7 @@ use self::requirements::Requirements;
 pub(crate) use self::requirements::required_flags;
 use super::context::Context;
 use super::label::{Item, Texts};
-use super::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
+use super::lane::{Lane, LaneKind, Part, Severity, Value};
 use crate::definitions::{BATTERY_STATUS, Definitions, VEHICLE_STATUS};
 use crate::model::{Channel, Message};
 use crate::rules::px4::REQUIREMENT;
@@ -202,11 +202,6 @@ impl Px4 {
             TopicKind::Events => event(values, &open.subject, context),
         }
         Some(Ok(name))
-    }
-
-    /// Names the components in the lanes of their replies.
-    pub(super) fn finish(&self, lanes: &mut Lanes) {
-        self.arming.name_components(lanes);
     }
 }
 

@@ -88,7 +88,7 @@ fn tells_when_a_flag_is_set_and_cleared() {
 fn all_encodings_tell_the_same_story() {
     let definitions = Definitions::built_in();
     let flight = flight_with_flag(&definitions, |round| round % 7 == 3);
-    let told = |encoding: Encoding| {
+    let lanes_in = |encoding: Encoding| {
         let story = story(&encoding.write(&flight).expect("an encoded flight"), &definitions);
         assert_eq!(story.unreadable_messages, 0, "{}", encoding.name());
         let from_first = |lane: &Lane| {
@@ -100,11 +100,11 @@ fn all_encodings_tell_the_same_story() {
         };
         story.lanes.iter().map(from_first).collect::<Vec<_>>()
     };
-    let log = told(Encoding::Ulog);
+    let log = lanes_in(Encoding::Ulog);
     assert!(log.len() > 20, "{}", log.len());
     assert!(log.iter().any(|(topic, ..)| topic == "register_ext_component_request"));
     for encoding in [Encoding::Mcap, Encoding::Lines, Encoding::Rosbridge] {
-        let other = told(encoding);
+        let other = lanes_in(encoding);
         assert_eq!(other.len(), log.len(), "{}", encoding.name());
         for (other, lane) in other.iter().zip(&log) {
             assert_eq!(other, lane, "{}", encoding.name());
@@ -128,6 +128,57 @@ fn tells_the_replies_of_each_component_with_their_reasons() {
     let requests = lane(&story, "arming_check_request", "valid_registrations_mask");
     assert_eq!(changes(requests)[0].1, "registration 3; registration 5");
     assert_eq!(changes(requests)[1].1, "registration 3", "a component was removed");
+}
+
+#[test]
+fn replies_belong_to_the_component_that_has_the_id_at_that_time() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, text) in [
+        ("ArmingCheckRequest", "uint64 timestamp\nuint32 valid_registrations_mask\n"),
+        ("ArmingCheckReply", "uint64 timestamp\nuint8 registration_id\nbool can_arm_and_run\n"),
+        (
+            "RegisterExtComponentReply",
+            "uint64 timestamp\nchar[25] name\nbool success\nint8 arming_check_id\n",
+        ),
+    ] {
+        fs::write(folder.path().join(format!("{name}.msg")), text).expect("a file");
+    }
+    let definitions = Definitions::load(folder.path()).expect("definitions");
+    let request = |time: u64| {
+        ("px4/ArmingCheckRequest", json!({ "timestamp": time, "valid_registrations_mask": 1 << 3 }))
+    };
+    let reply = |time: u64, can_run: bool| {
+        let reply = json!({ "timestamp": time, "registration_id": 3, "can_arm_and_run": can_run });
+        ("px4/ArmingCheckReply", reply)
+    };
+    let registered = |time: u64, name: &str, success: bool| {
+        let reply = json!({ "timestamp": time, "name": name, "success": success, "arming_check_id": 3 });
+        ("px4/RegisterExtComponentReply", reply)
+    };
+    let messages = [
+        reply(1_000, true),
+        registered(2_000, "Kite", true),
+        request(3_000),
+        registered(4_000, "Wren", false),
+        reply(5_000, true),
+        registered(6_000, "Owl", true),
+        request(7_000),
+        reply(8_000, false),
+    ];
+    let story = story(&lines(&messages), &definitions);
+    let replies = story.lanes.iter().filter(|lane| lane.topic == "arming_check_reply");
+    let found: Vec<_> =
+        replies.map(|lane| (lane.subject.as_deref(), changes(lane), lane.values[0].duration_us)).collect();
+    // The replies of the first component end when the other one gets the id.
+    let expected = [
+        (Some("registration 3, Kite"), vec![(0, "true".to_owned())], 5_000),
+        (Some("registration 3, Owl"), vec![(7_000, "false".to_owned())], 0),
+    ];
+    assert_eq!(found, expected);
+    let requests = lane(&story, "arming_check_request", "valid_registrations_mask");
+    assert_eq!(texts_of(&changes(requests)), [(2_000, "registration 3"), (6_000, "registration 3")]);
+    let labels = requests.values.iter().map(|value| value.parts[0].label.as_ref().map(|label| &*label.text));
+    assert_eq!(labels.collect::<Vec<_>>(), [Some("Kite"), Some("Owl")]);
 }
 
 #[test]

@@ -362,6 +362,23 @@ fn counts_unknown_types_as_unsupported() {
     assert!(source.types.is_empty());
 }
 
+/// The bodies of messages in a direction without a definition aren't checked.
+#[test]
+fn messages_in_an_undefined_direction_do_not_count_as_checked() {
+    let mut session = Session::opened();
+    session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": [] }));
+    session.notify(json!({ "type": "UAV-LIST", "ids": 7 }));
+    let result = checked(&session.to_bytes());
+    assert_eq!((result.records, result.checked), (2, 1));
+    let records = |part: &Part| (part.name.clone(), part.records.checked, part.records.total);
+    let parts: Vec<_> = result.coverage.parts.iter().map(records).collect();
+    let expected = [("UAV-LIST".to_owned(), 1, Some(1)), ("UAV-LIST (notification)".to_owned(), 0, Some(1))];
+    assert_eq!(parts, expected);
+    assert!(!result.coverage.is_full());
+    assert_eq!(source(&result).types["UAV-LIST"], TypeCount { out: 1, incoming: 2 });
+    assert!(source(&result).unknown.is_empty());
+}
+
 /// A long type name isn't listed. If a client sent it, it isn't counted either: probes send such names on purpose.
 #[test]
 fn counts_long_unknown_type_names_from_the_server_only() {

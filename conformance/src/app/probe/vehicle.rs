@@ -53,12 +53,13 @@ pub(super) struct VehicleArgs {
     /// The probe asks the flight controller for its definition of each topic in /fmu/in and /fmu/out, as applications do,
     /// and compares it with that of the application. If files in the folder name such topics, only these are compared.
     #[arg(long, value_name = "PATH|RELEASE")]
-    application: Option<PathBuf>,
+    pub(super) application: Option<PathBuf>,
     /// Take part in the arming checks: as the flight controller (autopilot), to test components; or as a component, to
     /// test a flight controller (default: only listen).
     ///
     /// A component registers, refuses arming in a single reply, and unregisters. The probe sends no commands and never
-    /// arms. Don't be an autopilot on a bus that has one.
+    /// arms. Don't use `--as autopilot` on a bus with a flight controller: components would receive two sets of
+    /// requests.
     #[arg(long = "as", value_name = "ROLE", hide_possible_values = true)]
     role: Option<Role>,
 }
@@ -116,14 +117,15 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let required = args.require.rules()?;
     check_outputs(args)?;
     let known = args.known.read()?;
-    let stop = probe::Options::new(Duration::ZERO, None, Vec::new());
-    interrupt::install(&stop)?;
+    let interruptible = probe::Options::new(Duration::ZERO, None, Vec::new());
+    interrupt::install(&interruptible)?;
+    let stop = interruptible.stop;
     let failed = |problem: String| {
         terminal::error(format_args!("{address}: {problem}"), None);
         Status::Unreadable
     };
     let mut bus = bus::connect(address, &args.vehicle.peer, &args.vehicle.names()).map_err(failed)?;
-    let is_stopped = move || stop.stop.is_requested();
+    let stopped = stop.clone();
     let options = Options {
         time: args.vehicle.time.unwrap_or(TIME),
         topics: args.vehicle.selected(),
@@ -131,7 +133,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         role: args.vehicle.side(),
         application,
         record: args.record.clone(),
-        is_stopped: Box::new(is_stopped),
+        is_stopped: Box::new(move || stopped.is_requested()),
     };
     let started = Instant::now();
     let progress = Progress::time();
@@ -156,6 +158,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         cut_short: Vec::new(),
         elapsed: started.elapsed().as_millis(),
     };
-    let settings = args.outcome.settings();
+    let mut settings = args.outcome.settings();
+    settings.allows_incomplete &= !stop.is_requested();
     Ok(report(args, Some(checked), Vec::new(), &definitions, &required, known, settings))
 }

@@ -141,6 +141,18 @@ impl Schemas {
         self.by_type.contains_key(type_name)
     }
 
+    /// True if there is a schema for messages of this type in this direction.
+    pub(crate) fn is_defined(&self, type_name: &str, direction: Direction) -> bool {
+        self.schema(type_name, direction).is_some()
+    }
+
+    /// The schema for a type and direction. A schema for this direction precedes one for all directions.
+    fn schema(&self, type_name: &str, direction: Direction) -> Option<&Schema> {
+        let schemas = self.by_type.get(type_name)?;
+        let for_direction = |wanted| schemas.iter().find(|schema| schema.direction == wanted);
+        for_direction(Some(direction)).or_else(|| for_direction(None))
+    }
+
     /// The deviations of a body from its schema. `None` if there is no schema, or if the body contains values that JSON
     /// Schema can't express. Other rules report such values.
     pub(crate) fn check(
@@ -149,9 +161,7 @@ impl Schemas {
         direction: Direction,
         body: &Tree<'_>,
     ) -> Option<Vec<Deviation>> {
-        let schemas = self.by_type.get(type_name)?;
-        let for_direction = |wanted| schemas.iter().find(|schema| schema.direction == wanted);
-        let schema = for_direction(Some(direction)).or_else(|| for_direction(None))?;
+        let schema = self.schema(type_name, direction)?;
         let body = value_of(body)?;
         let errors = schema.validator.iter_errors(&body).take(MAX_DEVIATIONS);
         Some(errors.map(|error| schema.deviation(&error)).collect())

@@ -275,6 +275,12 @@ impl<'t> Exchange<'t> {
     }
 }
 
+/// The text of a message, reduced to the field at a JSON pointer. The password of a login is not shown.
+pub(crate) fn message_excerpt(message: &Tree<'_>, pointer: &str) -> String {
+    let is_login = message.get("body").and_then(|body| body.get("type")?.as_str()) == Some("AUTH-REQ");
+    message.excerpt_at(if is_login { "/body/method" } else { pointer })
+}
+
 /// Converts milliseconds to seconds.
 pub(crate) fn seconds(value: &Tree<'_>) -> Option<f64> {
     match value {

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::exchange::message_excerpt;
 use super::{Exchange, MAX_ID, parts};
 use crate::json::Tree;
 use crate::model::{Location, Rule};
@@ -68,7 +69,7 @@ impl SentRequest {
             excerpt: exchange
                 .record
                 .value
-                .map_or_else(|| exchange.excerpt(), |message| message.excerpt_at("/body")),
+                .map_or_else(|| exchange.excerpt(), |message| message_excerpt(message, "/body")),
             trial: exchange.record.trial.map(|trial| (trial.rule, trial.how.to_owned())),
             is_ambiguous: false,
             count: 1,

@@ -8,7 +8,7 @@ use uavspec_codegen::schema::MessageId;
 use super::{Defined, defined, event_part, number, rank_of};
 use crate::story::context::Context;
 use crate::story::label::{Item, Label};
-use crate::story::lane::{Lane, LaneKind, Lanes, Part, Severity, Value};
+use crate::story::lane::{Lane, LaneKind, Part, Severity, Value};
 
 const REQUEST: &str = "arming_check_request";
 const REPLY: &str = "arming_check_reply";
@@ -22,10 +22,8 @@ const MAX_COMPONENTS: usize = 256;
 /// Follows the external components.
 #[derive(Default)]
 pub(super) struct Arming {
-    /// The names of the components, by registration id.
+    /// The current names of the components, by registration id. PX4 reuses the ids of components that were removed.
     names: BTreeMap<i128, String>,
-    /// The lanes of the replies, by registration id.
-    replies: BTreeMap<i128, usize>,
 }
 
 impl Arming {
@@ -53,15 +51,14 @@ impl Arming {
     }
 
     /// Records a reply of a component.
-    pub(super) fn reply(&mut self, id: MessageId, values: DynamicView<'_>, context: &mut Context<'_>) {
+    pub(super) fn reply(&self, id: MessageId, values: DynamicView<'_>, context: &mut Context<'_>) {
         let Some(registration) = number(values, "registration_id") else { return };
-        let subject = format!("registration {registration}");
+        let subject = component(registration, self.names.get(&registration));
         let lane = context.lanes.get((REPLY, &subject, VERDICT), || Lane {
             rank: rank_of(REPLY),
             ..Lane::new(REPLY, VERDICT, LaneKind::State)
         });
         let Some(lane) = lane else { return };
-        self.replies.insert(registration, lane);
         let can_run = number(values, VERDICT) != Some(0);
         let mut parts = vec![Part::new(if can_run { "true" } else { "false" }, None)];
         if let Some(FieldValue::Array(events)) = values.get("events") {
@@ -95,12 +92,10 @@ impl Arming {
             rank: rank_of(topic),
             ..Lane::new(topic, topic, LaneKind::Event)
         });
-        let name = values.get("name").and_then(text);
-        let registration = number(values, "arming_check_id").filter(|id| *id >= 0);
-        if let (Some(id), Some(name)) = (registration, &name)
-            && self.names.len() < MAX_COMPONENTS
-        {
-            self.names.insert(id, name.clone());
+        let is_refused = number(values, "success") == Some(0);
+        let registration = number(values, "arming_check_id").filter(|id| *id >= 0 && !is_refused);
+        if let (Some(id), Some(name)) = (registration, values.get("name").and_then(text)) {
+            self.set_name(id, name, context);
         }
         let fields = defined(definition, values, context.definitions).into_iter();
         let fields = fields.filter(|field| field.name != "timestamp");
@@ -114,27 +109,42 @@ impl Arming {
             Some(Part::new(format!("{name} {shown}"), None))
         });
         if let Some(lane) = lane {
-            let is_refused = number(values, "success") == Some(0);
             let severity = if is_refused { Severity::Warning } else { Severity::Info };
             context.lanes.event(lane, context.time, Value::new(parts.collect(), severity));
         }
     }
 
-    /// Adds the names of the components to the lanes of their replies.
-    pub(super) fn name_components(&self, lanes: &mut Lanes) {
-        for (registration, lane) in &self.replies {
-            if let Some(name) = self.names.get(registration) {
-                lanes.all[*lane].subject = Some(format!("registration {registration}, {name}"));
+    /// Sets the name of a component. Earlier replies with this id belong to the first component with a name. The replies
+    /// of that component end if another component gets the id.
+    fn set_name(&mut self, registration: i128, name: String, context: &mut Context<'_>) {
+        if self.names.len() >= MAX_COMPONENTS && !self.names.contains_key(&registration) {
+            return;
+        }
+        let named = component(registration, Some(&name));
+        match self.names.insert(registration, name) {
+            None => context.lanes.rename((REPLY, &component(registration, None), VERDICT), &named),
+            Some(before) => {
+                let before = component(registration, Some(&before));
+                if before != named {
+                    context.lanes.end((REPLY, &before, VERDICT), context.time);
+                }
             }
         }
     }
 }
 
+/// The subject of a component's replies.
+fn component(registration: i128, name: Option<&String>) -> String {
+    let name = name.filter(|name| !name.is_empty()).map(|name| format!(", {name}"));
+    format!("registration {registration}{}", name.unwrap_or_default())
+}
+
 /// The value of a text field.
 pub(crate) fn text(value: FieldValue<'_>) -> Option<String> {
     match value {
-        FieldValue::Text(bytes) => Some(String::from_utf8_lossy(bytes).into_owned()),
-        FieldValue::String(text) => Some(text.to_owned()),
+        FieldValue::Text(bytes) | FieldValue::String(bytes) => {
+            Some(String::from_utf8_lossy(bytes).into_owned())
+        }
         _ => None,
     }
 }

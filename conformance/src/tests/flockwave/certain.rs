@@ -117,6 +117,16 @@ fn one_null_has_one_finding() {
 }
 
 #[test]
+fn findings_do_not_show_the_password_of_a_login() {
+    let mut session = Session::opened();
+    let login = json!({ "type": "AUTH-REQ", "method": "basic", "data": "d2luZA==" });
+    session.exchange_with(login, json!({ "type": "AUTH-RESP", "result": 1 }));
+    let shown = format!("{:?}", checked(&session.to_bytes()).findings);
+    assert!(shown.contains(r#"{\"type\": \"AUTH-REQ\", \"method\": \"basic\", …}"#), "{shown}");
+    assert!(!shown.contains("d2luZA=="), "{shown}");
+}
+
+#[test]
 fn errors_in_envelopes_are_checked() {
     let answered = |error: Value| {
         let mut session = Session::opened();
