@@ -96,12 +96,18 @@ skipped.")]
 Requires a C++ compiler. New inputs are written to target/fuzz/corpus, and inputs that violate a property are written \
 to target/fuzz/artifacts. A run is limited to 1 GiB of memory, and an execution to 10 s.")]
     Fuzz(fuzz::Arguments),
-    /// Run benchmarks; requires the corpus
+    /// Run benchmarks; most of them require the corpus
     #[command(after_help = "Examples:
+  cargo xtask bench codec          read and write messages; compare with others
   cargo xtask bench codegen        read, generate and write PX4's 261 messages
   cargo xtask bench compile        compile the generated crate
-  cargo xtask bench codec          read and write messages; compare with others
-  cargo xtask bench conformance    check logs and JSON; compare with others")]
+  cargo xtask bench conformance    check logs, JSON and sessions
+  cargo xtask bench fleet          check thousands of captures
+  cargo xtask bench live           listen to many large messages
+  cargo xtask bench peers          compare the program with other libraries
+
+codegen, compile, fleet and peers require the corpus. Without it, conformance skips the logs. fleet and live require \
+Python packages that tests install. If they are missing, the command names the tests.")]
     Bench {
         /// Benchmarks to run
         benchmark: bench::Benchmark,

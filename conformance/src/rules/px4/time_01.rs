@@ -18,9 +18,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         level: Level::Must,
         status: Status::Normative,
         statement: "The `timestamp` field does not decrease from one message of a subscription to the next. A \
-                    timestamp may repeat, and it may be 0. In bags and lines of JSON, only messages from PX4 count. \
-                    There, PX4 may set its clock back, so an early time is a violation only if the next message is \
-                    later again.",
+                    timestamp may repeat, and it may be 0. In bags and JSON, only messages from PX4 are checked. \
+                    There, PX4 may set its clock. Therefore, an earlier timestamp is a violation only if the step \
+                    back is less than an hour, and the next message is not earlier than the message before the step.",
         source: "uORB publishes in order; `timestamp` is the time since system start",
         applies_to: "message sequences",
         why: "Tools sort and interpolate samples by time. If the time steps back, the order, rates and derivatives are \
