@@ -3,7 +3,7 @@
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Message, MessageId, Schema};
 
-use crate::definitions::Definitions;
+use crate::definitions::{Definitions, is_exchanged};
 
 /// The definition of a PX4 topic. Log converters may append an instance number: `sensor_accel_1`, `sensor_accel.01`.
 fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
@@ -24,7 +24,7 @@ pub(crate) fn topic_of(topic: &str) -> &str {
 /// Finds the definition of a topic from its name, and from the name and encoding of its schema.
 ///
 /// For ROS 2, only the schema name counts: a type from another package is a different type, even if the topic's name is
-/// defined. For other encodings, schema names are arbitrary. If the schema name matches no definition, the topic name
+/// defined. Only in PX4's folders, such as `/fmu/out/`, the name of the package may differ. For other encodings, schema names are arbitrary. If the schema name matches no definition, the topic name
 /// decides.
 pub(crate) fn definition_of(
     topic: &str,
@@ -40,7 +40,8 @@ pub(crate) fn definition_of(
     let last = name.rsplit(['/', '.']).next().unwrap_or(&name);
     let has_name = |id: &MessageId| definitions.schema.message(*id).name == last;
     if encoding.starts_with("ros2") {
-        return by_topic().filter(has_name);
+        // Vendors rename the package of PX4's messages. Elsewhere, such a type is unrelated: many packages have an `Event`.
+        return by_topic().filter(|id| has_name(id) && is_exchanged(topic));
     }
     message_of(last, definitions).or_else(by_topic)
 }
@@ -118,14 +119,17 @@ mod tests {
             ("/any", json("failsafe_flags")),
             ("/any", json("px4.failsafe_flags")),
             ("failsafe_flags", ros("")),
-            ("failsafe_flags", ros("my_msgs/msg/FailsafeFlags")),
+            ("/fmu/out/failsafe_flags", ros("my_msgs/msg/FailsafeFlags")),
             ("failsafe_flags", json("Anything")),
         ] {
             assert_eq!(name(topic, schema), flags, "{topic} {schema:?}");
         }
-        for (topic, schema) in
-            [("/any", None), ("/failsafe_flags", ros("std_msgs/msg/String")), ("/any", json("Anything"))]
-        {
+        for (topic, schema) in [
+            ("/any", None),
+            ("/failsafe_flags", ros("std_msgs/msg/String")),
+            ("/failsafe_flags", ros("my_msgs/msg/FailsafeFlags")),
+            ("/any", json("Anything")),
+        ] {
             assert_eq!(name(topic, schema), None, "{topic} {schema:?}");
         }
     }
