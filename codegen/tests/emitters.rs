@@ -6,6 +6,8 @@ use std::path::Path;
 use uavspec_codegen::emit::{EMITTERS, Emitter};
 use uavspec_codegen::generate;
 
+use crate::support;
+
 /// The error message for a configuration with this `output` table.
 fn error_of(output: &str) -> String {
     let folder = tempfile::tempdir().expect("a folder");
@@ -160,4 +162,24 @@ fn constants_may_contain_slashes_before_any_character() {
     for constant in ["\"//\u{e9}\"", "\"//\"", "\"https://example.org/\u{e9}\""] {
         assert!(code.contains(constant), "{constant} is missing:\n{code}");
     }
+}
+
+#[test]
+fn error_codes_are_sorted_if_the_ranges_of_tables_overlap() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("a file");
+    write(
+        "uavspec.toml",
+        "[[package]]\nname = \"demo\"\ndialect = \"table\"\ninclude = [\"*.md\"]\n[output]\nrust = { path = \"out\" }\n",
+    );
+    let table = |title: &str, rows: &str| format!("## {title}\n\n|Code|Abbr|Description|\n|-|-|-|\n{rows}\n");
+    let pages = table("Warnings", "|64|FUEL|Low fuel|\n|66|WIND|Strong wind|\n")
+        + &table("Battery warnings (codes 64-127)", "|65|BATT|Low battery|\n");
+    write("codes.md", &pages);
+    generate(folder.path().join("uavspec.toml")).expect("output");
+    let files = support::files_below(&folder.path().join("out"), &["rs"]);
+    let text: String = files.iter().map(|path| fs::read_to_string(path).expect("text")).collect();
+    let entries = text.find("ENTRIES").expect("the entries");
+    let at = |name: &str| text[entries..].find(name).expect("an entry");
+    assert!(at("\"FUEL\"") < at("\"BATT\"") && at("\"BATT\"") < at("\"WIND\""), "{text}");
 }

@@ -154,10 +154,11 @@ pub(super) fn literal(element: Element, value: &Value) -> TokenStream {
             quote!(#value)
         }
         (Value::Int(value), _) => integer(*value),
-        (Value::Float(value), Element::Scalar(Scalar::Float32)) => float(*value, &quote!(f32), |value| {
-            #[allow(clippy::cast_possible_truncation)] // the constant is a float32
-            Literal::f32_unsuffixed(value as f32)
-        }),
+        #[allow(clippy::cast_possible_truncation)]
+        // the constant is a float32, which is infinite beyond its range
+        (Value::Float(value), Element::Scalar(Scalar::Float32)) => {
+            float(f64::from(*value as f32), &quote!(f32), |value| Literal::f32_unsuffixed(value as f32))
+        }
         (Value::Float(value), _) => float(*value, &quote!(f64), Literal::f64_unsuffixed),
         (Value::Text(value), _) => quote!(#value),
         (Value::List(values), element) => {
@@ -196,5 +197,19 @@ fn float(value: f64, ty: &TokenStream, literal: fn(f64) -> Literal) -> TokenStre
     } else {
         let magnitude = literal(value.abs());
         if value.is_sign_negative() { quote!(-#magnitude) } else { quote!(#magnitude) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn float32_values_beyond_the_range_are_infinite() {
+        for (value, expected) in [(1e39, "f32 :: INFINITY"), (-1e39, "f32 :: NEG_INFINITY"), (-0.5, "- 0.5")]
+        {
+            let tokens = literal(Element::Scalar(Scalar::Float32), &Value::Float(value));
+            assert_eq!(tokens.to_string(), expected);
+        }
     }
 }
