@@ -17,11 +17,11 @@ use crate::support::write;
 const UPLOAD_INPUTS: [&str; 8] =
     ["sarif_file", "checkout_path", "ref", "sha", "token", "matrix", "category", "wait-for-processing"];
 
-/// A replacement of Cargo for the build step: it checks the path of the manifest, and copies the program of this build.
+/// A replacement of Cargo for the build step: it checks the current folder, and copies the program of this build.
 const CARGO: &str = r#"#!/bin/sh
+grep -q conformance Cargo.toml || exit 1
 while [ $# -gt 0 ]; do
   case "$1" in
-    --manifest-path) grep -q conformance "$2" || exit 1; shift ;;
     --target-dir) mkdir -p "$2/release" && ln -s "$UAVSPEC" "$2/release/uavspec"; shift ;;
   esac
   shift
