@@ -1,7 +1,7 @@
 //! The text of strings in CDR and in memory.
 //!
-//! ROS 2 requires UTF-8 and UTF-16, but leaves it to each implementation to enforce them. Invalid text is therefore kept
-//! in memory, and writers restore its bytes: the bytes of a `string` are the same as in CDR. A `wstring` is converted to
+//! ROS 2 requires UTF-8 and UTF-16, but leaves it to each implementation to enforce them. Memory therefore contains
+//! invalid text, too, and writers restore its bytes. A `string` consists of its bytes in CDR. A `wstring` is converted to
 //! UTF-8, and an unpaired surrogate takes the three bytes that UTF-8 would use for its number (this is called WTF-8).
 
 use uavspec_runtime::Fault;

@@ -312,8 +312,8 @@ impl CaseBuilder<'_, '_> {
         Expected { ok: ExpectedResponse::Bytes(right), rejection: rule.is_some() }
     }
 
-    /// The expected result of decoding. Some vectors state no message, because no encoder writes their bytes. The right
-    /// message is then the one that a lenient codec reads.
+    /// The expected result of decoding. Some vectors contain only bytes, because encoders never write these bytes. Then
+    /// the codec may read what a lenient codec reads.
     fn decoded(&self, rule: Option<&str>, format: Format, bytes: &[u8], wanted: Option<&Value>) -> Expected {
         if rule.is_some_and(|id| PAYLOAD_RULES.iter().any(|known| known.rule.id == id)) {
             return Expected::REJECTED;
