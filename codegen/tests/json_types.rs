@@ -67,8 +67,12 @@ fn round<T: DeserializeOwned + Serialize + PartialEq + Debug>(value: &T, json: &
 }
 
 fn refused<T: DeserializeOwned + Debug>(json: &Json, expected: &str) {
-    let error = serde_json::from_str::<T>(&json.to_string()).expect_err("an error").to_string();
-    assert!(error.contains(expected), "{json}: {error}");
+    refused_text::<T>(&json.to_string(), expected);
+}
+
+fn refused_text<T: DeserializeOwned + Debug>(text: &str, expected: &str) {
+    let error = serde_json::from_str::<T>(text).expect_err("an error").to_string();
+    assert!(error.contains(expected), "{text}: {error}");
 }
 
 fn mark(lat: i64, height: Option<i64>, radius: Option<f64>) -> Mark {
@@ -130,8 +134,57 @@ fn distinguishes_absent_from_null() {
     refused::<Glider>(&with("towed_by", json!({ "id": 7 })), "towed_by: id: invalid type: integer `7`");
     refused::<Glider>(&json!({ "id": "D1" }), "missing field `time`");
     refused::<Glider>(&json!(["D1", 5]), "an object with the fields of Glider");
-    let twice = serde_json::from_str::<Glider>(r#"{"id":"D1","time":1,"time":2}"#);
-    assert!(twice.expect_err("an error").to_string().contains("duplicate field `time`"));
+}
+
+#[test]
+fn rejects_repeated_fields_of_all_objects() {
+    refused_text::<Glider>(r#"{"id":"D1","time":1,"time":2}"#, "duplicate field `time`");
+    // A value of any type, and a field that the page doesn't define.
+    refused_text::<Glider>(r#"{"id":"D1","time":1,"note":{"a":1,"a":2}}"#, "duplicate field `a`");
+    refused_text::<odd::json::A>(r#"{"type":"x","else":[{"b":1,"b":1}]}"#, "duplicate field `b`");
+    refused_text::<Request>(r#"{"type":"GLIDER-INF","ids":[],"ids":["D1"]}"#, "duplicate field `ids`");
+    refused_text::<Request>(r#"{"type":"A","type":"GLIDER-INF","ids":[]}"#, "duplicate field `type`");
+    let status = r#"{"id":"D1","time":1}"#;
+    let text = format!(r#"{{"type":"GLIDER-INF","status":{{"D1":{status},"D1":{status}}}}}"#);
+    refused_text::<Notification>(&text, "duplicate field `D1`");
+    refused_text::<Response>(r#"{"type":"WINCH-INF","load":{"c":1,"c":2}}"#, "duplicate field `c`");
+}
+
+#[test]
+fn refuses_to_write_nan_and_infinity() {
+    let glider = Glider { climb: Some(vec![0.5, f64::NAN]), ..Glider::default() };
+    let status = BTreeMap::from([("D1".to_owned(), glider.clone())]);
+    let message = Notification::from(glider_inf::Notification { status });
+    let number = odd::json::Option(f64::NEG_INFINITY);
+    let named = odd::json::A { a_b_2: Some(number), ..odd::json::A::default() };
+    for (result, expected) in [
+        (serde_json::to_string(&glider), "climb is NaN"),
+        (serde_json::to_string(&message), "climb is NaN"),
+        (serde_json::to_string(&mark(1, None, Some(f64::INFINITY))), "radius is inf"),
+        (serde_json::to_string(&named), "a_b is -inf"),
+        (serde_json::to_string(&number), "Option is -inf"),
+    ] {
+        let error = result.expect_err("an error").to_string();
+        assert_eq!(error, format!("{expected}, which JSON can't represent"));
+    }
+}
+
+/// Each type contains the next type twice, so the number of paths doubles with each level.
+#[test]
+fn derives_defaults_of_deeply_nested_types() {
+    let levels = (0..40).map(|level| {
+        let next = level + 1;
+        format!(
+            "\n## T{level}\n\n| Field | Required | Type | Description |\n|---|---|---|---|\n| a | yes | T{next} | One \
+             |\n| b | yes | T{next} | Another |\n"
+        )
+    });
+    let text = format!("# Nested types\n{}\n## T40\n\nstring\n", levels.collect::<String>());
+    let (sources, schema, diagnostics) = support::texts(Form::Table, &[("nested.md", text.as_str())]);
+    assert_eq!(diagnostics, []);
+    let files = rust::emit(&schema, &sources, &rust::Options::default());
+    let types = files.iter().find(|file| file.path == "demo/json/types.rs").expect("a file of types");
+    assert_eq!(types.text.matches("Default, PartialEq").count(), 41);
 }
 
 #[test]

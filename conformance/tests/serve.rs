@@ -272,7 +272,7 @@ fn rejects_malformed_requests_by_id() {
         ),
         (
             json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-INF", "ids": [7] } }),
-            "ids: invalid type: integer",
+            "ids: [0]: invalid type: integer",
         ),
         (
             json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-FLY", "ids": [], "target": [9e99, 0] } }),

@@ -5,8 +5,7 @@
 //! UTF-8, and an unpaired surrogate takes the three bytes that UTF-8 would use for its number (this is called WTF-8).
 
 use uavspec_runtime::Fault;
-use uavspec_runtime::cdr::{ByteOrder, WIDE_UNIT};
-use uavspec_runtime::record::Primitive as _;
+use uavspec_runtime::cdr::{ByteOrder, wide_units};
 
 /// Reads a `string` with its NUL. Some writers omit the NUL of an empty string. In strict mode, the text must be UTF-8.
 pub(super) fn read_narrow(bytes: &[u8], is_strict: bool) -> Result<&[u8], Fault> {
@@ -21,14 +20,7 @@ pub(super) fn read_narrow(bytes: &[u8], is_strict: bool) -> Result<&[u8], Fault>
 
 /// Reads the code units of a `wstring`. Each must have at most 16 bits. In strict mode, surrogates must be paired.
 pub(super) fn read_wide(bytes: &[u8], order: ByteOrder, is_strict: bool) -> Result<Vec<u8>, Fault> {
-    let unit = |bytes: &[u8]| {
-        let unit = match order {
-            ByteOrder::LittleEndian => u32::read_le(bytes),
-            ByteOrder::BigEndian => u32::read_be(bytes),
-        };
-        u16::try_from(unit).map_err(|_| Fault::NotUnicode)
-    };
-    let units = bytes.chunks_exact(WIDE_UNIT).map(unit).collect::<Result<Vec<u16>, Fault>>()?;
+    let units = wide_units(bytes, order).collect::<Result<Vec<u16>, Fault>>()?;
     let mut text = Vec::with_capacity(units.len());
     for character in char::decode_utf16(units) {
         match character {

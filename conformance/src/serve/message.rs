@@ -12,7 +12,8 @@ use super::request::each_once;
 const PROTOCOL: &str = "1.0";
 
 /// The reason why serializing these types can't fail.
-const WRITABLE: &str = "all map keys are strings, and no tuple has an unset element before a set one";
+const WRITABLE: &str =
+    "all map keys are strings, all numbers are finite, and no tuple has an unset element before a set one";
 
 /// Serializes a body as text.
 pub(super) fn text(body: &impl Serialize) -> String {

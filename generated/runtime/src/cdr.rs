@@ -66,19 +66,16 @@ pub const fn is_padding(end: usize, left: usize) -> bool {
     end + left <= end.next_multiple_of(4)
 }
 
-/// The characters of a wide string, with an error for each unpaired surrogate. A code unit of more than 16 bits ends
-/// the string with an error.
-pub fn wide_characters(bytes: &[u8], order: ByteOrder) -> impl Iterator<Item = Result<char, Fault>> {
+/// The code units of a wide string, with an error for each unit of more than 16 bits.
+pub fn wide_units(bytes: &[u8], order: ByteOrder) -> impl Iterator<Item = Result<u16, Fault>> {
     let unit = move |bytes: &[u8]| {
-        u16::try_from(match order {
+        let unit = match order {
             ByteOrder::LittleEndian => u32::read_le(bytes),
             ByteOrder::BigEndian => u32::read_be(bytes),
-        })
+        };
+        u16::try_from(unit).map_err(|_| Fault::NotUnicode)
     };
-    let units = bytes.chunks_exact(WIDE_UNIT).map(unit);
-    let end = units.clone().any(|unit| unit.is_err()).then_some(Err(Fault::NotUnicode));
-    let characters = char::decode_utf16(units.map_while(Result::ok));
-    characters.map(|character| character.map_err(|_| Fault::NotUnicode)).chain(end)
+    bytes.chunks_exact(WIDE_UNIT).map(unit)
 }
 
 /// Decodes a message. In strict mode each `bool` must be 0 or 1.
@@ -315,7 +312,9 @@ impl<const BIG: bool, const STRICT: bool> Source for Reader<'_, BIG, STRICT> {
         let length = self.length(Shape::Sequence, if is_wide { WIDE_UNIT } else { 1 });
         let text = if is_wide {
             let order = if BIG { ByteOrder::BigEndian } else { ByteOrder::LittleEndian };
-            wide_characters(self.take(length * WIDE_UNIT, 1), order).collect()
+            let units = wide_units(self.take(length * WIDE_UNIT, 1), order);
+            let units: Result<alloc::vec::Vec<u16>, Fault> = units.collect();
+            units.and_then(|units| alloc::string::String::from_utf16(&units).map_err(|_| Fault::NotUnicode))
         } else {
             self.narrow_string(length)
         };

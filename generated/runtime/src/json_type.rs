@@ -8,6 +8,12 @@
 //! it. Integers have no fraction: reading rejects `1.0`, although JSON Schema accepts it as the integer 1. Reading
 //! doesn't check ranges, lengths or patterns, so a program can read an invalid message and report the violation.
 //!
+//! Sets, and named strings, numbers and booleans, can be read from any serde format. They can also be the keys of a
+//! JSON object. All other types parse the whole value before they read it. This requires a self-describing format, such
+//! as JSON.
+//!
+//! NaN and infinity have no JSON form: writing them is an error that names the field.
+//!
 //! ```
 //! use uavspec_runtime::json_object;
 //!
@@ -28,89 +34,464 @@
 //! # Ok::<(), serde_json::Error>(())
 //! ```
 
-use alloc::borrow::Cow;
+use alloc::boxed::Box;
+use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
-use core::fmt;
+use alloc::vec::Vec;
+use core::any::TypeId;
+use core::convert::Infallible;
+use core::{fmt, ptr};
 
-use serde::de::{DeserializeOwned, Error as _, IgnoredAny, MapAccess};
-use serde::ser::SerializeMap;
-use serde::{Deserialize, Deserializer, Serializer};
+use serde::de::{Error as _, MapAccess, SeqAccess, Visitor};
+use serde::ser::{SerializeMap, SerializeSeq};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::map::Entry;
+use serde_json::{Map, Number};
 
+/// The reason why a value can't be read.
+#[doc(hidden)]
+pub use serde_json::Error;
 /// Any JSON value.
 pub use serde_json::Value as Json;
 
 /// The field that contains the message type.
 const TYPE: &str = "type";
 
-/// Reads the value of the `name` field. A repeated field is an error.
-pub fn read<'de, T: Deserialize<'de>, A: MapAccess<'de>>(
-    field: &mut Option<T>,
-    name: &'static str,
-    map: &mut A,
-) -> Result<(), A::Error> {
-    if field.is_some() {
-        return Err(A::Error::duplicate_field(name));
-    }
-    *field = Some(map.next_value().map_err(|error| in_field(name, &error))?);
-    Ok(())
-}
+/// The name in the object that represents a number, if the feature `arbitrary_precision` of `serde_json` is enabled. Only
+/// `serde_json` can read this object.
+const NUMBER: &str = "$serde_json::private::Number";
 
-/// Adds the field name to the error message for a value.
-fn in_field<E: serde::de::Error>(name: &str, error: &E) -> E {
-    E::custom(format!("{name}: {error}"))
-}
+/// The Rust type of a JSON type: of a type that a page defines, or of the values in its fields.
+#[doc(hidden)]
+pub trait JsonType: Sized {
+    /// Writes the value. Error messages contain the name `field`.
+    fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
 
-/// Skips the value of a field that the page doesn't define. Returns an error if the object allows only the `known`
-/// fields.
-pub fn read_unknown<'de, A: MapAccess<'de>>(
-    name: &str,
-    known: Option<&'static [&'static str]>,
-    map: &mut A,
-) -> Result<(), A::Error> {
-    match known {
-        Some(known) => Err(A::Error::unknown_field(name, known)),
-        None => map.next_value::<IgnoredAny>().map(|_| ()),
+    /// Reads a value.
+    fn read(json: &Json, choices: &mut Choices) -> Result<Self, Error>;
+
+    /// Reads a value that is not a part of another value. The format must be self-describing, unless the type overrides
+    /// this method.
+    fn parse<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let Parsed(json) = Parsed::deserialize(deserializer)?;
+        Self::read(&json, &mut Choices::default()).map_err(D::Error::custom)
     }
 }
 
-/// A field name, borrowed from the input if possible.
-#[derive(Debug)]
-pub struct Key<'de>(pub Cow<'de, str>);
+/// A JSON value whose objects have no repeated fields. `Json` would keep only the last value of a repeated field.
+struct Parsed(Json);
 
-impl<'de> Deserialize<'de> for Key<'de> {
+impl<'de> Deserialize<'de> for Parsed {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
+        deserializer.deserialize_any(Parser).map(Self)
+    }
+}
 
-        impl<'de> serde::de::Visitor<'de> for Visitor {
-            type Value = Key<'de>;
+struct Parser;
 
-            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-                formatter.write_str("a field name")
-            }
+impl<'de> Visitor<'de> for Parser {
+    type Value = Json;
 
-            fn visit_borrowed_str<E>(self, name: &'de str) -> Result<Key<'de>, E> {
-                Ok(Key(Cow::Borrowed(name)))
-            }
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("a JSON value")
+    }
 
-            fn visit_str<E>(self, name: &str) -> Result<Key<'de>, E> {
-                Ok(Key(Cow::Owned(String::from(name))))
-            }
+    fn visit_unit<E>(self) -> Result<Json, E> {
+        Ok(Json::Null)
+    }
 
-            fn visit_string<E>(self, name: String) -> Result<Key<'de>, E> {
-                Ok(Key(Cow::Owned(name)))
+    fn visit_none<E>(self) -> Result<Json, E> {
+        Ok(Json::Null)
+    }
+
+    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Json, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Json, E> {
+        Ok(Json::Bool(value))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Json, E> {
+        Ok(Json::Number(value.into()))
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Json, E> {
+        Ok(Json::Number(value.into()))
+    }
+
+    fn visit_i128<E: serde::de::Error>(self, value: i128) -> Result<Json, E> {
+        let number = Number::from_i128(value).map(Json::Number);
+        number.ok_or_else(|| E::custom(format_args!("the number {value} is out of range")))
+    }
+
+    fn visit_u128<E: serde::de::Error>(self, value: u128) -> Result<Json, E> {
+        let number = Number::from_u128(value).map(Json::Number);
+        number.ok_or_else(|| E::custom(format_args!("the number {value} is out of range")))
+    }
+
+    fn visit_f64<E: serde::de::Error>(self, value: f64) -> Result<Json, E> {
+        let number = Number::from_f64(value).map(Json::Number);
+        number.ok_or_else(|| E::custom(format_args!("found {value}, which JSON can't represent")))
+    }
+
+    fn visit_str<E>(self, text: &str) -> Result<Json, E> {
+        Ok(Json::String(String::from(text)))
+    }
+
+    fn visit_string<E>(self, text: String) -> Result<Json, E> {
+        Ok(Json::String(text))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Json, A::Error> {
+        // Doesn't trust the announced length: the vector grows with its elements.
+        let mut elements = Vec::new();
+        while let Some(Parsed(element)) = list.next_element()? {
+            elements.push(element);
+        }
+        Ok(Json::Array(elements))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Json, A::Error> {
+        let mut fields = Map::new();
+        while let Some(name) = map.next_key::<String>()? {
+            match fields.entry(name) {
+                Entry::Vacant(field) => {
+                    let Parsed(value) = map.next_value()?;
+                    field.insert(value);
+                }
+                Entry::Occupied(field) => {
+                    return Err(A::Error::custom(format_args!("duplicate field `{}`", field.key())));
+                }
             }
         }
-
-        deserializer.deserialize_identifier(Visitor)
+        // `serde_json` represents numbers as strings. Without this check, each level of nested objects would rebuild
+        // all inner levels.
+        if fields.len() == 1 && matches!(fields.get(NUMBER), Some(Json::String(_))) {
+            return Json::deserialize(Json::Object(fields)).map_err(A::Error::custom);
+        }
+        Ok(Json::Object(fields))
     }
 }
 
-// Names declared by the macros start with two underscores, because a page can define a type with any other name.
+/// The choices between alternatives that have been made in a value: for each type with alternatives, and each value
+/// that was read as this type, the index of the first alternative that may accept the value.
+///
+/// If an alternative rejects a value, the next alternative reads the nested values again. Without the choices, the time
+/// would double with each level of nesting.
+#[doc(hidden)]
+#[derive(Debug, Default)]
+pub struct Choices(BTreeMap<(*const Json, TypeId), usize>);
+
+/// Reads a value as one of several alternatives.
+type Read<T> = fn(&Json, &mut Choices) -> Result<T, Error>;
+
+/// Reads a value as the first of several alternatives that accepts it. The `name` of the type is for the error.
+#[doc(hidden)]
+pub fn read_either<T: 'static>(
+    name: &str,
+    json: &Json,
+    choices: &mut Choices,
+    alternatives: &[Read<T>],
+) -> Result<T, Error> {
+    // All values are parts of one parsed value, so each has a different address.
+    let key = (ptr::from_ref(json), TypeId::of::<T>());
+    let first = choices.0.get(&key).copied().unwrap_or_default();
+    for (index, read) in alternatives.iter().enumerate().skip(first) {
+        if let Ok(found) = read(json, choices) {
+            choices.0.insert(key, index);
+            return Ok(found);
+        }
+    }
+    choices.0.insert(key, alternatives.len());
+    Err(Error::custom(format_args!("the value matches no alternative of {name}")))
+}
+
+/// The fields of an object. Returns an error if the object allows only the `known` fields and has another one.
+#[doc(hidden)]
+pub fn fields<'j>(
+    json: &'j Json,
+    expected: &'static str,
+    known: Option<&'static [&'static str]>,
+) -> Result<&'j Map<String, Json>, Error> {
+    let fields = object(json, expected)?;
+    if let Some(known) = known
+        && let Some(unknown) = fields.keys().find(|name| !known.contains(&name.as_str()))
+    {
+        return Err(Error::unknown_field(unknown, known));
+    }
+    Ok(fields)
+}
+
+/// Reads a field that must be present.
+#[doc(hidden)]
+pub fn required<T: JsonType>(
+    fields: &Map<String, Json>,
+    name: &'static str,
+    choices: &mut Choices,
+) -> Result<T, Error> {
+    optional(fields, name, choices)?.ok_or_else(|| Error::missing_field(name))
+}
+
+/// Reads a field that may be absent.
+#[doc(hidden)]
+pub fn optional<T: JsonType>(
+    fields: &Map<String, Json>,
+    name: &'static str,
+    choices: &mut Choices,
+) -> Result<Option<T>, Error> {
+    fields.get(name).map(|json| read_named(&name, json, choices)).transpose()
+}
+
+/// Reads a value. An error contains the `name` of the field, or the key or index of the element.
+fn read_named<T: JsonType>(name: &dyn fmt::Display, json: &Json, choices: &mut Choices) -> Result<T, Error> {
+    T::read(json, choices).map_err(|error| Error::custom(format_args!("{name}: {error}")))
+}
+
+/// The elements of a tuple.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Elements<'j> {
+    all: &'j [Json],
+    /// The elements that have not been read yet.
+    left: &'j [Json],
+}
+
+impl<'j> Elements<'j> {
+    /// The elements of an array. Returns an error if there are more than `most`.
+    pub fn of(json: &'j Json, expected: &'static str, most: usize) -> Result<Self, Error> {
+        let all = array(json, expected)?;
+        if all.len() > most {
+            return Err(Error::invalid_length(all.len(), &expected));
+        }
+        Ok(Self { all, left: all })
+    }
+
+    /// Reads the next element, which must be present.
+    pub fn required<T: JsonType>(&mut self, name: &'static str, choices: &mut Choices) -> Result<T, Error> {
+        self.optional(name, choices)?.ok_or_else(|| {
+            let expected = format!("an array that has the element `{}`", element_name(name));
+            Error::invalid_length(self.all.len(), &expected.as_str())
+        })
+    }
+
+    /// Reads the next element, if there is one.
+    pub fn optional<T: JsonType>(
+        &mut self,
+        name: &'static str,
+        choices: &mut Choices,
+    ) -> Result<Option<T>, Error> {
+        let Some((json, left)) = self.left.split_first() else { return Ok(None) };
+        self.left = left;
+        read_named(&element_name(name), json, choices).map(Some)
+    }
+}
+
+/// The name of an element of a tuple: its Rust identifier without the prefix of raw identifiers.
+fn element_name(identifier: &'static str) -> &'static str {
+    identifier.strip_prefix("r#").unwrap_or(identifier)
+}
+
+fn array<'j>(json: &'j Json, expected: &'static str) -> Result<&'j [Json], Error> {
+    json.as_array().map(Vec::as_slice).ok_or_else(|| unexpected(json, expected))
+}
+
+fn object<'j>(json: &'j Json, expected: &'static str) -> Result<&'j Map<String, Json>, Error> {
+    json.as_object().ok_or_else(|| unexpected(json, expected))
+}
+
+/// The error for a value of another type.
+fn unexpected(json: &Json, expected: &'static str) -> Error {
+    /// Accepts no value. The error names the type of the value.
+    struct Refuse(&'static str);
+
+    impl Visitor<'_> for Refuse {
+        type Value = Infallible;
+
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            formatter.write_str(self.0)
+        }
+    }
+
+    let Err(error) = json.deserialize_any(Refuse(expected));
+    error
+}
+
+/// A value with the name of its field.
+struct Named<'v, T> {
+    name: &'static str,
+    value: &'v T,
+}
+
+impl<T: JsonType> Serialize for Named<'_, T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.value.write(self.name, serializer)
+    }
+}
+
+/// Writes a field of an object.
+#[doc(hidden)]
+pub fn write_field<T: JsonType, M: SerializeMap>(
+    map: &mut M,
+    name: &'static str,
+    value: &T,
+) -> Result<(), M::Error> {
+    map.serialize_entry(name, &Named { name, value })
+}
+
+/// Writes an element of a tuple.
+#[doc(hidden)]
+pub fn write_element<T: JsonType, L: SerializeSeq>(
+    list: &mut L,
+    name: &'static str,
+    value: &T,
+) -> Result<(), L::Error> {
+    list.serialize_element(&Named { name: element_name(name), value })
+}
+
+/// The error for an element of a tuple that is `None`, although a later element is not.
+#[doc(hidden)]
+pub fn skipped_element<E: serde::ser::Error>(name: &'static str) -> E {
+    E::custom(format_args!("`{}` is None, but an element after it is not", element_name(name)))
+}
+
+/// Implements `JsonType` by calling serde's implementation for the type.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __json_plain {
+    ($type:ty) => {
+        impl $crate::json_type::JsonType for $type {
+            fn write<S: $crate::serde::Serializer>(
+                &self,
+                _: &'static str,
+                serializer: S,
+            ) -> ::core::result::Result<S::Ok, S::Error> {
+                $crate::serde::Serialize::serialize(self, serializer)
+            }
+
+            fn read(
+                json: &$crate::json_type::Json,
+                _: &mut $crate::json_type::Choices,
+            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
+                $crate::serde::Deserialize::deserialize(json)
+            }
+
+            fn parse<'de, D: $crate::serde::Deserializer<'de>>(
+                deserializer: D,
+            ) -> ::core::result::Result<Self, D::Error> {
+                $crate::serde::Deserialize::deserialize(deserializer)
+            }
+        }
+    };
+}
+
+__json_plain!(());
+__json_plain!(bool);
+__json_plain!(i64);
+__json_plain!(String);
+
+// Generated code needs only `i64`. Handwritten types may contain other integers.
+__json_plain!(i8);
+__json_plain!(i16);
+__json_plain!(i32);
+__json_plain!(u8);
+__json_plain!(u16);
+__json_plain!(u32);
+__json_plain!(u64);
+
+/// Implements `JsonType` for a float.
+macro_rules! float {
+    ($type:ident) => {
+        impl JsonType for $type {
+            fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+                if self.is_finite() {
+                    self.serialize(serializer)
+                } else {
+                    let problem = format!("{field} is {self}, which JSON can't represent");
+                    Err(serde::ser::Error::custom(problem))
+                }
+            }
+
+            fn read(json: &Json, _: &mut Choices) -> Result<Self, Error> {
+                Self::parse(json)
+            }
+
+            fn parse<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let value = Self::deserialize(deserializer)?;
+                if value.is_finite() {
+                    Ok(value)
+                } else {
+                    Err(D::Error::custom(format_args!("found {value}, expected a finite number")))
+                }
+            }
+        }
+    };
+}
+
+float!(f32);
+float!(f64);
+
+// Doesn't override `parse`, because the implementation of `serde_json` accepts repeated fields.
+impl JsonType for Json {
+    fn write<S: Serializer>(&self, _: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        self.serialize(serializer)
+    }
+
+    fn read(json: &Json, _: &mut Choices) -> Result<Self, Error> {
+        Ok(json.clone())
+    }
+}
+
+impl<T: JsonType> JsonType for Option<T> {
+    fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Some(value) => serializer.serialize_some(&Named { name: field, value }),
+            None => serializer.serialize_none(),
+        }
+    }
+
+    fn read(json: &Json, choices: &mut Choices) -> Result<Self, Error> {
+        if json.is_null() { Ok(None) } else { T::read(json, choices).map(Some) }
+    }
+}
+
+impl<T: JsonType> JsonType for Box<T> {
+    fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        T::write(self, field, serializer)
+    }
+
+    fn read(json: &Json, choices: &mut Choices) -> Result<Self, Error> {
+        T::read(json, choices).map(Self::new)
+    }
+}
+
+impl<T: JsonType> JsonType for Vec<T> {
+    fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter().map(|value| Named { name: field, value }))
+    }
+
+    fn read(json: &Json, choices: &mut Choices) -> Result<Self, Error> {
+        let elements = array(json, "an array")?.iter().enumerate();
+        elements.map(|(index, json)| read_named(&format_args!("[{index}]"), json, choices)).collect()
+    }
+}
+
+impl<T: JsonType> JsonType for BTreeMap<String, T> {
+    fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter().map(|(key, value)| (key, Named { name: field, value })))
+    }
+
+    fn read(json: &Json, choices: &mut Choices) -> Result<Self, Error> {
+        let entries = object(json, "an object")?.iter();
+        entries.map(|(key, json)| read_named(key, json, choices).map(|value| (key.clone(), value))).collect()
+    }
+}
 
 /// Splits a message into its type and its other fields.
+#[doc(hidden)]
 pub fn split_message<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(String, Json), D::Error> {
-    let mut value = Json::deserialize(deserializer)?;
+    let Parsed(mut value) = Parsed::deserialize(deserializer)?;
     let Some(fields) = value.as_object_mut() else {
         return Err(D::Error::custom("expected a message object"));
     };
@@ -122,6 +503,7 @@ pub fn split_message<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(Stri
 }
 
 /// Joins the parts that [`split_message`] returned.
+#[doc(hidden)]
 pub fn join_message(name: String, mut value: Json) -> Json {
     if let Some(fields) = value.as_object_mut() {
         fields.shift_insert(0, String::from(TYPE), Json::String(name));
@@ -130,18 +512,29 @@ pub fn join_message(name: String, mut value: Json) -> Json {
 }
 
 /// Reads a message body from the parts that [`split_message`] returned.
-pub fn read_body<T: DeserializeOwned, E: serde::de::Error>(name: &str, value: Json) -> Result<T, E> {
-    T::deserialize(value).map_err(|error| E::custom(format!("{name}: {error}")))
+#[doc(hidden)]
+pub fn read_body<T: JsonType, E: serde::de::Error>(name: &str, value: &Json) -> Result<T, E> {
+    read_named(&name, value, &mut Choices::default()).map_err(E::custom)
 }
 
 /// An object that can write its fields into a map that already has fields. In a message, the `type` field precedes the
 /// fields of the body.
+#[doc(hidden)]
 pub trait Object {
     /// Writes the fields.
     fn write_fields<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error>;
 }
 
+/// Writes an object.
+#[doc(hidden)]
+pub fn write_object<T: Object, S: Serializer>(object: &T, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(None)?;
+    object.write_fields(&mut map)?;
+    map.end()
+}
+
 /// Writes a message from its type and its body.
+#[doc(hidden)]
 pub fn write_message<T: Object, S: Serializer>(
     name: &str,
     body: &T,
@@ -151,6 +544,33 @@ pub fn write_message<T: Object, S: Serializer>(
     map.serialize_entry(TYPE, name)?;
     body.write_fields(&mut map)?;
     map.end()
+}
+
+// A page can define a type with any name, such as that of a generic parameter. The macros therefore write `Self`
+// instead of the name within functions, and declare no types.
+
+/// Implements the serde traits for a `JsonType`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __json_type {
+    ($type:ident) => {
+        impl $crate::serde::Serialize for $type {
+            fn serialize<S: $crate::serde::Serializer>(
+                &self,
+                serializer: S,
+            ) -> ::core::result::Result<S::Ok, S::Error> {
+                $crate::json_type::JsonType::write(self, stringify!($type), serializer)
+            }
+        }
+
+        impl<'de> $crate::serde::Deserialize<'de> for $type {
+            fn deserialize<D: $crate::serde::Deserializer<'de>>(
+                deserializer: D,
+            ) -> ::core::result::Result<Self, D::Error> {
+                $crate::json_type::JsonType::parse(deserializer)
+            }
+        }
+    };
 }
 
 /// Implements reading and writing of a struct as a JSON object:
@@ -171,56 +591,32 @@ macro_rules! json_object {
             }
         }
 
-        impl $crate::serde::Serialize for $type {
-            fn serialize<S: $crate::serde::Serializer>(
+        impl $crate::json_type::JsonType for $type {
+            fn write<S: $crate::serde::Serializer>(
                 &self,
+                _: &'static str,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
-                let mut map = $crate::serde::Serializer::serialize_map(serializer, ::core::option::Option::None)?;
-                $crate::json_type::Object::write_fields(self, &mut map)?;
-                $crate::serde::ser::SerializeMap::end(map)
+                $crate::json_type::write_object(self, serializer)
+            }
+
+            #[allow(unused_variables)] // some objects have no fields
+            fn read(
+                json: &$crate::json_type::Json,
+                choices: &mut $crate::json_type::Choices,
+            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
+                let fields = $crate::json_type::fields(
+                    json,
+                    concat!("an object with the fields of ", stringify!($type)),
+                    $crate::__json_known!($openness $($name)*),
+                )?;
+                ::core::result::Result::Ok(Self {
+                    $($field: $crate::json_type::$presence(fields, $name, choices)?,)*
+                })
             }
         }
 
-        impl<'de> $crate::serde::Deserialize<'de> for $type {
-            fn deserialize<D: $crate::serde::Deserializer<'de>>(
-                deserializer: D,
-            ) -> ::core::result::Result<Self, D::Error> {
-                struct __Visitor;
-
-                impl<'de> $crate::serde::de::Visitor<'de> for __Visitor {
-                    type Value = $type;
-
-                    fn expecting(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                        formatter.write_str(concat!("an object with the fields of ", stringify!($type)))
-                    }
-
-                    fn visit_map<__Access: $crate::serde::de::MapAccess<'de>>(
-                        self,
-                        mut map: __Access,
-                    ) -> ::core::result::Result<$type, __Access::Error> {
-                        $(let mut $field = ::core::option::Option::None;)*
-                        while let ::core::option::Option::Some(key) =
-                            map.next_key::<$crate::json_type::Key<'de>>()?
-                        {
-                            match &*key.0 {
-                                $($name => $crate::json_type::read(&mut $field, $name, &mut map)?,)*
-                                other => {
-                                    let known: ::core::option::Option<&'static [&'static str]> =
-                                        $crate::__json_known!($openness $($name)*);
-                                    $crate::json_type::read_unknown(other, known, &mut map)?;
-                                }
-                            }
-                        }
-                        ::core::result::Result::Ok($type {
-                            $($field: $crate::__json_take!($presence $name $field),)*
-                        })
-                    }
-                }
-
-                $crate::serde::Deserializer::deserialize_map(deserializer, __Visitor)
-            }
-        }
+        $crate::__json_type!($type);
     };
 }
 
@@ -229,29 +625,12 @@ macro_rules! json_object {
 #[macro_export]
 macro_rules! __json_write {
     (required $map:ident $name:literal $value:expr) => {
-        $crate::serde::ser::SerializeMap::serialize_entry($map, $name, &$value)?
+        $crate::json_type::write_field($map, $name, &$value)?
     };
     (optional $map:ident $name:literal $value:expr) => {
         if let ::core::option::Option::Some(value) = &$value {
-            $crate::serde::ser::SerializeMap::serialize_entry($map, $name, value)?;
+            $crate::json_type::write_field($map, $name, value)?;
         }
-    };
-}
-
-/// Takes the value that was read for a field of an object.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! __json_take {
-    (required $name:literal $field:ident) => {
-        match $field {
-            ::core::option::Option::Some(value) => value,
-            ::core::option::Option::None => {
-                return ::core::result::Result::Err($crate::serde::de::Error::missing_field($name));
-            }
-        }
-    };
-    (optional $name:literal $field:ident) => {
-        $field
     };
 }
 
@@ -275,9 +654,10 @@ macro_rules! __json_known {
 #[macro_export]
 macro_rules! json_tuple {
     ($type:ident; $($field:ident $presence:ident;)*) => {
-        impl $crate::serde::Serialize for $type {
-            fn serialize<S: $crate::serde::Serializer>(
+        impl $crate::json_type::JsonType for $type {
+            fn write<S: $crate::serde::Serializer>(
                 &self,
+                _: &'static str,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
                 // Writes all elements up to the last element that is present.
@@ -295,43 +675,23 @@ macro_rules! json_tuple {
                 let _ = left;
                 $crate::serde::ser::SerializeSeq::end(list)
             }
-        }
 
-        impl<'de> $crate::serde::Deserialize<'de> for $type {
-            fn deserialize<D: $crate::serde::Deserializer<'de>>(
-                deserializer: D,
-            ) -> ::core::result::Result<Self, D::Error> {
-                struct __Visitor;
-
-                impl<'de> $crate::serde::de::Visitor<'de> for __Visitor {
-                    type Value = $type;
-
-                    fn expecting(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
-                        formatter.write_str(concat!("an array with the elements of ", stringify!($type)))
-                    }
-
-                    fn visit_seq<__Access: $crate::serde::de::SeqAccess<'de>>(
-                        self,
-                        mut list: __Access,
-                    ) -> ::core::result::Result<$type, __Access::Error> {
-                        let mut length = 0_usize;
-                        $(
-                            let $field = $crate::__json_next!($presence list length $field);
-                            length += 1;
-                        )*
-                        if list.next_element::<$crate::serde::de::IgnoredAny>()?.is_some() {
-                            return ::core::result::Result::Err($crate::serde::de::Error::invalid_length(
-                                length + 1,
-                                &self,
-                            ));
-                        }
-                        ::core::result::Result::Ok($type { $($field),* })
-                    }
-                }
-
-                $crate::serde::Deserializer::deserialize_seq(deserializer, __Visitor)
+            fn read(
+                json: &$crate::json_type::Json,
+                choices: &mut $crate::json_type::Choices,
+            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
+                let mut elements = $crate::json_type::Elements::of(
+                    json,
+                    concat!("an array with the elements of ", stringify!($type)),
+                    <[&str]>::len(&[$(stringify!($field)),*]),
+                )?;
+                ::core::result::Result::Ok(Self {
+                    $($field: $crate::__json_next!($presence elements $field choices),)*
+                })
             }
         }
+
+        $crate::__json_type!($type);
     };
 }
 
@@ -356,16 +716,12 @@ macro_rules! __json_is_needed {
 macro_rules! __json_element {
     (optional $list:ident $self:ident.$field:ident) => {
         if $self.$field.is_none() {
-            return ::core::result::Result::Err($crate::serde::ser::Error::custom(concat!(
-                "`",
-                stringify!($field),
-                "` is None, but an element after it is not"
-            )));
+            return ::core::result::Result::Err($crate::json_type::skipped_element(stringify!($field)));
         }
-        $crate::serde::ser::SerializeSeq::serialize_element(&mut $list, &$self.$field)?;
+        $crate::json_type::write_element(&mut $list, stringify!($field), &$self.$field)?;
     };
     ($presence:ident $list:ident $self:ident.$field:ident) => {
-        $crate::serde::ser::SerializeSeq::serialize_element(&mut $list, &$self.$field)?;
+        $crate::json_type::write_element(&mut $list, stringify!($field), &$self.$field)?;
     };
 }
 
@@ -373,22 +729,14 @@ macro_rules! __json_element {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_next {
-    (optional $list:ident $length:ident $field:ident) => {
-        $list.next_element()?
+    (optional $elements:ident $field:ident $choices:ident) => {
+        $elements.optional(stringify!($field), $choices)?
     };
-    (omissible $list:ident $length:ident $field:ident) => {
-        $list.next_element::<::core::option::Option<_>>()?.flatten()
+    (omissible $elements:ident $field:ident $choices:ident) => {
+        $elements.optional::<::core::option::Option<_>>(stringify!($field), $choices)?.flatten()
     };
-    ($presence:ident $list:ident $length:ident $field:ident) => {
-        match $list.next_element()? {
-            ::core::option::Option::Some(value) => value,
-            ::core::option::Option::None => {
-                return ::core::result::Result::Err($crate::serde::de::Error::invalid_length(
-                    $length,
-                    &concat!("an array that has the element `", stringify!($field), "`"),
-                ));
-            }
-        }
+    ($presence:ident $elements:ident $field:ident $choices:ident) => {
+        $elements.required(stringify!($field), $choices)?
     };
 }
 
@@ -453,21 +801,26 @@ macro_rules! __json_strings {
             }
         }
 
-        impl $crate::serde::Serialize for $type {
-            fn serialize<S: $crate::serde::Serializer>(
+        impl $crate::json_type::JsonType for $type {
+            fn write<S: $crate::serde::Serializer>(
                 &self,
+                _: &'static str,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
                 $crate::serde::Serializer::serialize_str(serializer, self.as_str())
             }
-        }
 
-        impl<'de> $crate::serde::Deserialize<'de> for $type {
-            fn deserialize<D: $crate::serde::Deserializer<'de>>(
+            fn read(
+                json: &$crate::json_type::Json,
+                _: &mut $crate::json_type::Choices,
+            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
+                $crate::json_type::JsonType::parse(json)
+            }
+
+            fn parse<'de, D: $crate::serde::Deserializer<'de>>(
                 deserializer: D,
             ) -> ::core::result::Result<Self, D::Error> {
-                let found: $crate::alloc::borrow::Cow<'de, str> =
-                    $crate::serde::Deserialize::deserialize(deserializer)?;
+                let found: $crate::alloc::string::String = $crate::json_type::JsonType::parse(deserializer)?;
                 let $text: &str = &found;
                 let read: ::core::option::Option<Self> = $read;
                 read.ok_or_else(|| {
@@ -478,6 +831,8 @@ macro_rules! __json_strings {
                 })
             }
         }
+
+        $crate::__json_type!($type);
     };
 }
 
@@ -535,20 +890,26 @@ macro_rules! json_integers {
 #[macro_export]
 macro_rules! __json_integers {
     ($type:ident |$value:ident| $read:expr) => {
-        impl $crate::serde::Serialize for $type {
-            fn serialize<S: $crate::serde::Serializer>(
+        impl $crate::json_type::JsonType for $type {
+            fn write<S: $crate::serde::Serializer>(
                 &self,
+                _: &'static str,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
                 $crate::serde::Serializer::serialize_i64(serializer, self.value())
             }
-        }
 
-        impl<'de> $crate::serde::Deserialize<'de> for $type {
-            fn deserialize<D: $crate::serde::Deserializer<'de>>(
+            fn read(
+                json: &$crate::json_type::Json,
+                _: &mut $crate::json_type::Choices,
+            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
+                $crate::json_type::JsonType::parse(json)
+            }
+
+            fn parse<'de, D: $crate::serde::Deserializer<'de>>(
                 deserializer: D,
             ) -> ::core::result::Result<Self, D::Error> {
-                let $value: i64 = $crate::serde::Deserialize::deserialize(deserializer)?;
+                let $value: i64 = $crate::json_type::JsonType::parse(deserializer)?;
                 let read: ::core::option::Option<Self> = $read;
                 read.ok_or_else(|| {
                     $crate::serde::de::Error::invalid_value(
@@ -558,6 +919,8 @@ macro_rules! __json_integers {
                 })
             }
         }
+
+        $crate::__json_type!($type);
     };
 }
 
@@ -567,10 +930,33 @@ macro_rules! __json_integers {
 #[macro_export]
 macro_rules! json_named {
     ($type:ident value;) => {
-        $crate::__json_number!($type);
+        impl $crate::json_type::JsonType for $type {
+            fn write<S: $crate::serde::Serializer>(
+                &self,
+                field: &'static str,
+                serializer: S,
+            ) -> ::core::result::Result<S::Ok, S::Error> {
+                $crate::json_type::JsonType::write(&self.0, field, serializer)
+            }
+
+            fn read(
+                json: &$crate::json_type::Json,
+                choices: &mut $crate::json_type::Choices,
+            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
+                $crate::json_type::JsonType::read(json, choices).map(Self)
+            }
+
+            fn parse<'de, D: $crate::serde::Deserializer<'de>>(
+                deserializer: D,
+            ) -> ::core::result::Result<Self, D::Error> {
+                $crate::json_type::JsonType::parse(deserializer).map(Self)
+            }
+        }
+
+        $crate::__json_type!($type);
     };
     ($type:ident text;) => {
-        $crate::__json_number!($type);
+        $crate::json_named! { $type value; }
 
         impl ::core::convert::From<&str> for $type {
             fn from(text: &str) -> Self {
@@ -593,33 +979,33 @@ macro_rules! json_named {
 #[macro_export]
 macro_rules! json_either {
     ($type:ident; $($variant:ident;)*) => {
-        impl $crate::serde::Serialize for $type {
-            fn serialize<S: $crate::serde::Serializer>(
+        impl $crate::json_type::JsonType for $type {
+            fn write<S: $crate::serde::Serializer>(
                 &self,
+                field: &'static str,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
                 match self {
-                    $(Self::$variant(value) => $crate::serde::Serialize::serialize(value, serializer),)*
+                    $(Self::$variant(value) => $crate::json_type::JsonType::write(value, field, serializer),)*
                 }
+            }
+
+            fn read(
+                json: &$crate::json_type::Json,
+                choices: &mut $crate::json_type::Choices,
+            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
+                $crate::json_type::read_either::<Self>(
+                    stringify!($type),
+                    json,
+                    choices,
+                    &[$(
+                        |json, choices| $crate::json_type::JsonType::read(json, choices).map(Self::$variant)
+                    ),*],
+                )
             }
         }
 
-        impl<'de> $crate::serde::Deserialize<'de> for $type {
-            fn deserialize<D: $crate::serde::Deserializer<'de>>(
-                deserializer: D,
-            ) -> ::core::result::Result<Self, D::Error> {
-                let value: $crate::json_type::Json = $crate::serde::Deserialize::deserialize(deserializer)?;
-                $(
-                    if let ::core::result::Result::Ok(found) = $crate::serde::Deserialize::deserialize(&value) {
-                        return ::core::result::Result::Ok(Self::$variant(found));
-                    }
-                )*
-                ::core::result::Result::Err($crate::serde::de::Error::custom(concat!(
-                    "the value matches no alternative of ",
-                    stringify!($type)
-                )))
-            }
-        }
+        $crate::__json_type!($type);
     };
 }
 
@@ -642,7 +1028,7 @@ macro_rules! json_messages {
 
         impl $type {
             /// The message type. Empty for an `Other` message without a type.
-            pub fn message_type(&self) -> &str {
+            pub fn message_type(&self) -> &::core::primitive::str {
                 match self {
                     $(Self::$variant(_) => $name,)*
                     Self::Other(other) => other.get("type").and_then(|name| name.as_str()).unwrap_or_default(),
@@ -668,7 +1054,7 @@ macro_rules! json_messages {
             ) -> ::core::result::Result<Self, D::Error> {
                 let (name, body) = $crate::json_type::split_message(deserializer)?;
                 match name.as_str() {
-                    $($name => $crate::json_type::read_body($name, body).map(Self::$variant),)*
+                    $($name => $crate::json_type::read_body($name, &body).map(Self::$variant),)*
                     _ => ::core::result::Result::Ok(Self::Other($crate::json_type::join_message(name, body))),
                 }
             }

@@ -108,14 +108,11 @@ macro_rules! __format_error_code {
         impl $crate::defmt::Format for $type {
             fn format(&self, formatter: $crate::defmt::Formatter<'_>) {
                 use $crate::defmt;
-                defmt::write!(formatter, "{=u32}", self.0);
-                #[allow(clippy::match_same_arms)] // the format strings differ
+                #[allow(clippy::match_same_arms)] // the interned names differ
                 match self.0 {
-                    $($known => {
-                        defmt::write!(formatter, " ");
-                        defmt::write!(formatter, $name);
-                    })*
-                    _ => {}
+                    // A name may contain braces, so it can't be a format string.
+                    $($known => defmt::write!(formatter, "{=u32} {=istr}", self.0, defmt::intern!($name)),)*
+                    number => defmt::write!(formatter, "{=u32}", number),
                 }
             }
         }

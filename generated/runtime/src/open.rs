@@ -194,6 +194,7 @@ macro_rules! error_code {
     ($type:ident; $($known:literal $name:literal;)*) => {
         $crate::__format_error_code!($type; $($known $name;)*);
         $crate::__documented!($type: u32; false; $($known $name;)*);
+        $crate::__json_plain!($type);
     };
 }
 

@@ -35,6 +35,13 @@ macro_rules! __json_number {
     ($($tokens:tt)*) => {};
 }
 
+#[cfg(not(feature = "json"))]
+#[doc(hidden)]
+#[macro_export]
+macro_rules! __json_plain {
+    ($($tokens:tt)*) => {};
+}
+
 #[cfg(not(feature = "proptest"))]
 #[doc(hidden)]
 #[macro_export]

@@ -3,5 +3,7 @@
 mod fixed_size;
 #[cfg(feature = "serde")]
 mod formats;
+#[cfg(feature = "json")]
+mod json_type;
 mod open;
 mod variable_size;

@@ -22,7 +22,7 @@ fn the_decoder_displays_names_and_values() {
     while let Ok(frame) = decoder.decode() {
         lines.push(frame.display_message().to_string());
     }
-    assert_eq!(lines.len(), 6, "{lines:?}");
+    assert_eq!(lines.len(), 7, "{lines:?}");
     let ones = ["1"; 25].join(", ");
     assert_eq!(
         lines[0],
@@ -39,6 +39,7 @@ fn the_decoder_displays_names_and_values() {
         assert!(lines[4].contains(part), "{}", lines[4]);
     }
     assert_eq!(lines[5], "199 LOWBAT 65602 fatal");
+    assert_eq!(lines[6], "7 {x} 8");
 }
 
 /// Builds and runs the program. Returns its executable and its output.

@@ -72,7 +72,8 @@ impl Floats {
             rank if rank <= count => first + (rank - 1) as f64,
             rank => self.value_of(self.key(self.base()) + (rank - count)),
         };
-        if self.is_negative && rank > 0 { -magnitude } else { magnitude }
+        // 0 is simpler than -0.
+        if self.is_negative && magnitude != 0.0 { -magnitude } else { magnitude }
     }
 }
 
@@ -174,6 +175,16 @@ mod tests {
         assert_eq!(least(integers, 4711.0), Some(Number::Int(4711)));
         let list = Domain::Listed([0, 3, 5, 9].map(Number::Int).to_vec());
         assert_eq!(least(list, 4.0), Some(Number::Int(5)));
+    }
+
+    #[test]
+    fn tries_the_simplest_negative_value() {
+        for (simplest, drawn, is_single) in [(-10.0, -60.5, false), (-0.5, -0.75, true), (0.0, -2.5, true)] {
+            let floats = || Domain::Floats(Floats::new(simplest, drawn, is_single));
+            assert_eq!(least(floats(), f64::MIN), Some(Number::Float(simplest)));
+            let Some(Number::Float(first)) = floats().at(0) else { panic!("no value") };
+            assert_eq!(first.is_sign_negative(), simplest < 0.0, "{first}");
+        }
     }
 
     #[test]

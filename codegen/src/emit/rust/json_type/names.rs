@@ -6,6 +6,7 @@ use proc_macro2::Ident;
 
 use super::super::context::Context;
 use super::super::identifier::{self, Scope, ident};
+use super::default::Defaults;
 use crate::prose;
 use crate::schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
 use crate::schema::{JsonTypeId, Package};
@@ -16,7 +17,7 @@ pub(in crate::emit::rust) const MODULE: &str = "json";
 /// Name of the module with the types.
 pub(super) const TYPES: &str = "types";
 
-/// Names of a package's types, and the groups of mutually recursive types.
+/// Names of a package's types, the groups of mutually recursive types, and the types that implement `Default`.
 pub(super) struct Names {
     /// The id of the first type.
     first: u32,
@@ -26,6 +27,7 @@ pub(super) struct Names {
     pub(super) used: Vec<String>,
     /// Group numbers by type. Types in the same group contain each other without a list or map in between.
     groups: Vec<usize>,
+    pub(super) defaults: Defaults,
 }
 
 impl Names {
@@ -44,7 +46,8 @@ impl Names {
             .map(|id| contained(&context.schema.json_type(*id).definition))
             .collect();
         let used = types.clone();
-        Self { first, types, used, groups: groups(&contains, first) }
+        let defaults = Defaults::of(context.schema, package);
+        Self { first, types, used, groups: groups(&contains, first), defaults }
     }
 
     pub(super) fn name(&self, id: JsonTypeId) -> &str {

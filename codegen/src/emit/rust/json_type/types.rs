@@ -7,7 +7,6 @@ use super::super::context::Context;
 use super::super::file::documentation;
 use super::super::identifier::{self, Scope, ident, pascal_case};
 use super::super::types as literals;
-use super::default;
 use super::names::{Names, field_names, text};
 use crate::prose;
 use crate::schema::json_type::{
@@ -155,7 +154,7 @@ impl<'c> Definitions<'c> {
 
     fn declaration(&self, doc: &TokenStream, name: &Ident, places: &[Place<'_>]) -> TokenStream {
         let members: Vec<Member> = places.iter().map(|place| place.member.clone()).collect();
-        let default = default::of_members(self.context.schema, &members).then(|| quote!(Default,));
+        let default = self.names.defaults.of_members(&members).then(|| quote!(Default,));
         let fields = places.iter().map(|Place { member, ident, ty, .. }| {
             let doc = documentation(&member_text(member));
             quote!(#doc pub #ident: #ty)
@@ -181,7 +180,7 @@ impl<'c> Definitions<'c> {
         let mut text = text(docs, "Type", page_name);
         push_facts(&typed.limits, &mut text);
         let doc = documentation(&text);
-        let default = default::of_expression(self.context.schema, &typed.ty).then(|| quote!(Default,));
+        let default = self.names.defaults.of_expression(&typed.ty).then(|| quote!(Default,));
         let copy = matches!(typed.ty, Expression::Integer | Expression::Number | Expression::Boolean);
         let copy = copy.then(|| quote!(Copy,));
         let order = match typed.ty {

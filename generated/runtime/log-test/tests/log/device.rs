@@ -25,6 +25,11 @@ unsafe impl defmt::Logger for Logger {
 
 defmt::timestamp!("");
 
+/// An error code whose abbreviation contains braces.
+struct Braced(u32);
+
+uavspec_runtime::error_code! { Braced; 7 "{x}"; }
+
 fn main() {
     defmt::println!("{}", Event { id: 7, arguments: [1; 25], ..Event::default() });
     let reply = RegisterExtComponentReply {
@@ -45,4 +50,5 @@ fn main() {
     defmt::println!("{} {} {}", battery.warning, battery.faults, BatteryWarning(200));
     defmt::println!("{}", battery);
     defmt::println!("{} {} {}", ErrorCode::LOWBAT_FATAL, ErrorCode(0x1_0042), Severity::Fatal);
+    defmt::println!("{} {}", Braced(7), Braced(8));
 }
