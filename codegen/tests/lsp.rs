@@ -162,6 +162,9 @@ fn texts_describe_the_item_under_the_cursor() {
     editor.edit("msg/Tow.msg", "# Turning points", "# Turning points uavspec:ignore unit-missing why");
     assert!(editor.hover("msg/Tow.msg", "ignore unit-mis^sing").contains("unit-missing"));
     assert_eq!(editor.hover("msg/Tow.msg", "On the gro^und"), "", "plain text");
+    editor.edit("msg/Mark.msg", "[@range 0, 9000]", "[@range -inf, inf]");
+    let text = editor.hover("msg/Mark.msg", "hei^ght");
+    assert!(text.contains("Height of the point") && !text.contains("empty"), "{text}");
 }
 
 #[test]

@@ -75,13 +75,7 @@ fn release_name(name: &str) -> Result<String, String> {
 pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
     let folder = repository().join(FOLDER);
     if let (Some(family), Some(release)) = (arguments.family, &arguments.release) {
-        let form = Form::Msg(family.dialect());
-        let Definitions { schema, left_out, .. } =
-            load::read_package(family.dialect().name(), form, &arguments.input)
-                .map_err(|failure| crate::message_of(&failure))?;
-        for path in left_out {
-            eprintln!("left out: {path} refers to a package outside the inputs");
-        }
+        let schema = definitions(family, &arguments.input)?;
         let path = folder.join(family.dialect().name()).join(format!("{release}.{EXTENSION}"));
         write(&path, &text_of(&schema))?;
         eprintln!("import: {} ({} messages)", shown(&path).display(), schema.messages.len());
@@ -96,6 +90,21 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
         eprintln!("{} is outdated: run `cargo xtask import`", shown(&path).display());
     }
     Ok(is_current)
+}
+
+/// Reads the definitions of a release. Fails if a definition requires a package outside the inputs.
+fn definitions(family: Family, inputs: &[PathBuf]) -> Result<Schema, String> {
+    let form = Form::Msg(family.dialect());
+    let Definitions { schema, left_out, .. } = load::read_package(family.dialect().name(), form, inputs)
+        .map_err(|failure| crate::message_of(&failure))?;
+    if left_out.is_empty() {
+        return Ok(schema);
+    }
+    Err(format!(
+        "these definitions require a package outside the inputs:\n    {}\n  help: also pass the folder of that \
+         package with --input",
+        left_out.join("\n    ")
+    ))
 }
 
 /// The file of a release.
@@ -191,14 +200,30 @@ mod tests {
         for (family, name) in releases(&repository().join(FOLDER)).expect("releases") {
             let folder = corpus.join(&name);
             if family == Family::Px4 && folder.exists() {
-                let form = Form::Msg(Dialect::Px4);
-                let Definitions { schema, left_out, .. } =
-                    load::read_package("px4", form, &[folder]).expect("definitions");
-                assert_eq!(left_out, Vec::<String>::new());
+                let schema = definitions(family, &[folder]).expect("definitions");
                 let path = repository().join(FOLDER).join(format!("px4/{name}.{EXTENSION}"));
                 assert!(fs::read_to_string(path).expect("a release") == text_of(&schema), "{name} differs");
             }
         }
+    }
+
+    #[test]
+    fn a_release_requires_all_packages_of_its_definitions() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (path, text) in [
+            ("tow/tow_msgs/msg/Tow.msg", "sky_msgs/Mark mark\n"),
+            ("tow/tow_msgs/msg/Rope.msg", "float64 length\n"),
+            ("sky/sky_msgs/msg/Mark.msg", "float64 height\n"),
+        ] {
+            let path = folder.path().join(path);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::write(path, text).expect("a file");
+        }
+        let inputs = ["tow", "sky"].map(|name| folder.path().join(name));
+        let error = definitions(Family::Ros2, &inputs[..1]).expect_err("a package is missing");
+        assert!(error.contains("Tow.msg\n") && error.contains("--input"), "{error}");
+        assert!(!error.contains("Rope.msg"), "{error}");
+        assert_eq!(definitions(Family::Ros2, &inputs).expect("all packages").messages.len(), 3);
     }
 
     #[test]

@@ -36,7 +36,8 @@ pub struct FoundPackage {
 
 /// Finds `.msg`, `.srv` and `.action` files below a folder, and the packages that they belong to. The folder of a package
 /// has a `package.xml`, or contains `msg`, `srv` or `action`. All other files belong to a package of the given folder.
-/// Hidden folders, links and build output are skipped.
+/// Hidden folders, links and build output are skipped. If several packages have the same name, all but the first get a
+/// number.
 ///
 /// ```
 /// use uavspec_codegen::load::find_packages;
@@ -52,7 +53,25 @@ pub fn find_packages(folder: &Path) -> Result<Vec<FoundPackage>, Failure> {
     let entries: walkdir::Result<Vec<DirEntry>> = entries(folder).collect();
     let entries = entries.map_err(|error| Failure::new(error.to_string()))?;
     let packages = by_package(entries.into_iter().filter_map(msg_file), folder);
-    packages.iter().map(|(root, files)| package(root, files, folder)).collect()
+    let packages = packages.iter().map(|(root, files)| package(root, files, folder));
+    let mut packages: Vec<FoundPackage> = packages.collect::<Result<_, _>>()?;
+    make_names_unique(&mut packages);
+    Ok(packages)
+}
+
+/// Adds a number to names that are already taken, even if they differ in case.
+fn make_names_unique(packages: &mut [FoundPackage]) {
+    let mut names: BTreeSet<String> = packages.iter().map(|package| package.name.to_lowercase()).collect();
+    let mut seen = BTreeSet::new();
+    for package in packages {
+        if seen.insert(package.name.to_lowercase()) {
+            continue;
+        }
+        let mut numbered = (2_u32..).map(|number| format!("{}_{number}", package.name));
+        if let Some(name) = numbered.find(|name| names.insert(name.to_lowercase())) {
+            package.name = name;
+        }
+    }
 }
 
 /// The files and folders below a folder, sorted by name. Hidden folders, links and build output are skipped.
@@ -192,6 +211,21 @@ mod tests {
             package("b_msgs", Dialect::Ros2, &["src/b_msgs/msg/*.msg", "src/b_msgs/srv/*.srv"]),
         ];
         assert_eq!(packages, expected);
+    }
+
+    #[test]
+    fn names_that_are_taken_get_a_number() {
+        let packages = found(&[
+            ("a/gusts/msg/Wind.msg", PX4),
+            ("b/gusts/msg/Wind.msg", PX4),
+            ("c/gusts_2/msg/Wind.msg", PX4),
+            ("d/7/msg/Wind.msg", PX4),
+            ("e/8/msg/Wind.msg", PX4),
+            ("f/package.xml", "<package><name>Gusts</name></package>\n"),
+            ("f/msg/Wind.msg", PX4),
+        ]);
+        let names: Vec<&str> = packages.iter().map(|(name, ..)| name.as_str()).collect();
+        assert_eq!(names, ["gusts", "gusts_3", "gusts_2", "my_msgs", "my_msgs_2", "Gusts_4"]);
     }
 
     #[test]

@@ -159,7 +159,8 @@ impl Describer<'_> {
         text.fact("group", group.map(|group| &group.summary).filter(|summary| !summary.is_empty()));
         text.fact("unit", field.unit.as_deref().map(unit_text));
         for kind in CONSTRAINTS {
-            let stated = field.constraint(kind).map(|constraint| {
+            let found = field.constraint(kind).filter(|constraint| !constraint.is_unbounded());
+            let stated = found.map(|constraint| {
                 let value =
                     constraint.valid_values().or_else(|| constraint.stated.value().map(ToString::to_string));
                 let when = if constraint.text.is_empty() {

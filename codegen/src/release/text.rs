@@ -112,7 +112,7 @@ fn field_facts(schema: &Schema, message: &Message, field: &Field) -> String {
     if found.is_some_and(|found| !found.is_flags) && bits::mentions_bits(field) {
         facts.push("bitmask".to_owned());
     }
-    let is_limited_float = field.ty.element.is_float() && !field.constraints.is_empty();
+    let is_limited_float = field.ty.element.is_float() && field.is_restricted();
     if is_limited_float && mentions_nan(message, field) && !field.states_nan() {
         facts.push("NaN".to_owned());
     }
@@ -122,9 +122,8 @@ fn field_facts(schema: &Schema, message: &Message, field: &Field) -> String {
 /// The unit and the constraints.
 fn restrictions(unit: Option<&str>, constraints: &[Constraint]) -> Vec<String> {
     let unit = unit.map(|unit| format!("[{unit}]"));
-    let constraints = constraints.iter().filter_map(|constraint| {
+    let constraints = constraints.iter().filter(|constraint| !constraint.is_unbounded()).map(|constraint| {
         let argument = match &constraint.stated {
-            Stated::Range(Range { low: None, high: None }) => return None,
             Stated::Value(value) => value.to_string(),
             Stated::Empty => "empty".to_owned(),
             Stated::Range(Range { low, high }) => {
@@ -132,7 +131,7 @@ fn restrictions(unit: Option<&str>, constraints: &[Constraint]) -> Vec<String> {
                 format!("{}, {}", bound(low), bound(high)).trim_end().to_owned()
             }
         };
-        Some(format!("[@{} {argument}]", constraint.kind.name))
+        format!("[@{} {argument}]", constraint.kind.name)
     });
     unit.into_iter().chain(constraints).collect()
 }
@@ -187,6 +186,8 @@ mod tests {
             float32 lift  # [@range -1, 1] NaN if it is unknown\n\
             float32 drag  # [@range 0, 1] [@invalid -1] NaN if it is unknown\n\
             float32 pull  # [@range 0, 1] Pull\n\
+            float32 sway  # [@range -inf (Left), inf (Right)] Sway\n\
+            float32 roll  # [@range -inf, inf] [@invalid -1] Roll\n\
             uint8 FAULT_LINE = 0\nuint8 FAULT_TAIL = 1\nuint8 FAULT_WING = 2\nuint8 FAULT_KNOT = 3\n\
             uint16 faults  # [@enum FAULT] Bitmask of faults\n\
             uint8 reason  # [enum FAULT] Any number, such as that of a fault\n\
@@ -200,6 +201,8 @@ mod tests {
                 "[@range -1, 1] NaN",
                 "[@range 0, 1] [@invalid -1] NaN",
                 "[@range 0, 1]",
+                "",
+                "[@invalid -1]",
                 "[@enum FAULT] bitmask",
                 "[enum FAULT]",
                 "[@enum FAULT]"
@@ -213,6 +216,8 @@ mod tests {
                 None,
                 Some((false, None)),
                 Some((false, None)),
+                Some((true, None)),
+                None,
                 Some((true, None)),
                 None,
                 None,

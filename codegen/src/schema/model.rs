@@ -328,6 +328,11 @@ impl Field {
         constraint::find(&self.constraints, kind)
     }
 
+    /// True if a constraint restricts the values.
+    pub(crate) fn is_restricted(&self) -> bool {
+        !self.constraints.iter().all(constraint::Constraint::is_unbounded)
+    }
+
     /// The text of an attribute.
     pub fn attribute(&self, attribute: &Attribute) -> Option<&str> {
         self.attributes.get(attribute.name).map(String::as_str)

@@ -81,13 +81,13 @@ impl Schema {
     }
 }
 
-/// True if NaN is invalid in a float field. NaN is invalid if the definition constrains the field and doesn't mention
+/// True if NaN is invalid in a float field. NaN is invalid if the definition restricts the field and doesn't mention
 /// NaN.
 ///
 /// Unconstrained fields may be NaN, which is common in valid logs. In ROS 2, the users of a message decide whether NaN
 /// is valid.
 fn forbids_nan(message: &Message, field: &Field, dialect: Dialect) -> bool {
-    dialect == Dialect::Px4 && !field.constraints.is_empty() && !mentions_nan(message, field)
+    dialect == Dialect::Px4 && field.is_restricted() && !mentions_nan(message, field)
 }
 
 /// True if the definition mentions NaN in the field's annotations, or in the texts of the field, the group or the

@@ -175,6 +175,11 @@ impl Constraint {
         matches!(self.kind.effect, Effect::Allows { .. })
     }
 
+    /// True if the constraint excludes no value: a range without bounds, such as `[@range -inf, inf]`.
+    pub(crate) fn is_unbounded(&self) -> bool {
+        matches!(self.stated, Stated::Range(Range { low: None, high: None }))
+    }
+
     /// The valid values as text, or `None` if all are valid.
     pub fn valid_values(&self) -> Option<String> {
         match &self.stated {
