@@ -69,7 +69,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let build = |platform: &&'static Platform| build::build(root, platform, &root.join(BUILD), time);
     let programs: Vec<Built> = platforms.iter().map(build).collect::<Result<_, _>>()?;
     let documents = Documents::of(root, &programs)?;
-    let mut packages = package::for_all_platforms(&content)?;
+    let mut packages = package::for_all_platforms(&content, &platforms)?;
     for Built { platform, path } in programs {
         let bytes = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
         let licences = [licences(), notices::third_party(root, platform.target)?].concat();

@@ -15,7 +15,7 @@ use clap::Args;
 
 pub(crate) use self::content::{Content, licences};
 use crate::paths::{repository, shown};
-use crate::platform::Program;
+use crate::platform::{Platform, Program};
 
 /// Arguments of `package`.
 #[derive(Args)]
@@ -44,14 +44,14 @@ pub(crate) struct Package {
 /// Builds the packages and prints a summary.
 pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let out = arguments.out.unwrap_or_else(|| repository().join("target/package"));
-    let summary = write("package", &for_all_platforms(&Content::of(repository())?)?, &out)?;
+    let summary = write("package", &for_all_platforms(&Content::of(repository())?, &[])?, &out)?;
     eprintln!("{summary}");
     Ok(true)
 }
 
-/// Builds the packages without programs.
-pub(crate) fn for_all_platforms(content: &Content) -> Result<Vec<Package>, String> {
-    let mut packages = vec![npm::package(content)?];
+/// Builds the packages without programs. `platforms` are the platforms with a package that contains the program.
+pub(crate) fn for_all_platforms(content: &Content, platforms: &[&Platform]) -> Result<Vec<Package>, String> {
+    let mut packages = vec![npm::package(content, platforms)?];
     packages.extend(pypi::packages(content)?);
     Ok(packages)
 }
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     fn packages() -> Vec<Package> {
-        for_all_platforms(&Content::of(repository()).expect("the content")).expect("packages")
+        for_all_platforms(&Content::of(repository()).expect("the content"), &[]).expect("packages")
     }
 
     #[test]

@@ -11,10 +11,19 @@ import { PX4, ROS2 } from "./workspaces.mjs";
 const extension = path.join(repository, "xtask/editors/vscode");
 const read = (name) => fs.readFileSync(path.join(extension, name), "utf8");
 
-/** Compiles and loads a module of the extension. */
-async function load(name) {
+/** Compiles and loads a module of the extension. The stubs replace imported modules. */
+async function load(name, stubs = {}) {
+  globalThis.stubs = stubs;
+  const plugin = {
+    name: "stubs",
+    setup({ onResolve, onLoad }) {
+      const namespace = "stubs";
+      onResolve({ filter: /^vscode/ }, (found) => (found.path in stubs ? { path: found.path, namespace } : undefined));
+      onLoad({ filter: /.*/, namespace }, (found) => ({ contents: `module.exports = globalThis.stubs["${found.path}"];` }));
+    },
+  };
   const options = { entryPoints: [path.join(extension, "src", name)], bundle: true, platform: "node", format: "esm" };
-  const { outputFiles } = await build({ ...options, write: false });
+  const { outputFiles } = await build({ ...options, plugins: [plugin], write: false });
   return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].contents).toString("base64")}`);
 }
 
@@ -34,6 +43,39 @@ test("a missing or unsuitable program is reported with instructions", async () =
   assert.equal(await problemOf(program), undefined);
   assert.match(await problemOf("uavspec-absent"), /not found.*cargo install --path conformance.*uavspec\.path/);
   assert.match(await problemOf(process.execPath), /can't be started: .*Update uavspec/);
+});
+
+test("the server can be restarted after it failed to start", async () => {
+  const commands = new Map();
+  const disposable = { dispose() {} };
+  let starts = 0;
+  class LanguageClient {
+    async start() {
+      starts += 1;
+      throw new Error("the server has ended");
+    }
+
+    // As in the client of VS Code.
+    async dispose() {
+      throw new Error("the client is not running and can't be stopped");
+    }
+  }
+  const vscode = {
+    commands: {
+      registerCommand(name, run) {
+        commands.set(name, run);
+        return disposable;
+      },
+    },
+    workspace: {
+      getConfiguration: () => ({ get: () => program }),
+      onDidChangeConfiguration: () => disposable,
+    },
+  };
+  const { activate } = await load("extension.ts", { vscode, "vscode-languageclient/node": { LanguageClient } });
+  await activate({ subscriptions: [] });
+  await commands.get("uavspec.restart")();
+  assert.equal(starts, 2);
 });
 
 /** The text of a snippet with its default values. */

@@ -24,6 +24,10 @@ const LIBRARIES: [[&str; 4]; 2] = [
 /// The start of the names of files with licences, in lower case.
 const NAMES: [&str; 6] = ["licence", "license", "copying", "copyright", "notice", "unlicense"];
 
+/// Licences that don't apply, by crate and path: of code that isn't compiled, and alternatives to other licences.
+const UNUSED: [(&str, &str); 3] =
+    [("libsqlite3-sys", "sqlcipher"), ("petgraph", "assets"), ("zstd-sys", "zstd/COPYING")];
+
 const RULE: &str = "--------------------------------------------------------------------------------";
 
 /// A licensed part of the program.
@@ -79,8 +83,11 @@ fn crates(root: &Path, target: &str, standard: &Standard) -> Result<Vec<Part>, S
             let package = packages
                 .get(&(&*found.name, &*found.version))
                 .ok_or_else(|| format!("cargo metadata does not list {name}"))?;
-            let mut texts = texts(package.manifest_path.parent().unwrap_or(root))?;
-            if texts.is_empty() {
+            let folder = package.manifest_path.parent().unwrap_or(root);
+            let paths = licences(&found.name, folder)?;
+            let mut texts = paths.iter().map(|path| read(path)).collect::<Result<Vec<String>, String>>()?;
+            let is_own = |path: &PathBuf| path.parent() == Some(folder);
+            if !paths.iter().any(is_own) {
                 texts.push(standard.text(&name, &found.license, &package.authors.join(", "))?);
             }
             Ok(Part { name, licence: found.license, origin: found.repository, texts })
@@ -88,20 +95,31 @@ fn crates(root: &Path, target: &str, standard: &Standard) -> Result<Vec<Part>, S
         .collect()
 }
 
-/// The texts of the licences in the folder of a crate.
-fn texts(folder: &Path) -> Result<Vec<String>, String> {
-    let failed = |error: std::io::Error| format!("{}: {error}", folder.display());
+/// The files with the licences of a crate, and of the third-party code in its subfolders. Skips tests and hidden folders,
+/// which aren't part of the program.
+fn licences(name: &str, folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let unused: Vec<PathBuf> =
+        UNUSED.iter().filter(|(owner, _)| *owner == name).map(|(_, path)| folder.join(path)).collect();
     let mut paths = Vec::new();
-    for entry in fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        let name = entry.file_name().to_string_lossy().to_lowercase();
-        let is_file = entry.file_type().map_err(failed)?.is_file();
-        if is_file && NAMES.iter().any(|start| name.starts_with(start)) {
-            paths.push(entry.path());
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(at) = open.pop() {
+        let failed = |error: std::io::Error| format!("{}: {error}", at.display());
+        for entry in fs::read_dir(&at).map_err(failed)? {
+            let entry = entry.map_err(failed)?;
+            let (path, kind) = (entry.path(), entry.file_type().map_err(failed)?);
+            let file_name = entry.file_name().to_string_lossy().to_lowercase();
+            if unused.contains(&path) {
+                continue;
+            }
+            if kind.is_dir() && file_name != "tests" && !file_name.starts_with('.') {
+                open.push(path);
+            } else if kind.is_file() && NAMES.iter().any(|start| file_name.starts_with(start)) {
+                paths.push(path);
+            }
         }
     }
     paths.sort();
-    paths.iter().map(|path| read(path)).collect()
+    Ok(paths)
 }
 
 fn read(path: &Path) -> Result<String, String> {
@@ -154,7 +172,9 @@ fn document(parts: &[Part]) -> String {
     }
     let mut texts: Vec<(Vec<&str>, &str)> = by_text.into_iter().map(|(text, names)| (names, text)).collect();
     texts.sort();
-    for (names, found) in texts {
+    for (mut names, found) in texts {
+        // A crate may contain a text several times.
+        names.dedup();
         let _ = write!(text, "\n{RULE}\n{}\n{RULE}\n\n{found}\n", names.join("\n"));
     }
     text
@@ -173,8 +193,9 @@ mod tests {
             origin: None,
             texts: texts.iter().map(|text| (*text).to_owned()).collect(),
         };
-        let text =
-            document(&[part("glider 1.0.0", &["Text A\n"]), part("wing 2.0.0", &["Text B", "Text A"])]);
+        let parts =
+            [part("glider 1.0.0", &["Text A\n", "Text A"]), part("wing 2.0.0", &["Text B", "Text A"])];
+        let text = document(&parts);
         assert!(text.contains("\nglider 1.0.0: MIT\nwing 2.0.0: MIT\n"), "{text}");
         assert!(text.contains(&format!("{RULE}\nglider 1.0.0\nwing 2.0.0\n{RULE}\n\nText A\n")), "{text}");
         assert_eq!(text.matches("Text A").count(), 1, "{text}");
@@ -196,15 +217,41 @@ mod tests {
             assert!(!list.iter().any(|line| line.starts_with(name)), "{name} is not part of the program");
         }
         assert!(text.contains("Rich Felker") && text.contains("THE SOFTWARE IS PROVIDED"));
+        for owner in ["Daan Leijen", "Meta Platforms", "the fiat-crypto authors"] {
+            assert!(text.contains(owner), "{owner} is missing");
+        }
+        assert!(!text.contains("Zetetic"), "sqlcipher is not part of the program");
         assert!(!rust.bytes.is_empty());
     }
 
     #[test]
-    fn finds_the_licences_of_a_crate() {
+    fn finds_the_licences_of_a_crate_and_of_the_code_in_it() {
         let folder = tempfile::tempdir().expect("a folder");
-        for (name, text) in [("LICENSE-MIT", "MIT\r\n"), ("COPYING", "Copying\n"), ("README.md", "Read me")] {
-            fs::write(folder.path().join(name), text).expect("a file");
+        let folder = folder.path();
+        for path in [
+            "LICENSE-MIT",
+            "COPYING",
+            "README.md",
+            "src/glider/LICENSE",
+            "sqlcipher/LICENSE",
+            "tests/wing/LICENSE",
+            ".github/license.yml",
+        ] {
+            let path = folder.join(path);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+            fs::write(path, "").expect("a file");
         }
-        assert_eq!(texts(folder.path()), Ok(vec!["Copying\n".to_owned(), "MIT\n".to_owned()]));
+        let paths = |paths: &[&str]| Ok(paths.iter().map(|path| folder.join(path)).collect::<Vec<_>>());
+        let all = ["COPYING", "LICENSE-MIT", "sqlcipher/LICENSE", "src/glider/LICENSE"];
+        assert_eq!(licences("wing", folder), paths(&all));
+        assert_eq!(licences("libsqlite3-sys", folder), paths(&[all[0], all[1], all[3]]));
+    }
+
+    #[test]
+    fn reads_text_with_all_line_endings() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("LICENSE");
+        fs::write(&path, "MIT\r\nText\n").expect("a file");
+        assert_eq!(read(&path), Ok("MIT\nText\n".to_owned()));
     }
 }

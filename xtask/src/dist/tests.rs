@@ -179,6 +179,18 @@ fn the_npm_package_is_for_one_platform() {
 }
 
 #[test]
+fn the_npm_package_with_the_launcher_declares_only_the_platforms_that_were_built() {
+    let content = Content::of(repository()).expect("the content");
+    let packages = package::for_all_platforms(&content, &[&PLATFORMS[1]]).expect("packages");
+    let files = tape(&packages[0].bytes);
+    assert_eq!(files.get("package/bin/uavspec.cjs").map(|file| file.0), Some(0o755));
+    assert!(text(&files, "package/README.md").contains("\n## Program\n"));
+    let manifest: Value = serde_json::from_str(&text(&files, "package/package.json")).expect("JSON");
+    assert_eq!(manifest["bin"], serde_json::json!({ "uavspec": "bin/uavspec.cjs" }));
+    assert_eq!(manifest["optionalDependencies"], serde_json::json!({ "@uavspec/linux-arm64": VERSION }));
+}
+
+#[test]
 fn the_checksums_have_the_format_of_sha256sum() {
     let package = Package { file_name: "a.deb".to_owned(), count: 1, bytes: b"abc".to_vec() };
     let text = String::from_utf8(checksums(&[package]).bytes).expect("UTF-8");

@@ -7,7 +7,7 @@ use super::Package;
 use super::content::{Content, pretty};
 use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, TIME, VERSION};
 use crate::archive::{File, tar_gz};
-use crate::platform::{PLATFORMS, Program};
+use crate::platform::{Platform, Program};
 
 /// The root folder of npm archives.
 const FOLDER: &str = "package";
@@ -21,19 +21,21 @@ const LAUNCHER: &str = "bin/uavspec.cjs";
 /// The program in the packages for platforms. The launcher has the same path.
 const PROGRAM: &str = "bin/uavspec";
 
-/// Builds the package of the modules and the launcher.
-pub(super) fn package(content: &Content) -> Result<Package, String> {
+/// Builds the package of the modules. It contains the launcher only if there are packages with the program.
+pub(super) fn package(content: &Content, platforms: &[&Platform]) -> Result<Package, String> {
     let mut files = content.javascript.clone();
     files.extend([
         File::new("data.js", include_str!("npm/data.js")),
         File::new("data.cjs", include_str!("npm/data.cjs")),
         File::new("data.d.ts", include_str!("npm/data.d.ts")),
         File::new("data.d.cts", include_str!("npm/data.d.cts")),
-        File::new("README.md", include_str!("npm/README.md")),
-        File::new(LAUNCHER, include_str!("npm/launcher.cjs")).executable(),
+        File::new("README.md", &readme(platforms)),
     ]);
+    if !platforms.is_empty() {
+        files.push(File::new(LAUNCHER, include_str!("npm/launcher.cjs")).executable());
+    }
     files.extend(content.data.iter().chain(&content.licences).cloned());
-    files.push(File::new("package.json", &pretty(&package_json(&files))?));
+    files.push(File::new("package.json", &pretty(&package_json(&files, platforms))?));
     archive(NAME, &files)
 }
 
@@ -71,7 +73,15 @@ fn manifest(name: &str, description: &str) -> Value {
     manifest
 }
 
-fn package_json(files: &[File]) -> Value {
+/// The README. Its section about the program is omitted if there is no launcher.
+fn readme(platforms: &[&Platform]) -> String {
+    let sections = include_str!("npm/README.md").split("\n## ");
+    let is_kept = |section: &&str| !platforms.is_empty() || section.lines().next() != Some("Program");
+    let sections = sections.filter(is_kept);
+    sections.collect::<Vec<_>>().join("\n## ")
+}
+
+fn package_json(files: &[File], platforms: &[&Platform]) -> Value {
     // Modules without types are internal.
     let modules = files.iter().filter_map(|file| file.path.strip_suffix(".d.cts"));
     let mut entries: Vec<(String, Value)> = modules.map(|name| (entry(name), conditions(name))).collect();
@@ -89,9 +99,11 @@ fn package_json(files: &[File]) -> Value {
     manifest["main"] = format!("./{INDEX}.cjs").into();
     manifest["types"] = format!("./{INDEX}.d.cts").into();
     manifest["exports"] = Value::Object(exports);
-    manifest["bin"] = json!({ NAME: LAUNCHER });
-    let platforms = PLATFORMS.iter().map(|platform| (platform.npm_package(), VERSION.into()));
-    manifest["optionalDependencies"] = Value::Object(platforms.collect());
+    if !platforms.is_empty() {
+        manifest["bin"] = json!({ NAME: LAUNCHER });
+        let platforms = platforms.iter().map(|platform| (platform.npm_package(), VERSION.into()));
+        manifest["optionalDependencies"] = Value::Object(platforms.collect());
+    }
     manifest
 }
 

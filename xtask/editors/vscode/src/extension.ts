@@ -48,7 +48,8 @@ async function start(): Promise<void> {
 async function stop(): Promise<void> {
   const stopping = client;
   client = undefined;
-  await stopping?.dispose();
+  // A client whose server failed to start can't be stopped, and must not prevent a restart.
+  await stopping?.dispose().catch(() => undefined);
 }
 
 async function restart(): Promise<void> {
