@@ -9,7 +9,7 @@ mod proxied;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::process::Command;
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::thread;
@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use uavspec_conformance::check::check_capture;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::probe::{Options, Probed, RequestType, Selection, probe};
+use uavspec_conformance::probe::{Options, Probed, RequestType, Selection, Stop, probe};
 use uavspec_conformance::rules::flockwave;
 use uavspec_conformance::serve::{self, Server, Transport};
 use uavspec_conformance::transport::Endpoint;
@@ -314,6 +314,178 @@ fn waits_for_late_answers() {
     assert!(!rules(&probed).contains("FW-ENV-07"), "{:?}", trials(&probed));
 }
 
+/// Probes a server, but uses only these rules.
+fn tried(url: &str, rules: &[&str]) -> Probed {
+    let endpoint: Endpoint = url.parse().expect("an endpoint");
+    let only = rules.iter().map(|rule| (*rule).to_owned()).collect();
+    let selection = Selection::new(only, Vec::new(), &DEFINITIONS, &endpoint).expect("known rules");
+    let options = Options { limit: Duration::from_secs(45), selection, ..short_options() };
+    let probed = probe(&endpoint, &options, &DEFINITIONS, None, &|_, _| {});
+    assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
+    probed
+}
+
+/// A server may handle one request after the other. Each answer is in time, but not all answers are.
+#[test]
+fn waits_for_the_answers_to_requests_that_were_sent_together() {
+    let url = serve(|mut stream, _| {
+        let reader = BufReader::new(stream.try_clone().expect("a stream"));
+        let mut number = 0;
+        for line in reader.lines().map_while(Result::ok) {
+            let Some(answer) = answer(line.as_bytes(), &mut number) else { continue };
+            // The requests of trials have other ids.
+            if !line.contains("\"probe-") {
+                thread::sleep(Duration::from_millis(1_300));
+            }
+            if stream.write_all(answer.as_bytes()).is_err() {
+                return;
+            }
+        }
+    });
+    let probed = tried(&url, &["FW-TCP-02", "FW-ENV-27"]);
+    assert_eq!(rules(&probed), BTreeSet::new());
+}
+
+/// Answers each request until a line is not JSON. Afterwards, it answers nothing on the connection, and keeps the
+/// connection open.
+fn serve_until_confused(stream: &TcpStream) {
+    let (mut number, mut is_confused) = (0, false);
+    segments(stream, |segment| {
+        if segment.starts_with(b"not a message") {
+            is_confused = true;
+            stream.set_read_timeout(None).expect("a timeout");
+        }
+        let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut number));
+        let answers: String = answers.collect();
+        let mut stream = stream;
+        is_confused || stream.write_all(answers.as_bytes()).is_ok()
+    });
+}
+
+/// A server may close idle connections, also while a trial waits for its answer.
+#[test]
+fn the_end_of_an_idle_connection_is_no_effect_of_a_trial() {
+    let url = serve(|stream, _| {
+        stream.set_read_timeout(Some(Duration::from_secs(1))).expect("a timeout");
+        serve_until_confused(&stream);
+    });
+    assert_eq!(rules(&tried(&url, &["FW-TCP-03", "FW-ENV-27"])), BTreeSet::from(["FW-TCP-03"]));
+}
+
+/// A server may serve only the latest connection.
+#[test]
+fn the_end_of_an_older_connection_is_no_effect_of_a_trial() {
+    let latest: Arc<Mutex<Option<(usize, TcpStream)>>> = Arc::default();
+    let url = serve(move |stream, number| {
+        let mut latest = latest.lock().unwrap_or_else(PoisonError::into_inner);
+        if latest.as_ref().is_some_and(|(later, _)| *later > number) {
+            return;
+        }
+        let copy = stream.try_clone().expect("a stream");
+        if let Some((_, older)) = latest.replace((number, copy)) {
+            // The client may have closed it.
+            let _ = older.shutdown(Shutdown::Both);
+        }
+        drop(latest);
+        serve_until_confused(&stream);
+    });
+    assert_eq!(rules(&tried(&url, &["FW-TCP-03", "FW-ENV-27"])), BTreeSet::from(["FW-TCP-03"]));
+}
+
+/// The end of a connection closes all older connections. This looks neither like a server for one client nor like the
+/// end of an idle connection.
+#[test]
+fn reports_a_server_that_closes_the_connections_of_other_clients() {
+    let clients: Arc<Mutex<BTreeMap<usize, TcpStream>>> = Arc::default();
+    let url = serve(move |stream, number| {
+        let copy = stream.try_clone().expect("a stream");
+        clients.lock().unwrap_or_else(PoisonError::into_inner).insert(number, copy);
+        let mut count = 0;
+        segments(&stream, |segment| {
+            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut count));
+            let answers: String = answers.collect();
+            !segment.starts_with(b"not a message") && (&stream).write_all(answers.as_bytes()).is_ok()
+        });
+        let mut clients = clients.lock().unwrap_or_else(PoisonError::into_inner);
+        let later = clients.split_off(&(number + 1));
+        for client in std::mem::replace(&mut *clients, later).values() {
+            // The client may have closed it.
+            let _ = client.shutdown(Shutdown::Both);
+        }
+    });
+    let found = rules(&tried(&url, &["FW-TCP-03", "FW-ENV-27"]));
+    assert_eq!(found, BTreeSet::from(["FW-ENV-27", "FW-TCP-03"]));
+}
+
+/// If the probe is interrupted, it can't find out whether the server closes idle connections.
+#[test]
+fn an_interrupted_probe_reports_no_effect_of_a_trial() {
+    let confused: Arc<Mutex<Option<usize>>> = Arc::default();
+    let stop = Stop::default();
+    let requested = stop.clone();
+    let url = serve(move |stream, number| {
+        let confused = || confused.lock().unwrap_or_else(PoisonError::into_inner);
+        stream.set_read_timeout(Some(Duration::from_secs(1))).expect("a timeout");
+        // The second connection after the trial is open while the probe waits for the end of the first one.
+        if confused().is_some_and(|trial| number >= trial + 2) {
+            requested.request();
+        }
+        let mut count = 0;
+        segments(&stream, |segment| {
+            if segment.starts_with(b"not a message") {
+                confused().get_or_insert(number);
+                stream.set_read_timeout(None).expect("a timeout");
+            }
+            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut count));
+            let answers: String = answers.collect();
+            *confused() == Some(number) || (&stream).write_all(answers.as_bytes()).is_ok()
+        });
+    });
+    let endpoint: Endpoint = url.parse().expect("an endpoint");
+    let only = vec!["FW-TCP-03".to_owned(), "FW-ENV-27".to_owned()];
+    let selection = Selection::new(only, Vec::new(), &DEFINITIONS, &endpoint).expect("known rules");
+    let limit = Duration::from_secs(45);
+    let options = Options { limit, selection, stop: stop.clone(), ..short_options() };
+    let probed = probe(&endpoint, &options, &DEFINITIONS, None, &|_, _| {});
+    assert!(stop.is_requested() && probed.cut_short.is_some());
+    assert!(!rules(&probed).contains("FW-ENV-27"), "{:?}", trials(&probed));
+}
+
+/// Serves a server that refuses all requests before the login, even AUTH-INF.
+fn serve_after_login(is_accepted: bool) -> String {
+    serve(move |mut stream, _| {
+        let reader = BufReader::new(stream.try_clone().expect("a stream"));
+        let (mut number, mut is_logged_in) = (0, false);
+        for line in reader.lines().map_while(Result::ok) {
+            let Some(text) = answer(line.as_bytes(), &mut number) else { continue };
+            let mut message: Value = serde_json::from_str(&text).expect("JSON");
+            if line.contains("AUTH-REQ") {
+                is_logged_in = is_accepted;
+                message["body"] = json!({ "type": "AUTH-RESP", "result": is_accepted, "user": "pilot" });
+            } else if !is_logged_in {
+                message["body"] = json!({ "type": "ACK-NAK", "reason": "log in first" });
+            }
+            if writeln!(stream, "{message}").is_err() {
+                return;
+            }
+        }
+    })
+}
+
+#[test]
+fn logs_in_to_a_server_that_refuses_everything_else_before_the_login() {
+    let login = Some(("pilot".to_owned(), "soar".to_owned()));
+    let selection = Selection::default().without_trials();
+    let options = Options { limit: Duration::from_secs(30), login, selection, ..short_options() };
+    let accepted = probed(&serve_after_login(true), &options);
+    assert_eq!((accepted.failure.as_deref(), accepted.cut_short.as_deref()), (None, None));
+    assert!(!rules(&accepted).contains("FW-SYS-PING-01"), "{:?}", trials(&accepted));
+    let refused = probed(&serve_after_login(false), &options);
+    let failure = refused.failure.as_deref().expect("a reason");
+    assert!(failure.starts_with("the server refused the login"), "{failure}");
+    assert!(!rules(&refused).contains("FW-SYS-PING-01"), "{:?}", trials(&refused));
+}
+
 #[test]
 fn reports_a_server_that_dies_during_the_probe() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
@@ -605,14 +777,14 @@ fn probe_prints_its_outcome_and_records_the_session() {
     ];
     let (status, printed, output) = uavspec(&arguments);
     assert_eq!((status, output.as_str()), (Some(1), ""), "{printed}");
-    assert!(printed.contains("FAIL  FW-SYS-VER-02"), "{printed}");
+    assert!(printed.contains("fail    FW-SYS-VER-02"), "{printed}");
     let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
-    assert_eq!((&report["action"], &report["conclusion"]["status"]), (&json!("probe"), &json!(1)));
+    assert_eq!((&report["action"], &report["outcome"]["status"]), (&json!("probe"), &json!(1)));
     let again = report["subjects"][0]["findings"][0]["reproduce"].as_str().expect("a command");
     assert!(again.starts_with("uavspec probe") && again.ends_with(&url), "{again}");
     let (status, printed, _) = uavspec(&["check", record]);
     assert_eq!(status, Some(1));
-    assert!(printed.contains("FAIL  FW-SYS-VER-02"), "{printed}");
+    assert!(printed.contains("fail    FW-SYS-VER-02"), "{printed}");
 }
 
 #[test]

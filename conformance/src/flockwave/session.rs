@@ -17,6 +17,8 @@ mod vocabulary;
 
 use std::collections::BTreeSet;
 
+use uavspec_codegen::schema::json_type;
+
 pub(crate) use self::exchange::seconds;
 pub(crate) use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role, message_excerpt};
 use self::ids::Ids;
@@ -49,6 +51,10 @@ const MAX_CLOCK_JITTER: f64 = 0.5;
 /// The assumed maximum transit time of a message, in seconds.
 const MAX_TRANSIT_TIME: f64 = 1.0;
 
+/// The assumed maximum drift between the clocks of the client and the server, in seconds per second. NTP corrects
+/// clocks at up to this rate.
+const MAX_DRIFT: f64 = 0.0005;
+
 /// A side of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Side {
@@ -77,6 +83,9 @@ struct State {
     is_whole: bool,
     /// The sent data whose id is unknown. A later answer may refer to it.
     unknown: Unknown,
+    /// The number of messages without a readable id that a message without `refs` may still answer. Text that can't be
+    /// read may contain any number of messages, so it sets this number to the maximum.
+    num_without_id: u64,
     /// The latest time.
     latest: f64,
     /// The time of the server's latest message.
@@ -94,6 +103,21 @@ struct State {
     adjusted_by_nothing: Option<Location>,
 }
 
+impl State {
+    /// The bounds of the server's clock offset at this time, in seconds.
+    fn clock_at(&self, time: Option<f64>) -> Option<(f64, f64)> {
+        let (low, high) = self.clock?;
+        let drift = time.map_or(0.0, |time| (time - self.clock_time).max(0.0) * MAX_DRIFT);
+        Some((low - drift, high + drift))
+    }
+
+    /// Adds a message without a usable id.
+    fn add_without_id(&mut self) {
+        self.unknown = Unknown::Message;
+        self.num_without_id = self.num_without_id.saturating_add(1);
+    }
+}
+
 /// All connections of a capture.
 #[derive(Debug)]
 pub(crate) struct Sessions {
@@ -109,6 +133,8 @@ pub(crate) struct Sessions {
     sent: Ids<bool>,
     /// The operations by receipt.
     operations: Ids<Operation>,
+    /// True if a client may have set the server's clock back.
+    is_clock_set_back: bool,
 }
 
 impl Default for Sessions {
@@ -120,6 +146,7 @@ impl Default for Sessions {
             past: Remembered::new(MEMORY_LIMIT),
             sent: Ids::new(MEMORY_LIMIT),
             operations: Ids::new(MEMORY_LIMIT),
+            is_clock_set_back: false,
         }
     }
 }
@@ -134,6 +161,7 @@ impl Sessions {
         let mut exchange = Exchange::new(record, self.reliable_time(record));
         exchange.deviations = exchange.deviations_from(schemas);
         self.resolve(&mut exchange);
+        self.count_answer(&exchange, schemas);
         exchange
     }
 
@@ -147,7 +175,8 @@ impl Sessions {
     fn resolve(&mut self, exchange: &mut Exchange<'_>) {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
-        exchange.clock = state.clock;
+        exchange.clock = state.clock_at(exchange.time);
+        exchange.is_clock_set_back = self.is_clock_set_back;
         exchange.serial = state.serial;
         match exchange.role {
             Role::Event | Role::Unanswered => {}
@@ -198,7 +227,8 @@ impl Sessions {
     /// Handles text from the client that can't be read. The server may be able to read and answer it.
     pub(crate) fn sent_unreadable(&mut self, connection: usize) {
         self.grow(connection);
-        self.states[connection].unknown = Unknown::Message;
+        let state = &mut self.states[connection];
+        (state.unknown, state.num_without_id) = (Unknown::Message, u64::MAX);
     }
 
     /// Handles a piece of a message from the client. `is_incomplete` is true if other pieces must follow.
@@ -266,6 +296,7 @@ impl Sessions {
         if side == Side::Client && request.is_setting && exchange.type_name == Some("SYS-TIME") {
             // Other connections may lead to the same server.
             self.states.iter_mut().for_each(|state| state.clock = None);
+            self.is_clock_set_back |= !is_forward(exchange.field("adjustment"));
         }
         let state = &mut self.states[exchange.record.connection.index];
         if side == Side::Client {
@@ -276,13 +307,17 @@ impl Sessions {
         }
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
             // The answer to this message may have any `refs`.
-            return (state.is_whole, state.unknown) = (false, Unknown::Message);
+            state.is_whole = false;
+            return state.add_without_id();
         };
         let key = (state.serial, side, id.to_owned());
         exchange.is_id_in_use = exchange.record.connection.is_ordered && self.open.contains(&key);
-        let waiting = self.open.remove(&key);
-        let count = waiting.as_ref().map_or(1, |request| request.count + 1);
-        let request = SentRequest { is_ambiguous: waiting.is_some(), count, ..request };
+        let request = match self.open.remove(&key) {
+            None => request,
+            // A datagram may be lost, so a client may send a request again. Any answer then belongs to the request.
+            Some(known) if !exchange.record.connection.is_ordered && known.is_repeated_by(&request) => known,
+            Some(known) => SentRequest { is_ambiguous: true, count: known.count + 1, ..request },
+        };
         let room = id.len() + request.size();
         self.open.insert(key, request, room);
     }
@@ -307,7 +342,7 @@ impl Sessions {
     fn remember_response(&mut self, exchange: &Exchange<'_>) {
         let state = &mut self.states[exchange.record.connection.index];
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
-            return state.unknown = Unknown::Message;
+            return state.add_without_id();
         };
         let key = (state.serial, Side::Client, id.to_owned());
         if !self.past.contains(&key) {
@@ -354,8 +389,7 @@ impl Sessions {
 
     fn notification(&mut self, exchange: &mut Exchange<'_>) {
         self.send(exchange, true);
-        exchange.may_answer_unknown =
-            self.states[exchange.record.connection.index].unknown == Unknown::Message;
+        exchange.may_answer_unknown = self.states[exchange.record.connection.index].num_without_id > 0;
         if exchange.type_name == Some("SYS-CLOSE") {
             self.states[exchange.record.connection.index].ending = exchange.time;
         }
@@ -392,6 +426,22 @@ impl Sessions {
             let operation = Operation { stage, was_suspended, has_ended, ..known };
             self.operations.insert(serial, &receipt, operation, size);
             exchange.operations.push(Named { receipt, before, is_known });
+        }
+    }
+
+    /// Counts a message without `refs` as the answer to a message without an id, if it isn't a usual notification.
+    fn count_answer(&mut self, exchange: &Exchange<'_>, schemas: BodySchemas<'_>) {
+        let is_notification = exchange.role == Role::Notification;
+        let Some(message) = exchange.message().filter(|_| is_notification) else { return };
+        // The description of OBJ-CMD says that results are sent in notifications of this type.
+        let is_usual = |name: &str| {
+            let is_defined = schemas.is_defined(name, json_type::Direction::Notification);
+            name == "OBJ-CMD" || is_defined || !schemas.has(name)
+        };
+        // The message may also copy an id that is null.
+        if message.get("refs").is_some() || exchange.type_name.is_some_and(|name| !is_usual(name)) {
+            let state = &mut self.states[exchange.record.connection.index];
+            state.num_without_id = state.num_without_id.saturating_sub(1);
         }
     }
 
@@ -445,6 +495,15 @@ impl Sessions {
             return;
         }
         let serial = self.states[exchange.record.connection.index].serial;
+        if let Some(Tree::Object(refused)) = exchange.field("error")
+            && exchange.type_name == Some("ASYNC-RESUME")
+        {
+            for (receipt, _) in refused {
+                if let Some(operation) = self.operations.get_mut(serial, receipt) {
+                    operation.has_refused_resume = true;
+                }
+            }
+        }
         for receipt in strings(exchange.field("success")).unwrap_or_default() {
             let operation = self.operations.get_mut(serial, &receipt);
             let before = operation.as_deref().cloned();
@@ -487,6 +546,15 @@ fn release(operations: &mut Ids<Operation>, serial: u64, request: &SentRequest) 
         {
             operation.stage = Stage::Released;
         }
+    }
+}
+
+/// True if an adjustment can't set the clock back.
+fn is_forward(adjustment: Option<&Tree<'_>>) -> bool {
+    match adjustment {
+        Some(Tree::Int(by)) => *by >= 0,
+        Some(Tree::Float(by, _)) => *by >= 0.0,
+        _ => false,
     }
 }
 

@@ -191,7 +191,18 @@ impl Probe<'_, '_> {
     /// Finds out whether the server serves a second connection next to the witness. If it doesn't, there is no witness.
     pub(super) fn test_witness(&mut self) {
         self.ensure_witness();
-        if self.witness.is_some() && !self.serves(None, self.patience()) {
+        if self.witness.is_none() {
+            return;
+        }
+        // The end of the second connection must not affect the result.
+        let is_served = self.serves_while(None, self.patience(), |probe| {
+            if let Some(witness) = &mut probe.witness {
+                witness.catch_up(&mut probe.tape);
+            }
+        });
+        // A server may also close the older connection.
+        let is_lost = self.witness.as_ref().is_some_and(|known| known.is_over() && !known.is_announced());
+        if !is_served || is_lost {
             self.is_exclusive = true;
             self.note("the server serves only one connection".to_owned());
             if let Some(witness) = self.witness.take() {
@@ -205,7 +216,10 @@ impl Probe<'_, '_> {
         let Some(mut witness) = self.witness.take() else { return true };
         witness.catch_up(&mut self.tape);
         if witness.is_over() {
-            let is_lost = !witness.is_announced();
+            // An interrupted control proves nothing.
+            let is_lost = !witness.is_announced()
+                && !self.closes_connections(witness.idle_time())
+                && !self.stop.is_due();
             if is_lost {
                 self.tape.refused(
                     witness.name(),
@@ -216,6 +230,27 @@ impl Probe<'_, '_> {
             return !is_lost;
         }
         self.ask_witness(witness, Some(trial))
+    }
+
+    /// True if the server closes a connection that is idle for this time, although there is no trial. Servers may close
+    /// idle connections, and older connections of the same client.
+    fn closes_connections(&mut self, time: Duration) -> bool {
+        let Ok(control) = self.connect(None) else { return false };
+        let session = self.session.replace(control);
+        self.log_in();
+        let is_served = self.post(&json!({ "type": "SYS-VER" }), None, self.patience()).is_some();
+        let control = std::mem::replace(&mut self.session, session);
+        let Some(mut control) = control else { return false };
+        if is_served {
+            // A trial opens a connection, too. This one stays open, because its end must not affect the control.
+            self.serves_while(None, self.patience(), |probe| {
+                probe.stop.sleep(time + PAUSE);
+                control.catch_up(&mut probe.tape);
+            });
+        }
+        let is_closed = is_served && control.is_over();
+        self.close(control);
+        is_closed
     }
 
     /// Sends a request on the connection of the witness. Without an answer, the connection is no longer the witness.
@@ -231,6 +266,16 @@ impl Probe<'_, '_> {
 
     /// True if the server answers on a new connection.
     pub(super) fn serves(&mut self, trial: Option<Trial<'_>>, patience: Duration) -> bool {
+        self.serves_while(trial, patience, |_| {})
+    }
+
+    /// Like [`serves`](Self::serves), but calls `while_open` before the new connection is closed.
+    fn serves_while(
+        &mut self,
+        trial: Option<Trial<'_>>,
+        patience: Duration,
+        while_open: impl FnOnce(&mut Self),
+    ) -> bool {
         let survey = self.session.take();
         let is_served = match self.connect(None) {
             Ok(session) => {
@@ -243,6 +288,7 @@ impl Probe<'_, '_> {
                 false
             }
         };
+        while_open(self);
         self.leave();
         self.session = survey;
         is_served

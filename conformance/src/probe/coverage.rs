@@ -51,6 +51,11 @@ impl Coverage {
         entry.refused += u64::from(answer.is_some_and(is_refusal));
     }
 
+    /// The number of answers that refused a request of this type.
+    pub(super) fn refused(&self, name: &str) -> u64 {
+        self.types.get(name).map_or(0, |entry| entry.refused)
+    }
+
     /// Sets the reason why requests of these types are not sent.
     pub(super) fn not_sent(&mut self, names: &[&str], why: &str) {
         for name in names {

@@ -55,6 +55,9 @@ pub(super) struct Session {
     stop: Stop,
     /// The requests without an answer, by id, each with the time when it was sent.
     waiting: BTreeMap<String, Instant>,
+    /// The time of the latest answer that left a request waiting, where this request was sent together with the answered
+    /// one or later.
+    answered_at: Option<Instant>,
     /// The ids of the HTTP requests whose responses have not been read, in order. A message without an id has `None`.
     unread: VecDeque<Option<String>>,
     /// The number of answers without an envelope.
@@ -101,6 +104,7 @@ impl Session {
             client: Some(client),
             stop: stop.clone(),
             waiting: BTreeMap::new(),
+            answered_at: None,
             unread: VecDeque::new(),
             bare: 0,
             sent_at: Instant::now(),
@@ -132,7 +136,12 @@ impl Session {
 
     /// True if the client has not sent a request for a while.
     pub(super) fn is_idle(&self) -> bool {
-        !self.is_over() && self.sent_at.elapsed() > IDLE_TIME
+        !self.is_over() && self.idle_time() > IDLE_TIME
+    }
+
+    /// The time since the latest message from the client.
+    pub(super) fn idle_time(&self) -> Duration {
+        self.sent_at.elapsed()
     }
 
     /// True if the server announced the end of the connection.
@@ -165,16 +174,23 @@ impl Session {
 
     /// True if a missing answer on this connection may still arrive.
     pub(super) fn is_pending(&self) -> bool {
-        let latest = self.waiting.values().max();
+        // A server may handle one request after the other.
+        let latest = self.waiting.values().copied().chain(self.answered_at).max();
         // A missing answer over UDP proves nothing.
         !self.is_over()
             && self.kind != Kind::Datagrams
-            && latest.is_some_and(|sent_at| sent_at.elapsed() < self.patience)
+            && self.is_waiting()
+            && latest.is_some_and(|latest| latest.elapsed() < self.patience)
     }
 
     /// True if at least one request has no answer yet.
     pub(super) fn is_waiting(&self) -> bool {
         !self.waiting.is_empty()
+    }
+
+    /// The number of requests without an answer.
+    pub(super) fn num_waiting(&self) -> usize {
+        self.waiting.len()
     }
 
     /// True if this request has no answer yet.
@@ -360,7 +376,10 @@ impl Session {
         self.is_announced |= message["body"]["type"] == "SYS-CLOSE";
         self.stop.commanded().received(&message["body"]);
         if let Some(refs) = message["refs"].as_str() {
-            self.waiting.remove(refs);
+            let answered = self.waiting.remove(refs);
+            if answered.is_some_and(|sent_at| self.waiting.values().any(|waiting| *waiting >= sent_at)) {
+                self.answered_at = Some(Instant::now());
+            }
         } else if message["body"]["type"] == "SYS-PING"
             && !self.is_draining
             && let Some(id) = message["id"].as_str()

@@ -44,7 +44,10 @@ impl Probe<'_, '_> {
 
     /// Requests information about the server. Returns false if the probe can't continue.
     fn server(&mut self) -> bool {
-        let login = self.discover(json!({ "type": "AUTH-INF" })).unwrap_or_default();
+        let login = self.discover(json!({ "type": "AUTH-INF" }));
+        // A server may refuse even this request before the login.
+        let is_refused = login.as_ref().is_some_and(|answer| answer["body"]["type"] != "AUTH-INF");
+        let login = login.unwrap_or_default();
         let is_required = login["body"]["required"] == true;
         let methods = login["body"]["methods"].as_array();
         let has_basic = methods.is_some_and(|methods| methods.iter().any(|method| method == "basic"));
@@ -60,16 +63,19 @@ impl Probe<'_, '_> {
                 self.failure = Some("the server requires a login; use --login".to_owned());
                 return false;
             }
-        } else if !has_basic && !is_required {
+        } else if !has_basic && !is_required && !is_refused {
             // The login is for the HTTP server.
             self.has_login = false;
             self.coverage.not_sent(&["AUTH-REQ"], "the server has no login with the method basic");
         } else if !self.log_in() {
             self.has_login = false;
             self.cut_short = None;
-            self.failure =
-                Some("the server refused the login; check the name and password of --login".to_owned());
-            return false;
+            // A server without a login refuses both requests. AUTH-RESP is an answer to the login, not a refusal.
+            if !is_refused || self.coverage.refused("AUTH-REQ") == 0 {
+                self.failure =
+                    Some("the server refused the login; check the name and password of --login".to_owned());
+                return false;
+            }
         }
         self.query(json!({ "type": "AUTH-WHOAMI" }));
         self.query_for_trial(&sys_ping_01::RULE, json!({ "type": "SYS-PING" }));
@@ -112,7 +118,7 @@ impl Probe<'_, '_> {
             self.query(json!({ "type": "OBJ-LIST", "filter": [kind] }));
         }
         self.query(json!({ "type": "OBJ-LIST" }));
-        uavs.truncate(MAX_OBJECTS);
+        let uavs = selected(uavs, &self.options.uavs);
         for kind in ["UAV-INF", "UAV-VER", "UAV-PREFLT"] {
             self.query(json!({ "type": kind, "ids": with_unknown_id(&uavs) }));
         }
@@ -183,8 +189,11 @@ impl Probe<'_, '_> {
                 self.request(rule, request);
             }
         }
-        let resume = json!({ "type": "ASYNC-RESUME", "ids": [UNKNOWN_ID], "values": {} });
-        self.query_for_trial(&env_24::RULE, resume);
+        // A server may refuse unknown operations, so the second request names none.
+        for ids in [&[UNKNOWN_ID][..], &[]] {
+            let resume = json!({ "type": "ASYNC-RESUME", "ids": ids, "values": {} });
+            self.query_for_trial(&env_24::RULE, resume);
+        }
     }
 
     /// Listens for notifications.
@@ -232,6 +241,13 @@ fn strings(list: Option<&Value>) -> Vec<String> {
     found.into_iter().map(str::to_owned).collect()
 }
 
+/// The UAVs to request in detail: the UAVs that the user named, and then others.
+fn selected(mut uavs: Vec<String>, named: &[String]) -> Vec<String> {
+    uavs.sort_by_key(|id| !named.contains(id));
+    uavs.truncate(MAX_OBJECTS);
+    uavs
+}
+
 /// The first id, followed by a nonexistent id.
 pub(super) fn with_unknown_id(ids: &[String]) -> Vec<&str> {
     ids.iter().take(MAX_OBJECTS).map(String::as_str).chain([UNKNOWN_ID]).collect()
@@ -244,4 +260,19 @@ fn channel(path: &str, node: &Value, depth: usize) -> Option<String> {
     }
     let children = node["children"].as_object().filter(|_| depth < 8)?;
     children.iter().find_map(|(name, child)| channel(&format!("{path}/{name}"), child, depth + 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Only the selected UAVs receive commands.
+    #[test]
+    fn named_uavs_are_selected_from_a_large_fleet() {
+        let fleet: Vec<String> = (0..500).map(|number| format!("uav {number:03}")).collect();
+        let named = ["uav 400".to_owned(), "uav 499".to_owned(), "uav 999".to_owned()];
+        let found = selected(fleet, &named);
+        assert_eq!(found.len(), MAX_OBJECTS);
+        assert_eq!(found[..3], ["uav 400", "uav 499", "uav 000"]);
+    }
 }

@@ -131,6 +131,32 @@ fn one_answer_is_sufficient_over_udp() {
     }
 }
 
+/// A client sends a datagram again if no answer arrives in time.
+#[test]
+fn one_answer_is_sufficient_for_a_request_that_was_sent_twice_over_udp() {
+    let answered = |times: u32| {
+        let session = over("udp#1", |session| {
+            let id = session.tries(rule_of("FW-UDP-02"), "before the login", json!({ "type": "SYS-VER" }));
+            let again = session.lines.last().cloned();
+            session.lines.extend(again);
+            for _ in 0..times {
+                let version = json!({ "type": "SYS-VER", "software": "Windward", "version": "3.1" });
+                session.answers(&id, json!({ "body": version }));
+            }
+        });
+        violated_by(&session)
+    };
+    assert_eq!((answered(0), answered(1), answered(2)), (vec![("FW-UDP-02", 1)], vec![], vec![]));
+    // Different requests with the same id share their answers.
+    let session = over("udp#1", |session| {
+        let id = session.sends(json!({ "type": "UAV-INF", "ids": ["kite"] }));
+        session.sends(json!({ "type": "UAV-INF", "ids": ["swift"] }));
+        session.lines.last_mut().expect("a request")["msg"]["id"] = id.clone().into();
+        session.answers(&id, json!({ "body": { "type": "UAV-INF", "error": { "swift": "Lost" } } }));
+    });
+    assert_eq!(violated_by(&session), []);
+}
+
 #[test]
 fn up_to_64_trials_over_udp_are_separate() {
     let subjects = |number: usize| {
@@ -198,6 +224,34 @@ fn detects_supported_families_by_their_rejections() {
     bytes.splice(end..end, *b"{\"t\":1790000001,\"conn\"\n");
     let result = check_capture(&bytes[..], None, &Definitions::built_in()).expect("bytes can be read");
     assert_eq!((result.corruption.len(), result.findings.groups().count()), (1, 0));
+}
+
+/// A server may refuse unknown objects as it refuses unknown types, or serve only some types of a family.
+#[test]
+fn a_family_is_absent_only_if_nothing_else_explains_the_refusals() {
+    let refused = |kind: &str, reason: &str, ids: Option<&[&str]>| {
+        let mut request = json!({ "type": kind });
+        if let Some(ids) = ids {
+            request["ids"] = json!(ids);
+        }
+        let session = over("tcp#2", |session| {
+            let refusal = |kind: &str| json!({ "type": "ACK-NAK", "reason": reason.replace("TYPE", kind) });
+            let soar = json!({ "type": "UAV-SOAR" });
+            session.tries_and_receives(rule_of("FW-ENV-07"), "", soar, refusal("UAV-SOAR"));
+            session.tries_and_receives(rule_of("FW-ENV-24"), "", request, refusal(kind));
+            if kind == "CONN-INF" {
+                session.exchange(json!({ "type": "CONN-LIST" }), json!({ "ids": [] }));
+            }
+        });
+        violated_by(&session)
+    };
+    let named = Some(&["r-1"][..]);
+    assert_eq!(refused("ASYNC-RESUME", "No", named), []);
+    assert_eq!(refused("ASYNC-RESUME", "No such thing…", named), []);
+    assert_eq!(refused("ASYNC-RESUME", "No TYPE here", named), [("FW-ENV-24", 1)]);
+    assert_eq!(refused("ASYNC-RESUME", "No", Some(&[])), [("FW-ENV-24", 1)]);
+    assert_eq!(refused("ASYNC-RESUME", "No", None), [("FW-ENV-24", 1)]);
+    assert_eq!(refused("CONN-INF", "No TYPE here", named), []);
 }
 
 /// A server that knows more reasons than the check stores handles the family.
@@ -340,6 +394,42 @@ fn accepts_changing_uavs() {
         uavs(session, &["kite"]);
     });
     assert_eq!(violated_by(&session), []);
+}
+
+/// A server need not report that an object is gone.
+#[test]
+fn lists_are_compared_only_within_ten_seconds() {
+    let compared = |pause: f64| {
+        let session = over("tcp#2", |session| {
+            uavs(session, &["kite"]);
+            objects(session, &[], &["kite"]);
+            session.wait(pause);
+            objects(session, &["uav"], &["kite", "owl"]);
+            session.wait(pause);
+            uavs(session, &["kite"]);
+            objects(session, &[], &["kite"]);
+        });
+        violated_by(&session)
+    };
+    assert_eq!((compared(4.5), compared(5.5)), (vec![("FW-OBJ-LIST-04", 1), ("FW-UAV-LIST-02", 1)], vec![]));
+}
+
+#[test]
+fn requests_and_lists_without_objects_cover_no_rule_on_objects() {
+    let answered = |ids: &[&str]| {
+        let session = over("tcp#2", |session| {
+            let errors: Value = ids.iter().map(|id| ((*id).to_owned(), json!("Lost"))).collect();
+            session.exchange(json!({ "type": "UAV-INF", "ids": ids }), json!({ "error": errors }));
+            objects(session, &["uav"], ids);
+            objects(session, &["beacon"], &[]);
+            let state =
+                json!({ "id": "kite", "timestamp": 1_790_000_000_000_u64, "errors": vec![1; ids.len()] });
+            session.notify(json!({ "type": "UAV-INF", "status": { "kite": state } }));
+        });
+        assert_eq!(violated_by(&session), []);
+        ["FW-UAV-INF-01", "FW-OBJ-LIST-02", "FW-ERR-01", "FW-ERR-04"].map(|id| covered(&session, id))
+    };
+    assert_eq!((answered(&[]), answered(&["kite"])), ([0; 4], [1; 4]));
 }
 
 #[test]

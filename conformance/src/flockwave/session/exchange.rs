@@ -104,6 +104,9 @@ pub(crate) struct Exchange<'t> {
     /// The bounds of the server's clock offset that were known before this record, in seconds. A positive offset means
     /// that the server's clock is ahead.
     pub clock: Option<(f64, f64)>,
+    /// True if a client may have set the server's clock back. Timestamps from before may then be later than the server
+    /// time.
+    pub is_clock_set_back: bool,
     /// The change of the server's clock, if this record and an earlier record both state the server's time.
     pub clock_move: Option<ClockMove>,
     /// The body schema violations in the message. `None` if there is no schema.
@@ -143,6 +146,7 @@ impl<'t> Exchange<'t> {
             opened: Vec::new(),
             operations: Vec::new(),
             clock: None,
+            is_clock_set_back: false,
             clock_move: None,
             deviations: None,
         }

@@ -27,6 +27,8 @@ pub(crate) struct Operation {
     pub was_suspended: bool,
     /// True if a message reported its end, also before the receipt was issued.
     pub has_ended: bool,
+    /// True if the server has refused to resume the operation.
+    pub has_refused_resume: bool,
 }
 
 /// A receipt in a message.

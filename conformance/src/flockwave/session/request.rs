@@ -76,6 +76,15 @@ impl SentRequest {
         }
     }
 
+    /// True if the other request is the same message.
+    pub(super) fn is_repeated_by(&self, other: &Self) -> bool {
+        self.type_name == other.type_name
+            && self.objects == other.objects
+            && self.filter == other.filter
+            && self.is_setting == other.is_setting
+            && self.excerpt == other.excerpt
+    }
+
     /// The approximate size, in bytes.
     pub(super) fn size(&self) -> usize {
         let object_size = |object: &String| object.len() + 64;

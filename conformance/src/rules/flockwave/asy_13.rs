@@ -1,12 +1,14 @@
 //! `FW-ASY-13`.
 //!
-//! A recording shows a violation only if a client resumes an operation that was never announced as suspended.
+//! A recording shows a violation only if a client resumes an operation that was never announced as suspended. Some
+//! servers also accept ASYNC-RESUME for operations that are not suspended. The rule therefore requires that the server
+//! has refused to resume the operation before.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Stage, Status,
-    asy_19, body, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_19,
+    body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -23,6 +25,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-RESUME","ids":["r1"]}
+← {"type":"ASYNC-RESUME","error":{"r1":"Not suspended"}}
+→ {"type":"ASYNC-RESUME","ids":["r1"]}
 ← {"type":"ASYNC-RESUME","success":["r1"]}"#,
         fix: "Send ASYNC-ST with `suspended` set to true as soon as the operation starts waiting for the client.",
     },
@@ -37,11 +41,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[Mutant {
         name: "a suspended operation without a notification",
         make: || {
-            let mut session = Session::new();
-            for line in session.lines.iter_mut().filter(|line| line["msg"]["body"]["suspended"] == true) {
-                line["msg"]["body"]["suspended"] = false.into();
-            }
-            Some(session.to_bytes())
+            let resume = || json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-60"] });
+            mutant::over("tcp#9", |session| {
+                session.command("rcpt-60");
+                session.exchange(resume(), json!({ "error": { "rcpt-60": "It isn't suspended" } }));
+                session.exchange(resume(), json!({ "success": ["rcpt-60"] }));
+            })
         },
         also: &[],
     }],
@@ -56,6 +61,9 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         let Some(operation) = named.before.as_ref().filter(|known| known.stage != Stage::Early) else {
             continue;
         };
+        if !operation.was_suspended && !operation.has_refused_resume {
+            continue;
+        }
         context.covered();
         if !operation.was_suspended {
             exchange.violates(context, || {

@@ -13,8 +13,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         name: "No result while suspended",
         level: Level::Must,
         status: Status::Normative,
-        statement: "A suspended operation has no result before the client resumes or cancels it. The server may abandon it with \
-                    ASYNC-TIMEOUT.",
+        statement: "A suspended operation has no result before the client resumes or cancels it. The operation may \
+                    fail, or the server may abandon it with ASYNC-TIMEOUT.",
         source: source::ASYNC,
         applies_to: "ASYNC-* over time",
         why: "A suspended operation waits for a decision, such as a confirmation by the operator. If it ends on its \
@@ -48,7 +48,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    if exchange.notification("ASYNC-RESP").is_none() {
+    // A suspended operation may fail, for example because its UAV is lost.
+    if exchange.notification("ASYNC-RESP").is_none() || body::is_present(exchange.field("error")) {
         return;
     }
     for named in exchange.operations.iter().filter(|_| exchange.record.connection.is_ordered) {

@@ -91,6 +91,9 @@ pub(super) fn codes(
     for (uav, state) in states(message, "UAV-INF") {
         let Some(Tree::List(values)) = state.get("errors") else { continue };
         let codes: Vec<i128> = values.iter().filter_map(integer).collect();
+        if codes.is_empty() {
+            continue;
+        }
         context.covered();
         if let Some(message_text) = violation(&codes) {
             message.violates(context, || {

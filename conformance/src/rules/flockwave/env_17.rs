@@ -46,9 +46,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let defined_schemas = context.definitions.defined_schemas();
     let Some(name) = message.type_name.filter(|name| defined_schemas.has(name)) else { return };
-    // FW-ENV-26 reports a `refs` that is null, and FW-ACK-01 reports acknowledgments.
+    // FW-ENV-26 reports a `refs` that is null, and FW-ACK-01 reports acknowledgments. The answer to a message without
+    // an id has no id to refer to.
     let has_refs = message.role != Role::Notification || message.value.get("refs").is_some();
-    if has_refs || matches!(name, "ACK-ACK" | "ACK-NAK") {
+    if has_refs || message.may_answer_unknown || matches!(name, "ACK-ACK" | "ACK-NAK") {
         return;
     }
     context.covered();

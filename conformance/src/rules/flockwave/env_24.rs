@@ -1,8 +1,11 @@
 //! `FW-ENV-24`.
 //!
 //! The probe sends requests of each family, and a request of an unknown type on the same connection. A family counts as
-//! unhandled if the server refuses all of the family's requests in the same way as the request of an unknown type. ACK
-//! has no requests, so it is not tested.
+//! unhandled if the server serves none of the family's requests, and refuses them in the same way as the request of an
+//! unknown type. ACK has no requests, so it is not tested.
+//!
+//! A request that names objects may also be refused because the objects don't exist. Such a refusal counts only if its
+//! reason contains the type of the request.
 //!
 //! Before login, a server may refuse every request in the same way. If the server reports that it requires a login,
 //! connections without a login are not checked.
@@ -106,13 +109,14 @@ struct Families {
 #[derive(Default)]
 struct Refusals {
     is_logged_in: bool,
-    /// The families that were tested.
+    /// The families with a request that was served.
+    served: BTreeSet<&'static str>,
+    /// The families with refused requests that test the rule.
     families: BTreeMap<&'static str, Family>,
 }
 
-/// The responses to requests of a family.
+/// The refusals of the requests of a family.
 struct Family {
-    is_served: bool,
     reasons: BTreeSet<String>,
     location: Location,
 }
@@ -140,6 +144,12 @@ impl SessionCheck for Families {
                 self.unknown.insert(reason);
             }
         }
+        let is_served = exchange.role == Role::Response
+            && exchange.is_from_server()
+            && served::refusal(exchange).is_none();
+        if let Some(family) = requested_family(exchange).filter(|_| is_served) {
+            self.connections.get(exchange).served.insert(family);
+        }
         if served::tried(exchange, context) {
             self.add(exchange);
         }
@@ -151,21 +161,23 @@ impl SessionCheck for Families {
 }
 
 impl Families {
+    /// Adds the refusal of a request that tests the rule.
     fn add(&mut self, exchange: &Exchange<'_>) {
-        let Some(name) = exchange.request.as_ref().and_then(|request| request.type_name.as_deref()) else {
+        let (Some(request), Some(family)) = (&exchange.request, requested_family(exchange)) else { return };
+        let name = request.type_name.as_deref().unwrap_or_default();
+        let Some(reason) = reason(exchange, name) else { return };
+        let names_objects = request.objects.as_ref().is_some_and(|objects| !objects.is_empty());
+        if names_objects && !names_type(exchange, name) {
             return;
-        };
-        let Some(family) = FAMILIES.iter().find(|family| name.split('-').next() == Some(family)) else {
-            return;
-        };
-        let families = &mut self.connections.get(exchange).families;
-        let new =
-            || Family { is_served: false, reasons: BTreeSet::new(), location: exchange.record.location };
-        let family = families.entry(family).or_insert_with(new);
-        match reason(exchange, name) {
-            Some(reason) if family.reasons.len() < MAX_REASONS => _ = family.reasons.insert(reason),
+        }
+        let refusals = self.connections.get(exchange);
+        let new = || Family { reasons: BTreeSet::new(), location: exchange.record.location };
+        let refused = refusals.families.entry(family).or_insert_with(new);
+        if refused.reasons.len() < MAX_REASONS {
+            refused.reasons.insert(reason);
+        } else {
             // Only a server that handles the family gives so many different reasons.
-            Some(_) | None => family.is_served = true,
+            refusals.served.insert(family);
         }
     }
 
@@ -174,7 +186,7 @@ impl Families {
             return;
         }
         for (name, family) in refusals.families {
-            let is_absent = !family.is_served && family.reasons.is_subset(&self.unknown);
+            let is_absent = !refusals.served.contains(name) && family.reasons.is_subset(&self.unknown);
             if is_absent {
                 context.violation(name, family.location, || {
                     Detail::new("requests are refused as if their type were unknown")
@@ -186,9 +198,22 @@ impl Families {
     }
 }
 
+/// The family of the request that a record answers.
+fn requested_family(exchange: &Exchange<'_>) -> Option<&'static str> {
+    let name = exchange.request.as_ref()?.type_name.as_deref()?;
+    let family = name.split('-').next();
+    FAMILIES.into_iter().find(|known| family == Some(*known))
+}
+
 /// The reason of a refusal, with each occurrence of the request type replaced by `…`; empty if there is no reason.
 fn reason(exchange: &Exchange<'_>, type_name: &str) -> Option<String> {
     let (_, reason) = served::refusal(exchange).filter(|_| exchange.role == Role::Response)?;
     let reason = reason.unwrap_or_default();
     Some(reason.replace(type_name, "…").chars().take(MAX_REASON).collect())
+}
+
+/// True if the reason of a refusal contains the request type.
+fn names_type(exchange: &Exchange<'_>, type_name: &str) -> bool {
+    let reason = served::refusal(exchange).and_then(|(_, reason)| reason);
+    reason.is_some_and(|reason| reason.contains(type_name))
 }

@@ -34,6 +34,9 @@ const CODE: ExpectedValue = ExpectedValue::Integer(0, i128::MAX);
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     for (uav, state) in body::states(message, "UAV-INF") {
         let Some(Tree::List(codes)) = state.get("errors") else { continue };
+        if codes.is_empty() {
+            continue;
+        }
         context.covered();
         // FW-UST-ERRORS reports values that are not integers.
         let codes = codes.iter().enumerate().filter(|(_, code)| integer(code).is_some());

@@ -1,8 +1,9 @@
 //! `FW-OBJ-LIST-04`.
 //!
-//! Objects come and go. An object therefore counts as missing from a filtered list only under two conditions. The
+//! Objects come and go. An object of a filtered list therefore counts as missing only under two conditions. The
 //! unfiltered lists before and after the filtered list are equal, and no notification in between reports the object as
-//! deleted.
+//! deleted. The rule compares the lists only if their times are known, and if the unfiltered lists are at most ten
+//! seconds apart.
 
 use std::collections::BTreeSet;
 
@@ -61,8 +62,8 @@ struct Objects(PerConnection<Listed>);
 /// The listed objects of a connection.
 #[derive(Default)]
 struct Listed {
-    /// The latest unfiltered list.
-    all: Option<BTreeSet<String>>,
+    /// The latest unfiltered list, and its time.
+    all: Option<(BTreeSet<String>, Option<f64>)>,
     /// The objects in filtered lists since the latest unfiltered list.
     others: BTreeSet<String>,
 }
@@ -88,7 +89,10 @@ impl SessionCheck for Objects {
             Some(_) => {}
             None => {
                 let others = std::mem::take(&mut listed.others);
-                if listed.all.as_ref() == Some(&list) {
+                let is_same = |(all, time): &(BTreeSet<String>, Option<f64>)| {
+                    *all == list && reply::is_recent(*time, exchange.time)
+                };
+                if listed.all.as_ref().is_some_and(is_same) {
                     if !others.is_empty() {
                         context.covered();
                     }
@@ -100,7 +104,7 @@ impl SessionCheck for Objects {
                         });
                     }
                 }
-                listed.all = Some(list);
+                listed.all = Some((list, exchange.time));
             }
         }
     }

@@ -1,10 +1,13 @@
 //! `FW-SYS-CLOSE-02`.
+//!
+//! Every request gets a response, so the responses to earlier requests may follow SYS-CLOSE. A response whose request is
+//! unknown may answer an earlier request, so the rule doesn't report it.
 
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, SessionCheck,
-    Status, StatusReport, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Role, Rule, RuleContext, Session,
+    SessionCheck, Status, StatusReport, source,
 };
 use crate::flockwave::session::remembered::Remembered;
 
@@ -14,7 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         name: "Nothing follows SYS-CLOSE",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "After SYS-CLOSE, the server sends no more messages and closes the connection.",
+        statement: "After SYS-CLOSE, the server sends only responses to earlier requests, and closes the connection.",
         source: source::DERIVED,
         applies_to: "SYS-CLOSE over time",
         why: "Clients close the connection or stop reading when SYS-CLOSE arrives, so they lose all later messages.",
@@ -46,8 +49,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
 /// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 1 << 20;
 
-/// The connections on which SYS-CLOSE was sent.
-struct Closing(Remembered<u64, ()>);
+/// The connections on which SYS-CLOSE was sent, each with the location of SYS-CLOSE.
+struct Closing(Remembered<u64, Location>);
 
 impl Default for Closing {
     fn default() -> Self {
@@ -60,12 +63,18 @@ impl SessionCheck for Closing {
         if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
             return;
         }
-        if self.0.remove(&exchange.serial).is_some() {
-            exchange.violates(context, still_sends);
+        let may_be_earlier = |closing: Location| {
+            let request = exchange.request.as_ref();
+            exchange.role == Role::Response && request.is_none_or(|request| request.location < closing)
+        };
+        match self.0.remove(&exchange.serial) {
+            Some(closing) if may_be_earlier(closing) => self.0.insert(exchange.serial, closing, 0),
+            Some(_) => exchange.violates(context, still_sends),
+            None => {}
         }
         if exchange.body_of("SYS-CLOSE").is_some() {
             context.covered();
-            self.0.insert(exchange.serial, (), 0);
+            self.0.insert(exchange.serial, exchange.record.location, 0);
         }
     }
 

@@ -67,7 +67,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
 };
 
-/// The maximum clock drift between two responses, in seconds.
+/// The tolerance for inaccurate clocks, in seconds.
 pub(super) const TOLERANCE: f64 = 1.0;
 
 /// True if the server's clock moved without an adjustment.

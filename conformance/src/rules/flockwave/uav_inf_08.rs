@@ -1,8 +1,11 @@
 //! `FW-UAV-INF-08`.
+//!
+//! If a client sets the server's clock back, the timestamps may decrease. The rule then checks nothing more. A UAV that
+//! appears after OBJ-DEL may be another UAV with the same id, so its timestamps are not compared with earlier ones.
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, SessionCheck, Status,
-    StatusReport, Tree, body, mutant, source,
+    StatusReport, Tree, body, mutant, reply, source,
 };
 use crate::flockwave::session::ConnectionId;
 use crate::flockwave::session::ids::Ids;
@@ -55,8 +58,13 @@ impl Default for Latest {
 
 impl SessionCheck for Latest {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-        if !exchange.record.connection.is_ordered {
+        if !exchange.record.connection.is_ordered || exchange.is_clock_set_back {
             return;
+        }
+        if exchange.notification("OBJ-DEL").is_some() {
+            for uav in reply::listed(exchange).into_iter().flatten() {
+                self.0.remove(exchange.serial, &uav);
+            }
         }
         for (uav, state) in body::members(exchange.body_of("UAV-INF"), "status") {
             if let Some(violation) =
@@ -68,7 +76,7 @@ impl SessionCheck for Latest {
     }
 
     fn status_report(&mut self, report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-        if !report.connection().is_ordered {
+        if !report.connection().is_ordered || report.is_clock_set_back() {
             return;
         }
         for (uav, timestamp) in report.timestamps() {

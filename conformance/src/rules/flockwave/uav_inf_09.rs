@@ -1,6 +1,8 @@
 //! `FW-UAV-INF-09`.
 //!
-//! The server time is known from SYS-TIME. Its uncertainty is at most the response time of that request.
+//! The server time is known from SYS-TIME. Its uncertainty is the response time of that request, and the drift of the
+//! clocks since then. If a client sets the server's clock back, older timestamps may be later than the server time. The
+//! rule then checks nothing more.
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, StatusReport,
@@ -38,19 +40,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }],
 };
 
-/// The maximum clock drift since the latest SYS-TIME, in seconds.
+/// The tolerance for inaccurate clocks, in seconds.
 const TOLERANCE: f64 = 1.0;
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let states = body::members(exchange.body_of("UAV-INF"), "status");
     let timestamps = states.iter().map(|(uav, state)| (uav.as_ref(), state.get("timestamp")));
-    for (ahead, uav) in future_timestamps(timestamps, exchange.time, exchange.clock, context) {
+    let clock = exchange.clock.filter(|_| !exchange.is_clock_set_back);
+    for (ahead, uav) in future_timestamps(timestamps, exchange.time, clock, context) {
         exchange.violates(context, || detail(ahead, uav));
     }
 }
 
 fn check_status_report(report: &StatusReport<'_>, context: &mut RuleContext<'_>) {
-    for (ahead, uav) in future_timestamps(report.timestamps(), report.time(), report.clock(), context) {
+    let clock = report.clock().filter(|_| !report.is_clock_set_back());
+    for (ahead, uav) in future_timestamps(report.timestamps(), report.time(), clock, context) {
         report.violates(context, || detail(ahead, uav));
     }
 }

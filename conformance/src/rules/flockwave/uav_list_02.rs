@@ -1,7 +1,7 @@
 //! `FW-UAV-LIST-02`.
 //!
 //! UAVs come and go. The lists are therefore compared only if the UAV-LIST responses before and after the OBJ-LIST
-//! response are equal.
+//! response are equal. Their times must be known, and the two responses must be at most ten seconds apart.
 
 use std::collections::BTreeSet;
 
@@ -69,8 +69,8 @@ struct Uavs(PerConnection<Listed>);
 /// The listed UAVs of a connection.
 #[derive(Default)]
 struct Listed {
-    /// The ids of the latest UAV-LIST.
-    uavs: Option<BTreeSet<String>>,
+    /// The ids of the latest UAV-LIST, and its time.
+    uavs: Option<(BTreeSet<String>, Option<f64>)>,
     /// The ids and locations of OBJ-LIST responses since the latest UAV-LIST.
     objects: Vec<(BTreeSet<String>, Location)>,
 }
@@ -92,12 +92,15 @@ impl SessionCheck for Uavs {
             }
         } else if exchange.response("UAV-LIST").is_some() {
             let objects = std::mem::take(&mut listed.objects);
-            if listed.uavs.as_ref() == Some(&list) {
+            let is_same = |(uavs, time): &(BTreeSet<String>, Option<f64>)| {
+                *uavs == list && reply::is_recent(*time, exchange.time)
+            };
+            if listed.uavs.as_ref().is_some_and(is_same) {
                 for (objects, location) in objects {
                     compare(&list, &objects, location, context);
                 }
             }
-            listed.uavs = Some(list);
+            listed.uavs = Some((list, exchange.time));
         }
     }
 

@@ -28,6 +28,8 @@ pub(crate) struct Message<'t> {
     pub type_name: Option<&'t str>,
     /// The body schema violations; `None` if there is no body schema.
     pub deviations: Option<&'t [Deviation]>,
+    /// True if the message may answer a message of the client that has no readable id. False for status reports.
+    pub may_answer_unknown: bool,
     /// The exchange, for findings only.
     exchange: &'t Exchange<'t>,
 }
@@ -37,7 +39,9 @@ impl<'t> Message<'t> {
     pub(crate) fn from_exchange(exchange: &'t Exchange<'t>) -> Option<Self> {
         let value = exchange.message()?;
         let Exchange { role, id, body, type_name, ref deviations, .. } = *exchange;
-        Some(Self { role, value, id, body, type_name, deviations: deviations.as_deref(), exchange })
+        let may_answer_unknown = exchange.may_answer_unknown && type_name != Some(STATUS);
+        let deviations = deviations.as_deref();
+        Some(Self { role, value, id, body, type_name, deviations, may_answer_unknown, exchange })
     }
 
     /// The body, if it has this type.
@@ -136,6 +140,11 @@ impl<'t> StatusReport<'t> {
     /// The bounds of the server's clock offset, in seconds.
     pub(super) fn clock(&self) -> Option<(f64, f64)> {
         self.exchange.clock
+    }
+
+    /// True if a client may have set the server's clock back.
+    pub(super) fn is_clock_set_back(&self) -> bool {
+        self.exchange.is_clock_set_back
     }
 
     /// The ids of the UAVs and their timestamps.

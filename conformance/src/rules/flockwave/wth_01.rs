@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
-    attribution, body, mutant, source,
+    Tree, attribution, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -65,7 +65,9 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
             &ExpectedValue::Number,
         );
     }
-    if let Some(weather) = message.body_of("WTH-AT").and_then(|body| body.get("weather")) {
+    // FW-ENV-26 reports null.
+    let weather = message.body_of("WTH-AT").and_then(|body| body.get("weather"));
+    if let Some(weather) = weather.filter(|weather| **weather != Tree::Null) {
         body::member(
             message,
             context,

@@ -203,6 +203,26 @@ fn an_overdue_operation_is_reported_with_its_time() {
     assert!(text.starts_with("`r-0` was cancelled but did not end within 30 s"), "{text}");
 }
 
+/// Adds a request to resume an operation, and its response.
+fn resume(session: &mut Session, answer: &Value) {
+    session.exchange(json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] }), answer.clone());
+}
+
+/// Some servers accept to resume an operation that is running.
+#[test]
+fn a_resumed_operation_was_suspended_if_the_server_refused_to_resume_it_before() {
+    let resumed = |is_refused: bool| {
+        let mut session = Session::opened();
+        session.command("r-1");
+        if is_refused {
+            resume(&mut session, &json!({ "error": { "r-1": "It isn't suspended" } }));
+        }
+        resume(&mut session, &json!({ "success": ["r-1"] }));
+        violated_by(&session)
+    };
+    assert_eq!((resumed(false), resumed(true)), (vec![], vec![("FW-ASY-13", 1)]));
+}
+
 /// A server may report on an operation just before the response that contains its receipt.
 #[test]
 fn a_notification_may_overtake_the_response() {
@@ -217,7 +237,8 @@ fn a_notification_may_overtake_the_response() {
     let [early, unknown] = [("FW-ASY-06", 1), ("FW-ASY-09", 1)];
     let suspended = json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {}, "suspended": true });
     let resumes = |session: &mut Session| {
-        session.exchange(json!({ "type": "ASYNC-RESUME", "ids": ["r-1"] }), json!({ "success": ["r-1"] }));
+        resume(session, &json!({ "error": { "r-1": "Not now" } }));
+        resume(session, &json!({ "success": ["r-1"] }));
     };
     assert_eq!(overtaken(suspended, resumes), [early, unknown]);
     let progress = json!({ "type": "ASYNC-ST", "id": "r-1", "progress": {} });
