@@ -252,6 +252,8 @@ struct Open {
     /// Set when the first message arrives.
     plan: Option<Arc<FormatPlan>>,
     tally: Tally,
+    /// The number of records whose values have no meaning.
+    unpublished: u64,
 }
 
 struct LogChecker<'d> {
@@ -351,9 +353,10 @@ impl<'d> LogChecker<'d> {
             topic: topic.to_owned(),
             multi_id,
             offset,
-            definition: self.run.definitions.message_of_topic(topic),
+            definition: self.run.definitions.message_of_logged_topic(topic),
             plan: None,
             tally: Tally::default(),
+            unpublished: 0,
         };
         self.run.opened(&open.channel());
         self.open[slot] = Some(Box::new(open));
@@ -394,23 +397,26 @@ impl<'d> LogChecker<'d> {
                 empty.insert(plans.plan(&open.topic, compile))
             }
         };
-        if let Some(values) = &plan.values {
-            values.check(record.payload, location, &mut self.run.findings);
-        }
-        self.latest = Some(location);
         let time_at = |offset: Option<usize>| {
             let bytes = offset.and_then(|at| record.payload.get(at..at + 8))?;
             Some(u64::from_le_bytes(bytes.try_into().ok()?))
         };
         let timestamp = time_at(plan.timestamp);
+        // Older releases of PX4 log topics that were never published. Their memory is empty, so no value has a meaning.
+        let is_published = timestamp != Some(0) || record.payload.iter().any(|byte| *byte != 0);
+        if let Some(values) = plan.values.as_ref().filter(|_| is_published) {
+            values.check(record.payload, location, &mut self.run.findings);
+        }
+        self.latest = Some(location);
         if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
             self.run.clock.set_utc(timestamp, utc);
         }
         open.tally.count(open.definition.is_some() && plan.values.is_some(), self.run.logged(timestamp));
-        let values =
-            self.run.wants_values(open.index).then(|| record.message_type.view_uorb(record.payload).ok());
-        let message = Message { timestamp, values: values.flatten(), location };
-        self.run.message(&open.channel(), &message);
+        open.unpublished += u64::from(!is_published);
+        let wants_values = self.run.wants_values(open.index);
+        let values = wants_values.then(|| record.message_type.view_uorb(record.payload).ok()).flatten();
+        let message = Message { timestamp, logged: None, values: values.filter(|_| is_published), location };
+        self.run.message(&open.channel(), &message, values);
     }
 
     /// Reports a problem with a format, a subscription or a size. A problem that a rule covers is a violation of that
@@ -446,6 +452,16 @@ impl<'d> LogChecker<'d> {
                 let definition = self.run.definition_of(name);
                 self.run.findings.report(&px4::FMT_02.rule, name, location, definition, || detail);
             }
+            LogProblem::MissingFormat { id } | LogProblem::UnusableFormat { id } => {
+                let open = self.open.get(usize::from(*id)).and_then(Option::as_ref);
+                match open.filter(|open| !open.topic.is_empty()).map(|open| open.index) {
+                    Some(index) => {
+                        self.run.corrupt_part(location, problem.to_string(), Extent::Whole);
+                        self.run.lost(index, location);
+                    }
+                    None => self.run.corruption(location, problem.to_string(), Extent::Whole),
+                }
+            }
             _ => self.run.corruption(location, problem.to_string(), Extent::Whole),
         }
     }
@@ -478,7 +494,7 @@ impl<'d> LogChecker<'d> {
         let definitions = self.run.definitions;
         let topics = formats.iter().map(|(topic, comparison)| ComparedTopic {
             topic,
-            definition: definitions.message_of_topic(topic),
+            definition: definitions.message_of_logged_topic(topic),
             is_equal: *comparison == Comparison::Equal,
         });
         let releases = release_matches(definitions, &topics);
@@ -517,10 +533,10 @@ impl Open {
     }
 
     fn close(self, findings: &mut Findings, parts: &mut Parts) {
-        let Self { tally, plan, .. } = self;
+        let Self { tally, plan, unpublished, .. } = self;
         let mut result = PartResult::Checked;
         match plan.as_ref().map(|plan| &plan.values) {
-            Some(Some(values)) => values.count(tally.decoded, findings),
+            Some(Some(values)) => values.count(tally.decoded - unpublished, findings),
             Some(None) => result = PartResult::TooMany,
             None => {}
         }
@@ -551,18 +567,26 @@ fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(
     for subscription in log.subscriptions() {
         opened.entry(&subscription.topic).or_insert(subscription.offset);
     }
+    // A format that the log declares in two ways has no fields, and isn't compared.
+    for (name, _) in log.formats().filter(|(_, fields)| fields.is_empty()) {
+        opened.remove(name);
+    }
     let plans = definitions.plans(log.format_set());
     let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
     for format in log.types().iter() {
         run.findings.cover(&px4::FMT_02.rule, 1);
+        // Its fields are unknown, or those of a format that it contains.
+        if format.defect().is_some() {
+            continue;
+        }
         let Some(location) = opened.get(format.name()).map(|offset| Location::Byte(*offset)) else {
             continue;
         };
-        if !timed.contains(format.name()) && format.defect().is_none() {
+        if !timed.contains(format.name()) {
             check_timestamp(format, location, run);
         }
         let comparison =
-            plans.comparison(format.name(), || match definitions.message_of_topic(format.name()) {
+            plans.comparison(format.name(), || match definitions.message_of_logged_topic(format.name()) {
                 None => Comparison::Undefined,
                 Some(id) => compare(format, definitions.types().get(id)),
             });

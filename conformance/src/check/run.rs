@@ -198,14 +198,10 @@ impl<'d> CheckRun<'d> {
         self.channels[channel].observed == Interest::Values
     }
 
-    /// Passes a message to the rules of its channel. The message's values have already been checked.
-    pub(super) fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>) {
-        self.message_with(channel, message, message.values);
-    }
-
-    /// Like `message`, but with other values for the observer. Rules receive no values of messages whose size varies, or
-    /// of JSON messages with findings.
-    pub(super) fn message_with(
+    /// Passes a message to the rules of its channel. The message's values have already been checked. The observer may
+    /// receive other values than the rules: rules receive no values of messages whose size varies, of JSON messages with
+    /// findings, or of topics that were never published.
+    pub(super) fn message(
         &mut self,
         channel: &Channel<'_>,
         message: &Message<'_>,
@@ -225,8 +221,8 @@ impl<'d> CheckRun<'d> {
         if let Some(observer) = &mut self.observer {
             let is_known = |time: &u64| *time > 0;
             let time = self.record_time.filter(is_known).or(message.timestamp.filter(is_known));
-            let Message { timestamp, location, .. } = *message;
-            let message = Message { timestamp, values: observed, location };
+            let Message { timestamp, logged, location, .. } = *message;
+            let message = Message { timestamp, logged, values: observed, location };
             observer.message(channel, &message, time, self.definitions);
         }
         self.place(message.location, message.timestamp);
@@ -375,7 +371,7 @@ impl<'d> CheckRun<'d> {
 
     /// The location of a topic's definition, if there is one.
     pub(super) fn definition_of(&self, topic: &str) -> Option<Span> {
-        let id = self.definitions.message_of_topic(topic)?;
+        let id = self.definitions.message_of_logged_topic(topic)?;
         Some(self.definitions.schema.message(id).span)
     }
 
@@ -384,11 +380,17 @@ impl<'d> CheckRun<'d> {
         self.corruption(location, text, Extent::WithGaps);
     }
 
-    /// Records a corrupt part, and the extent to which the capture is readable.
+    /// Records a corrupt part, which may have contained messages of any channel, and the extent to which the capture is
+    /// readable.
     pub(super) fn corruption(&mut self, location: Location, text: String, extent: Extent) {
-        self.extent = self.extent.max(extent);
         self.lost_any(location);
         self.sessions.lose();
+        self.corrupt_part(location, text, extent);
+    }
+
+    /// Records a corrupt part, and the extent to which the capture is readable.
+    pub(super) fn corrupt_part(&mut self, location: Location, text: String, extent: Extent) {
+        self.extent = self.extent.max(extent);
         let number = self.corruption.len();
         match self.corruption.entry(text) {
             Entry::Occupied(mut known) => known.get_mut().times += 1,
@@ -405,7 +407,7 @@ impl<'d> CheckRun<'d> {
         add(&mut self.notes, text);
     }
 
-    /// Adds a reason why a recording was cut short.
+    /// Adds a reason why the capture is incomplete although it can be read.
     pub(super) fn cut_short(&mut self, reason: &str) {
         add(&mut self.cut_short, reason);
     }

@@ -7,7 +7,7 @@ use uavspec_codegen::source::Span;
 use crate::model::{Detail, Excuse, Level, Location, Rule};
 
 /// The maximum number of examples for each group.
-const MAX_EXAMPLES: usize = 3;
+pub(crate) const MAX_EXAMPLES: usize = 3;
 
 /// The maximum number of groups for each rule. Hostile input could produce any number of groups.
 const MAX_GROUPS: usize = 1_000;
@@ -36,7 +36,7 @@ pub struct Group {
     common: usize,
     /// The location of the violated definition.
     pub definition: Option<Span>,
-    /// The entry in the list of known failures, if any.
+    /// The entry of a baseline, if any.
     pub known: Option<Excuse>,
 }
 
@@ -77,14 +77,17 @@ pub enum Verdict {
     NotCovered,
 }
 
+/// The key of a group: the id of the rule, and the subject.
+type Key = (&'static str, String);
+
 /// All findings of a run.
 #[derive(Debug, Default)]
 pub struct Findings {
-    groups: BTreeMap<(&'static str, String), Group>,
+    groups: BTreeMap<Key, Group>,
     /// The examples that were added since the last call of `complete`: the key of the group, and the index.
-    incomplete: Vec<((&'static str, String), usize)>,
+    incomplete: Vec<(Key, usize)>,
     /// The location of the latest findings, and the keys of their groups.
-    latest: Option<(Location, Vec<(&'static str, String)>)>,
+    latest: Option<(Location, Vec<Key>)>,
     /// The counts of each covered or violated rule, sorted by id so that the order of the findings doesn't matter.
     counts: Vec<(&'static Rule, Counts)>,
 }
@@ -161,14 +164,23 @@ impl Findings {
     pub(crate) fn retract(&mut self, location: Location) {
         let Some((_, keys)) = self.latest.take_if(|(latest, _)| *latest == location) else { return };
         for key in keys {
-            let Some(group) = self.groups.get_mut(&key) else { continue };
-            group.count -= 1;
-            group.examples.retain(|(found, _)| *found != location);
-            if group.count == 0 {
-                let rule = group.rule;
-                self.groups.remove(&key);
-                self.counts_of(rule).num_groups -= 1;
-            }
+            self.remove_from(&key, 1, &[location]);
+        }
+    }
+
+    /// Removes findings of a rule in `subject`: their number, and the locations of the first ones.
+    pub(crate) fn remove(&mut self, rule: &'static Rule, subject: &str, count: u64, examples: &[Location]) {
+        self.remove_from(&(rule.id, subject.to_owned()), count, examples);
+    }
+
+    fn remove_from(&mut self, key: &Key, count: u64, examples: &[Location]) {
+        let Some(group) = self.groups.get_mut(key) else { return };
+        group.count = group.count.saturating_sub(count);
+        group.examples.retain(|(found, _)| !examples.contains(found));
+        if group.count == 0 {
+            let rule = group.rule;
+            self.groups.remove(key);
+            self.counts_of(rule).num_groups -= 1;
         }
     }
 

@@ -48,13 +48,12 @@ pub enum Extent {
     #[default]
     Whole,
     /// All bytes were read, but the file is truncated within a record.
-    #[serde(rename = "ends early")]
+    #[serde(rename = "truncated")]
     EndsEarly,
     /// Some parts are corrupt. They were skipped if they can't be read.
-    #[serde(rename = "with gaps")]
+    #[serde(rename = "corrupt")]
     WithGaps,
     /// Reading or decompressing failed before the end.
-    #[serde(rename = "broken off")]
     Unreadable,
 }
 
@@ -83,6 +82,8 @@ pub(crate) struct Channel<'c> {
 pub(crate) struct Message<'m> {
     /// The `timestamp` field, in µs since boot.
     pub timestamp: Option<u64>,
+    /// The time at which a bag recorded the message, in µs since 1970, if it is known.
+    pub logged: Option<u64>,
     /// The fields, if a rule needs them (`Interest::Values`) and they can be read.
     pub values: Option<DynamicView<'m>>,
     /// The location of the message.

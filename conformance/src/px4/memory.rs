@@ -13,12 +13,12 @@ use std::rc::Rc;
 use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement, sequence};
 use uavspec_codegen::schema::{MessageId, Restriction, Schema, Shape};
 use uavspec_codegen::source::Span;
-use uavspec_runtime::Scalar;
+use uavspec_runtime::{Number, Scalar};
 
-use self::healthy::{Healthy, integer};
+use self::healthy::Healthy;
 use self::screen::Screen;
 use super::ValueRules;
-use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan};
+use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, number};
 use crate::model::{Findings, Location, hexadecimal};
 use crate::text::start_of;
 
@@ -82,6 +82,8 @@ struct Values {
 struct Counter {
     offset: usize,
     scalar: Scalar,
+    /// The count that means that the number is unknown, if there is one.
+    unknown: Option<i128>,
 }
 
 /// An entry of a counted array.
@@ -378,19 +380,26 @@ impl Counter {
         let placed = message_type
             .layout()
             .find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
+        let mut special = field.restriction.iter().flat_map(|restriction| &restriction.special);
+        let unknown = special.find_map(|number| match *number {
+            Number::Int(value) => Some(value),
+            Number::Float(_) => None,
+        });
         match placed.element {
-            PlacedElement::Scalar(scalar) => Some(Self { offset: base + placed.offset, scalar }),
+            PlacedElement::Scalar(scalar) => Some(Self { offset: base + placed.offset, scalar, unknown }),
             PlacedElement::Text(_) | PlacedElement::String { .. } | PlacedElement::Message(_) => None,
         }
     }
 
-    /// True if the message at offset `base` uses the entry with this index.
+    /// True if the message at offset `base` uses the entry with this index. If the count is negative or unknown, the entries
+    /// may have any values.
     fn uses(self, index: usize, base: usize, payload: &[u8]) -> bool {
         let start = base + self.offset;
         let count = payload.get(start..start + self.scalar.size());
-        match count.and_then(|count| integer(self.scalar, count)) {
-            Some(count) => usize::try_from(count).map_or(true, |count| index < count),
-            None => true,
+        match count.and_then(|count| number(self.scalar, count)) {
+            Some(Number::Int(count)) if self.unknown == Some(count) => false,
+            Some(Number::Int(count)) => usize::try_from(count).is_ok_and(|count| index < count),
+            Some(Number::Float(_)) | None => true,
         }
     }
 }

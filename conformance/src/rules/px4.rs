@@ -149,6 +149,8 @@ pub(crate) struct Mutant {
 pub(crate) enum Change {
     /// Changes the flight. The result is written in each encoding that can represent the change.
     Flight(for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>),
+    /// Like `Flight`, for a rule that applies only to these encodings.
+    FlightIn(&'static [Encoding], for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>),
     /// Changes the `ULog` of a flight.
     Ulog(fn(&Flight<'_>, Log) -> Option<Log>),
     /// Changes the MCAP file of a flight.
@@ -161,10 +163,12 @@ impl Change {
     /// The changed captures of a flight, one for each encoding that can represent the change.
     pub(super) fn captures(&self, flight: &Flight<'_>) -> Vec<(Encoding, Vec<u8>)> {
         let written: [Option<(Encoding, Vec<u8>)>; Encoding::ALL.len()] = match self {
-            Self::Flight(change) => {
+            Self::Flight(change) | Self::FlightIn(_, change) => {
                 let changed = change(flight);
-                Encoding::ALL
-                    .map(|encoding| Some((encoding, encoding.write_change(flight, changed.as_ref()?)?)))
+                Encoding::ALL.map(|encoding| {
+                    let changed = changed.as_ref().filter(|_| self.applies_to(encoding))?;
+                    Some((encoding, encoding.write_change(flight, changed)?))
+                })
             }
             Self::Ulog(change) => {
                 let log = change(flight, flight.log());
@@ -186,6 +190,14 @@ impl Change {
             }
         };
         written.into_iter().flatten().collect()
+    }
+
+    /// True if the rule applies to an encoding of the changed flight.
+    fn applies_to(&self, encoding: Encoding) -> bool {
+        match self {
+            Self::FlightIn(encodings, _) => encodings.contains(&encoding),
+            _ => true,
+        }
     }
 }
 

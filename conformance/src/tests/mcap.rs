@@ -16,12 +16,12 @@ use crate::check::{Basis, CaptureResult, CheckStatus, McapSummary, Summary, chec
 use crate::definitions::Definitions;
 use crate::model::{Group, Location, Verdict};
 use crate::px4::comparison::Comparison;
-use crate::rules::RULES;
+use crate::rules::{RULES, rule};
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::{Value, json};
 use uavspec_codegen::schema::fingerprint::ros_name;
 
-use file::{FORMS, Form, channel, chunked, file, message, schema};
+use file::{FORMS, Form, channel, chunked, file, message, message_at, schema};
 
 const GLIDER: &str = "\
 uint32 MESSAGE_VERSION = 2
@@ -396,7 +396,7 @@ fn mutants() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("PX-STR-01", value(|glider| glider.name = *b"D\xff\0\0"), "glider.name: invalid UTF-8 at byte 1"),
         (
             "PX-TIME-01",
-            file(&[records_with(&early.cdr()).concat(), message(3, &good().cdr())].concat()),
+            file(&[records_with(&early.cdr()).concat(), message(3, &Glider::at(61 * PERIOD).cdr())].concat()),
             "glider.timestamp: timestamp 1160000",
         ),
         ("PX-TIME-02", value(|glider| glider.timestamp = 80 * PERIOD), "glider: no message for 420 ms"),
@@ -417,6 +417,53 @@ fn a_violation_has_a_message_and_a_location() {
         assert!(found.len() == 1 && found[0].0 == id && found[0].1.starts_with(message), "{id}: {found:#?}");
         assert_eq!(corrupt_count(&result), Vec::<String>::new(), "{id}");
     }
+}
+
+/// Checks messages with these times of recording and timestamps, in periods. Returns the violated rules, and how often the
+/// two rules on times were covered.
+fn check_times(times: impl IntoIterator<Item = (u64, u64)>) -> (Vec<&'static str>, [u64; 2]) {
+    let logged = |time: u64| 1_000 * (1_000_000 + time * PERIOD);
+    let messages = times
+        .into_iter()
+        .flat_map(|(recorded, time)| message_at(3, logged(recorded), &Glider::at(time * PERIOD).cdr()));
+    let records: Vec<u8> = declarations().into_iter().chain(messages).collect();
+    let result = checked(&file(&records));
+    let covered = ["PX-TIME-01", "PX-TIME-02"].map(|id| result.findings.covered(rule(id).expect("a rule")));
+    (violated(&result).into_iter().map(|(id, _)| id).collect(), covered)
+}
+
+#[test]
+fn log_times_tell_an_early_message_from_a_clock_that_was_set_back() {
+    let regular = || (1..=10).map(|number| (number, number));
+    assert_eq!(check_times(regular().chain([(11, 9), (12, 12)])).0, ["PX-TIME-01"]);
+    // The topic pauses after the clock was set back.
+    assert_eq!(check_times(regular().chain([(11, 9), (16, 14), (17, 15)])), (vec![], [12, 0]));
+}
+
+/// MCAP allows messages in any order.
+#[test]
+fn messages_that_are_not_in_the_order_of_their_log_times_are_not_compared() {
+    let regular = |numbers: std::ops::RangeInclusive<u64>| numbers.map(|number| (number, number));
+    let start = || regular(1..=40).chain(regular(61..=80));
+    assert_eq!(check_times(start()).0, ["PX-TIME-02"]);
+    assert_eq!(check_times(start().chain(regular(41..=60))), (vec![], [78, 0]));
+    assert_eq!(check_times(regular(1..=8).chain([(10, 10), (9, 9), (11, 11)])), (vec![], [9, 0]));
+}
+
+/// Findings of another channel remain. Both channels have the same topic without their namespaces.
+#[test]
+fn only_the_findings_of_a_channel_without_order_are_removed() {
+    let (_, hash) = ros("Glider");
+    let second = channel(4, 1, "/left/fmu/out/glider", "cdr", &[("topic_type_hash", hash.as_str())]);
+    let of = |channel: u16, number: u64| {
+        message_at(channel, 1_000 * (1_000_000 + number * PERIOD), &Glider::at(number * PERIOD).cdr())
+    };
+    let paused = (1..=40).chain(61..=80).flat_map(|number| [of(3, number), of(4, number)].concat());
+    let late = (50..=55).flat_map(|number| of(3, number));
+    let records: Vec<u8> = declarations().into_iter().chain(second).chain(paused).chain(late).collect();
+    let result = checked(&file(&records));
+    let counts: Vec<u64> = result.findings.groups().map(|group| group.count).collect();
+    assert_eq!((violated(&result).len(), counts), (1, vec![1]));
 }
 
 #[test]

@@ -39,6 +39,8 @@ pub struct Log {
     /// True after the end of the definitions section.
     is_in_data: bool,
     is_limit_reported: bool,
+    /// True if the type of a subscription was resolved since all bindings were stale.
+    has_bindings: bool,
 }
 
 #[derive(Debug)]
@@ -87,6 +89,11 @@ enum Binding {
     },
 }
 
+impl Binding {
+    /// A binding that the next data message resolves.
+    const STALE: Self = Self::None { formats: usize::MAX, known: usize::MAX, is_missing: true };
+}
+
 /// Data with a known type and the correct size.
 #[derive(Clone, Copy, Debug)]
 pub struct Record<'l> {
@@ -124,6 +131,7 @@ impl Log {
             orphans: BTreeMap::new(),
             is_in_data: false,
             is_limit_reported: false,
+            has_bindings: false,
         }
     }
 
@@ -223,6 +231,7 @@ impl Log {
             binding = self.binding(&topic, on_problem);
             if let Some(Some(subscription)) = self.subscriptions.get_mut(usize::from(id)) {
                 subscription.binding = binding;
+                self.has_bindings = true;
             }
         }
         match binding {
@@ -274,9 +283,10 @@ impl Log {
     }
 
     fn add_format(&mut self, offset: u64, name: &str, fields: &str, on_problem: OnProblem<'_>) {
-        if let Some(known) = self.by_name.get(name) {
-            if *self.formats[*known].fields != *fields {
+        if let Some(known) = self.by_name.get(name).copied() {
+            if *self.formats[known].fields != *fields {
                 on_problem(offset, LogProblem::FormatChanged { name: name.to_owned() });
+                self.clear_format(known);
             }
             return;
         }
@@ -292,6 +302,24 @@ impl Log {
         }
         self.by_name.insert(name.into(), self.formats.len());
         self.formats.push(Format { offset, name: name.into(), fields: fields.into(), reported: None });
+    }
+
+    /// Clears a format that is declared in two ways, and resolves all types again. Without fields, the format is invalid.
+    fn clear_format(&mut self, index: usize) {
+        let format = &mut self.formats[index];
+        if format.fields.is_empty() {
+            return;
+        }
+        format.fields = Box::default();
+        // The cause is reported instead.
+        format.reported = Some(FormatProblem::Empty);
+        self.known = 0;
+        // Hostile logs declare thousands of formats again without data in between.
+        if std::mem::take(&mut self.has_bindings) {
+            for subscription in self.subscriptions.iter_mut().flatten() {
+                subscription.binding = Binding::STALE;
+            }
+        }
     }
 
     fn subscribe(&mut self, offset: u64, id: u16, (topic, multi_id): (&str, u8), on_problem: OnProblem<'_>) {
@@ -318,9 +346,7 @@ impl Log {
         if !self.add_text(topic.len()) {
             return on_problem(offset, LogProblem::TooMuchText);
         }
-        let topic = topic.to_owned();
-        // The binding is stale from the start, so the first data message resolves the type.
-        let binding = Binding::None { formats: usize::MAX, known: usize::MAX, is_missing: true };
+        let (topic, binding) = (topic.to_owned(), Binding::STALE);
         self.subscriptions[slot] =
             Some(Box::new(Subscription { id, topic, multi_id, offset, is_active: true, binding }));
     }

@@ -22,7 +22,7 @@ pub enum LogProblem {
         /// The problem.
         problem: FormatProblem,
     },
-    /// A format is repeated with different fields. The first format is used.
+    /// A format is repeated with different fields. From here on, its data can't be decoded.
     FormatChanged {
         /// The name.
         name: String,
@@ -108,7 +108,7 @@ impl fmt::Display for LogProblem {
             }
             Self::FormatChanged { name } => write!(
                 formatter,
-                "format `{}` is declared again with different fields; the first declaration is used",
+                "format `{}` is declared again with different fields; its data can't be decoded",
                 name.escape_debug()
             ),
             Self::LateFormat { name } => {

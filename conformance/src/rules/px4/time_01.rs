@@ -5,10 +5,10 @@ use uavspec::px4::BatteryStatus;
 use super::bug::{Bug, Side};
 use super::ext::is_of_px4;
 use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
-    Rule, RuleContext, Status,
+    Change, Channel, Check, Checker, Detail, Encoding, Interest, Level, Location, Message, Mutant,
+    PerChannel, Px4Rule, Rule, RuleContext, Status,
 };
-use crate::definitions::TO_PX4;
+use crate::definitions::FROM_PX4;
 use crate::rules::sample::{Flight, START};
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -18,9 +18,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         level: Level::Must,
         status: Status::Normative,
         statement: "The `timestamp` field does not decrease from one message of a subscription to the next. A \
-                    timestamp may repeat, and it may be 0. In bags and JSON, only messages from PX4 are checked. \
-                    There, PX4 may set its clock. Therefore, an earlier timestamp is a violation only if the step \
-                    back is less than an hour, and the next message is not earlier than the message before the step.",
+                    timestamp may repeat, and it may be 0. In bags and JSON, only the topics in `/fmu/out/` are \
+                    checked: other topics may have several instances or publishers. There, PX4 may set its clock. \
+                    Therefore, an earlier timestamp is a violation only if the step back is less than an hour, the \
+                    next message is not earlier than the message before the step, and the time from the early \
+                    timestamp to the next one is longer than the pause between the two messages. Messages of a bag \
+                    are compared only in the order of their log times.",
         source: "uORB publishes in order; `timestamp` is the time since system start",
         applies_to: "message sequences",
         why: "Tools sort and interpolate samples by time. If the time steps back, the order, rates and derivatives are \
@@ -42,7 +45,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     )),
     mutants: &[Mutant {
         name: "a message with an earlier timestamp than the ones before and after it",
-        change: Change::Flight(back),
+        change: Change::FlightIn(&[Encoding::Ulog, Encoding::Mcap, Encoding::Rosbridge], back),
         also: &[],
     }],
 };
@@ -61,6 +64,10 @@ struct Times {
 struct Time {
     /// The time of the latest message; 0 if it is unknown.
     latest: u64,
+    /// The log time of the latest message, if it is known.
+    logged: Option<u64>,
+    /// The longest recent pause between two messages, in µs; 0 if there was none.
+    pause: u64,
     /// The latest message, if its time is earlier than that of the message before it, and the next message shows whether
     /// the clock was set.
     early: Option<Early>,
@@ -71,13 +78,32 @@ struct Time {
 struct Early {
     timestamp: u64,
     previous: u64,
+    logged: Option<u64>,
     location: Location,
+}
+
+impl Early {
+    /// The difference to the time of the message before it, in µs.
+    const fn step(self) -> u64 {
+        self.previous - self.timestamp
+    }
+
+    /// True if only the time of this message is wrong. If the clock was set back instead, it runs on from this time, so the
+    /// time of the next message is later only by the pause between the two. Otherwise, it is also later by the step and
+    /// the pause before this message. The limit is halfway between, because times vary. `pause` is the longest recent
+    /// pause. Log times show longer pauses.
+    fn is_alone(self, next: u64, logged: Option<u64>, pause: u64) -> bool {
+        let passed = self.logged.zip(logged).map_or(0, |(early, next)| next.saturating_sub(early));
+        let longest = passed.max(pause).saturating_add(u64::midpoint(pause, self.step()));
+        pause > 0 && next >= self.previous && next - self.timestamp > longest
+    }
 }
 
 impl Checker for Times {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
-        let is_to_px4 = channel.multi_id.is_none() && channel.full_topic.contains(TO_PX4);
-        if is_to_px4 || !is_of_px4(channel, context) {
+        // Outside of logs, any other topic may merge the messages of several instances or publishers.
+        let has_one_publisher = channel.multi_id.is_some() || channel.full_topic.contains(FROM_PX4);
+        if !has_one_publisher || !is_of_px4(channel, context) {
             return Interest::Nothing;
         }
         self.channels.open(channel, Time::default());
@@ -87,20 +113,31 @@ impl Checker for Times {
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(timestamp) = message.timestamp.filter(|timestamp| *timestamp != 0) else { return };
         let Some(time) = self.channels.get(channel) else { return };
+        let Time { latest: previous, logged, pause, early } = std::mem::take(time);
         // Later messages are compared with this message, even if its time is wrong. Otherwise, a single wrong time or a
         // restart would make all later messages wrong.
-        let Time { latest: previous, early } =
-            std::mem::replace(time, Time { latest: timestamp, early: None });
-        if previous == 0 {
+        *time = Time { latest: timestamp, logged: message.logged, pause, early: None };
+        // The messages of a bag may be in any order.
+        let is_unordered = logged.zip(message.logged).is_some_and(|(before, now)| now < before);
+        if previous == 0 || is_unordered {
             return;
         }
         context.covered();
-        let now = (timestamp < previous).then_some(Early { timestamp, previous, location: message.location });
+        let (logged, location) = (message.logged, message.location);
+        let now = (timestamp < previous).then_some(Early { timestamp, previous, logged, location });
         if channel.multi_id.is_some() {
             return report(now, channel, context);
         }
-        time.early = now.filter(|early| early.previous - early.timestamp < MAX_STEP);
-        report(early.filter(|early| timestamp >= early.previous), channel, context);
+        // The influence of a long pause decreases with each message. The clock may also be set forward. An early message is
+        // between two pauses.
+        let (since, pauses) = early.map_or((previous, 1), |early| (early.previous, 2));
+        let passed =
+            timestamp.checked_sub(since).map(|passed| passed / pauses).filter(|passed| *passed < MAX_STEP);
+        if let Some(passed) = passed {
+            time.pause = passed.max(pause - pause / 16);
+        }
+        time.early = now.filter(|early| early.step() < MAX_STEP);
+        report(early.filter(|early| early.is_alone(timestamp, message.logged, pause)), channel, context);
     }
 
     fn corruption(&mut self, _: Location) {
@@ -110,7 +147,7 @@ impl Checker for Times {
 }
 
 fn report(early: Option<Early>, channel: &Channel<'_>, context: &mut RuleContext<'_>) {
-    let Some(Early { timestamp, previous, location }) = early else { return };
+    let Some(Early { timestamp, previous, location, .. }) = early else { return };
     context.violation_in_field(channel, "timestamp", location, || {
         Detail::new(format!("timestamp {timestamp} is earlier than the previous timestamp, {previous}"))
             .expected(format!("{previous} or later"))

@@ -5,6 +5,7 @@ use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
     Rule, RuleContext, Status,
 };
+use crate::model::MAX_EXAMPLES;
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -14,7 +15,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         level: Level::Info,
         status: Status::Advisory,
         statement: "If a topic with a regular period pauses for more than ten periods, the capture contains a dropout \
-                    record near the pause.",
+                    record near the pause. A topic of a bag is checked only if its messages are in the order of their \
+                    log times.",
         source: "derived: PX4's logger records a dropout when it loses data",
         applies_to: "message sequences",
         why: "If there is no dropout record, either the publisher stopped or the loss was not recorded. Tools \
@@ -61,6 +63,16 @@ struct Gaps {
 #[derive(Clone, Default)]
 struct Rhythm {
     latest: u64,
+    /// The latest log time, if one is known.
+    logged: Option<u64>,
+    /// True if the messages aren't in the order of their log times. The messages of a pause may follow later.
+    is_unordered: bool,
+    /// The number of pauses that were checked.
+    checked: u64,
+    /// The number of findings.
+    found: u64,
+    /// The locations of the first findings.
+    examples: Vec<Location>,
     /// `None` until the topic had a regular period.
     period: Option<u64>,
     first: Vec<u64>,
@@ -79,6 +91,16 @@ impl Checker for Gaps {
         let (Some(timestamp), Some(rhythm)) = (message.timestamp, self.channels.get(channel)) else {
             return;
         };
+        if rhythm.is_unordered {
+            return;
+        }
+        if rhythm.logged.zip(message.logged).is_some_and(|(before, now)| now < before) {
+            rhythm.is_unordered = true;
+            context.findings.remove(context.rule, channel.topic, rhythm.found, &rhythm.examples);
+            *context.coverage -= rhythm.checked;
+            return;
+        }
+        rhythm.logged = rhythm.logged.max(message.logged);
         self.now = self.now.max(timestamp);
         let Rhythm { latest, period, .. } = *rhythm;
         let pause = timestamp.saturating_sub(latest);
@@ -88,8 +110,13 @@ impl Checker for Gaps {
         // After a step back, which PX-TIME-01 judges, the clock is unknown.
         rhythm.latest = if timestamp < latest { 0 } else { timestamp };
         let Some(period) = period else { return };
+        rhythm.checked += 1;
         context.covered();
         if pause > period.saturating_mul(PAUSE) && latest > self.excused_until {
+            rhythm.found += 1;
+            if rhythm.examples.len() < MAX_EXAMPLES {
+                rhythm.examples.push(message.location);
+            }
             let definition = context.defined(channel.definition);
             context.violation_of(channel.topic, message.location, definition, || {
                 let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));

@@ -1,8 +1,9 @@
 //! `PX-VER-01`.
 
-use super::ext::is_of_px4;
+use super::ext::px4_message;
 use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status,
+    Change, Channel, Check, Checker, Detail, Encoding, Interest, Level, Mutant, Px4Rule, Rule, RuleContext,
+    Status,
 };
 use crate::definitions::is_exchanged;
 
@@ -12,7 +13,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         name: "Version suffix of a topic",
         level: Level::Must,
         status: Status::Normative,
-        statement: "The version suffix of a topic name (`_vN`) matches the version of the topic's message type.",
+        statement: "The version suffix (`_vN`) of a topic in `/fmu/in/` or `/fmu/out/` matches the version of the \
+                    topic's message type. Names of topics in logs have no suffix.",
         source: "`MESSAGE_VERSION` in the capture's schema, or in the definition if the schema has none",
         applies_to: "topic names",
         why: "Subscribers select a message version by the topic name. If the suffix is wrong, subscribers decode the \
@@ -26,7 +28,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     bug: None,
     mutants: &[Mutant {
         name: "a topic name with a different version",
-        change: Change::Flight(|flight| {
+        change: Change::FlightIn(&[Encoding::Mcap, Encoding::Rosbridge], |flight| {
             let topic = flight.regular(|message| message.version.is_some())?;
             let mut flight = flight.clone();
             flight.topics[topic].name += "_v9999";
@@ -40,9 +42,9 @@ struct Versions;
 
 impl Checker for Versions {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
-        // Only PX4 appends versions to its topics. Other names in a bag may end with any number.
-        let has_version = channel.multi_id.is_some() || is_exchanged(channel.full_topic);
-        if !has_version || !is_of_px4(channel, context) {
+        // Only PX4 appends versions to its topics in ROS. Other names may end with any number.
+        let has_version = channel.multi_id.is_none() && is_exchanged(channel.full_topic);
+        if !has_version || px4_message(channel, context).is_none() {
             return Interest::Nothing;
         }
         let message = channel.definition.map(|id| context.definitions.schema.message(id));

@@ -54,10 +54,12 @@ impl Bag {
                 hash: message.type_hash.clone(),
             }
         });
+        // A recorder receives the messages in order, whatever their timestamps are.
+        let mut now = 0;
         let messages = flight.messages.iter().filter_map(|sent| {
-            let time = sent.value["timestamp"].as_u64()? * 1_000;
+            now = now.max(sent.value["timestamp"].as_u64()? * 1_000);
             let payload = flight.message(sent)?.to_cdr(ByteOrder::LittleEndian).ok()?;
-            Some((u16::try_from(sent.topic).ok()?, time, payload))
+            Some((u16::try_from(sent.topic).ok()?, now, payload))
         });
         let channels: Vec<BagChannel> = channels.collect();
         let endpoints = channels.iter().flat_map(endpoints).collect();

@@ -48,7 +48,7 @@ const TOW: &str = "\
 # A tow
 
 uint64 timestamp      # [us] Time since system start
-uint8 num_ropes       # [-] [@count ropes] Ropes in use
+uint8 num_ropes       # [-] [@invalid 255] [@count ropes] Ropes in use
 uint8[4] ropes        # [m] [@range 10, 90] Lengths
 int8 num_knots        # [-] [@count knots] Knots in use
 Knot[2] knots         # Knots
@@ -109,8 +109,9 @@ fn ignores_unused_array_elements() {
         ((4, [10; 4]), 2, [knot, (1, [1, 0, 0], 1)], ""),
         ((4, [10; 4]), 2, [knot, (2, [1, 0, 0], 1)], "knots[1].turns[1]"),
         ((4, [10; 4]), 2, [knot, (3, [1, 1, 1], 153)], "knots[1].is_firm"),
-        // With an invalid count, all elements are checked.
-        ((4, [10; 4]), -1, [knot, (1, [0; 3], 1)], "knots[1].turns[0]"),
+        // These counts don't say which elements are in use.
+        ((4, [10; 4]), -1, [knot, (1, [0; 3], 1)], ""),
+        ((255, [0; 4]), 2, firm, ""),
     ] {
         let result = check_tow(ropes, num_knots, knots);
         let paths: Vec<&str> =

@@ -4,7 +4,9 @@ use crate::check::Summary;
 use crate::rules::rule;
 use serde_json::{Value, json};
 
-use super::{PERIOD, check_bare, check_bytes, corruption, glider, published, source, type_name, violated};
+use super::{
+    PERIOD, check_bare, check_bytes, corruption, glider, published, source, type_name, typed, violated,
+};
 use crate::tests::support::Writer;
 
 #[test]
@@ -139,23 +141,37 @@ fn check_times(topic: &str, times: &[u64]) -> (Vec<(&'static str, String)>, u64)
 #[test]
 fn only_a_single_early_message_has_a_wrong_time() {
     const EPOCH: u64 = 1_700_000_000_000_000;
-    let text = "glider.timestamp: timestamp 4 is earlier than the previous timestamp, 7";
+    let text = "glider.timestamp: timestamp 50 is earlier than the previous timestamp, 60";
     let wrong = vec![("PX-TIME-01", text.to_owned())];
-    assert_eq!(check_times("/fmu/out/glider", &[1, 7, 4, 7]), (wrong, 3));
+    assert_eq!(check_times("/fmu/out/glider", &[20, 40, 60, 50, 100]), (wrong, 4));
+    // A long pause loses its influence.
+    let regular = (0..200).map(|number| 7_000 + 20 * number);
+    let pause: Vec<u64> = [1].into_iter().chain(regular).chain([10_970, 11_020]).collect();
+    assert_eq!(check_times("/fmu/out/glider", &pause).0.len(), 1);
     for times in [
         // The clock was set back, or the autopilot restarted.
-        &[1, 7, 4, 5, 6][..],
-        // The last message doesn't show which of the two it is.
-        &[1, 7, 4],
+        &[20, 40, 60, 10, 30, 50][..],
+        // The clock was set back by little more than a period: only the early message is before the latest time.
+        &[20, 40, 60, 50, 70, 90],
+        &[20, 40, 60, 59, 79, 99],
+        // The last message doesn't show which of the two it is, and without a pause, the next one doesn't either.
+        &[20, 40, 60, 50],
+        &[60, 50, 100],
         // PX4 lost its synchronisation with the computer for one message.
-        &[EPOCH, EPOCH + 7, 4, EPOCH + 9],
-        &[7, 0, 7],
-        &[7, 7],
+        &[EPOCH, EPOCH + 20, 40, EPOCH + 60],
+        &[20, 0, 20],
+        &[20, 20],
     ] {
         assert_eq!(check_times("/fmu/out/glider", times).0, [], "{times:?}");
     }
-    // Several nodes may send to PX4.
-    assert_eq!(check_times("/second/fmu/in/glider", &[1, 7, 4, 7]), (vec![], 0));
+    // Two autopilots publish the same topic.
+    assert_ne!(check_times("/fmu/out/glider", &[100, 50, 120, 70, 140, 90, 160]).0, []);
+    // Several nodes may send to PX4, and a type has the messages of several instances.
+    assert_eq!(check_times("/second/fmu/in/glider", &[20, 40, 60, 50, 100]), (vec![], 0));
+    let lines = [20, 40, 60, 50, 100].map(|time| typed(&glider(time)));
+    let result = check_bytes(lines.join("\n").as_bytes());
+    assert_eq!((violated(&result), result.checked), (vec![], 5));
+    assert_eq!(result.findings.covered(rule("PX-TIME-01").expect("a rule")), 0);
 }
 
 #[test]

@@ -39,7 +39,13 @@ pub(crate) fn channel(
 }
 
 pub(crate) fn message(channel: u16, payload: &[u8]) -> Vec<u8> {
-    record(5, &[&channel.to_le_bytes(), &[0; 4], &7_u64.to_le_bytes(), &7_u64.to_le_bytes(), payload])
+    message_at(channel, 7, payload)
+}
+
+/// A message with this log time in ns.
+pub(crate) fn message_at(channel: u16, time: u64, payload: &[u8]) -> Vec<u8> {
+    let time = time.to_le_bytes();
+    record(5, &[&channel.to_le_bytes(), &[0; 4], &time, &time, payload])
 }
 
 /// The storage of records in a file.

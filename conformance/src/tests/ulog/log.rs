@@ -50,7 +50,6 @@ fn reports_unusable_and_late_formats() {
     let own = log.format("self:self a;");
     let waits = log.format("waits:later a;");
     log.format("good:uint8_t a;");
-    let changed = log.format("good:uint16_t a;");
     log.format("good:uint8_t a;");
     log.subscribe(1, 0, "self");
     log.subscribe(2, 0, "waits");
@@ -69,7 +68,6 @@ fn reports_unusable_and_late_formats() {
     check(
         &log.bytes,
         &[
-            (changed, "format `good` is declared again with different fields; the first declaration is used"),
             (own, "format `self` contains itself"),
             (waits, "format `waits` has the field `a` with the unknown type `later`"),
             (recursive, "data for id 1, whose format is invalid"),
@@ -82,6 +80,44 @@ fn reports_unusable_and_late_formats() {
         ],
     );
     assert_eq!(problems(&log.bytes).1, 4);
+}
+
+/// After a second declaration with different fields, the layout of the data is unknown.
+#[test]
+fn returns_no_data_of_ambiguous_formats() {
+    let mut log = Writer::with_flags();
+    log.format("good:uint8_t a;");
+    let outer = log.format("outer:good a;");
+    log.format("other:uint8_t a;");
+    let changed = log.format("good:int8_t a;");
+    let again = log.format("good:uint8_t b;");
+    log.subscribe(1, 0, "good");
+    log.subscribe(2, 0, "outer");
+    log.subscribe(3, 0, "other");
+    let data = log.data(1, &[0]);
+    let nested = log.data(2, &[0]);
+    log.data(3, &[0]);
+    let late = log.format("other:int8_t a;");
+    let after = log.data(3, &[0]);
+    log.subscribe(4, 0, "good");
+    let more = log.data(4, &[0]);
+    let text = |name: &str| {
+        format!("format `{name}` is declared again with different fields; its data can't be decoded")
+    };
+    check(
+        &log.bytes,
+        &[
+            (changed, &text("good")),
+            (again, &text("good")),
+            (outer, "format `outer` contains the unusable type `good`"),
+            (data, "data for id 1, whose format is invalid"),
+            (nested, "data for id 2, whose format is invalid"),
+            (late, &text("other")),
+            (after, "data for id 3, whose format is invalid"),
+            (more, "data for id 4, whose format is invalid"),
+        ],
+    );
+    assert_eq!(problems(&log.bytes).1, 1);
 }
 
 #[test]
