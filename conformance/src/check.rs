@@ -43,7 +43,7 @@ use uavspec_codegen::schema::MessageId;
 #[cfg(test)]
 pub(crate) use self::bag::check_mcap;
 pub use self::bag::{BagChannel, BagSummary, Basis, BusEndpoint, BusTopic, CheckStatus, McapSummary};
-pub(crate) use self::bag::{HASH, LiveBag, decompressed, digest, states_no_type, states_other_type};
+pub(crate) use self::bag::{HASH, LiveBag, StatedType, decompressed, digest, stated_type};
 pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
@@ -64,7 +64,7 @@ pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 pub(crate) use self::topic::{definition_of, topic_of};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
-use crate::capture::input::{self, Input};
+use crate::capture::input::{self, FileState, Input};
 use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
 #[cfg(feature = "stores")]
 use crate::capture::store::{Failure, Object};
@@ -218,7 +218,8 @@ pub struct CaptureResult {
     pub more_corruption: u64,
     /// Notable events in the recording of a live vehicle, in order.
     pub notes: Vec<String>,
-    /// The reasons why the recording of a live vehicle was cut short.
+    /// The reasons why the capture is incomplete although it can be read: the recording of a live vehicle was cut
+    /// short, or a file changed while it was read.
     pub cut_short: Vec<String>,
     /// The extent to which the capture could be read.
     pub extent: Extent,
@@ -351,8 +352,11 @@ fn check_path_with(
         let result = bag::check_folder(folder, CheckRun::observed_by(&definitions, observer), reading)?;
         return Ok(Checked { result, definitions });
     }
+    let state = FileState::of(path);
     let input = reading(input::open(path)?);
-    Ok(check_stream(input, Some(path).filter(|path| path.is_file()), message_id, library, observer))
+    let mut checked = check_stream(input, state.map(|_| path), message_id, library, observer);
+    checked.result.cut_short.extend(state.and_then(|state| state.change(path)));
+    Ok(checked)
 }
 
 /// Checks a copy of a `SQLite` file, whose release only a file shows.

@@ -54,12 +54,15 @@ pub(crate) fn convert(
     settings: Settings,
     output: &mut dyn Write,
 ) -> Result<ConversionReport, Error> {
-    let Opened { kind, bytes, .. } = opened;
-    let (topics, problems) = match kind {
+    let Opened { kind, bytes, state, .. } = opened;
+    let (topics, mut problems) = match kind {
         "JSON" => json::convert(bytes, plan, settings, output)?,
         "ULog" => ulog::convert(bytes, plan, settings, output)?,
         "MCAP" => mcap::convert(bytes, plan, settings, output)?,
         other => return Err(Error::format(other)),
     };
+    if let Some(change) = state.and_then(|state| state.change(path)) {
+        problems.add(change);
+    }
     Ok(ConversionReport::new(path, plan, topics, problems))
 }

@@ -30,7 +30,7 @@ use uavspec_codegen::translation::{self, Translations};
 use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 
-pub(crate) use self::choice::{Clues, FormatClue, TypeClue};
+pub(crate) use self::choice::{Clues, FormatClue, JsonClue, TypeClue};
 pub use self::index::Family;
 use self::index::Index;
 pub(crate) use self::index::{ReleaseId, Row};
@@ -61,6 +61,8 @@ pub struct Definitions {
     pub schema: Schema,
     /// The paths of definitions that were left out, because they refer to other packages.
     pub(crate) left_out: Vec<String>,
+    /// True if the user gave the definitions. False for the built-in ones and for those of releases.
+    pub(crate) is_given: bool,
     by_topic: HashMap<String, MessageId>,
     /// The messages of other releases that replace messages of the main release.
     replaced: HashMap<MessageId, MessageId>,
@@ -136,7 +138,7 @@ impl Definitions {
     fn load_as(path: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
         let load::Definitions { sources, schema, left_out } = read_definitions_as(path, dialect)?;
         let loaded = Self::new(path.to_string_lossy().into_owned(), sources, schema);
-        Ok(Self { left_out, ..loaded })
+        Ok(Self { left_out, is_given: true, ..loaded })
     }
 
     /// Like [`Self::built_in`], with the translations of the texts.
@@ -165,6 +167,7 @@ impl Definitions {
             sources,
             schema,
             left_out: Vec::new(),
+            is_given: false,
             by_topic,
             replaced: HashMap::new(),
             releases: Vec::new(),
@@ -219,10 +222,15 @@ impl Definitions {
         Self { schemas, ..self }
     }
 
+    /// The message of a PX4 topic in a log. PX4 appends versions only to names in ROS, so the whole name counts.
+    pub(crate) fn message_of_logged_topic(&self, topic: &str) -> Option<MessageId> {
+        self.by_topic.get(topic).map(|id| self.current(*id))
+    }
+
     /// The message of a PX4 topic. The name of a versioned topic may end with its version.
     pub(crate) fn message_of_topic(&self, topic: &str) -> Option<MessageId> {
-        let unversioned = || self.by_topic.get(unversioned(topic)?);
-        self.by_topic.get(topic).or_else(unversioned).map(|id| self.current(*id))
+        let unversioned = || self.message_of_logged_topic(unversioned(topic)?);
+        self.message_of_logged_topic(topic).or_else(unversioned)
     }
 
     /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`. Parts and events
@@ -341,11 +349,11 @@ pub(crate) fn unversioned(topic: &str) -> Option<&str> {
     (!version.is_empty() && version.bytes().all(|byte| byte.is_ascii_digit())).then_some(name)
 }
 
-/// The folder of the topics that applications send to PX4. A namespace may precede it.
-pub(crate) const TO_PX4: &str = "/fmu/in/";
+/// The folder of the topics that PX4 sends to applications. A namespace may precede it.
+pub(crate) const FROM_PX4: &str = "/fmu/out/";
 
 /// The folders of the topics that PX4 exchanges with applications. A namespace may precede them.
-pub(crate) const FOLDERS: [&str; 2] = [TO_PX4, "/fmu/out/"];
+pub(crate) const FOLDERS: [&str; 2] = ["/fmu/in/", FROM_PX4];
 
 /// True if a topic is in one of these folders.
 pub(crate) fn is_exchanged(topic: &str) -> bool {

@@ -3,6 +3,7 @@
 mod application;
 mod body_schemas;
 mod browser;
+mod changing;
 mod check;
 mod convert;
 mod corruption;

@@ -39,8 +39,9 @@ same. Data that was appended after a crash directly follows the other data.
 JSON messages name their type or their topic, as for `uavspec check`. Their other members stay the same, and so do \
 values that aren't messages. A value that spans lines is written on one line.
 
-If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. After any \
-other error and after Ctrl-C, there is no output, and an existing file stays unchanged.
+If a part of the input can't be read, the output contains all readable messages, and the exit status is 6. The same \
+applies if the input grows or changes during the conversion. After any other error and after Ctrl-C, there is no \
+output, and an existing file stays unchanged.
 
 Limits: a converted message may take up to 256 MiB in memory. The schemas and channels of a bag may take up to 64 MiB, \
 with the names of attachments and metadata records. The names of schemas and topics in a bag may have up to 256 bytes. A \

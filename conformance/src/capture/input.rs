@@ -9,6 +9,7 @@ use std::io::{self, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 #[cfg(feature = "tables")]
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use flate2::read::MultiGzDecoder;
 use globset::{Glob, GlobBuilder, GlobMatcher};
@@ -17,6 +18,7 @@ use crate::capture::names::{EXTENSIONS, NOT_A_CAPTURE, ROS1_EXTENSION, has_exten
 use crate::capture::rosbag::CONVERT_ROS1;
 #[cfg(feature = "stores")]
 use crate::capture::store::{self, Object};
+use crate::text::Grouped;
 
 use self::search::{DANGLING, Found, search};
 use self::zstd::Frames;
@@ -236,7 +238,49 @@ pub(crate) fn open(path: &Path) -> io::Result<Box<dyn Read + Send>> {
     if path.as_os_str() == STANDARD_INPUT {
         return Ok(Box::new(io::stdin()));
     }
-    Ok(Box::new(File::open(path)?))
+    Ok(Box::new(up_to_end(File::open(path)?)?))
+}
+
+/// The bytes of a file up to its current end. Otherwise, reading a file that always grows would never end.
+pub(crate) fn up_to_end(file: File) -> io::Result<io::Take<File>> {
+    let metadata = file.metadata()?;
+    // Pipes, devices and files of `/proc` state no size.
+    let size = Some(metadata.len()).filter(|size| metadata.is_file() && *size > 0);
+    Ok(file.take(size.unwrap_or(u64::MAX)))
+}
+
+/// The state of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct FileState {
+    size: u64,
+    /// The time of the last change, if the file system states it.
+    changed: Option<SystemTime>,
+}
+
+impl FileState {
+    /// The current state. `None` for standard input, and for a path that isn't a file.
+    pub(crate) fn of(path: &Path) -> Option<Self> {
+        if path.as_os_str() == STANDARD_INPUT {
+            return None;
+        }
+        let metadata = fs::metadata(path).ok().filter(Metadata::is_file)?;
+        Some(Self { size: metadata.len(), changed: metadata.modified().ok() })
+    }
+
+    /// The change since this state, as a sentence. `None` if there is none, or if the file is gone: an open file stays
+    /// readable.
+    pub(crate) fn change(self, path: &Path) -> Option<String> {
+        let now = Self::of(path).filter(|now| *now != self)?;
+        Some(if now.size > self.size {
+            format!(
+                "the file grew from {} to {} bytes while it was read; the new part may not have been read",
+                Grouped(self.size),
+                Grouped(now.size)
+            )
+        } else {
+            "the file changed while it was read".to_owned()
+        })
+    }
 }
 
 /// Decompresses `input` if it starts with the magic of gzip or zstd. Other input stays unchanged. Only the first bytes

@@ -3,7 +3,7 @@
 //!
 //! A channel's definition is determined by its schema name, or otherwise by its topic. The schema in the file is
 //! compared with the definition. If the two differ, CDR messages are decoded with the schema in the file, and rules on
-//! values apply only to the fields that match.
+//! values apply only to the fields that match. This also holds for JSON messages.
 
 mod cdr;
 mod clues;
@@ -38,13 +38,13 @@ use self::network::Network;
 pub use self::network::{BusEndpoint, BusTopic};
 pub use self::open::{BagChannel, Basis, CheckStatus};
 use self::open::{Identity, Open, Reading};
-use self::schemas::Schemas;
+use self::schemas::{ComparedSchema, Schemas};
 pub(super) use self::sqlite::{ROS1, SQLITE, copy};
 use self::stated::Stated;
 pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Unit};
 use super::release::{ReleaseMatch, release_matches};
-use super::topic::{definition_of, is_same_type};
+use super::topic::{definition_of, is_guess, is_same_type, resembles};
 use super::{CaptureResult, CheckRun, Logged, Summary};
 use crate::capture::mcap::OWN;
 use crate::definitions::Definitions;
@@ -76,7 +76,7 @@ const HASH_VERSION: &str = "RIHS01_";
 const HASH_DIGITS: usize = 64;
 
 /// The declaration of a channel.
-#[derive(Hash)]
+#[derive(Clone, Hash)]
 struct Declared {
     /// The index of the schema.
     schema: Option<usize>,
@@ -85,38 +85,38 @@ struct Declared {
     metadata: BTreeMap<String, String>,
 }
 
-/// True if the schema of a channel, or the hash in its metadata, states another type than the definition. The schema
-/// consists of its name, encoding and text. Schemas without fields, and those in other encodings, state nothing.
-pub(crate) fn states_other_type(
+/// The type that a channel states, compared with a definition.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum StatedType {
+    /// The type of the definition.
+    Same,
+    /// Another type.
+    Other,
+    /// Neither the schema nor the metadata states a type.
+    Unknown,
+}
+
+/// Compares the type that the schema of a channel states, or otherwise the hash in its metadata, with a definition. The
+/// schema consists of its name, encoding and text. Schemas without fields, invalid ones, and those in other encodings
+/// state nothing.
+pub(crate) fn stated_type(
     schema: Option<(&str, &str, &[u8])>,
     metadata: &BTreeMap<String, String>,
     definition: MessageId,
     definitions: &Definitions,
-) -> bool {
-    if let Some((name, "ros2msg", text)) = schema
+) -> StatedType {
+    let is_same = if let Some((name, "ros2msg", text)) = schema
         && !text.is_empty()
+        && let Ok(stated) = Stated::read(name, text)
     {
-        let defined = definitions.types().get(definition);
-        return !Stated::read(name, text)
-            .is_ok_and(|stated| compare_declared(stated.root(), defined) == Comparison::Equal);
-    }
-    let message = definitions.schema.message(definition);
-    let stated = metadata.get(HASH).filter(|hash| is_comparable(hash));
-    stated
-        .is_some_and(|stated| !definitions.type_hashes(message).any(|hash| hash.eq_ignore_ascii_case(stated)))
-}
-
-/// True if neither the schema of a channel nor the hash in its metadata states a type.
-pub(crate) fn states_no_type(
-    schema: Option<(&str, &str, &[u8])>,
-    metadata: &BTreeMap<String, String>,
-) -> bool {
-    lacks_type(schema) && !has_hash(metadata)
-}
-
-/// True if the schema of a channel states no type: there is none, it is empty, or its encoding isn't supported.
-fn lacks_type(schema: Option<(&str, &str, &[u8])>) -> bool {
-    schema.is_none_or(|(_, encoding, text)| encoding != "ros2msg" || text.is_empty())
+        compare_declared(stated.root(), definitions.types().get(definition)) == Comparison::Equal
+    } else if let Some(stated) = metadata.get(HASH).filter(|hash| is_comparable(hash)) {
+        let message = definitions.schema.message(definition);
+        definitions.type_hashes(message).any(|hash| hash.eq_ignore_ascii_case(stated))
+    } else {
+        return StatedType::Unknown;
+    };
+    if is_same { StatedType::Same } else { StatedType::Other }
 }
 
 /// True if the metadata of a channel contain a type hash of the supported version.
@@ -205,8 +205,14 @@ impl<'d> Channels<'d> {
         claimed.insert(self.open.len());
         let schema = declared.schema.map(|schema| self.schemas.name(schema));
         let definitions = self.run.definitions;
-        let definition = definition_of(&declared.topic, schema, definitions);
+        let found = definition_of(&declared.topic, schema, definitions);
+        let is_json = declared.encoding == "json";
+        let guess = found.filter(|id| is_json && is_guess(&declared.topic, schema, *id, definitions));
+        let definition = found.filter(|_| guess.is_none());
         let mut open = Open::new(declared, schema, definition, location, self.run.number_channel());
+        if let Some(message_id) = guess {
+            open.reading = Reading::Guess(message_id, Box::new(declared.clone()));
+        }
         match (definition, declared.encoding.as_str()) {
             (Some(message_id), "cdr" | "json") => self.read(&mut open, declared, message_id),
             (None, "cdr") => self.read_own(&mut open, declared),
@@ -259,24 +265,30 @@ impl<'d> Channels<'d> {
     fn read(&mut self, open: &mut Open, declared: &Declared, message_id: MessageId) {
         let definitions = self.run.definitions;
         let is_json = declared.encoding == "json";
-        let (mut basis, stated, version) =
+        let ComparedSchema { mut basis, stated, shared, version } =
             self.schemas.compared(declared.schema, message_id, is_json, definitions);
         // The type hash covers the names and types of all fields.
         if basis == Basis::NoSchema && self.has_defined_hash(declared, message_id) {
             basis = Basis::Compared(Arc::new(Comparison::Equal));
         }
+        // An empty, invalid or unsupported schema doesn't show the fields.
+        let lacks_schema = !matches!(basis, Basis::Compared(_));
         (open.status, open.identity.version) = (CheckStatus::Checked(basis), version);
         self.run.opened(&open.identity.channel());
         if is_json {
             self.plans.get_or_insert_with(|| Plans::new(&definitions.schema, &px4::VALUES));
-            open.reading = Reading::Json(message_id);
-            let num_fields = definitions.schema.message(message_id).fields.len() as u64;
-            open.fields = Some((num_fields, num_fields).into());
+            let num_fields = definitions.schema.message(message_id).fields.len();
+            let (checked, all) = match (&shared, open.differences()) {
+                (Some(shared), Some(differences)) => {
+                    (shared.len(), num_fields - differences.missing.len() + differences.extra.len())
+                }
+                _ => (num_fields, num_fields),
+            };
+            open.fields = Some((checked as u64, all as u64).into());
+            open.reading = Reading::Json(message_id, shared);
             return self.format(open);
         }
-        let schema = self.schemas.content(declared.schema);
-        let lacks_schema = lacks_type(schema);
-        let is_unknown = states_no_type(schema, &declared.metadata);
+        let is_unknown = lacks_schema && !has_hash(&declared.metadata);
         // This program may have sent messages before the release was known.
         let has_defined_hash = self.has_defined_hash(declared, message_id);
         let is_outdated = declared.metadata.contains_key(OWN) && !has_defined_hash;
@@ -415,15 +427,41 @@ impl<'d> Channels<'d> {
         }
     }
 
+    /// Decides by a message whether a JSON channel has the type that its name suggests.
+    fn decide(&mut self, index: usize, payload: &[u8], location: Location) {
+        let tree = utf8(payload).and_then(|text| Tree::read(text).map_err(|error| error.to_string()));
+        let message = match tree {
+            Ok(Tree::Object(members)) if members.is_empty() => return,
+            Ok(tree @ Tree::Object(_)) => tree,
+            Ok(_) => return,
+            Err(problem) => return self.run.gap(location, problem),
+        };
+        // Removes the channel while it is opened, and then puts it back in its place.
+        let mut open = self.open.swap_remove(index);
+        if let Reading::Guess(message_id, declared) = std::mem::replace(&mut open.reading, Reading::Skipped)
+            && resembles(&message, message_id, self.run.definitions)
+        {
+            open.identity.definition = Some(message_id);
+            self.read(&mut open, &declared, message_id);
+        }
+        self.open.push(open);
+        let last = self.open.len() - 1;
+        self.open.swap(index, last);
+    }
+
     /// Checks a message. `time` is the log time in ns.
     fn message(&mut self, index: usize, time: u64, payload: &[u8], location: Location) {
+        if self.open.get(index).is_some_and(|open| matches!(open.reading, Reading::Guess(..))) {
+            self.decide(index, payload, location);
+        }
         let Some(open) = self.open.get_mut(index) else { return };
         open.tally.records += 1;
-        open.tally.time(Some(time / 1_000));
+        let logged = Some(time / 1_000).filter(|logged| *logged > 0);
+        open.tally.time(logged);
         let channel = open.identity.channel();
         let definitions = self.run.definitions;
         match &mut open.reading {
-            Reading::Skipped => {}
+            Reading::Skipped | Reading::Guess(..) => {}
             Reading::Cdr(check) => {
                 let payload = &*match decompressed(payload) {
                     Ok(payload) => payload,
@@ -436,10 +474,10 @@ impl<'d> Channels<'d> {
                 open.tally.count(true, None);
                 let observed = check.view(&seen, definitions);
                 let values = observed.filter(|values| values.message_type().size().is_some());
-                let message = Message { timestamp: seen.timestamp, values, location };
-                self.run.message_with(&channel, &message, observed);
+                let message = Message { timestamp: seen.timestamp, logged, values, location };
+                self.run.message(&channel, &message, observed);
             }
-            Reading::Json(message_id) => {
+            Reading::Json(message_id, shared) => {
                 let Some(plans) = &self.plans else { return };
                 let origin = MessageOrigin {
                     id: *message_id,
@@ -447,6 +485,7 @@ impl<'d> Channels<'d> {
                     location,
                     key: None,
                     is_rosbridge: true,
+                    shared: shared.as_deref(),
                 };
                 let ty = definitions.types().get(*message_id);
                 let size = ty.size().filter(|_| self.run.wants_values(channel.index));
@@ -462,8 +501,8 @@ impl<'d> Channels<'d> {
                         let is_decoded = values.is_none() && self.run.observes_values(channel.index);
                         let decoded = is_decoded.then(|| decoded(payload, ty)).flatten();
                         let observed = values.or(decoded.as_ref().map(DynamicMessage::view));
-                        let message = Message { timestamp, values, location };
-                        self.run.message_with(&channel, &message, observed);
+                        let message = Message { timestamp, logged, values, location };
+                        self.run.message(&channel, &message, observed);
                     }
                 }
             }

@@ -20,7 +20,7 @@ use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::flockwave::{FlockwaveChecker, is_flockwave};
 use super::release::{ComparedTopic, ReleaseMatch, release_line, release_matches};
 use super::summary::names;
-use super::topic::{definition_of, topic_of};
+use super::topic::{definition_of, definition_of_json, topic_of};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
 use crate::capture::json::{Event, Reader};
 use crate::definitions::Definitions;
@@ -310,7 +310,8 @@ impl<'d> JsonChecker<'d> {
         let definition = |checker: &Self| match which {
             NameKind::Type => checker.run.definitions.message_of_type(name),
             NameKind::Topic => {
-                let guessed = || definition_of(name, None, checker.run.definitions);
+                let definitions = checker.run.definitions;
+                let guessed = || definition_of_json(name, None, message, definitions);
                 checker.advertised.get(name).copied().unwrap_or_else(guessed)
             }
         };
@@ -363,7 +364,8 @@ impl<'d> JsonChecker<'d> {
     fn check_message(&mut self, at: usize, tree: &Tree<'_>, location: Location, is_rosbridge: bool) {
         let open = &self.channels.open[at];
         let Some((id, _)) = open.defined else { return self.undefined(at) };
-        let origin = MessageOrigin { id, name: &open.name, location, key: open.key, is_rosbridge };
+        let origin =
+            MessageOrigin { id, name: &open.name, location, key: open.key, is_rosbridge, shared: None };
         let dialects = self.plans.explain(origin, tree, &mut self.run.findings);
         let timestamp = self.plans.timestamp(id, tree);
         // A message with findings may have other wrong values, so its values aren't passed to stateful rules.
@@ -404,8 +406,8 @@ impl<'d> JsonChecker<'d> {
             let definitions = self.run.definitions;
             let view = |id| definitions.types().get(id).view_uorb(&self.values).ok();
             let values = channel.definition.filter(|_| !self.values.is_empty()).and_then(view);
-            let message = Message { timestamp: clean.timestamp, values, location };
-            self.run.message_with(&channel, &message, values.or(observed));
+            let message = Message { timestamp: clean.timestamp, logged: None, values, location };
+            self.run.message(&channel, &message, values.or(observed));
         }
     }
 
@@ -446,12 +448,13 @@ impl<'d> JsonChecker<'d> {
     }
 
     fn finish(mut self, lines: u64, bytes: u64) -> CaptureResult {
-        let open = self.channels.open.iter().map(|open| ComparedTopic {
+        let defined = self.channels.open.iter().filter(|open| open.defined.is_some());
+        let compared = defined.map(|open| ComparedTopic {
             topic: &open.name,
             definition: open.defined.map(|(id, _)| id),
             is_equal: open.has_keys,
         });
-        let releases = release_matches(self.run.definitions, &open);
+        let releases = release_matches(self.run.definitions, &compared);
         let mut types = BTreeSet::new();
         let (mut undefined, mut parts) = (BTreeSet::new(), Parts::default());
         for open in self.channels.open {
@@ -466,7 +469,7 @@ impl<'d> JsonChecker<'d> {
             parts.add(&open.name, result, tally, values.times(tally.checked, tally.records));
             match open.defined {
                 Some((id, _)) => {
-                    self.plans.count(id, tally.records, &mut self.run.findings);
+                    self.plans.count(id, None, tally.records, &mut self.run.findings);
                     if tally.records > 0 {
                         types.insert(id);
                     }

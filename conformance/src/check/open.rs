@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::log::ENCRYPTED_TEXT;
 use super::{KINDS, Reading, choose, read_start, unknown_type};
 use crate::capture::ENCRYPTED_MAGIC;
-use crate::capture::input;
+use crate::capture::input::{self, FileState};
 use crate::definitions::{Definitions, Library};
 
 /// A capture with the definitions of the release that it agrees with.
@@ -17,6 +17,8 @@ pub(crate) struct Opened<'b> {
     pub(crate) definitions: Arc<Definitions>,
     /// All bytes, decompressed.
     pub(crate) bytes: Box<dyn Read + Send + 'b>,
+    /// The state of the file before it was opened, if the capture is a file.
+    pub(crate) state: Option<FileState>,
 }
 
 /// Opens a capture. The inner error is the reason why it can't be read.
@@ -25,8 +27,9 @@ pub(crate) fn open_path(
     library: &Library,
     reading: Reading<'_>,
 ) -> io::Result<Result<Opened<'static>, String>> {
+    let state = FileState::of(path);
     let (mut bytes, is_plain) = input::decompressed(reading(input::open(path)?))?;
-    let file = (is_plain && path.is_file()).then_some(path);
+    let file = state.filter(|_| is_plain).map(|_| path);
     let start = read_start(&mut bytes)?;
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         return Ok(Err(unknown_type(&start)));
@@ -36,5 +39,6 @@ pub(crate) fn open_path(
     }
     let mut whole = Cursor::new(start).chain(bytes);
     let (definitions, ahead) = choose(kind, &mut whole, file, library);
-    Ok(Ok(Opened { kind: kind.name, definitions, bytes: Box::new(Cursor::new(ahead).chain(whole)) }))
+    let bytes = Box::new(Cursor::new(ahead).chain(whole));
+    Ok(Ok(Opened { kind: kind.name, definitions, bytes, state }))
 }

@@ -1,9 +1,12 @@
 //! Resolves the names of topics and types to definitions.
 
+use std::collections::BTreeSet;
+
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Message, MessageId, Schema};
 
 use crate::definitions::{Definitions, is_exchanged};
+use crate::json::Tree;
 
 /// The definition of a PX4 topic. Log converters may append an instance number: `sensor_accel_1`, `sensor_accel.01`.
 fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {
@@ -24,8 +27,9 @@ pub(crate) fn topic_of(topic: &str) -> &str {
 /// Finds the definition of a topic from its name, and from the name and encoding of its schema.
 ///
 /// For ROS 2, only the schema name counts: a type from another package is a different type, even if the topic's name is
-/// defined. Only in PX4's folders, such as `/fmu/out/`, the name of the package may differ. For other encodings, schema names are arbitrary. If the schema name matches no definition, the topic name
-/// decides.
+/// defined. Only in PX4's folders, such as `/fmu/out/`, the name of the package may differ. For other encodings, schema
+/// names are arbitrary. If the schema name matches no definition, the topic name decides. It may be misleading: see
+/// `is_guess`.
 pub(crate) fn definition_of(
     topic: &str,
     schema: Option<(&str, &str)>,
@@ -44,6 +48,40 @@ pub(crate) fn definition_of(
         return by_topic().filter(|id| has_name(id) && is_exchanged(topic));
     }
     message_of(last, definitions).or_else(by_topic)
+}
+
+/// Finds the definition of a topic, as `definition_of`, and compares it with a JSON message if it is only a guess.
+pub(crate) fn definition_of_json(
+    topic: &str,
+    schema: Option<(&str, &str)>,
+    message: &Tree<'_>,
+    definitions: &Definitions,
+) -> Option<MessageId> {
+    definition_of(topic, schema, definitions)
+        .filter(|id| !is_guess(topic, schema, *id, definitions) || resembles(message, *id, definitions))
+}
+
+/// True if only the name of a topic or schema shows its definition, and another type may have this name.
+///
+/// Outside of PX4's folders, other programs also use names such as `battery_status`. Definitions that the user gave are
+/// those of the capture, so their names aren't ambiguous.
+pub(super) fn is_guess(
+    topic: &str,
+    schema: Option<(&str, &str)>,
+    id: MessageId,
+    definitions: &Definitions,
+) -> bool {
+    let states_type = schema.is_some_and(|(name, _)| definitions.message_of_type(&plain(name)) == Some(id));
+    !states_type && !is_exchanged(topic) && !definitions.is_given
+}
+
+/// True if a JSON message clearly has a type: it has a timestamp, and most of its keys are most of the type's fields.
+pub(super) fn resembles(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> bool {
+    let Tree::Object(members) = message else { return false };
+    let keys: BTreeSet<&str> = members.iter().map(|(key, _)| &**key).collect();
+    let fields = &definitions.schema.message(id).fields;
+    let shared = fields.iter().filter(|field| keys.contains(field.name.as_str())).count();
+    keys.contains("timestamp") && shared * 2 > keys.len().max(fields.len())
 }
 
 /// True if a schema name denotes a ROS 2 message.

@@ -9,7 +9,7 @@ use std::ops::Range;
 use uavspec_codegen::schema::MessageId;
 
 use self::message::has_same_names;
-use super::plan::{Converted, Plan};
+use super::plan::{Converted, Converters, Plan};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
@@ -35,6 +35,7 @@ struct Stream<'p, 'o> {
     settings: Settings,
     output: BufWriter<&'o mut dyn Write>,
     problems: Problems,
+    converters: Converters<'p>,
     channels: Vec<Channel<'p>>,
     by_type: HashMap<String, usize>,
     by_topic: HashMap<String, usize>,
@@ -84,6 +85,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             settings,
             output: BufWriter::new(output),
             problems: Problems::default(),
+            converters: Converters::default(),
             channels: Vec::new(),
             by_type: HashMap::new(),
             by_topic: HashMap::new(),
@@ -228,7 +230,7 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 
     fn channel(
-        &self,
+        &mut self,
         (kind, name): (NameKind, &str),
         ty: Option<&str>,
         definition: Option<MessageId>,
@@ -245,7 +247,8 @@ impl<'p, 'o> Stream<'p, 'o> {
             Some(id) => {
                 let first = source.schema.message(id).topics.first().map_or("", String::as_str);
                 let topic = if kind == NameKind::Topic { name } else { first };
-                (source.release_of(id).map(|release| release.label.clone()), plan.treatment(id, topic))
+                let release = source.release_of(id).map(|release| release.label.clone());
+                (release, plan.treatment(id, topic, &mut self.converters))
             }
         };
         let mut topic = Topic::new(name, treated, plan, self.settings);

@@ -11,13 +11,13 @@ use tempfile::SpooledTempFile;
 use uavspec_codegen::schema::MessageId;
 use uavspec_runtime::cdr::ByteOrder;
 
-use super::plan::{Converted, Plan, Treatment};
+use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::mcap::{AttachmentHead, Event, Item, Packing, Reader, Writer, compressed};
 use crate::check::json::MAX_NAME;
-use crate::check::{HASH, decompressed, definition_of, digest, states_no_type, states_other_type};
+use crate::check::{HASH, StatedType, decompressed, definition_of, digest, stated_type};
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::text::{start_of, utf8};
@@ -69,6 +69,7 @@ struct Stream<'p, 'o> {
     written: HashMap<Origin, u16>,
     /// The total size of the schemas in the output, in bytes.
     written_size: usize,
+    converters: Converters<'p>,
     /// The channels, by id. The output has the same ids.
     channels: Vec<Option<Box<Channel<'p>>>>,
     /// The attachment that is being read.
@@ -130,6 +131,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             size: 0,
             written: HashMap::new(),
             written_size: 0,
+            converters: Converters::default(),
             channels: Vec::new(),
             attachment: None,
         }
@@ -212,7 +214,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         }
         let plan = self.plan;
         let stored = self.schemas.get(&schema);
-        let treatment = treatment(plan, (&topic, &encoding), stored, &metadata);
+        let treatment = treatment(plan, (&topic, &encoding), stored, &metadata, &mut self.converters);
         let mut topic = Topic::new(&topic, treatment, plan, self.settings);
         let mut keeps_payloads = true;
         let origin = match &topic.converted {
@@ -391,6 +393,7 @@ fn treatment<'p>(
     (topic, encoding): (&str, &str),
     schema: Option<&Schema>,
     metadata: &BTreeMap<String, String>,
+    converters: &mut Converters<'p>,
 ) -> (Option<String>, Treatment<'p>) {
     let definitions = plan.source();
     let names = schema.map(|(name, encoding, _)| (name.as_str(), encoding.as_str()));
@@ -398,7 +401,7 @@ fn treatment<'p>(
     let Some(id) = definition_of(topic, names, definitions) else {
         let is_other = |target: &Definitions| {
             let id = definition_of(topic, names, target).filter(|_| encoding == "cdr");
-            id.is_some_and(|id| states_other_type(stated, metadata, id, target))
+            id.is_some_and(|id| stated_type(stated, metadata, id, target) == StatedType::Other)
         };
         return (None, plan.undefined(is_other));
     };
@@ -406,10 +409,13 @@ fn treatment<'p>(
         return (None, Treatment::Copy);
     }
     let treatment = match encoding {
-        "cdr" if states_other_type(stated, metadata, id, definitions) => plan.differs(id),
-        // Only the type shows the fields of a CDR message.
-        "cdr" if plan.is_release_unknown(id) && states_no_type(stated, metadata) => Plan::unknown_release(),
-        "cdr" | "json" => plan.treatment(id, topic),
+        "cdr" => match stated_type(stated, metadata, id, definitions) {
+            StatedType::Other => plan.differs(id),
+            // Only the type shows the fields of a CDR message.
+            StatedType::Unknown if plan.is_release_unknown(id) => Plan::unknown_release(),
+            StatedType::Same | StatedType::Unknown => plan.treatment(id, topic, converters),
+        },
+        "json" => plan.treatment(id, topic, converters),
         _ => Treatment::Copy,
     };
     (definitions.release_of(id).map(|release| release.label.clone()), treatment)

@@ -1,8 +1,9 @@
 //! The conversions from the releases of a capture to the target release.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::fs;
 use std::path::Path;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, Version, read_hints};
@@ -48,7 +49,7 @@ pub(crate) enum Treatment<'p> {
     /// The messages have no counterpart, or the definitions don't decide their conversion; contains the reason.
     LeaveOut(String),
     /// The messages are converted.
-    Convert(Box<Converted<'p>>),
+    Convert(Rc<Converted<'p>>),
 }
 
 /// The conversion of the messages of a type.
@@ -56,6 +57,15 @@ pub(crate) struct Converted<'p> {
     pub(crate) conversion: &'p Conversion,
     pub(crate) converter: Converter<'p>,
     pub(crate) source: MessageType<'p>,
+}
+
+/// The compiled conversions of a capture. Topics with the same messages share a conversion, since a bag may have 65,535
+/// topics.
+#[derive(Default)]
+pub(super) struct Converters<'p> {
+    /// The conversions by the message of the capture and the two messages of the conversion, which may be that of a
+    /// twin.
+    by_messages: HashMap<(MessageId, MessageId, MessageId), Rc<Converted<'p>>>,
 }
 
 /// True if two messages have the same fields and constants.
@@ -197,13 +207,18 @@ impl Plan {
 
     /// The treatment of messages of an unknown release.
     pub(super) fn unknown_release() -> Treatment<'static> {
-        let reason = "there is no supported schema or type hash, and the size of the messages doesn't show their release; \
+        let reason = "there is no usable schema or type hash, and the size of the messages doesn't show their release; \
                       name it with --from";
         Treatment::LeaveOut(reason.to_owned())
     }
 
-    /// The treatment of the messages of a type, on a topic.
-    pub(super) fn treatment(&self, id: MessageId, topic: &str) -> Treatment<'_> {
+    /// The treatment of the messages of a type, on a topic. `converters` contains the conversions of the other topics.
+    pub(super) fn treatment<'p>(
+        &'p self,
+        id: MessageId,
+        topic: &str,
+        converters: &mut Converters<'p>,
+    ) -> Treatment<'p> {
         let message = self.source.schema.message(id);
         let Some(Package { conversions, is_forward }) = self.packages.get(&message.package) else {
             return Treatment::Copy;
@@ -222,9 +237,13 @@ impl Plan {
         if let Some(reason) = self.undecided(conversion) {
             return Treatment::LeaveOut(reason);
         }
-        let source = self.source.types().get(id);
-        let converter = Converter::new(conversion, source, self.target.types().get(conversion.to));
-        Treatment::Convert(Box::new(Converted { conversion, converter, source }))
+        let compile = || {
+            let source = self.source.types().get(id);
+            let converter = Converter::new(conversion, source, self.target.types().get(conversion.to));
+            Rc::new(Converted { conversion, converter, source })
+        };
+        let messages = (id, conversion.from, conversion.to);
+        Treatment::Convert(Rc::clone(converters.by_messages.entry(messages).or_insert_with(compile)))
     }
 
     /// The treatment of messages of a type that has no conversion. Events of services have none, but most services stay
@@ -334,5 +353,30 @@ impl Plan {
             }
         }
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn topics_with_the_same_messages_share_a_conversion() {
+        let release = Library::release("px4@1.16").expect("a release");
+        let plan = Plan::new(Arc::clone(release.base()), &Library::built_in(), &release, None);
+        let plan = plan.expect("a plan");
+        let mut converters = Converters::default();
+        let mut conversion = |name: &str, topic: &str| {
+            let id = plan.source().message_of_topic(name).expect("a message");
+            match plan.treatment(id, topic, &mut converters) {
+                Treatment::Convert(converted) => converted,
+                Treatment::Copy | Treatment::LeaveOut(_) => panic!("{name} isn't converted"),
+            }
+        };
+        let [first, second] =
+            ["/fmu/out/cpuload", "/vehicle_1/fmu/out/cpuload"].map(|topic| conversion("cpuload", topic));
+        let other = conversion("vehicle_attitude", "/fmu/out/vehicle_attitude");
+        assert!(Rc::ptr_eq(&first, &second) && !Rc::ptr_eq(&first, &other));
+        assert_eq!(converters.by_messages.len(), 2);
     }
 }

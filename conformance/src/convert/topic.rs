@@ -1,5 +1,7 @@
 //! The conversion of a topic's messages, and its part of the report.
 
+use std::rc::Rc;
+
 use uavspec_codegen::dynamic::DynamicMessage;
 
 use super::Settings;
@@ -10,7 +12,7 @@ use super::report::{Action, Loss, TopicReport};
 pub(super) struct Topic<'p> {
     pub(super) report: TopicReport,
     /// The conversion of the messages, if they are converted.
-    pub(super) converted: Option<Box<Converted<'p>>>,
+    pub(super) converted: Option<Rc<Converted<'p>>>,
     /// The number of messages that contain the data of each loss.
     losses: Vec<u64>,
 }

@@ -8,7 +8,7 @@ use std::io::{self, BufWriter, Read, Write};
 use uavspec_codegen::dynamic::ULOG_PACKAGE;
 
 use self::formats::{Formats, LogFormats};
-use super::plan::{Converted, Plan, Treatment};
+use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
@@ -38,6 +38,7 @@ struct Stream<'p, 'o> {
     settings: Settings,
     output: BufWriter<&'o mut dyn Write>,
     problems: Problems,
+    converters: Converters<'p>,
     /// The topics: all formats in the definitions section, and other topics with a subscription.
     topics: Vec<Topic<'p>>,
     by_name: HashMap<String, usize>,
@@ -79,6 +80,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             settings,
             output: BufWriter::new(output),
             problems: Problems::default(),
+            converters: Converters::default(),
             topics: Vec::new(),
             by_name: HashMap::new(),
             subscribed: Vec::new(),
@@ -175,14 +177,14 @@ impl<'p, 'o> Stream<'p, 'o> {
     }
 
     /// A topic with a format.
-    fn planned(&self, name: &str, log: &Log) -> Topic<'p> {
+    fn planned(&mut self, name: &str, log: &Log) -> Topic<'p> {
         let plan = self.plan;
         let definitions = plan.source();
         let format = log.types().find(ULOG_PACKAGE, name).filter(|format| format.size().is_some());
-        let id = definitions.message_of_topic(name).filter(|id| plan.concerns(*id));
+        let id = definitions.message_of_logged_topic(name).filter(|id| plan.concerns(*id));
         let release = id.and_then(|id| definitions.release_of(id)).map(|release| release.label.clone());
         let is_other = |target: &Definitions| {
-            let id = target.message_of_topic(name);
+            let id = target.message_of_logged_topic(name);
             id.zip(format)
                 .is_some_and(|(id, format)| compare(format, target.types().get(id)) != Comparison::Equal)
         };
@@ -191,7 +193,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             (Some(format), Some(id)) if compare(format, definitions.types().get(id)) != Comparison::Equal => {
                 plan.differs(id)
             }
-            (_, Some(id)) => plan.treatment(id, name),
+            (_, Some(id)) => plan.treatment(id, name, &mut self.converters),
         };
         let mut topic = Topic::new(name, (release, treatment), plan, self.settings);
         let fits = |converted: &Converted<'_>| {

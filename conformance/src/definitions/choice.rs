@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::index::{Family, Index, ReleaseId, ReleaseSet, Row};
+use crate::json::Tree;
+use crate::px4::json::count_differences;
 
 /// The facts in a capture that show its release.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -11,7 +13,8 @@ pub(crate) struct Clues {
     pub(crate) formats: BTreeMap<String, FormatClue>,
     /// The types in a bag or of JSON messages, by full ROS name.
     pub(crate) types: BTreeMap<String, TypeClue>,
-    /// The versions of the types of PX4's topics in ROS, by full ROS name. Subscribers also show them.
+    /// The versions of the types of PX4's topics in ROS, by full ROS name, or by topic if the type isn't stated.
+    /// Subscribers also show them.
     pub(crate) topic_versions: BTreeMap<String, BTreeSet<u32>>,
     /// The firmware's version, as two numbers.
     pub(crate) version: Option<(u8, u8)>,
@@ -20,22 +23,33 @@ pub(crate) struct Clues {
     pub(crate) needed: Option<BTreeSet<String>>,
 }
 
-/// The hash of a topic's format.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The format of a topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum FormatClue {
     /// The hash of the layout in memory.
     Layout(u64),
-    /// The hash of the keys in JSON. The types of the fields are unknown.
-    Keys(u64),
+    /// A message in JSON. Not all types of its fields are known.
+    Json(JsonClue),
 }
 
 impl FormatClue {
-    fn agrees(self, row: &Row) -> bool {
+    fn agrees(&self, row: &Row) -> bool {
         match self {
-            Self::Layout(hash) => row.layout == Some(hash),
-            Self::Keys(hash) => row.keys == Some(hash),
+            Self::Layout(hash) => row.layout == Some(*hash),
+            Self::Json(message) => row.keys == Some(message.keys),
         }
     }
+}
+
+/// The facts in a JSON message.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct JsonClue {
+    /// The hash of the keys.
+    pub(crate) keys: u64,
+    /// The text of the message; empty if it is too long to store.
+    pub(crate) text: String,
+    /// The version in the name of the topic, if PX4 exchanges the topic with applications.
+    pub(crate) version: Option<u32>,
 }
 
 /// The facts about a type.
@@ -45,8 +59,8 @@ pub(crate) struct TypeClue {
     pub(crate) type_hash: Option<String>,
     /// The size of a CDR payload.
     pub(crate) size: Option<u64>,
-    /// The hash of the keys of a JSON message.
-    pub(crate) keys: Option<u64>,
+    /// A message in JSON.
+    pub(crate) json: Option<JsonClue>,
     /// The versions in the names of PX4's topics with messages of this type.
     pub(crate) versions: BTreeSet<u32>,
 }
@@ -78,6 +92,9 @@ struct Match<'c> {
     /// The full ROS name of the definition; for a topic without a match, its name.
     name: &'c str,
     agreeing: ReleaseSet,
+    /// The releases in which a JSON message has the same keys. The lengths of arrays and the values of one message show the
+    /// release less certainly.
+    by_keys: ReleaseSet,
     /// True if the capture doesn't show which of several definitions is meant.
     is_undecided: bool,
     /// The releases of each definition that agrees, if the messages have no hash.
@@ -100,7 +117,7 @@ impl Index {
     pub(crate) fn choose(&self, clues: &Clues, family: Family, forced: Option<ReleaseId>) -> Option<Choice> {
         let own = self.all_of(family);
         let matches = self.matches(clues, own);
-        let has_row = |name: &String| self.of_name(name).any(|row| row.is_in(own));
+        let has_row = |name: &String| self.named(name).any(|row| row.is_in(own));
         if matches.is_empty() && !clues.topic_versions.keys().any(has_row) {
             return None;
         }
@@ -129,7 +146,7 @@ impl Index {
             if found.is_ambiguous(equal) {
                 choice.undecided.insert(found.name.to_owned());
             }
-            if found.agreeing.contains(release) {
+            if found.agreeing.contains(release) || found.by_keys.contains(release) {
                 choice.matching += 1;
             } else if let (Some(other), None) = (nearest(found.agreeing, release), forced) {
                 choice.others.insert(found.name.to_owned(), other);
@@ -146,11 +163,16 @@ impl Index {
             if rows.peek().is_none() {
                 continue;
             }
-            let equal: Vec<_> = rows.filter(|row| format.agrees(row)).collect();
-            let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
+            let mut equal: Vec<_> = rows.filter(|row| format.agrees(row)).collect();
+            let mut by_keys = ReleaseSet::default();
+            if let FormatClue::Json(message) = format {
+                by_keys = releases(&equal);
+                equal = self.closest(equal, message);
+            }
+            let agreeing = releases(&equal);
             let name = equal.first().map_or(topic.as_str(), |row| &row.name);
-            let is_undecided = matches!(format, FormatClue::Keys(_)) && definitions(&equal).len() > 1;
-            matches.push(Match { name, agreeing, is_undecided, by_size: None });
+            let is_undecided = matches!(format, FormatClue::Json(_)) && definitions(&equal).len() > 1;
+            matches.push(Match { name, agreeing, by_keys, is_undecided, by_size: None });
         }
         for (name, clue) in &clues.types {
             let rows: Vec<_> = self.of_name(name).filter(|row| row.is_in(own)).collect();
@@ -160,31 +182,69 @@ impl Index {
             let has_version = |row: &&Row| {
                 clue.versions.is_empty() || clue.versions.len() == 1 && clue.versions.contains(&row.version)
             };
-            let agrees = |row: &&Row| match (&clue.type_hash, clue.size, row.cdr_size) {
+            let agrees = |row: &&Row| match (&clue.type_hash, &clue.json, clue.size, row.cdr_size) {
                 (Some(hash), ..) => *hash == row.type_hash,
-                _ if clue.keys.is_some() => clue.keys == row.keys,
+                (None, Some(message), ..) => row.keys == Some(message.keys),
                 _ if !has_version(row) => false,
                 // Some writers pad payloads to a multiple of four bytes.
-                (None, Some(size), Some(expected)) => {
+                (None, None, Some(size), Some(expected)) => {
                     size == expected || size == expected.next_multiple_of(4)
                 }
                 _ => true,
             };
-            let equal: Vec<_> = rows.into_iter().filter(agrees).collect();
-            let agreeing = equal.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases));
+            let mut equal: Vec<_> = rows.into_iter().filter(agrees).collect();
+            let mut by_keys = ReleaseSet::default();
+            if let (None, Some(message)) = (&clue.type_hash, &clue.json) {
+                by_keys = releases(&equal);
+                equal = self.closest(equal, message);
+            }
+            let agreeing = releases(&equal);
             let definitions = definitions(&equal);
             let is_undecided = clue.type_hash.is_none() && definitions.len() > 1;
-            let is_by_size = clue.type_hash.is_none() && clue.keys.is_none() && clue.size.is_some();
+            let is_by_size = clue.type_hash.is_none() && clue.json.is_none() && clue.size.is_some();
             let by_size = is_by_size.then_some(definitions);
-            matches.push(Match { name, agreeing, is_undecided, by_size });
+            matches.push(Match { name, agreeing, by_keys, is_undecided, by_size });
         }
         matches
+    }
+
+    /// The definitions among `rows` that a JSON message differs from least. All of them have the keys of the message. If
+    /// several definitions remain, the version in the name of the topic decides.
+    fn closest<'i>(&self, rows: Vec<&'i Row>, message: &JsonClue) -> Vec<&'i Row> {
+        if definitions(&rows).len() < 2 {
+            return rows;
+        }
+        let rows = match Tree::read(&message.text) {
+            Ok(tree) => self.least_different(rows, &tree),
+            Err(_) => rows,
+        };
+        let has_version = |row: &&Row| Some(row.version) == message.version;
+        let versioned = rows.iter().copied().filter(has_version);
+        let versioned: BTreeSet<&str> = versioned.map(|row| row.type_hash.as_str()).collect();
+        if versioned.is_empty() {
+            return rows;
+        }
+        rows.into_iter().filter(|row| versioned.contains(row.type_hash.as_str())).collect()
+    }
+
+    /// The definitions among `rows` that a JSON message differs from least.
+    fn least_different<'i>(&self, rows: Vec<&'i Row>, message: &Tree<'_>) -> Vec<&'i Row> {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for row in rows.iter().copied() {
+            let count = || {
+                let found = self.definition(row);
+                found.map_or(usize::MAX, |found| count_differences(message, found.types.get(found.id)))
+            };
+            counts.entry(&row.type_hash).or_insert_with(count);
+        }
+        let least = counts.values().min();
+        rows.into_iter().filter(|row| counts.get(row.type_hash.as_str()) == least).collect()
     }
 
     /// The number of types that have the version of their topics in a release.
     fn count_versions(&self, clues: &Clues, release: ReleaseId) -> usize {
         let has_version = |name: &str, versions: &BTreeSet<u32>| {
-            self.of_name(name).any(|row| row.releases.contains(release) && versions.contains(&row.version))
+            self.named(name).any(|row| row.releases.contains(release) && versions.contains(&row.version))
         };
         clues.topic_versions.iter().filter(|(name, versions)| has_version(name, versions)).count()
     }
@@ -194,6 +254,11 @@ impl Index {
         let Some((major, minor)) = version else { return false };
         self.release(release).name == format!("{major}.{minor}")
     }
+}
+
+/// All releases of these definitions.
+fn releases(rows: &[&Row]) -> ReleaseSet {
+    rows.iter().fold(ReleaseSet::default(), |set, row| set.union(row.releases))
 }
 
 /// The releases of each definition. A definition has several rows if only its version differs.
@@ -218,6 +283,9 @@ fn nearest(set: ReleaseSet, release: ReleaseId) -> Option<ReleaseId> {
 
 #[cfg(test)]
 mod tests {
+    use uavspec_codegen::dynamic::PlacedElement;
+    use uavspec_codegen::schema::Shape;
+
     use super::*;
 
     fn layout(index: &Index, topic: &str, release: &str) -> FormatClue {
@@ -344,6 +412,76 @@ mod tests {
     }
 
     #[test]
+    fn lengths_and_versions_decide_between_json_messages() {
+        let index = Index::built_in();
+        // Until PX4 1.17, the message has eight servos.
+        let row = index.of_topic("actuator_servos").next().expect("a topic");
+        let choose = |servos: usize, version: Option<u32>| {
+            let control = vec!["0"; servos].join(",");
+            let text = match servos {
+                0 => String::new(),
+                _ => format!(r#"{{"timestamp":1,"timestamp_sample":1,"control":[{control}]}}"#),
+            };
+            let clue = JsonClue { keys: row.keys.expect("keys"), text, version };
+            let formats = [("actuator_servos".to_owned(), FormatClue::Json(clue))].into();
+            let choice = index.choose(&Clues { formats, ..Clues::default() }, Family::Px4, None);
+            choice.map(|choice| index.label(choice.release))
+        };
+        for (servos, version, expected) in [
+            (8, None, Some("px4@1.17")),
+            (8, Some(1), Some("px4@1.17")),
+            (15, None, Some("px4@1.18")),
+            // The lengths of both definitions differ.
+            (7, Some(0), Some("px4@1.17")),
+            (7, None, None),
+            // The text isn't stored.
+            (0, Some(0), Some("px4@1.17")),
+            (0, Some(1), Some("px4@1.18")),
+            (0, Some(9), None),
+        ] {
+            assert_eq!(choose(servos, version).as_deref(), expected, "{servos} {version:?}");
+        }
+    }
+
+    /// If a JSON message fits several definitions, the newest one applies. Its integers must have the widest ranges.
+    #[test]
+    fn the_newest_of_similar_definitions_accepts_messages_of_older_ones() {
+        let index = Index::built_in();
+        let newest = |row: &Row| row.releases.iter().next_back().expect("a release");
+        let mut compared = 0;
+        for older in index.rows() {
+            let is_newer = |row: &&Row| {
+                row.keys.is_some()
+                    && row.keys == older.keys
+                    && row.type_hash != older.type_hash
+                    && newest(row) > newest(older)
+            };
+            for newer in index.of_name(&older.name).filter(is_newer) {
+                let [old, new] = [older, newer].map(|row| index.definition(row).expect("a definition"));
+                let (old, new) = (old.types.get(old.id), new.types.get(new.id));
+                let count = |message: &serde_json::Value| {
+                    let text = message.to_string();
+                    count_differences(&Tree::read(&text).expect("JSON"), new)
+                };
+                let mut message = old.default().to_json().expect("a message");
+                if count(&message) > 0 {
+                    continue;
+                }
+                for field in old.layout().filter(|field| field.shape == Shape::Single) {
+                    if let PlacedElement::Scalar(scalar) = field.element
+                        && let Some((_, high)) = scalar.integer_bounds()
+                    {
+                        message[field.name] = u64::try_from(high).expect("a number").into();
+                    }
+                }
+                assert_eq!(count(&message), 0, "{}: {message}", older.name);
+                compared += 1;
+            }
+        }
+        assert!(compared > 3, "{compared}");
+    }
+
+    #[test]
     fn subscribers_show_a_release() {
         let index = Index::built_in();
         let choose = |name: &str, version: u32| {
@@ -352,6 +490,7 @@ mod tests {
             choice.map(|choice| index.label(choice.release))
         };
         assert_eq!(choose("px4_msgs/msg/ArmingCheckRequest", 0), Some("px4@1.16".to_owned()));
+        assert_eq!(choose("arming_check_request", 0), Some("px4@1.16".to_owned()));
         assert_eq!(choose("px4_msgs/msg/ArmingCheckRequest", 99), None);
         assert_eq!(choose("std_msgs/msg/String", 0), None);
     }

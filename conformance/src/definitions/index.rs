@@ -1,9 +1,14 @@
 //! The fingerprints of the definitions in all releases.
 
-use std::collections::HashMap;
-use std::sync::LazyLock;
+use std::collections::{BTreeSet, HashMap};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
+use uavspec_codegen::dynamic::Types;
+use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::release::age;
+use uavspec_codegen::schema::fingerprint::ros_name;
+use uavspec_codegen::schema::{MessageId, Schema};
+use uavspec_codegen::{SourceMap, read, release};
 use uavspec_definitions::releases::{RELEASES, Release, fingerprints};
 
 /// The releases whose names denote no fixed state.
@@ -35,6 +40,14 @@ impl Family {
         match self {
             Self::Px4 => "PX4",
             Self::Ros2 => "ROS 2",
+        }
+    }
+
+    /// The dialect of the definitions.
+    pub(crate) fn dialect(self) -> Dialect {
+        match self {
+            Self::Px4 => Dialect::Px4,
+            Self::Ros2 => Dialect::Ros2,
         }
     }
 
@@ -125,6 +138,17 @@ pub(crate) struct Index {
     by_topic: HashMap<String, Vec<usize>>,
     /// The indices of the rows, by name.
     by_name: HashMap<String, Vec<usize>>,
+    /// The definitions that were read, by type hash. Reading a release takes milliseconds.
+    read: Mutex<HashMap<String, Option<Arc<ReadDefinition>>>>,
+}
+
+/// A definition of a release.
+#[derive(Debug)]
+pub(crate) struct ReadDefinition {
+    /// Its type, and the types that it contains.
+    pub(crate) types: Types,
+    /// The type.
+    pub(crate) id: MessageId,
 }
 
 impl Index {
@@ -151,7 +175,7 @@ impl Index {
                 by_topic.entry(topic.clone()).or_default().push(at);
             }
         }
-        Self { releases, rows, by_topic, by_name }
+        Self { releases, rows, by_topic, by_name, read: Mutex::default() }
     }
 
     /// All releases by family, from the oldest to the newest.
@@ -208,6 +232,26 @@ impl Index {
         self.by_name.get(name).into_iter().flatten().map(|at| &self.rows[*at])
     }
 
+    /// The definitions with a full ROS name, or those of a topic. Only ROS names contain a slash.
+    pub(crate) fn named(&self, name: &str) -> impl Iterator<Item = &Row> {
+        self.of_name(name).chain(self.of_topic(name))
+    }
+
+    /// Reads a definition from the newest release that contains it.
+    pub(crate) fn definition(&self, row: &Row) -> Option<Arc<ReadDefinition>> {
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = read.get(&row.type_hash) {
+            return found.clone();
+        }
+        let found = row.releases.iter().next_back().and_then(|release| {
+            let text = self.release(release).text();
+            let (schema, id) = read_definition(&text, &row.name, self.family(release).dialect())?;
+            Some(Arc::new(ReadDefinition { types: Types::new(&schema), id }))
+        });
+        read.insert(row.type_hash.clone(), found.clone());
+        found
+    }
+
     /// All definitions, by name.
     pub(crate) fn rows(&self) -> &[Row] {
         &self.rows
@@ -233,6 +277,17 @@ fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
         type_hash: type_hash.to_owned(),
         version,
     })
+}
+
+/// Reads the definition with a full ROS name from the text of a release.
+pub(super) fn read_definition(text: &str, name: &str, dialect: Dialect) -> Option<(Schema, MessageId)> {
+    let text = release::select(text, &BTreeSet::from([name]));
+    let mut sources = SourceMap::default();
+    let packages = release::packages(&text, dialect, "", &mut sources);
+    let (schema, _) = read(&sources, &packages);
+    let messages = schema.packages.iter().flat_map(|package| &package.messages);
+    let id = messages.copied().find(|id| ros_name(&schema, schema.message(*id)) == name)?;
+    Some((schema, id))
 }
 
 #[cfg(test)]

@@ -368,7 +368,7 @@ mod tests {
             for (topic, layout) in &clues.formats {
                 let id = definitions.message_of_topic(topic).expect("a definition");
                 let found = LayoutHashes::default().get(types.get(id)).map(FormatClue::Layout);
-                assert_eq!(found, Some(*layout), "{label} {topic}");
+                assert_eq!(found.as_ref(), Some(layout), "{label} {topic}");
             }
         }
     }
@@ -378,14 +378,14 @@ mod tests {
         let library = Library::built_in();
         let mut clues = clues(library.index(), "px4@1.14");
         let other = super::tests::clues(library.index(), "px4@1.16").formats;
-        clues.formats.insert("vehicle_status".to_owned(), other["vehicle_status"]);
+        clues.formats.insert("vehicle_status".to_owned(), other["vehicle_status"].clone());
         let (definitions, choices) = (library.choose(&clues), library.choices(&clues));
         assert_eq!(choices[0].others.keys().collect::<Vec<_>>(), ["px4_msgs/msg/VehicleStatus"]);
         let id = definitions.message_of_topic("vehicle_status").expect("a definition");
         assert_eq!(definitions.message_of_type("px4_msgs/msg/VehicleStatus"), Some(id));
         assert_eq!(definitions.message_of_type("px4/VehicleStatus"), Some(id));
         let hash = LayoutHashes::default().get(definitions.types().get(id)).map(FormatClue::Layout);
-        assert_eq!(hash, Some(other["vehicle_status"]));
+        assert_eq!(hash.as_ref(), Some(&other["vehicle_status"]));
         let again = library.choose(&clues);
         assert!(Arc::ptr_eq(&definitions, &again));
     }

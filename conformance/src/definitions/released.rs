@@ -3,11 +3,9 @@
 use std::collections::BTreeSet;
 
 use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::Message;
-use uavspec_codegen::schema::fingerprint::{hashed_text, ros_name};
-use uavspec_codegen::{SourceMap, read, release};
+use uavspec_codegen::schema::fingerprint::hashed_text;
 
-use super::index::{Index, Row};
+use super::index::{Index, Row, read_definition};
 
 /// A definition that releases contain.
 #[derive(Debug)]
@@ -33,12 +31,9 @@ pub(crate) fn released_type(name: &str, hash: u32) -> Option<ReleasedType> {
     let index = Index::built_in();
     let rows: Vec<&Row> = index.of_name(name).filter(|row| row.hash == hash).collect();
     let releases: BTreeSet<_> = rows.iter().flat_map(|row| row.releases.iter()).collect();
-    let text = release::select(&index.release(*releases.last()?).text(), &BTreeSet::from([name]));
-    let mut sources = SourceMap::default();
-    let packages = release::packages(&text, Dialect::Px4, "", &mut sources);
-    let (schema, _) = read(&sources, &packages);
-    let is_named = |message: &&Message| ros_name(&schema, message) == name;
-    let fields = hashed_text(&schema, schema.messages.iter().find(is_named)?);
+    let text = index.release(*releases.last()?).text();
+    let (schema, id) = read_definition(&text, name, Dialect::Px4)?;
+    let fields = hashed_text(&schema, schema.message(id));
     Some(ReleasedType { releases: releases.into_iter().map(|id| index.label(id)).collect(), fields })
 }
 

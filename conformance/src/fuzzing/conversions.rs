@@ -52,7 +52,7 @@ pub(super) fn mcap(data: &[u8]) {
 
 fn converted<'b>(bytes: Box<dyn Read + Send + 'b>, settings: Settings) -> (ConversionReport, Vec<u8>) {
     let mut output = Vec::new();
-    let opened = Opened { kind: "MCAP", definitions: Arc::clone(SOURCE.base()), bytes };
+    let opened = Opened { kind: "MCAP", definitions: Arc::clone(SOURCE.base()), bytes, state: None };
     let report = convert((Path::new("fuzz.mcap"), opened), &PLAN, settings, &mut output);
     (report.unwrap_or_else(|error| panic!("{error:?}")), output)
 }

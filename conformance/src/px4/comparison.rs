@@ -225,8 +225,10 @@ fn type_text(field: Placed<'_>) -> String {
     let element = match field.element {
         PlacedElement::Scalar(scalar) => scalar.name().to_owned(),
         PlacedElement::Text(length) => return format!("char[{length}]"),
-        PlacedElement::String { is_wide: false, .. } => "string".to_owned(),
-        PlacedElement::String { is_wide: true, .. } => "wstring".to_owned(),
+        PlacedElement::String { is_wide, bound } => {
+            let bound = bound.map(|bound| format!("<={bound}")).unwrap_or_default();
+            format!("{}{bound}", if is_wide { "wstring" } else { "string" })
+        }
         PlacedElement::Message(_) => "message".to_owned(),
     };
     element + &shape_text(field.shape)

@@ -12,6 +12,7 @@
 mod clean;
 mod decode;
 mod dialect;
+mod differences;
 mod explain;
 mod template;
 #[cfg(test)]
@@ -21,6 +22,7 @@ mod value;
 pub(crate) use self::clean::Clean;
 pub(crate) use self::decode::{decode, is_bytes};
 pub(crate) use self::dialect::{Dialect, Dialects};
+pub(crate) use self::differences::count_differences;
 pub(crate) use self::explain::MessageOrigin;
 pub(crate) use self::template::Template;
-pub(crate) use super::values::Plans;
+pub(crate) use super::values::{Plans, SharedFields};

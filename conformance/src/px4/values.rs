@@ -4,6 +4,7 @@
 //! An encoding only determines how a value is read. This module contains the constraints, their rules, the messages for
 //! violations, and the number of values that each rule covers.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use uavspec_codegen::schema::{self, Dialect, Form, MessageId, Restriction, Schema, Shape};
@@ -36,6 +37,9 @@ pub(super) enum Encoding {
     Memory,
     Json,
 }
+
+/// The fields that a JSON Schema in a capture shares with a differing definition. True if the schema requires the field.
+pub(crate) type SharedFields = BTreeMap<String, bool>;
 
 /// The constraints on the values of all messages in a schema.
 #[derive(Debug)]
@@ -268,7 +272,7 @@ impl Plans {
         let messages = schema.messages.iter().map(|message| MessagePlan::new(message, schema));
         let mut plans = Self { rules, messages: messages.collect() };
         for id in &schema.nested_first {
-            plans.messages[id.0 as usize].coverage = plans.coverage(*id);
+            plans.messages[id.0 as usize].coverage = plans.coverage(*id, None);
         }
         plans
     }
@@ -277,15 +281,28 @@ impl Plans {
         &self.messages[id.0 as usize]
     }
 
-    /// Counts this many JSON messages as covered.
-    pub(crate) fn count(&self, id: MessageId, messages: u64, findings: &mut Findings) {
-        self.get(id).coverage.count(messages, findings);
+    /// Counts this many JSON messages as covered. `shared` contains the fields that were checked; `None` for all.
+    pub(crate) fn count(
+        &self,
+        id: MessageId,
+        shared: Option<&SharedFields>,
+        messages: u64,
+        findings: &mut Findings,
+    ) {
+        if shared.is_some() {
+            self.coverage(id, shared).count(messages, findings);
+        } else {
+            self.get(id).coverage.count(messages, findings);
+        }
     }
 
-    fn coverage(&self, id: MessageId) -> Coverage {
+    fn coverage(&self, id: MessageId, shared: Option<&SharedFields>) -> Coverage {
         let mut coverage = Coverage::default();
-        coverage.add(self.rules.members, 1);
-        for field in &self.get(id).fields {
+        if shared.is_none_or(|shared| shared.values().any(|is_required| *is_required)) {
+            coverage.add(self.rules.members, 1);
+        }
+        let is_checked = |field: &&FieldPlan| shared.is_none_or(|shared| shared.contains_key(&field.name));
+        for field in self.get(id).fields.iter().filter(is_checked) {
             let count = match field.shape {
                 Shape::Array(length) => u64::from(length),
                 Shape::Single | Shape::Bounded(_) | Shape::Sequence => 1,

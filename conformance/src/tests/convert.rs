@@ -7,6 +7,7 @@ mod schema;
 mod ulog;
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
@@ -192,6 +193,27 @@ fn readable_messages_of_a_truncated_bag_are_converted() {
         assert_eq!(found.result.corruption.len(), 0);
         assert!(found.result.records > 0);
     }
+}
+
+#[test]
+fn a_bag_that_grows_is_converted_up_to_its_end_at_the_start() {
+    let bytes = flight("px4@1.16").to_bytes();
+    let (whole, expected) = converted(&bytes, "px4@1.17", Settings::default());
+    let folder = TempDir::new().expect("a folder");
+    let path = folder.path().join("in.mcap");
+    fs::write(&path, &bytes).expect("a file");
+    let extend = |input: Box<dyn Read + Send>| {
+        fs::write(&path, [&bytes[..], b"more"].concat()).expect("a file");
+        input
+    };
+    let opened = open_path(&path, &LIBRARY, &extend).expect("a file").expect("a capture");
+    let plan = Plan::new(Arc::clone(&opened.definitions), &LIBRARY, &release("px4@1.17"), None);
+    let (plan, mut output) = (plan.expect("a plan"), Vec::new());
+    let report = convert((&path, opened), &plan, Settings::default(), &mut output).expect("a conversion");
+    assert!(whole.is_complete() && !report.is_complete());
+    let [problem] = &report.problems[..] else { panic!("{:?}", report.problems) };
+    assert!(problem.starts_with("the file grew from "), "{problem}");
+    assert!(output == expected);
 }
 
 #[test]

@@ -8,8 +8,10 @@ use std::sync::LazyLock;
 
 use mcap::WriteOptions;
 use mcap::records::MessageHeader;
+use serde_json::{Value, json};
 use tempfile::TempDir;
 
+use super::mcap::file;
 use super::support::shared;
 use crate::check::{Checked, ReleaseMatch, check_bytes, check_path};
 use crate::definitions::{Library, versioned};
@@ -158,6 +160,80 @@ fn json_messages_of_each_release_are_checked_against_it() {
             assert!(topics > 100, "{name} {kind}: {topics}");
             assert_eq!(failures(&found), [], "{name} {kind}");
         }
+    }
+}
+
+/// If few topics show the release, the lengths of arrays and the keys of nested messages show the definition.
+#[test]
+fn json_messages_are_checked_against_a_definition_of_their_form() {
+    for (name, message) in [
+        ("1.13", "EscStatus"),
+        ("1.14", "ActuatorServos"),
+        ("1.14", "RcChannels"),
+        ("1.15", "PositionSetpointTriplet"),
+    ] {
+        let library = release(name);
+        let mut flight = Flight::new(library.base());
+        let topics = ["Cpuload", message].map(|name| flight.topic(name).expect("a topic"));
+        flight.messages.retain(|sent| topics.contains(&sent.topic));
+        for lines in [flight.lines(), flight.rosbridge()] {
+            let found = checked("flight.jsonl", &lines.to_bytes());
+            assert_eq!(failures(&found), [], "{name} {message}");
+            assert_eq!(found.result.checked, flight.messages.len() as u64, "{name} {message}");
+        }
+    }
+}
+
+/// A capture with one JSON message, as a rosbridge message and as a message of a bag without schemas.
+fn json_captures(topic: &str, message: &Value) -> [(&'static str, Vec<u8>); 2] {
+    let line = json!({"op": "publish", "topic": topic, "msg": message}).to_string();
+    let records = [file::channel(1, 0, topic, "json", &[]), file::message(1, message.to_string().as_bytes())];
+    [("topic.jsonl", line.into_bytes()), ("topic.mcap", file::file(&records.concat()))]
+}
+
+/// Other programs use the names of PX4's topics for other types.
+#[test]
+fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
+    let library = release("1.17");
+    let flight = Flight::new(library.base());
+    let topic = flight.topic("BatteryStatus").expect("a topic");
+    let sent = flight.messages.iter().find(|sent| sent.topic == topic).expect("a message");
+    let of_px4 = &sent.value;
+    let mut longer = of_px4.clone();
+    longer["tow"] = json!(1);
+    let other = json!({"timestamp": 1, "voltage": 12.1, "percentage": 0.5});
+    let short = json!({"timestamp": 1});
+    let ros = json!({"header": {"frame_id": "base"}, "voltage": 12.1, "current": -1.0, "present": true});
+    for (topic, message, is_checked, has_failures) in [
+        ("/fmu/out/battery_status", of_px4, true, false),
+        ("/fmu/out/battery_status", &other, true, true),
+        ("/left/fmu/out/battery_status", &ros, true, true),
+        ("/battery_status", of_px4, true, false),
+        ("/robot/battery_status", &longer, true, true),
+        ("/robot/battery_status/0", &other, false, false),
+        ("/battery_status", &short, false, false),
+        ("battery_status", &ros, false, false),
+        ("/robot/battery_status", &json!([1]), false, false),
+    ] {
+        for (name, bytes) in json_captures(topic, message) {
+            let found = checked(name, &bytes);
+            let facts = (found.result.checked > 0, !failures(&found).is_empty());
+            assert_eq!(facts, (is_checked, has_failures), "{name} {topic} {message}");
+            assert_eq!((found.result.records, found.result.corruption.len()), (1, 0), "{name} {topic}");
+        }
+    }
+}
+
+#[test]
+fn user_definitions_apply_to_json_topics_of_any_name() {
+    let folder = TempDir::new().expect("a folder");
+    fs::write(folder.path().join("Kite.msg"), "uint64 timestamp\nfloat32 pull\n").expect("a file");
+    let library = Library::load(folder.path(), None).expect("definitions");
+    for (name, bytes) in json_captures("/robot/kite", &json!({"angle": 1})) {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("a file");
+        let found = check_path(&path, None, &library, &|input| input).expect("a capture");
+        assert_eq!(failures(&found).len(), 2, "{name}");
     }
 }
 

@@ -15,7 +15,7 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use tempfile::TempDir;
 
 use crate::capture::MCAP_MAGIC;
-use crate::check::{BagSummary, CaptureResult, Summary, check_capture, check_path};
+use crate::check::{BagSummary, Basis, CaptureResult, CheckStatus, Summary, check_capture, check_path};
 use crate::definitions::{Definitions, Library};
 use crate::model::{Extent, Location};
 use crate::report::{CheckedCapture, Settings, Subject};
@@ -311,4 +311,46 @@ fn bags_without_hashes_are_checked_against_the_release_with_their_sizes() {
     let [found] = &summary(&whole).releases[..] else { panic!("expected one release") };
     assert_eq!((found.release.as_str(), found.others.len()), ("px4@1.14", 0));
     assert_eq!(violated(&whole).iter().filter(|(rule, ..)| rule.starts_with("PX-CDR")).count(), 0);
+}
+
+/// rosbag2 stores one definition for each type, with the hash of the first topic. Other topics may have no hash.
+#[test]
+fn topics_without_a_hash_have_the_definition_of_their_type() {
+    let release = Library::load(Path::new("px4@1.14"), None).expect("a release");
+    let mut content = Content::of_mcap(&Flight::new(release.base()).bag().to_bytes());
+    let expected = checked_bytes(&content.to_bytes());
+    content.topics.iter_mut().for_each(|(_, [.., hash])| hash.clear());
+    let found = checked_bytes(&content.to_bytes());
+    let facts = |result: &CaptureResult| {
+        let groups = violated(result).into_iter().map(|(rule, subject, count, _)| (rule, subject, count));
+        let statuses = summary(result).channels.iter().map(|channel| channel.status.clone());
+        (groups.collect::<Vec<_>>(), statuses.collect::<Vec<_>>(), result.checked)
+    };
+    assert_eq!(facts(&found), facts(&expected));
+    let is_compared = |status: &CheckStatus| matches!(status, CheckStatus::Checked(Basis::Compared(_)));
+    assert!(summary(&found).channels.iter().any(|channel| is_compared(&channel.status)));
+    // A definition whose text lacks its hash shows nothing, neither the fields nor the release.
+    for [_, _, text, _] in &mut content.definitions {
+        text.insert_str(0, "uint8 added_by_the_club\n");
+    }
+    let (_folder, path) = file_with("bag.db3", &content.to_bytes());
+    let result = checked_with(&path, &Library::built_in());
+    let [found] = &summary(&result).releases[..] else { panic!("expected one release") };
+    assert_eq!((found.release.as_str(), found.others.len()), ("px4@1.14", 0));
+    assert_eq!(result.checked, content.messages.len() as u64);
+    assert!(summary(&result).channels.iter().all(|channel| !is_compared(&channel.status)));
+}
+
+/// A second definition of the same type makes it unclear which one applies to a topic without a hash.
+#[test]
+fn topics_without_a_hash_have_none_of_several_definitions() {
+    let mut content = flight();
+    for [ty, encoding, text, _] in content.definitions.clone() {
+        content.definitions.push([ty, encoding, text, "RIHS01_of_another_topic".to_owned()]);
+    }
+    content.topics.iter_mut().for_each(|(_, [.., hash])| hash.clear());
+    let result = checked_bytes(&content.to_bytes());
+    assert_eq!((violated(&result), corrupt(&result)), (vec![], vec![]));
+    let expected = CheckStatus::Checked(Basis::NoSchema);
+    assert!(summary(&result).channels.iter().all(|channel| channel.status == expected));
 }

@@ -11,7 +11,7 @@
 //! Each payload is read separately, so an unreadable payload doesn't affect other messages. A truncated file is read as
 //! far as possible.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ffi::CStr;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -123,6 +123,35 @@ pub(crate) struct Definition {
     pub(crate) hash: String,
 }
 
+/// Facts about the definitions in a bag. rosbag2 stores one definition for each type, with the hash of the first topic
+/// that has this type.
+#[derive(Debug, Default)]
+pub(crate) struct Facts<T> {
+    /// The facts by the type and the type hash of the definition. The flag is true if the text has this hash.
+    by_type: HashMap<String, BTreeMap<String, (bool, T)>>,
+}
+
+impl<T> Facts<T> {
+    /// Adds a fact about the definition of a type. `is_verified` is true if the text of the definition has the type
+    /// hash that the bag states for it.
+    pub(crate) fn add(&mut self, ty: &str, hash: &str, is_verified: bool, fact: T) {
+        self.by_type.entry(ty.to_owned()).or_default().insert(hash.to_owned(), (is_verified, fact));
+    }
+
+    /// The fact about the definition of a topic's messages.
+    pub(crate) fn of(&self, topic: &Topic) -> Option<&T> {
+        let facts = self.by_type.get(&topic.ty)?;
+        // Files from before the type hashes, and some later ones, have no hash in one of the tables.
+        let (_, fact) = facts.get(&topic.hash).or_else(|| facts.get("")).or_else(|| {
+            // Without the hash of the topic, nothing shows which of several definitions applies. A text that lacks its
+            // hash may be incomplete.
+            let only = facts.values().next().filter(|_| topic.hash.is_empty() && facts.len() == 1);
+            only.filter(|(is_verified, _)| *is_verified)
+        })?;
+        Some(fact)
+    }
+}
+
 /// A message of the bag.
 #[derive(Debug)]
 pub(crate) struct Message<'m> {
@@ -160,10 +189,12 @@ impl Bag {
     /// Opens a file. Also returns the problems that don't prevent reading.
     pub(crate) fn open(path: &Path) -> Result<(Self, Vec<Problem>), Problem> {
         let unreadable = |error: std::io::Error| Problem::gap(format!("the file can't be read: {error}"));
+        // The header is read first: a file that a writer extends now must not look truncated.
+        let header = start_of(path).map_err(unreadable)?;
         let size = fs::metadata(path).map_err(unreadable)?.len();
         let mut problems = Vec::new();
         problems.extend(unfinished(path));
-        let missing = missing(path, size).map_err(unreadable)?;
+        let missing = missing(&header, size);
         if missing > 0 {
             let text = format!("the file is truncated: {} bytes are missing", Grouped(missing));
             problems.push(Problem { text, extent: Extent::EndsEarly });
@@ -484,18 +515,17 @@ fn unfinished(path: &Path) -> Option<Problem> {
     )))
 }
 
-/// The number of bytes by which a file is shorter than its header says.
-fn missing(path: &Path, size: u64) -> std::io::Result<u64> {
-    let start = start_of(path)?;
-    let number = |at: usize| start.get(at..at + 4)?.first_chunk().map(|bytes| u32::from_be_bytes(*bytes));
+/// The number of bytes by which a file of this size is shorter than its header says.
+fn missing(header: &[u8], size: u64) -> u64 {
+    let number = |at: usize| header.get(at..at + 4)?.first_chunk().map(|bytes| u32::from_be_bytes(*bytes));
     let page_size =
-        start.get(16..18).and_then(|bytes| bytes.first_chunk()).map(|bytes| u16::from_be_bytes(*bytes));
+        header.get(16..18).and_then(|bytes| bytes.first_chunk()).map(|bytes| u16::from_be_bytes(*bytes));
     // Old versions of SQLite don't update the number of pages. The version field then differs from the change counter.
     let (Some(page_size), Some(pages), true) = (page_size, number(28), number(24) == number(92)) else {
-        return Ok(0);
+        return 0;
     };
     let page_size = if page_size == 1 { 1 << 16 } else { u64::from(page_size) };
-    Ok((page_size * u64::from(pages)).saturating_sub(size))
+    (page_size * u64::from(pages)).saturating_sub(size)
 }
 
 /// The header of a file.

@@ -10,6 +10,8 @@ use super::schemas::{MAX_SCHEMA, MAX_SCHEMAS};
 use super::{HASH, MAX_NAME, Stated, is_comparable};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadata};
+#[cfg(feature = "db3")]
+use crate::capture::rosbag::sqlite::{Bag, Definition, Facts};
 use crate::check::Source;
 use crate::check::json::Found;
 use crate::check::release::MAX_AHEAD;
@@ -49,7 +51,7 @@ pub(super) fn merge(clues: &mut Clues, others: Clues) {
         let known = clues.types.entry(name).or_default();
         known.type_hash = known.type_hash.take().or(other.type_hash);
         known.size = known.size.or(other.size);
-        known.keys = known.keys.or(other.keys);
+        known.json = known.json.take().or(other.json);
         known.versions.extend(other.versions);
     }
     for (topic, format) in others.formats {
@@ -136,35 +138,35 @@ fn declarations(input: impl Read) -> Clues {
             _ => {}
         }
     }
-    for (name, clue) in found.clues.types {
+    let found = found.into_clues();
+    for (name, clue) in found.types {
         clues.types.entry(name).or_insert(clue);
     }
-    clues.formats.extend(found.clues.formats);
+    for (name, versions) in found.topic_versions {
+        clues.topic_versions.entry(name).or_default().extend(versions);
+    }
+    clues.formats.extend(found.formats);
     clues
 }
 
 /// Reads the declarations in a `SQLite` file.
 #[cfg(feature = "db3")]
 pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
-    use crate::capture::rosbag::sqlite::Bag;
-
     let Some((bag, _)) = source.file.and_then(|path| Bag::open(path).ok()) else {
         return Clues::default();
     };
-    let mut hashes: HashMap<String, String> = HashMap::new();
+    let mut hashes: Facts<Option<String>> = Facts::default();
     let _ = bag.definitions(|definition| {
-        if definition.encoding == "ros2msg"
-            && definition.ty.len() <= MAX_NAME
-            && hashes.len() < MAX_TYPES
-            && let Some(hash) = schema_hash(&definition.ty, definition.text.as_bytes())
-        {
-            hashes.insert(definition.ty, hash);
+        if definition.ty.len() <= MAX_NAME {
+            let hash = definition_hash(&definition);
+            let is_verified = hash.as_ref().is_some_and(|hash| hash.eq_ignore_ascii_case(&definition.hash));
+            hashes.add(&definition.ty, &definition.hash, is_verified, hash);
         }
     });
     let (mut clues, mut unknown) = (Clues::default(), HashMap::new());
     let _ = bag.topics(|topic| {
         let stated = Some(&topic.hash).filter(|hash| is_comparable(hash));
-        let hash = hashes.get(&topic.ty).or(stated);
+        let hash = hashes.of(&topic).and_then(Option::as_ref).or(stated);
         if topic.encoding == "cdr"
             && topic.ty.len() <= MAX_NAME
             && unknown.len() < MAX_TYPES
@@ -216,6 +218,20 @@ fn add_version(clues: &mut Clues, topic: &str, name: &str) {
     {
         clues.topic_versions.entry(name.to_owned()).or_default().insert(version);
     }
+}
+
+/// True if the text of a definition in a `SQLite` file has the type hash that the file states for it.
+#[cfg(feature = "db3")]
+pub(super) fn has_its_hash(definition: &Definition) -> bool {
+    let is_stated = |hash: String| hash.eq_ignore_ascii_case(&definition.hash);
+    !definition.hash.is_empty() && definition_hash(definition).is_some_and(is_stated)
+}
+
+/// The type hash of a definition in a `SQLite` file, calculated from its text.
+#[cfg(feature = "db3")]
+fn definition_hash(definition: &Definition) -> Option<String> {
+    let is_read = definition.encoding == "ros2msg";
+    is_read.then(|| schema_hash(&definition.ty, definition.text.as_bytes())).flatten()
 }
 
 /// The type hash of a schema. The hash of a service can't be calculated from an event. rosbag2 writes an empty schema for

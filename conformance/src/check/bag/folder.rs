@@ -7,7 +7,7 @@ use super::clues;
 use super::mcap::McapFile;
 use super::sqlite::{self, SQLITE};
 use super::{BagContent, BagFile, BagSummary, Channels, MCAP};
-use crate::capture::input;
+use crate::capture::input::{self, FileState};
 use crate::capture::rosbag::metadata::{self, FILE_NAME, Metadata};
 use crate::check::release::MAX_AHEAD;
 use crate::check::{CaptureResult, CheckRun, Reading, Source, Summary, read_start};
@@ -38,7 +38,8 @@ struct FileBytes<'p, R> {
 }
 
 fn open<'p>(path: &'p Path, reading: Reading<'_>) -> io::Result<FileBytes<'p, impl Read + use<>>> {
-    let (mut input, is_plain) = input::decompressed(reading(Box::new(metadata::open(path)?)))?;
+    let file = input::up_to_end(metadata::open(path)?)?;
+    let (mut input, is_plain) = input::decompressed(reading(Box::new(file)))?;
     let start = read_start(&mut input)?;
     let whole = io::Cursor::new(start.clone()).chain(input);
     Ok(FileBytes { start, whole, file: is_plain.then_some(path) })
@@ -81,12 +82,17 @@ pub(in crate::check) fn check_folder(
     let mut bytes = 0;
     for file in &metadata.files {
         let part = BagFile { name: if is_single { "" } else { file }, encodings: Some(&metadata.encodings) };
-        match check_file(&folder.join(file), part, &mut bag, &mut summary, reading) {
+        let path = folder.join(file);
+        let state = FileState::of(&path);
+        match check_file(&path, part, &mut bag, &mut summary, reading) {
             Ok(read) => bytes += read,
             Err(error) => {
                 let text = format!("{file}, which {FILE_NAME} lists, can't be opened: {error}");
                 bag.corruption("", Location::Byte(0), &text, Extent::WithGaps);
             }
+        }
+        if let Some(change) = state.and_then(|state| state.change(&path)) {
+            bag.run.cut_short(&format!("{file}: {change}"));
         }
     }
     let found = bag.run.records;

@@ -1,5 +1,6 @@
 //! A channel, with its state during the check and its summary.
 
+use std::rc::Rc;
 use std::sync::Arc;
 
 use uavspec_codegen::schema::MessageId;
@@ -12,7 +13,7 @@ use crate::check::topic::topic_of;
 use crate::definitions::Definitions;
 use crate::model::{Channel, Findings, Location};
 use crate::px4::comparison::{Comparison, Differences};
-use crate::px4::json::Plans;
+use crate::px4::json::{Plans, SharedFields};
 
 /// A channel of a bag.
 #[derive(Clone, Debug)]
@@ -66,10 +67,10 @@ pub enum Basis {
     TooLong,
     /// Messages of the defined type aren't supported; contains the reason. The channel wasn't checked.
     Unusable(String),
-    /// Neither a schema nor a type hash shows the release. Several definitions have messages of this size, or none has.
-    /// The channel wasn't checked.
+    /// Neither a usable schema nor a type hash shows the release. Several definitions have messages of this size, or
+    /// none has. The channel wasn't checked.
     Undecided,
-    /// There is no supported schema, and the type hash is not that of the definition. The channel wasn't checked.
+    /// There is no usable schema, and the type hash is not that of the definition. The channel wasn't checked.
     OtherHash,
     /// The channels have too many fields. This channel wasn't checked.
     TooMany,
@@ -112,12 +113,12 @@ impl Basis {
             Self::TooLong => Some("the schema is too long".to_owned()),
             Self::Unusable(defect) => Some(format!("not checked: its definition {defect}")),
             Self::Undecided => Some(
-                "not checked: there is no supported schema or type hash, and the size of the messages doesn't show their \
+                "not checked: there is no usable schema or type hash, and the size of the messages doesn't show their \
                  release"
                     .to_owned(),
             ),
             Self::OtherHash => Some(
-                "not checked: there is no supported schema, and the type hash is not that of the definition".to_owned(),
+                "not checked: there is no usable schema, and the type hash is not that of the definition".to_owned(),
             ),
             Self::TooMany => Some("not checked: the channels have too many fields".to_owned()),
         }
@@ -152,7 +153,10 @@ pub(super) struct Open {
 pub(super) enum Reading {
     Skipped,
     Cdr(Box<CdrChecker>),
-    Json(MessageId),
+    /// JSON. Contains the only fields to check, if the schema of the channel differs from the definition.
+    Json(MessageId, Option<Rc<SharedFields>>),
+    /// JSON. The name of the channel suggests a type. The first message decides whether it has this type.
+    Guess(MessageId, Box<Declared>),
 }
 
 impl Identity {
@@ -227,7 +231,9 @@ impl Open {
         let mut other_cdr = 0;
         match (self.reading, plans) {
             (Reading::Cdr(check), _) => other_cdr = check.close(findings),
-            (Reading::Json(message_id), Some(plans)) => plans.count(message_id, checked, findings),
+            (Reading::Json(message_id, shared), Some(plans)) => {
+                plans.count(message_id, shared.as_deref(), checked, findings);
+            }
             _ => {}
         }
         let mut result = PartResult::from(&self.status);

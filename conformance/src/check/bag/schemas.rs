@@ -9,7 +9,8 @@ use uavspec_codegen::schema::MessageId;
 
 use super::{Basis, MAX_CHANNELS, MAX_NAME, Stated, digest, json_schema};
 use crate::definitions::Definitions;
-use crate::px4::comparison::{Comparison, compare_declared};
+use crate::px4::comparison::{Comparison, Differences, compare_declared};
+use crate::px4::json::SharedFields;
 
 /// The maximum total size of stored schemas, in bytes. Five hundred ROS 2 types with their nested types take up half of
 /// this space.
@@ -18,9 +19,23 @@ pub(super) const MAX_SCHEMAS: usize = 8 << 20;
 /// The maximum size of a stored schema, in bytes.
 pub(super) const MAX_SCHEMA: usize = 1 << 20;
 
-/// The result of comparing a schema with a definition. The second item contains the types of the schema if they are
-/// needed to decode CDR. The third item is the message version that the schema states.
-type ComparedSchema = (Basis, Option<Rc<Stated>>, Option<u32>);
+/// The result of comparing a schema with a definition.
+#[derive(Clone)]
+pub(super) struct ComparedSchema {
+    pub(super) basis: Basis,
+    /// The types of the schema, if they are needed to decode CDR.
+    pub(super) stated: Option<Rc<Stated>>,
+    /// The fields that JSON messages share with the definition, if the schema differs from it.
+    pub(super) shared: Option<Rc<SharedFields>>,
+    /// The message version that the schema states.
+    pub(super) version: Option<u32>,
+}
+
+impl From<Basis> for ComparedSchema {
+    fn from(basis: Basis) -> Self {
+        Self { basis, stated: None, shared: None, version: None }
+    }
+}
 
 /// The schemas of a bag.
 #[derive(Default)]
@@ -93,12 +108,6 @@ impl Schemas {
         (&self.all[index].name, &self.all[index].encoding)
     }
 
-    /// The name, the encoding and the text of a schema. The text is empty if it is too long to store.
-    pub(super) fn content(&self, index: Option<usize>) -> Option<(&str, &str, &[u8])> {
-        let Schema { name, encoding, text, .. } = self.all.get(index?)?;
-        Some((name.as_str(), encoding.as_str(), text.as_deref().unwrap_or_default()))
-    }
-
     /// The types of a schema, if they can be read.
     pub(super) fn own(&self, index: Option<usize>) -> Option<Rc<Stated>> {
         let schema = self.all.get(index?)?;
@@ -119,16 +128,16 @@ impl Schemas {
         definitions: &Definitions,
     ) -> ComparedSchema {
         let Some(schema) = index.and_then(|index| self.all.get_mut(index)) else {
-            return (Basis::NoSchema, None, None);
+            return Basis::NoSchema.into();
         };
-        let Ok(text) = &schema.text else { return (Basis::TooLong, None, None) };
+        let Ok(text) = &schema.text else { return Basis::TooLong.into() };
         let compared = schema.compared.entry((message_id, is_json));
         let compared = compared.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
             // rosbag2 writes an empty schema for types whose definitions it can't find.
-            _ if text.is_empty() => (Basis::NoSchema, None, None),
+            _ if text.is_empty() => Basis::NoSchema.into(),
             ("ros2msg", false) => types(&schema.name, text, message_id, definitions),
-            ("jsonschema", true) => (json(text, message_id, definitions), None, None),
-            (encoding, _) => (Basis::Encoding(encoding.escape_debug().to_string()), None, None),
+            ("jsonschema", true) => json(text, message_id, definitions),
+            (encoding, _) => Basis::Encoding(encoding.escape_debug().to_string()).into(),
         });
         compared.clone()
     }
@@ -137,20 +146,30 @@ impl Schemas {
 /// Compares the text of a `ros2msg` schema with a definition.
 fn types(name: &str, text: &[u8], message_id: MessageId, definitions: &Definitions) -> ComparedSchema {
     match Stated::read(name, text) {
-        Err(error) => (Basis::Unreadable(error), None, None),
+        Err(error) => Basis::Unreadable(error).into(),
         Ok(stated) => {
             let comparison = compare_declared(stated.root(), definitions.types().get(message_id));
             let (differs, version) = (comparison != Comparison::Equal, stated.version());
-            (Basis::Compared(Arc::new(comparison)), differs.then(|| Rc::new(stated)), version)
+            ComparedSchema {
+                stated: differs.then(|| Rc::new(stated)),
+                version,
+                ..Basis::Compared(Arc::new(comparison)).into()
+            }
         }
     }
 }
 
 /// Compares the text of a JSON Schema with a definition.
-fn json(text: &[u8], message_id: MessageId, definitions: &Definitions) -> Basis {
+fn json(text: &[u8], message_id: MessageId, definitions: &Definitions) -> ComparedSchema {
     match json_schema::compare(text, message_id, &definitions.schema) {
-        Ok(Some(comparison)) => Basis::Compared(Arc::new(comparison)),
-        Ok(None) => Basis::NoSchema,
-        Err(error) => Basis::Unreadable(error),
+        Ok(Some((differences, _))) if differences == Differences::default() => {
+            Basis::Compared(Arc::new(Comparison::Equal)).into()
+        }
+        Ok(Some((differences, shared))) => ComparedSchema {
+            shared: Some(Rc::new(shared)),
+            ..Basis::Compared(Arc::new(Comparison::Differs(differences))).into()
+        },
+        Ok(None) => Basis::NoSchema.into(),
+        Err(error) => Basis::Unreadable(error).into(),
     }
 }

@@ -100,10 +100,11 @@ fn read(path: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, distribution: &m
 mod reading {
     //! Passes the content of a file to the checks of its channels.
 
-    use std::collections::{BTreeSet, HashMap};
+    use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-    use crate::capture::rosbag::sqlite::{Bag, Definition, Message, Problem, Topic};
+    use crate::capture::rosbag::sqlite::{Bag, Definition, Facts, Message, Problem, Topic};
     use crate::check::Logged;
+    use crate::check::bag::clues::has_its_hash;
     use crate::check::bag::{BagFile, Channels, Declared, HASH};
     use crate::model::{Extent, Location};
 
@@ -111,8 +112,8 @@ mod reading {
     pub(super) struct SqliteFile<'c, 'd> {
         bag: &'c mut Channels<'d>,
         file: BagFile<'c>,
-        /// The indices of the schemas, by type and type hash.
-        schemas: HashMap<(String, String), usize>,
+        /// The indices of the schemas.
+        schemas: Facts<usize>,
         /// The indices of the channels, by the id of their topic.
         channels: HashMap<i64, usize>,
         /// The indices in `channels`.
@@ -126,7 +127,7 @@ mod reading {
             Self {
                 bag,
                 file,
-                schemas: HashMap::new(),
+                schemas: Facts::default(),
                 channels: HashMap::new(),
                 claimed: BTreeSet::new(),
                 undeclared: BTreeSet::new(),
@@ -138,12 +139,19 @@ mod reading {
             let mut topics = Vec::new();
             let result = database.topics(|topic| topics.push(topic));
             self.report(result);
-            let types: BTreeSet<&str> = topics.iter().map(|topic| topic.ty.as_str()).collect();
+            // The flag is true if a topic of this type has no hash.
+            let mut types: BTreeMap<&str, bool> = BTreeMap::new();
+            for topic in &topics {
+                *types.entry(topic.ty.as_str()).or_default() |= topic.hash.is_empty();
+            }
             let result = database.definitions(|definition| {
                 // The definition of a service is also that of its events.
                 let event = format!("{}_Event", definition.ty);
-                for ty in [&definition.ty, &event].into_iter().filter_map(|ty| types.get(ty.as_str())) {
-                    self.definition(ty, &definition);
+                for ty in [&definition.ty, &event] {
+                    if let Some(lacks_hash) = types.get(ty.as_str()) {
+                        let is_verified = *lacks_hash && has_its_hash(&definition);
+                        self.definition(ty, &definition, is_verified);
+                    }
                 }
             });
             self.report(result);
@@ -163,27 +171,28 @@ mod reading {
             }
         }
 
-        fn definition(&mut self, ty: &str, Definition { encoding, text, hash, .. }: &Definition) {
+        /// Adds the schema of a type. `is_verified` is true if its text has its type hash.
+        fn definition(&mut self, ty: &str, definition: &Definition, is_verified: bool) {
+            let Definition { encoding, text, hash, .. } = definition;
             match self.bag.schemas.add(ty.to_owned(), encoding.clone(), text.as_bytes()) {
                 Ok(index) => {
                     if let Some(problem) = self.bag.schemas.problem(index) {
                         self.gap(Location::Byte(0), &format!("the schema of {ty} {problem}"));
                     }
-                    self.schemas.insert((ty.to_owned(), hash.clone()), index);
+                    self.schemas.add(ty, hash, is_verified, index);
                 }
                 Err(problem) => self.gap(Location::Byte(0), &format!("a schema: {problem}")),
             }
         }
 
-        fn topic(&mut self, Topic { id, name, ty, encoding, hash }: Topic) {
+        fn topic(&mut self, topic: Topic) {
+            let schema = self.schemas.of(&topic).copied();
+            let Topic { id, name, ty, encoding, hash } = topic;
             let location = Location::Channel(id.unsigned_abs());
             if self.channels.contains_key(&id) {
                 let text = format!("topic {id} is declared again; the first declaration is used");
                 return self.gap(location, &text);
             }
-            // Files from before the type hashes, and some later ones, have no hash in one of the tables.
-            let keys = [(ty.clone(), hash.clone()), (ty.clone(), String::new())];
-            let schema = keys.iter().find_map(|key| self.schemas.get(key).copied());
             // rosbag2 converts a type without a definition to an empty schema of an MCAP file.
             let schema = schema.map_or_else(|| self.bag.schemas.add(ty, "ros2msg".to_owned(), b""), Ok);
             let stated = self.file.encodings.and_then(|encodings| encodings.get(&name));

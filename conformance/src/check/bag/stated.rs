@@ -17,6 +17,7 @@ use uavspec_codegen::schema::{Form, Message, MessageId};
 use uavspec_codegen::{PackageInput, SourceMap, read_formats};
 use uavspec_runtime::Number;
 
+use crate::check::topic::plain;
 use crate::text::utf8;
 
 /// The package of a type whose name contains no package.
@@ -32,9 +33,10 @@ pub(super) struct Stated {
 }
 
 impl Stated {
-    /// Parses the text of the schema `name`. The error is a one-line message.
+    /// Parses the text of the schema `name`, which may be a DDS name. The error is a one-line message.
     pub(super) fn read(name: &str, text: &[u8]) -> Result<Self, String> {
         let text = utf8(text)?;
+        let name = &plain(name);
         let root = parts_of(name).ok_or("its name is not a type name")?;
         let event = Event::of(name, text);
         let texts = event.as_ref().map_or_else(|| definitions(text), Event::definitions);

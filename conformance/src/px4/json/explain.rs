@@ -5,13 +5,14 @@ use std::fmt::Write as _;
 
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
+use uavspec_runtime::Number;
 
 use super::dialect::{Dialect, Dialects};
 use super::value::Leaf;
 use crate::json::pointer;
 use crate::json::{Tree, shortened};
 use crate::model::{Detail, Findings, Location, Rule};
-use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, Violation};
+use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, SharedFields, Violation};
 
 /// The maximum number of missing fields that a finding names.
 const MAX_MISSING: usize = 8;
@@ -32,6 +33,8 @@ pub(crate) struct MessageOrigin<'m> {
     pub key: Option<&'m str>,
     /// True if the rosbridge dialects are allowed.
     pub is_rosbridge: bool,
+    /// The only fields to check, if the schema of the message differs from the definition.
+    pub shared: Option<&'m SharedFields>,
 }
 
 impl Plans {
@@ -148,10 +151,15 @@ impl<'p> Explaining<'p, '_> {
 
     /// Checks the members of an object.
     fn members(&mut self, object: &Tree<'_>, members: &[(Cow<'_, str>, Tree<'_>)], plan: &'p MessagePlan) {
+        // A nested message is checked only if its schema equals the definition.
+        let shared = self.origin.shared.filter(|_| self.path.is_empty());
         let mut times = vec![0_u32; plan.fields.len()];
         let mut unknown = 0;
         for (key, value) in members {
             let Some(index) = plan.fields.iter().position(|field| field.name == *key) else {
+                if shared.is_some() {
+                    continue;
+                }
                 unknown += 1;
                 if unknown <= MAX_UNKNOWN {
                     let name = shortened(key).escape_debug().to_string();
@@ -165,6 +173,9 @@ impl<'p> Explaining<'p, '_> {
             };
             times[index] = times[index].saturating_add(1);
             let field = &plan.fields[index];
+            if shared.is_some_and(|shared| !shared.contains_key(&field.name)) {
+                continue;
+            }
             // If an array is repeated, the count applies only to the first value. The repetition is a separate finding.
             let count = field.counted_by.filter(|_| times[index] == 1);
             let used = count.and_then(|count| in_use(object, &plan.fields[count]));
@@ -178,9 +189,10 @@ impl<'p> Explaining<'p, '_> {
             let detail = Detail::new(format!("the field appears {times} times")).expected("once");
             self.report_member(field, detail.excerpt(object.excerpt()));
         }
-        let fields = plan.fields.iter().zip(times);
-        let missing: Vec<&FieldPlan> =
-            fields.filter(|(_, times)| *times == 0).map(|(field, _)| field).collect();
+        let is_required =
+            |field: &FieldPlan| shared.is_none_or(|shared| shared.get(&field.name) == Some(&true));
+        let absent = plan.fields.iter().zip(times).filter(|(_, times)| *times == 0).map(|(field, _)| field);
+        let missing: Vec<&FieldPlan> = absent.filter(|field| is_required(field)).collect();
         match missing[..] {
             [] => {}
             [field] => {
@@ -341,12 +353,13 @@ impl<'p> Explaining<'p, '_> {
     }
 }
 
-/// The number of used entries according to the field that counts them, if that field is valid.
-fn in_use(object: &Tree<'_>, count: &FieldPlan) -> Option<usize> {
-    match object.get(&count.name) {
-        Some(Tree::Int(count)) => usize::try_from(*count).ok(),
-        _ => None,
-    }
+/// The number of used entries according to the field that counts them, if that field is valid. If the count is negative or
+/// unknown, the entries may have any values.
+fn in_use(object: &Tree<'_>, field: &FieldPlan) -> Option<usize> {
+    let Some(Tree::Int(count)) = object.get(&field.name) else { return None };
+    let restriction = field.restriction.as_ref();
+    let is_unknown = restriction.is_some_and(|found| found.special.contains(&Number::Int(*count)));
+    if is_unknown || *count < 0 { Some(0) } else { usize::try_from(*count).ok() }
 }
 
 impl FieldPlan {

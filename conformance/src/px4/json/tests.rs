@@ -50,8 +50,14 @@ fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseErro
         let mut findings = Findings::default();
         let is_explained = match Tree::read(text) {
             Ok(tree) => {
-                let origin =
-                    MessageOrigin { id, name: "m", location: Location::Line(1), key: None, is_rosbridge };
+                let origin = MessageOrigin {
+                    id,
+                    name: "m",
+                    location: Location::Line(1),
+                    key: None,
+                    is_rosbridge,
+                    shared: None,
+                };
                 let (_, has_ignored) = plans.explain_with_ignored(origin, &tree, &mut findings);
                 // The fast reader doesn't ignore unused entries.
                 findings.groups().next().is_none() && !has_ignored
@@ -85,8 +91,14 @@ fn checks_bounds_of_sequences_and_strings() {
         let id = MessageId(0);
         agrees(&plans, id, text).expect("both agree");
         let mut findings = Findings::default();
-        let origin =
-            MessageOrigin { id, name: "m", location: Location::Line(1), key: None, is_rosbridge: true };
+        let origin = MessageOrigin {
+            id,
+            name: "m",
+            location: Location::Line(1),
+            key: None,
+            is_rosbridge: true,
+            shared: None,
+        };
         plans.explain(origin, &Tree::read(text).expect("JSON"), &mut findings);
         findings
             .groups()

@@ -358,7 +358,7 @@ fn large_schemas_end_a_chunk() {
 fn messages_of_an_unknown_release_are_left_out() {
     let payload = [&[0, 1, 0, 0][..], &[0; 85]].concat();
     let idl = &b"module px4_msgs { module msg { struct FailsafeFlags { uint64 timestamp; }; }; };"[..];
-    for (encoding, text) in [("ros2msg", &b""[..]), ("ros2idl", idl)] {
+    for (encoding, text) in [("ros2msg", &b""[..]), ("ros2idl", idl), ("ros2msg", &b"Rope rope\n"[..])] {
         let records = [
             file::schema(9, "px4_msgs/msg/FailsafeFlags", encoding, text),
             file::channel(5, 9, "/failsafe_flags", "cdr", &[]),

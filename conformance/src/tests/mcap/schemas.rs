@@ -5,6 +5,7 @@ use std::fs;
 use crate::check::{Basis, CaptureResult, CheckStatus, Summary, check_mcap};
 use crate::definitions::Definitions;
 use crate::px4::comparison::Differences;
+use crate::rules::rule;
 use serde_json::{Value, json};
 
 use super::file::{channel, file, message, schema};
@@ -192,6 +193,35 @@ fn checks_incomparable_schemas_by_name() {
     }
 }
 
+/// Programs that record DDS name types as in DDS.
+#[test]
+fn reads_schemas_with_dds_names() {
+    let (name, hash) = ros("Glider");
+    let dds = name.replacen("/msg/", "::msg::dds_::", 1) + "_";
+    let records = [
+        schema(1, &dds, "ros2msg", ros2msg(GLIDER).as_bytes()),
+        channel(3, 1, "/glider", "cdr", &[("topic_type_hash", &hash)]),
+        message(3, &good().cdr()),
+    ];
+    let result = checked(&file(&records.concat()));
+    assert_eq!((basis(&result), violated(&result), result.checked), (&equal(), vec![], 1));
+}
+
+/// Without a schema that can be read, only the hash shows the fields.
+#[test]
+fn messages_of_another_hash_with_an_invalid_schema_are_not_checked() {
+    let (name, _) = ros("Glider");
+    let hash = format!("RIHS01_{}", "0".repeat(64));
+    let records = [
+        schema(1, &name, "ros2msg", b"Rope rope\n"),
+        channel(3, 1, "/glider", "cdr", &[("topic_type_hash", &hash)]),
+        message(3, &good().cdr()[..40]),
+    ];
+    let result = checked(&file(&records.concat()));
+    let rules: Vec<&str> = violated(&result).into_iter().map(|(rule, _)| rule).collect();
+    assert_eq!((basis(&result), rules, result.checked), (&Basis::OtherHash, vec!["PX-HASH-01"], 0));
+}
+
 #[test]
 fn compares_the_declared_parts_of_json_schemas() {
     let (name, _) = ros("Glider");
@@ -220,6 +250,22 @@ fn compares_the_declared_parts_of_json_schemas() {
     assert_eq!(found.retyped, ["is_landed (integer, defined as boolean)"]);
     let found = changed(&format!("{fields}/flaps/items/type"), json!("string"));
     assert_eq!(found.retyped, ["flaps (array of string, defined as array of number)"]);
+    for (flaps, expected) in [
+        (json!({"type": "array", "minItems": 2, "maxItems": 2}), None),
+        (json!({"type": "array", "minItems": 3, "maxItems": 3}), Some("array of 3")),
+        (json!({"type": "array", "minItems": 1, "maxItems": 2}), Some("array of 1 to 2")),
+        (json!({"type": "array", "minItems": 3}), Some("array of at least 3")),
+        (json!({"type": "array", "minItems": 0, "maxItems": 9}), Some("array of at most 9")),
+    ] {
+        let mut text = text.clone();
+        text["$defs"]["glider"]["properties"]["flaps"] = flaps;
+        let result = with(&text.to_string());
+        let found = source(&result).channels[0].status.differences().map(|found| found.retyped.clone());
+        let expected = expected.map(|stated| vec![format!("flaps ({stated}, defined as array of 2)")]);
+        assert_eq!(found, expected);
+    }
+    let found = changed(&format!("{fields}/mode"), json!({"type": "integer", "maximum": 65_535}));
+    assert_eq!(found.retyped, ["mode (integer from 0 to 65535, defined as integer from 0 to 255)"]);
     let found = changed("/$defs/mark/properties/height/type", json!("boolean"));
     assert_eq!(found.nested, ["marks"]);
     let found = changed(fields, json!({"timestamp": {}, "depth": {"type": "number"}}));
@@ -236,6 +282,64 @@ fn compares_the_declared_parts_of_json_schemas() {
     }
     assert!(matches!(basis(&with("{")), Basis::Unreadable(_)));
     assert!(matches!(basis(&with(&"[".repeat(100_000))), Basis::Unreadable(_)));
+}
+
+/// If the schema of a JSON channel differs from the definition, only the fields that both share are checked, as in CDR.
+#[test]
+fn checks_the_common_fields_of_json_messages() {
+    let (name, _) = ros("Glider");
+    let mark = json!({"properties": {"timestamp": {"type": "integer"}, "depth": {"type": "integer"}}});
+    let text = json!({
+        "properties": {
+            "timestamp": {"type": "integer"}, "speed": {"type": "number"}, "kind": {"type": "string"},
+            "flaps": {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3},
+            "num_marks": {"type": "integer"}, "marks": {"type": "array", "items": mark},
+            "name": {"type": "string"}, "is_landed": {"type": "integer"},
+        },
+        "required": ["timestamp", "speed", "kind"],
+    });
+    let check = |sent: &Value| {
+        let records = [
+            schema(1, &name, "jsonschema", text.to_string().as_bytes()),
+            channel(3, 1, "/glider", "json", &[]),
+            message(3, sent.to_string().as_bytes()),
+        ];
+        checked(&file(&records.concat()))
+    };
+    let good = json!({
+        "timestamp": PERIOD, "speed": 20.0, "kind": "wood", "flaps": [0.5, 0.5, 7.0], "num_marks": 200,
+        "marks": [{"timestamp": 0, "depth": 3}], "name": "D-1", "is_landed": 7, "tow": null,
+    });
+    let result = check(&good);
+    let ids: Vec<&str> = violated(&result).into_iter().map(|(id, _)| id).collect();
+    assert_eq!((ids, corrupt_count(&result), result.checked), (vec!["PX-FMT-01"], vec![], 1));
+    let found = differences(&result);
+    assert_eq!((found.missing.len(), found.extra.len(), found.retyped.len()), (1, 1, 2));
+    // The timestamp, the speed and the name.
+    let values = result.coverage.values;
+    assert_eq!((values.checked, values.total), (3, Some(8)));
+    assert_eq!(result.findings.covered(rule("PX-JSON-01").expect("a rule")), 1);
+    assert_eq!(result.findings.covered(rule("PX-RANGE-01").expect("a rule")), 1);
+
+    let with = |key: &str, value: Option<Value>| {
+        let mut sent = good.clone();
+        let members = sent.as_object_mut().expect("an object");
+        match value {
+            Some(value) => _ = members.insert(key.to_owned(), value),
+            None => _ = members.remove(key),
+        }
+        let found = violated(&check(&sent));
+        found.into_iter().filter(|(id, _)| *id != "PX-FMT-01").collect::<Vec<_>>()
+    };
+    assert_eq!(with("name", None), []);
+    assert_eq!(with("mode", Some(json!(8))), []);
+    for (value, id, expected) in [
+        (Some(json!(61)), "PX-RANGE-01", "61 is outside the range 0 to 60"),
+        (Some(json!("fast")), "PX-JSON-02", "expected a number, or null for NaN, found \"fast\""),
+        (None, "PX-JSON-01", "the field is missing; expected a number, or null for NaN"),
+    ] {
+        assert_eq!(with("speed", value), [(id, format!("glider.speed: {expected}"))]);
+    }
 }
 
 /// All PX4 messages, with their nested types, can be read from the text that ROS 2 would use.

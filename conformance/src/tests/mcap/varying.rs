@@ -84,6 +84,26 @@ fn strings_with_another_bound_are_not_shared() {
     }
 }
 
+/// The length of a string is limited by the schema in the file, not by the definition.
+#[test]
+fn strings_with_another_bound_are_a_difference() {
+    let text = ROPE.replace("string<=4 name", "string<=6 name");
+    let other = definitions(&text);
+    let ty = other.types().find("club_msgs", "Rope").expect("a type");
+    let mut rope = rope();
+    rope["name"] = json!("longer");
+    let payload = ty.from_json(&rope).expect("a message").to_cdr(ByteOrder::LittleEndian).expect("CDR");
+    let schema_text = format!("{text}{}\nMSG: club_msgs/Strand\n{STRAND}", "=".repeat(80));
+    let records = [
+        schema(1, "club_msgs/msg/Rope", "ros2msg", schema_text.as_bytes()),
+        channel(3, 1, "/tow/rope", "cdr", &[]),
+        message(3, &payload),
+    ];
+    let result = check_mcap(&file(&records.concat())[..], &DEFINITIONS);
+    let expected = "rope: fields of a different type: name (string<=6, defined as string<=4)";
+    assert_eq!((violated(&result), result.checked), (vec![("PX-FMT-01", expected.to_owned())], 1));
+}
+
 #[test]
 fn each_mutant_violates_its_rule() {
     let value = |path: &str, to: Value| {

@@ -1,10 +1,12 @@
 //! Tests of bags that consist of several files.
 
 use std::fs;
+use std::io::Read;
 use std::path::Path;
 
-use super::{assert_same, checked, corrupt, flight, summary, violated};
+use super::{FIXED, assert_same, checked, corrupt, flight, summary, violated};
 use crate::capture::input::files;
+use crate::check::check_path;
 use crate::fuzzing::bag_file::{Content, metadata};
 use crate::model::Extent;
 use crate::tests::mcap::file as mcap;
@@ -53,7 +55,9 @@ fn rules_span_the_files_of_a_bag() {
     let folder = tempfile::tempdir().expect("a folder");
     split(&content, folder.path());
     // Only the file between the others contains a message whose timestamp goes back.
-    let early = Content { messages: content.messages[..1].to_vec(), ..content.clone() };
+    let (topic, _, payload) = content.messages[0].clone();
+    let (_, time, _) = content.messages[2 * content.messages.len().div_ceil(3) - 1];
+    let early = Content { messages: vec![(topic, time, payload)], ..content.clone() };
     early.write(&folder.path().join("early.db3"));
     let names = ["bag_0.db3", "bag_1.db3", "early.db3", "bag_2.db3"];
     let text = metadata("sqlite3", &names, content.messages.len() + 1);
@@ -151,4 +155,25 @@ fn a_bag_of_mcap_files_is_one_capture() {
     let result = checked(folder.path());
     assert_same(&result, &checked(&whole.path().join("whole.mcap")), "the bag");
     assert_eq!(summary(&result).storage, "mcap");
+}
+
+#[test]
+fn a_file_of_a_bag_that_grows_while_it_is_read_is_named() {
+    let content = flight();
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("bag_0.db3");
+    content.write(&file);
+    let text = metadata("sqlite3", &["bag_0.db3"], content.messages.len());
+    fs::write(folder.path().join("metadata.yaml"), text).expect("a file");
+    let extend = |input: Box<dyn Read + Send>| {
+        let mut longer = fs::read(&file).expect("a file");
+        longer.extend([0; 77]);
+        fs::write(&file, longer).expect("a file");
+        input
+    };
+    let result = check_path(folder.path(), None, &FIXED, &extend).expect("the path can be opened").result;
+    assert_eq!((violated(&result), corrupt(&result)), (vec![], vec![]));
+    assert_eq!((result.records, result.checked), (content.messages.len() as u64, result.records));
+    let [reason] = &result.cut_short[..] else { panic!("{:?}", result.cut_short) };
+    assert!(reason.starts_with("bag_0.db3: the file grew from "), "{reason}");
 }
