@@ -10,8 +10,8 @@
 //!
 //! The exit status is 0 on success. The exit status is 1 if the definitions contain errors, if `--check` finds outdated
 //! files, or if `lint` or `breaking` has findings at the `--deny` level or above. The exit status is 2 if the command
-//! failed because of invalid usage, missing input or unwritable output. The exit status is 4 if the only problem is an
-//! outdated list of known findings.
+//! failed because of invalid usage, missing input or unwritable output. The exit status is 4 if the only problem is a
+//! baseline that is out of date.
 
 mod arguments;
 mod baseline;

@@ -52,7 +52,7 @@ fn read_catalogue(data: Vec<u8>) -> Option<(catalogue::Catalogue, bool)> {
     Some((read, diagnostics.is_empty()))
 }
 
-/// Reads a list of known findings. If nothing is found, all entries are outdated, and the fixed list must be empty.
+/// Reads a baseline of `lint`. If nothing is found, all entries are outdated, and the fixed list must be empty.
 pub fn known_findings(data: &[u8]) {
     let Ok(fixed) = cli::without_findings(data.to_vec()) else { return };
     let again = cli::without_findings(fixed.clone().into_bytes());

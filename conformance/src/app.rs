@@ -4,9 +4,9 @@
 //! |---:|---|
 //! | 0 | success: no MUST rule is violated; coverage may be partial |
 //! | 1 | does not conform, or another check failed |
-//! | 2 | invalid usage, unreadable definitions, or an unreadable list of known failures |
+//! | 2 | invalid usage, unreadable definitions, or an unreadable baseline |
 //! | 3 | an input can't be opened, a report can't be written, or a testee or server failed |
-//! | 4 | an entry in a list of known failures no longer applies |
+//! | 4 | an entry of a baseline no longer applies |
 //! | 5 | nothing was checked |
 //! | 6 | incomplete: some data can't be read, or too little was checked |
 //!
@@ -17,6 +17,7 @@
 //! ```
 
 mod access;
+mod baseline;
 mod check;
 mod completions;
 mod convert;
@@ -24,7 +25,6 @@ mod explain;
 mod init;
 mod inputs;
 mod interrupt;
-mod known;
 mod lsp;
 mod man;
 mod outcome;
@@ -70,11 +70,10 @@ const EXAMPLES: &str = "Examples:
 const STATUS: &str = "Exit status:
   0  success: no MUST rule is violated; coverage may be partial
   1  does not conform, or another check failed
-  2  invalid usage, unreadable definitions, or an unreadable list of known
-     failures
+  2  invalid usage, unreadable definitions, or an unreadable baseline
   3  an input can't be opened, a report can't be written, or a testee or
      server failed
-  4  an entry in a list of known failures no longer applies
+  4  an entry of a baseline no longer applies
   5  nothing was checked
   6  incomplete: some data can't be read, or too little was checked
 
@@ -90,10 +89,9 @@ fn outcome_statuses(failure: &str, incomplete: Option<&str>) -> String {
         "Exit status:
   0  {success}; coverage may be partial
   1  does not conform
-  2  invalid usage, unreadable definitions, or an unreadable list of known
-     failures
+  2  invalid usage, unreadable definitions, or an unreadable baseline
   3  {failure}
-  4  an entry in a list of known failures no longer applies
+  4  an entry of a baseline no longer applies
   5  nothing was checked{incomplete}"
     )
 }

@@ -92,10 +92,8 @@ pub struct Report {
     /// The path of the definitions, or the name of the built-in definitions.
     pub definitions: String,
     /// The outcome of the run.
-    #[serde(rename = "conclusion")]
     pub outcome: Outcome,
-    /// Reasons for failure other than findings: uncovered required rules, and outdated entries in lists of known
-    /// failures.
+    /// Reasons for failure other than findings: uncovered required rules, and outdated entries of baselines.
     pub reasons: Vec<Reason>,
     /// The rules that were checked, sorted by id, with their results across all subjects.
     pub rules: Vec<RuleReport>,
@@ -146,7 +144,6 @@ pub struct RuleReport {
     /// The worst verdict across all subjects.
     pub verdict: Verdict,
     /// The number of times that the rule was checked.
-    #[serde(rename = "exercised")]
     pub covered: u64,
     /// The number of findings.
     pub findings: u64,
@@ -158,19 +155,21 @@ pub struct RuleReport {
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// The input has nothing that the rule applies to. This verdict doesn't count as a pass.
-    #[serde(rename = "not exercised")]
+    #[serde(rename = "not covered")]
     NotCovered,
     /// The testee doesn't support the tested operation or type. This result is neither a failure nor a pass.
     Unsupported,
     /// There are no violations.
     Pass,
     /// There are only informational findings.
+    #[serde(rename = "info")]
     Shown,
-    /// All violations are in a list of known failures.
+    /// All violations are in a baseline.
     Known,
     /// The rule could not be checked completely.
     Inconclusive,
     /// A rule of level SHOULD is violated.
+    #[serde(rename = "warning")]
     Warn,
     /// A rule of level MUST is violated.
     Fail,
@@ -188,12 +187,10 @@ pub struct Subject {
     /// The number of messages; for a testee, the number of cases.
     pub records: u64,
     /// The number of messages that could be decoded as their type; for a testee, the number of cases with a result.
-    #[serde(rename = "judged")]
     pub checked: u64,
     /// The time from the first to the last timestamp, in µs.
     pub duration_us: u64,
     /// The outcome for this subject.
-    #[serde(rename = "conclusion")]
     pub outcome: Outcome,
     /// The verdict of each rule, sorted by id.
     pub rules: Vec<RuleVerdict>,
@@ -203,10 +200,8 @@ pub struct Subject {
     /// thousand groups in total.
     pub more_findings: u64,
     /// The first corrupt or unreadable parts.
-    #[serde(rename = "damage")]
     pub corruption: Vec<Corruption>,
     /// The number of further corrupt or unreadable parts.
-    #[serde(rename = "more_damage")]
     pub more_corruption: u64,
     /// The extent to which the input could be read.
     pub extent: Extent,
@@ -255,7 +250,6 @@ pub struct RuleVerdict {
     /// The verdict.
     pub verdict: Verdict,
     /// The number of times that the rule was checked.
-    #[serde(rename = "exercised")]
     pub covered: u64,
     /// The number of findings.
     pub findings: u64,
@@ -275,7 +269,7 @@ pub struct Finding {
     pub statement: &'static str,
     /// The URL of the rule's page.
     pub url: String,
-    /// The verdict: fail, warn, known or shown.
+    /// The verdict: fail, warning, known or info.
     pub verdict: Verdict,
     /// The topic or field that violates the rule.
     pub subject: String,
@@ -287,7 +281,7 @@ pub struct Finding {
     pub definition: Option<Definition>,
     /// The command that reproduces the finding.
     pub reproduce: String,
-    /// The matching entry in a list of known failures.
+    /// The matching entry of a baseline.
     pub known: Option<Known>,
 }
 
@@ -341,7 +335,7 @@ pub struct Definition {
     pub text: String,
 }
 
-/// An entry in a list of known failures.
+/// An entry of a baseline.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Known {
@@ -438,7 +432,7 @@ impl Report {
         Self { outcome: Outcome::new(OutcomeKind::Conforms, text), ..self }
     }
 
-    /// Reports outdated entries in lists of known failures. An outdated entry doesn't override a more severe outcome.
+    /// Reports outdated entries of baselines. An outdated entry doesn't override a more severe outcome.
     #[must_use]
     pub(crate) fn with_stale(mut self, entries: Vec<Reason>) -> Self {
         if entries.is_empty() {
@@ -447,7 +441,7 @@ impl Report {
         let listed: Vec<String> = entries.iter().map(Reason::to_string).collect();
         self.reasons.extend(entries);
         if self.outcome.kind < OutcomeKind::Stale || self.outcome.is_success() {
-            let text = "A list of known failures is out of date";
+            let text = "A baseline is out of date";
             let outcome = Outcome::new(OutcomeKind::Stale, text);
             self.outcome = Outcome { remarks: vec![std::mem::take(&mut self.outcome.text)], ..outcome };
         }
@@ -489,7 +483,7 @@ impl RuleReport {
 }
 
 impl Verdict {
-    /// The name in human-readable reports.
+    /// The name, which is the same in all reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::NotCovered => "not covered",

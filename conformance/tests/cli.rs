@@ -73,7 +73,7 @@ fn reports(folder: &Path, file: &str) -> Vec<(&'static str, String)> {
 fn corruption_level(report: &str) -> String {
     let report: Value = serde_json::from_str(report).expect("JSON");
     let results = report["runs"][0]["results"].as_array().expect("a list");
-    let corruption = results.iter().find(|result| result["ruleId"] == "damage").expect("a corrupt part");
+    let corruption = results.iter().find(|result| result["ruleId"] == "corruption").expect("a corrupt part");
     corruption["level"].as_str().expect("a level").to_owned()
 }
 
@@ -94,7 +94,7 @@ fn an_unreadable_file_is_incomplete_in_each_format() {
         for (kind, reported) in reports(folder.path(), "flight.ulg") {
             let output = match kind {
                 "text" => "\noutcome      incomplete: the log can't be read completely\n",
-                "json" => "\"extent\": \"broken off\"",
+                "json" => "\"extent\": \"unreadable\"",
                 "junit" => "message=\"the log can&apos;t be read completely\"",
                 "sarif" => "the rest is unreadable",
                 _ => "Incomplete: the log can't be read completely",
@@ -106,7 +106,7 @@ fn an_unreadable_file_is_incomplete_in_each_format() {
     fs::write(folder.path().join("good.ulg"), padded(20)).expect("a file");
     let (status, printed, _) = check(folder.path(), &["good.ulg", "flight.ulg", "--format=json"]);
     let report: Value = serde_json::from_str(&printed).expect("JSON");
-    let output = &report["conclusion"]["text"];
+    let output = &report["outcome"]["text"];
     assert_eq!((status, output), (Some(6), &"Incomplete: 1 of 2 files".into()));
     let (status, printed, _) = check(folder.path(), &["good.ulg", "flight.ulg"]);
     assert_eq!(status, Some(6));
@@ -322,7 +322,7 @@ fn prints_json_reports() {
     assert_eq!(report["version"], 1);
     let source = &report["subjects"][0];
     assert_eq!(
-        (&source["path"], &source["records"], &source["judged"]),
+        (&source["path"], &source["records"], &source["checked"]),
         (&"flight.ulg".into(), &400.into(), &400.into())
     );
     let coverage = &source["coverage"];
@@ -341,7 +341,7 @@ fn prints_json_reports() {
     let rules = source["rules"].as_array().expect("a list");
     let verdict = |id: &str| rules.iter().find(|rule| rule["id"] == id).map(|rule| rule["verdict"].clone());
     assert_eq!(verdict("PX-TIME-01"), Some("pass".into()));
-    assert_eq!(verdict("PX-VER-01"), Some("not exercised".into()));
+    assert_eq!(verdict("PX-VER-01"), Some("not covered".into()));
 }
 
 #[test]
@@ -357,7 +357,7 @@ fn writes_several_reports_in_one_run() {
     assert_eq!(status, Some(0), "{printed}");
     assert!(printed.contains("\noutcome      conforms\n"), "the text report is still printed: {printed}");
     let report: Value = serde_json::from_str(&read("a.json")).expect("JSON");
-    assert_eq!(report["conclusion"]["text"], "Conforms");
+    assert_eq!(report["outcome"]["text"], "Conforms");
     assert!(
         report["command"]
             .as_str()
@@ -432,7 +432,7 @@ fn prints_rules_and_help() {
     let rows: Value =
         serde_json::from_str(&uavspec(here, &["rules", "--matrix", "--format", "json"]).1).expect("JSON");
     assert!(
-        rows.as_array().is_some_and(|rows| rows.iter().all(|row| row["broken"] == row["expected"])),
+        rows.as_array().is_some_and(|rows| rows.iter().all(|row| row["violated"] == row["expected"])),
         "{rows}"
     );
     let (status, printed, _) = uavspec(here, &["rules"]);
@@ -576,5 +576,5 @@ fn reports_how_mcap_channels_were_checked() {
     );
     assert_eq!((&channel["encoding"], &channel["messages"]), (&"cdr".into(), &1.into()), "{channel}");
     assert_eq!(source["channels"][1]["result"], "unsupported");
-    assert_eq!(source["damage"][0]["byte"], 298, "{source}");
+    assert_eq!(source["corruption"][0]["byte"], 298, "{source}");
 }

@@ -1,5 +1,6 @@
 //! Tests of the program `uavspec` and of the public API, one module per file. Tests of internals are in `src/tests/`.
 
+mod baseline;
 #[cfg(unix)]
 mod ci;
 mod cli;
@@ -7,7 +8,6 @@ mod convert;
 mod explain;
 mod imports;
 mod init;
-mod known;
 mod outputs;
 mod probe;
 #[cfg(all(feature = "stores", feature = "tables"))]

@@ -136,7 +136,7 @@ fn outputs_never_replace_definitions_schemas_or_lists() {
             "input msg/Wind.msg",
         ),
         (&["check", "--definitions", ".", "--report", "json=uavspec.toml", "logs"], "uavspec.toml"),
-        (&["check", "--known", "known.toml", "--report", "json=./known.toml", "logs"], "input known.toml"),
+        (&["check", "--baseline", "known.toml", "--report", "json=./known.toml", "logs"], "input known.toml"),
         (&["test", "--replay", "answers", "--report", "html=answers"], "input answers"),
         (&["test", "--report", "html=testee.sh", "--", "sh", "testee.sh"], "input testee.sh"),
         (
@@ -144,7 +144,7 @@ fn outputs_never_replace_definitions_schemas_or_lists() {
             "--dump-cases msg/Wind.msg would",
         ),
         (
-            &["probe", "--known", "known.toml", "--record", "known.toml", "tcp://127.0.0.1:1"],
+            &["probe", "--baseline", "known.toml", "--record", "known.toml", "tcp://127.0.0.1:1"],
             "--record known.toml",
         ),
         (&["probe", "--ca", "ca.pem", "--record", "ca.pem", "tcps://127.0.0.1:1"], "input ca.pem"),
@@ -165,8 +165,8 @@ fn two_outputs_are_never_the_same_file() {
         (&["check", "--report", "json=a,html=./a", "logs"][..], "--report json=a and --report html=./a are"),
         (&["check", "--report", "json=old.html,html=logs/../old.html", "logs"], "are the same file"),
         (
-            &["check", "--report", "json=new", "--init-known", "new", "logs"],
-            "--report json=new and --init-known",
+            &["check", "--report", "json=new", "--write-baseline", "new", "logs"],
+            "--report json=new and --write-baseline",
         ),
         (&["probe", "--record", "a", "--report", "json=a", "tcp://127.0.0.1:1"], "--record a and --report"),
     ] {
@@ -196,7 +196,7 @@ fn writes_reports_to_pipes_devices_and_absent_targets_of_links() {
     let output = command(folder.path(), &["check", "--report", reports, "logs/a.json"]).output();
     let output = output.expect("it runs");
     let printed = String::from_utf8(output.stdout).expect("UTF-8");
-    assert!(output.stderr.is_empty() && printed.contains("\n  \"conclusion\": {"), "{printed}");
+    assert!(output.stderr.is_empty() && printed.contains("\n  \"outcome\": {"), "{printed}");
     assert!(at("pipe").is_symlink() && at("link").is_symlink());
     assert!(at("logs/new.html").is_file());
 }

@@ -110,7 +110,10 @@ fn definitions_schemas_and_lists_are_harmless() {
         checked(folder.path(), &["check".as_ref(), option.as_ref(), path, "absent".as_ref()]);
     }
     for list in ["known.toml", "broken.toml", HOSTILE] {
-        checked(folder.path(), &["check".as_ref(), "--known".as_ref(), list.as_ref(), "known.toml".as_ref()]);
+        checked(
+            folder.path(),
+            &["check".as_ref(), "--baseline".as_ref(), list.as_ref(), "known.toml".as_ref()],
+        );
     }
 }
 

@@ -1,7 +1,7 @@
 //! The tasks of this repository: all commands of uavspec-codegen, and commands that only this repository needs.
 //!
-//! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed; 4 an
-//! outdated list of known findings.
+//! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed; 4 a
+//! baseline that is out of date.
 
 mod archive;
 mod bench;
@@ -71,10 +71,12 @@ The document has the format CycloneDX 1.6. The same Cargo.lock leads to the same
     /// Import the definitions of a release
     #[command(after_help = "Examples:
   cargo xtask import px4 --release 1.18 --input ../px4_msgs
-  cargo xtask import ros2 --release jazzy --input ../common_interfaces
+  cargo xtask import ros2 --release jazzy --input ../common_interfaces \\
+    --input ../rcl_interfaces --input ../unique_identifier_msgs
   cargo xtask import --check
 
-Writes definitions/releases/FAMILY/NAME.msg, and definitions/releases/fingerprints.tsv. Comments are left out.")]
+Writes definitions/releases/FAMILY/NAME.msg, and definitions/releases/fingerprints.tsv. Comments are left out. The inputs \
+must contain all packages that their definitions refer to.")]
     Import(import::Arguments),
     /// Test third-party tools with the published schemas
     #[command(after_help = "Examples:

@@ -1,4 +1,4 @@
-//! Tests of lists of known findings, for `lint` and `breaking`.
+//! Tests of baselines, for `lint` and `breaking`.
 
 use crate::support;
 
@@ -53,7 +53,7 @@ fn known_findings_stay_known_if_lines_move() {
     let (results, messages) = lint(&folder, &["--baseline", "known.toml"], 1);
     assert!(results.contains("`lull` has no unit") && !results.contains("gust` has"), "{results}");
     assert!(results.ends_with("1 warning in 1 of 1 file; 2 known findings not shown\n"), "{results}");
-    assert!(!messages.contains("outdated"), "{messages}");
+    assert!(!messages.contains("out of date"), "{messages}");
 }
 
 #[test]
@@ -65,6 +65,7 @@ fn entries_without_findings_are_outdated() {
     let (results, messages) = lint(&folder, &["--baseline", "known.toml"], 4);
     assert_eq!(results, "no new findings in 1 file; 1 known finding not shown\n");
     assert!(messages.contains("error[baseline-unmatched]"), "{messages}");
+    assert!(messages.contains("error: the baseline is out of date\n"), "{messages}");
     assert!(
         messages.contains("subject = \"demo/Wind.speed\"") && messages.contains("--fix-baseline"),
         "{messages}"

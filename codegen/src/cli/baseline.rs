@@ -1,4 +1,4 @@
-//! Lists of known findings, so that a project with many old findings sees only the new ones.
+//! Baselines: lists of known findings, so that a project with many old findings sees only the new ones.
 //!
 //! ```toml
 //! [[known]]
@@ -40,18 +40,18 @@ use crate::rewrite::{self, Change};
 use crate::source::SourceMap;
 use crate::terminal;
 
-/// Arguments for lists of known findings.
+/// Arguments for baselines.
 #[derive(Args, Debug)]
 pub(super) struct BaselineArgs {
-    /// List of known findings, which are not reported
+    /// Baseline: a list of known findings, which are not reported
     ///
     /// If an entry is outdated, the command fails with status 4.
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
-    /// Remove or update outdated entries of the list
+    /// Remove or update outdated entries of the baseline
     #[arg(long, requires = "baseline")]
     fix_baseline: bool,
-    /// Write all findings to a list of known findings
+    /// Write all findings to a baseline
     ///
     /// If the file exists, its comments and the reasons of its entries are kept.
     #[arg(long, value_name = "FILE", conflicts_with = "baseline")]
@@ -120,7 +120,7 @@ impl BaselineArgs {
                 List::parse(path, Vec::new())
             }
             Err(error) => Err(Failure::new(format!("{}: {error}", terminal::path(path)))
-                .with_hint("`--write-baseline FILE` writes a list of known findings")),
+                .with_hint("`--write-baseline FILE` writes a baseline")),
         }
     }
 }
@@ -142,7 +142,7 @@ fn print_outdated(list: &List, matches: &Matches) {
         matches.outdated.iter().map(|outdated| outdated.finding(&list.entries[outdated.entry])).collect();
     print_rendered(|styled| render::findings(&findings, &list.sources, styled));
     terminal::eprintln!(
-        "error: the list of known findings is outdated\n  help: run again with --fix-baseline to update it"
+        "error: the baseline is out of date\n  help: run again with --fix-baseline to update it"
     );
 }
 

@@ -34,8 +34,8 @@ use crate::terminal;
   cargo xtask breaking --package px4 --dialect px4 --input new --against old
 
 Accept changes:
-  cargo xtask breaking --against v1.15 --write-baseline known.toml
-  cargo xtask breaking --against v1.15 --baseline known.toml
+  cargo xtask breaking --against v1.15 --write-baseline baseline.toml
+  cargo xtask breaking --against v1.15 --baseline baseline.toml
 
 Categories:
   source      names and types in programs
@@ -49,7 +49,7 @@ Exit status:
   0    no findings at the --deny level or above
   1    at least one finding at the --deny level or above
   2    the command failed
-  4    no such finding, but the list of known findings is outdated")]
+  4    no such finding, but the baseline is out of date")]
 pub struct BreakingArgs {
     /// Compare with this Git revision or folder
     #[arg(long, value_name = "REV | DIR")]

@@ -39,14 +39,14 @@ const MAX_PASSES: usize = 10;
   cargo xtask lint --package px4 --dialect px4 --input msg
 
 Report only new findings:
-  cargo xtask lint --write-baseline known.toml
-  cargo xtask lint --baseline known.toml --deny note
+  cargo xtask lint --write-baseline baseline.toml
+  cargo xtask lint --baseline baseline.toml --deny note
 
 Exit status:
   0    no findings at the --deny level or above
   1    at least one finding at the --deny level or above
   2    the command failed
-  4    no such finding, but the list of known findings is outdated")]
+  4    no such finding, but the baseline is out of date")]
 pub struct LintArgs {
     #[command(flatten)]
     definitions: DefinitionsArgs,

@@ -6,12 +6,12 @@ pub(super) enum Status {
     Success = 0,
     /// There are findings, or outdated files.
     Failed = 1,
-    /// A list of known findings is outdated.
+    /// A baseline is out of date.
     Outdated = 4,
 }
 
 impl Status {
-    /// The status of a command that succeeded or failed. A failure takes precedence over an outdated list.
+    /// The status of a command that succeeded or failed. A failure takes precedence over an outdated baseline.
     pub(super) fn new(succeeded: bool, is_outdated: bool) -> Self {
         match (succeeded, is_outdated) {
             (false, _) => Self::Failed,

@@ -32,7 +32,7 @@ pub struct Totals {
     pub affected_files: usize,
     /// The rules with findings: the most severe first, then the most frequent.
     pub rules: Vec<RuleTotal>,
-    /// The number of findings that the list of known findings contains.
+    /// The number of findings that the baseline contains.
     pub known: usize,
     /// The number of findings that options such as `--rule` hide.
     pub hidden: usize,

@@ -11,9 +11,9 @@ use clap::{Args, ValueEnum};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::MessageId;
 
+use super::baseline::{BaselineArgs, count_capture, count_unread};
 use super::explain::texts;
 use super::inputs::Found;
-use super::known::{KnownArgs, count_capture, count_unread};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
@@ -42,7 +42,7 @@ const EXAMPLES: &str = "Examples:
   uavspec check rosbag2_2026_11_23/
   ssh drone cat flight.ulg | uavspec check -
   uavspec check --type px4/FailsafeFlags flags.jsonl
-  uavspec check --known known.toml archive/
+  uavspec check --baseline baseline.toml archive/
   uavspec check --schema schemas/ session.jsonl";
 
 const DETAILS: &str = "\
@@ -61,7 +61,7 @@ The Flockwave type of a --schema file comes from properties.type.const or proper
 Without these, the type comes from the file name, such as SOAR-INF.json. If the file name also contains request, \
 response or notification, as in response_SOAR-INF.json, the schema applies only to messages of this kind.
 
-A list of known failures is a TOML file. Only rule and reason are required:
+A baseline is a TOML file with a list of known failures. Only rule and reason are required:
   [[known]]                       # use [[flaky]] if it sometimes passes
   rule = \"PX-RANGE-01\"
   subject = \"battery_status.*\"
@@ -126,7 +126,7 @@ pub(super) struct CheckArgs {
     #[arg(long, value_name = "N")]
     jobs: Option<NonZeroUsize>,
     #[command(flatten)]
-    known: KnownArgs,
+    baseline: BaselineArgs,
     #[command(flatten)]
     report: ReportArgs,
     /// Write tables to this folder, like --report parquet=DIR, and skip the captures that it contains.
@@ -175,7 +175,7 @@ fn try_check(args: &CheckArgs) -> Result<Status, Status> {
         terminal::error(problem, None);
         return Err(Status::Usage);
     }
-    let mut outputs = args.report.start(Action::Check, &args.known, args.timeline)?;
+    let mut outputs = args.report.start(Action::Check, &args.baseline, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
     let checked = run(args, done.as_ref(), |item| match item {
         Item::Checked(subject, origin, story) => outputs.add(*subject, &origin, story.as_deref()),
@@ -192,7 +192,7 @@ enum Item<'i> {
     Unreadable(&'i Unreadable),
 }
 
-/// The report of a run that keeps all subjects, and the status of the lists of known failures.
+/// The report of a run that keeps all subjects, and the status of the baselines.
 #[cfg(test)]
 pub(super) fn report(args: &CheckArgs) -> (Report, Status) {
     let mut subjects = Vec::new();
@@ -214,11 +214,11 @@ struct Finished {
     required: Vec<&'static Rule>,
     unreadable: Vec<Unreadable>,
     not_checked: Vec<Unreadable>,
-    /// The outdated entries in lists of known failures.
+    /// The outdated entries of the baselines.
     stale: Vec<Reason>,
     /// True if tables of an earlier run contain all captures.
     has_nothing_new: bool,
-    /// The status of the lists of known failures.
+    /// The status of the baselines.
     status: Status,
 }
 
@@ -245,9 +245,9 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
     let library = if found.captures.len() == 1 { library.for_one_capture() } else { library };
     check_outputs(args, &found.captures)?;
     let has_nothing_new = done.is_some_and(|done| found.skip(done)) && found.unreadable.is_empty();
-    let mut known = args.known.read()?;
+    let mut baselines = args.baseline.read()?;
     if has_nothing_new {
-        // The lists and the required rules are about captures that an earlier run has checked.
+        // The baselines and the required rules are about captures that an earlier run has checked.
         let (required, unreadable, stale) = (Vec::new(), Vec::new(), Vec::new());
         let (definitions, not_checked, status) = (library.name().to_owned(), found.skipped, Status::Conforms);
         return Ok(Finished {
@@ -270,15 +270,15 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
         let kept = kept.lock().map_or(None, |mut kept: MutexGuard<'_, Kept>| kept.remove(&input.name()));
         kept.unwrap_or_else(|| check_input(input, message_id, &library, texts.as_ref(), progress))
     };
-    let updated = if known.is_fixing() {
-        let mut sums = known.lists.sums(Scope::Rules);
+    let updated = if baselines.is_fixing() {
+        let mut sums = baselines.lists.sums(Scope::Rules);
         for file in &unreadable {
-            count_unread(&known.lists, &mut sums, &file.path);
+            count_unread(&baselines.lists, &mut sums, &file.path);
         }
         check_all(&found.captures, args.jobs, &check, |input, result, _| {
             match &result {
-                Ok(found) => count_capture(&known.lists, &mut sums, &found.capture),
-                Err(_) => count_unread(&known.lists, &mut sums, &input.name()),
+                Ok(found) => count_capture(&baselines.lists, &mut sums, &found.capture),
+                Err(_) => count_unread(&baselines.lists, &mut sums, &input.name()),
             }
             // Standard input and pipes can't be read again.
             if input.path().is_some_and(|path| !(path.is_file() || path.is_dir()))
@@ -287,18 +287,18 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
                 kept.entry(input.name()).or_insert(result);
             }
         });
-        known.update(&sums)
+        baselines.update(&sums)
     } else {
         Ok(())
     };
-    let mut sums = known.lists.sums(Scope::Rules);
+    let mut sums = baselines.lists.sums(Scope::Rules);
     for file in &unreadable {
-        count_unread(&known.lists, &mut sums, &file.path);
+        count_unread(&baselines.lists, &mut sums, &file.path);
     }
     check_all(&found.captures, args.jobs, &check, |input, result, progress| match result {
         Ok(CheckedFile { capture: mut found, definitions, story }) => {
-            count_capture(&known.lists, &mut sums, &found);
-            known.excuse(&mut found);
+            count_capture(&baselines.lists, &mut sums, &found);
+            baselines.excuse(&mut found);
             let subject = Subject::from_capture(found, &definitions, &settings);
             let item = Item::Checked(Box::new(subject), Origin::of(input), story.map(Box::new));
             progress.pausing(|| take(item));
@@ -306,19 +306,19 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
         Err(error) => {
             let path = input.name();
             progress.pausing(|| terminal::error(format_args!("{path}: {error}"), None));
-            count_unread(&known.lists, &mut sums, &path);
+            count_unread(&baselines.lists, &mut sums, &path);
             let file = Unreadable { path, message: error.to_string() };
             take(Item::Unreadable(&file));
             unreadable.push(file);
         }
     });
-    let status = updated.map_or_else(|status| status, |()| known.finish(&sums));
+    let status = updated.map_or_else(|status| status, |()| baselines.finish(&sums));
     Ok(Finished {
         definitions: library.name().to_owned(),
         required,
         unreadable,
         not_checked: found.skipped,
-        stale: known.stale,
+        stale: baselines.stale,
         has_nothing_new,
         status,
     })
@@ -354,10 +354,10 @@ fn check_all(
 
 /// Checks that no output replaces an input. Errors are printed.
 fn check_outputs(args: &CheckArgs, captures: &[Input]) -> Result<(), Status> {
-    let outputs: Vec<Output<'_>> = args.report.outputs().chain(args.known.outputs()).collect();
+    let outputs: Vec<Output<'_>> = args.report.outputs().chain(args.baseline.outputs()).collect();
     let captures = captures.iter().filter_map(Input::path);
     let inputs = Inputs {
-        files: captures.chain(args.known.inputs()).collect(),
+        files: captures.chain(args.baseline.inputs()).collect(),
         definitions: args.definitions.as_deref().into_iter().collect(),
         schemas: &args.schemas,
     };

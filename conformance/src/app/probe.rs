@@ -12,8 +12,8 @@ use clap::Args;
 
 use self::vehicle::VehicleArgs;
 use super::access::AccessArgs;
+use super::baseline::{BaselineArgs, Baselines, count_capture, count_unread};
 use super::interrupt::{self, Danger};
-use super::known::{Known, KnownArgs, count_capture, count_unread};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
@@ -130,7 +130,7 @@ pub(super) struct ProbeArgs {
     #[command(flatten)]
     outcome: OutcomeArgs,
     #[command(flatten)]
-    known: KnownArgs,
+    baseline: BaselineArgs,
     #[command(flatten)]
     report: ReportArgs,
 }
@@ -184,7 +184,7 @@ fn probe_server(args: &ProbeArgs, endpoint: &Endpoint) -> Result<Status, Status>
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
     check_outputs(args)?;
-    let known = args.known.read()?;
+    let baselines = args.baseline.read()?;
     let options = options(args, endpoint, &definitions)?;
     let record = recording(args)?;
     interrupt::install(&options)?;
@@ -198,7 +198,7 @@ fn probe_server(args: &ProbeArgs, endpoint: &Endpoint) -> Result<Status, Status>
     danger.known = probed.danger.take();
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !options.stop.is_requested() && danger.known.is_none();
-    Ok(report_server(args, probed, &definitions, &required, known, settings, elapsed))
+    Ok(report_server(args, probed, &definitions, &required, baselines, settings, elapsed))
 }
 
 /// Prints and writes the reports about a server.
@@ -207,7 +207,7 @@ fn report_server(
     probed: Probed,
     definitions: &Definitions,
     required: &[&'static Rule],
-    known: Known,
+    baselines: Baselines,
     settings: Settings,
     elapsed: u128,
 ) -> Status {
@@ -223,7 +223,7 @@ fn report_server(
     let is_silent = !unreadable.is_empty() && result.records == 0;
     let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed };
     let checked = (!is_silent).then_some(checked);
-    let status = report(args, checked, unreadable, definitions, required, known, settings);
+    let status = report(args, checked, unreadable, definitions, required, baselines, settings);
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {
             terminal::error(
@@ -243,10 +243,10 @@ fn report(
     unreadable: Vec<Unreadable>,
     definitions: &Definitions,
     required: &[&'static Rule],
-    mut known: Known,
+    mut baselines: Baselines,
     settings: Settings,
 ) -> Status {
-    let known_status = known.compare(Scope::Rules, |lists, sums| {
+    let baseline_status = baselines.compare(Scope::Rules, |lists, sums| {
         for file in &unreadable {
             count_unread(lists, sums, &file.path);
         }
@@ -255,11 +255,11 @@ fn report(
         }
     });
     if let Some(checked) = &mut checked {
-        known.excuse(checked);
+        baselines.excuse(checked);
     }
     let settings =
         Settings { is_unrecorded: args.record.is_none(), command: Some(super::command()), ..settings };
-    let mut outputs = match args.report.start(Action::Probe, &args.known, false) {
+    let mut outputs = match args.report.start(Action::Probe, &args.baseline, false) {
         Ok(outputs) => outputs,
         Err(status) => return status,
     };
@@ -269,15 +269,16 @@ fn report(
     let (totals, command) = (outputs.finish(), super::command());
     let reasons = uncovered(required, &totals);
     let report = Report::of_totals(Action::Probe, command, &definitions.name, totals, unreadable, reasons);
-    outputs.deliver(&report.with_stale(known.stale)).max(known_status)
+    outputs.deliver(&report.with_stale(baselines.stale)).max(baseline_status)
 }
 
 /// Checks that no output replaces an input. Errors are printed.
 fn check_outputs(args: &ProbeArgs) -> Result<(), Status> {
     let record = args.record.iter().map(|path| Output::new("--record", path));
-    let outputs: Vec<Output<'_>> = record.chain(args.report.outputs()).chain(args.known.outputs()).collect();
+    let outputs: Vec<Output<'_>> =
+        record.chain(args.report.outputs()).chain(args.baseline.outputs()).collect();
     let inputs = Inputs {
-        files: args.known.inputs().chain(args.access.inputs()).collect(),
+        files: args.baseline.inputs().chain(args.access.inputs()).collect(),
         definitions: args.definitions.iter().chain(&args.vehicle.application).map(PathBuf::as_path).collect(),
         schemas: &args.schemas,
     };

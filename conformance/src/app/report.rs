@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum as _};
 use uavspec_codegen::stage::{folder_of, write_file};
 
 use super::Status;
-use super::known::{KnownArgs, NewList};
+use super::baseline::{BaselineArgs, NewBaseline};
 use super::outputs::Output;
 use crate::report::{Action, Kind, Report, Stream, Subject, Totals, Unreadable, end_text, subject_text};
 use crate::story::Story;
@@ -46,8 +46,8 @@ pub(super) struct Outputs<'a> {
     args: &'a ReportArgs,
     stream: Stream,
     tables: Vec<Dataset>,
-    /// The list for `--init-known`.
-    new_list: Option<NewList>,
+    /// The baseline for `--write-baseline`.
+    new_baseline: Option<NewBaseline>,
     /// The first printing error, which is reported together with the errors from writing report files.
     unprinted: Option<String>,
 }
@@ -174,12 +174,12 @@ impl ReportArgs {
         self.tables(false).map(drop)
     }
 
-    /// Starts the reports of a run, and the list of new failures. Errors are printed.
+    /// Starts the reports of a run, and the new baseline. Errors are printed.
     /// `has_timeline` adds the table of the stories.
     pub(super) fn start(
         &self,
         action: Action,
-        known: &KnownArgs,
+        baseline: &BaselineArgs,
         has_timeline: bool,
     ) -> Result<Outputs<'_>, Status> {
         // The sections of a text report are printed immediately. The other formats follow the report files.
@@ -187,7 +187,7 @@ impl ReportArgs {
         let files = self.files().map(|(kind, path)| (kind, folder_for_parts(path)));
         let stream = Stream::new(action, super::command(), files.chain(printed));
         let tables = self.tables(has_timeline)?;
-        Ok(Outputs { args: self, stream, tables, new_list: known.new_list(), unprinted: None })
+        Ok(Outputs { args: self, stream, tables, new_baseline: baseline.new_baseline(), unprinted: None })
     }
 }
 
@@ -207,8 +207,8 @@ impl Outputs<'_> {
         if self.args.printed() == Kind::Text {
             self.keep_error(print(&subject_text(&subject)));
         }
-        if let Some(list) = &mut self.new_list {
-            list.add(&subject);
+        if let Some(baseline) = &mut self.new_baseline {
+            baseline.add(&subject);
         }
         for tables in &mut self.tables {
             tables.add(&subject, origin, story);
@@ -235,7 +235,7 @@ impl Outputs<'_> {
         }
     }
 
-    /// Prints and writes all reports, even if one fails, and the list of new failures. Errors are printed. Returns the
+    /// Prints and writes all reports, even if one fails, and the new baseline. Errors are printed. Returns the
     /// status of the run.
     pub(super) fn deliver(mut self, report: &Report) -> Status {
         let failures = self.write(report);
@@ -243,7 +243,7 @@ impl Outputs<'_> {
             terminal::error(failure, None);
         }
         let status = if failures.is_empty() { (&report.outcome).into() } else { Status::Unreadable };
-        self.new_list.map_or(status, |list| list.write(&report.command).max(status))
+        self.new_baseline.map_or(status, |baseline| baseline.write(&report.command).max(status))
     }
 
     /// Writes the rest of the tables. Returns the error messages.

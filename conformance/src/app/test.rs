@@ -11,7 +11,7 @@ use globset::{Glob, GlobMatcher};
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::stage::write_file;
 
-use super::known::KnownArgs;
+use super::baseline::BaselineArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
@@ -32,7 +32,7 @@ use crate::text::{command_line, terminal};
 const EXAMPLES: &str = "Examples:
   uavspec test -- ./my-codec --stdio
   uavspec test --filter 'decode-*/px4/Event/*' -- python3 testee.py
-  uavspec test --known known.toml -- ./my-codec --stdio
+  uavspec test --baseline baseline.toml -- ./my-codec --stdio
   uavspec test --attach localhost:7700
   uavspec test --report html=report.html,junit=report.xml -- ./my-codec
   uavspec test --dump-cases requests.jsonl
@@ -52,7 +52,7 @@ In both directions, integers outside ±2^53 are written as {\"$u64\":\"…\"} or
 {\"$f\":\"NaN\"}. \
 `uavspec testee lint` checks whether a testee implements the protocol.
 
-A list of known failures is a TOML file. Only case and reason are required:
+A baseline is a TOML file with a list of known failures. Only case and reason are required:
   [[known]]                       # use [[flaky]] if it sometimes passes
   case = \"decode-cdr/px4/Event/*\"
   message = \"/id: expected\"       # start of the message
@@ -122,7 +122,7 @@ pub(super) struct TestArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "command")]
     replay: Option<PathBuf>,
     #[command(flatten)]
-    known: KnownArgs,
+    baseline: BaselineArgs,
 }
 
 /// Parses a time in seconds.
@@ -166,8 +166,8 @@ pub(super) fn test(args: &TestArgs) -> Status {
         return report_error(path, write_cases(path, &cases, &selected, types))
             .map_or_else(|status| status, |()| Status::Conforms);
     }
-    let mut known = match args.known.read() {
-        Ok(known) => known,
+    let mut baselines = match args.baseline.read() {
+        Ok(baselines) => baselines,
         Err(status) => return status,
     };
     let mut outcome = match &args.replay {
@@ -184,31 +184,32 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let known_status = known.compare(Scope::Cases, |lists, sums| {
+    let baseline_status = baselines.compare(Scope::Cases, |lists, sums| {
         for checked in case_outcomes(&names, &outcome) {
             lists.count(sums, &checked);
         }
     });
-    excuse_cases(&known.lists, &mut outcome);
+    excuse_cases(&baselines.lists, &mut outcome);
     let subject = Subject::from_testee(&outcome, &definitions, &|case| rerun_command(args, case));
-    let mut outputs = match args.report.start(Action::Test, &args.known, false) {
+    let mut outputs = match args.report.start(Action::Test, &args.baseline, false) {
         Ok(outputs) => outputs,
         Err(status) => return status,
     };
     outputs.add(subject, &Origin::default(), None);
     let (totals, command) = (outputs.finish(), super::command());
     let report = Report::of_totals(Action::Test, command, &definitions.name, totals, Vec::new(), Vec::new());
-    outputs.deliver(&report.with_stale(known.stale)).max(known_status)
+    outputs.deliver(&report.with_stale(baselines.stale)).max(baseline_status)
 }
 
 /// Checks that no output replaces an input. Errors are printed.
 fn check_outputs(args: &TestArgs) -> Result<(), Status> {
     let cases = args.dump_cases.iter().map(|path| Output::new("--dump-cases", path));
-    let outputs: Vec<Output<'_>> = cases.chain(args.report.outputs()).chain(args.known.outputs()).collect();
+    let outputs: Vec<Output<'_>> =
+        cases.chain(args.report.outputs()).chain(args.baseline.outputs()).collect();
     // The words of the command may name the testee's program and its files.
     let words = args.command.iter().map(Path::new).filter(|path| path.is_file());
     let inputs = Inputs {
-        files: args.replay.as_deref().into_iter().chain(args.known.inputs()).chain(words).collect(),
+        files: args.replay.as_deref().into_iter().chain(args.baseline.inputs()).chain(words).collect(),
         definitions: args.definitions.as_deref().into_iter().collect(),
         ..Inputs::default()
     };

@@ -1,4 +1,4 @@
-//! Lists of known failures and flaky results, each with a reason and an optional expiry date.
+//! Baselines: lists of known failures and flaky results, each with a reason and an optional expiry date.
 //!
 //! ```toml
 //! [[known]]
@@ -230,7 +230,7 @@ fn bytes(path: &Path) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 > MAX_LEN {
         return Err(io::Error::new(
             io::ErrorKind::FileTooLarge,
-            format!("larger than {MAX_LEN} bytes, the limit for a list"),
+            format!("larger than {MAX_LEN} bytes, the limit for a baseline"),
         ));
     }
     Ok(bytes)

@@ -1,4 +1,4 @@
-//! The target for lists of known failures.
+//! The target for baselines.
 
 use crate::check::known::{Checked, ListError, Lists, Name, Outcome, Scope};
 use crate::model::Date;

@@ -9,7 +9,7 @@ use super::Date;
 pub struct Excuse {
     /// The kind of failure: constant or occasional.
     pub kind: ExcuseKind,
-    /// The reason, from the list of known failures.
+    /// The reason, from the baseline.
     pub reason: String,
     /// A link to more information.
     pub link: Option<String>,

@@ -10,7 +10,7 @@ use serde::Serialize;
 pub struct Reason {
     /// A description of the failure.
     pub message: String,
-    /// The path of the list of known failures that made the run fail; empty if no list did.
+    /// The path of the baseline that made the run fail; empty if no baseline did.
     pub path: String,
     /// The line in the list.
     pub line: Option<u64>,

@@ -12,7 +12,7 @@ use crate::model::{self, Extent};
 use crate::text::shown;
 
 /// The id for corrupt and unreadable parts.
-const CORRUPTION: &str = "damage";
+const CORRUPTION: &str = "corruption";
 
 /// The id for captures that weren't read or checked completely.
 const INCOMPLETE: &str = "incomplete";
@@ -31,7 +31,7 @@ pub(super) const OTHERS: [(&str, &str, Level); 5] = [
     (CORRUPTION, "Files can be read completely.", Level::Note),
     (INCOMPLETE, "Files are read and checked completely.", Level::Error),
     (COVERAGE, "All topics and types are fully checked.", Level::Note),
-    (RUN, "Required rules are covered, and lists of known failures are up to date.", Level::Error),
+    (RUN, "Required rules are covered, and baselines are up to date.", Level::Error),
     (PROTOCOL, "A testee implements the test protocol.", Level::Error),
 ];
 

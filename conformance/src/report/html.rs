@@ -185,7 +185,7 @@ fn figures(report: &Report) -> Markup {
             Part { class: "none", label: "not covered", count: count(Verdict::NotCovered) },
         ],
     };
-    // Without a list of known failures, the figure for known failures is omitted.
+    // Without a baseline, the figure for known failures is omitted.
     let parts: Vec<Part> =
         parts.into_iter().filter(|part| part.count > 0 || !part.label.starts_with("known")).collect();
     let (checked, records) = (report.totals.checked, report.totals.records);

@@ -14,7 +14,8 @@ use super::entries::{place, region};
 use super::format::{Format, Run};
 use super::spool::Spool;
 use super::{
-    About, Action, Case, CaseVerdict, Finding, Report, RuleVerdict, Subject, Testee, Unreadable, Verdict,
+    About, Action, Case, CaseVerdict, Finding, OutcomeKind, Report, RuleVerdict, Subject, Testee, Unreadable,
+    Verdict,
 };
 use crate::model::Rule;
 use crate::rules::rule;
@@ -214,7 +215,7 @@ fn testee_cases(subject: &Subject, testee: &Testee) -> Vec<junit::Case> {
         }
     });
     if let Some(reason) = &testee.gave_up {
-        let (kind, message) = ("broken".to_owned(), shown(reason));
+        let (kind, message) = (OutcomeKind::Failed.name().to_owned(), shown(reason));
         let text = format!("{}: {message}", shown(&subject.path));
         cases.push(protocol("run completes", Outcome::Error(Reason { kind, message, text })));
     }

@@ -14,7 +14,6 @@ pub(super) const NO_VIOLATIONS: &str = "no violations found";
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Outcome {
     /// The kind.
-    #[serde(rename = "outcome")]
     pub kind: OutcomeKind,
     /// The exit status. An incomplete outcome has status 0 if the user allows it.
     pub status: u8,
@@ -35,10 +34,10 @@ pub enum OutcomeKind {
     #[serde(rename = "partial coverage")]
     Partial,
     /// Nothing was checked.
-    #[serde(rename = "nothing was checked")]
+    #[serde(rename = "not checked")]
     Nothing,
-    /// An entry in a list of known failures no longer applies.
-    #[serde(rename = "stale list")]
+    /// An entry of a baseline no longer applies.
+    #[serde(rename = "out of date")]
     Stale,
     /// Some data can't be read, or too little was checked.
     Incomplete,
@@ -46,7 +45,6 @@ pub enum OutcomeKind {
     #[serde(rename = "does not conform")]
     DoesNotConform,
     /// A file can't be opened, or a testee or server failed.
-    #[serde(rename = "broken")]
     Failed,
 }
 
@@ -74,7 +72,7 @@ impl OutcomeKind {
         }
     }
 
-    /// The name in reports for people.
+    /// The name, which is the same in all reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Conforms => "conforms",
@@ -174,7 +172,7 @@ impl Outcome {
                 let found = warnings.as_deref().unwrap_or(NO_VIOLATIONS);
                 capitalized(&format!("{found}, partial coverage of {files}"))
             }
-            (OutcomeKind::Stale, _) => "A list of known failures is out of date".to_owned(),
+            (OutcomeKind::Stale, _) => "A baseline is out of date".to_owned(),
             (OutcomeKind::DoesNotConform, _) if totals.has_testees() => "Does not conform".to_owned(),
             (OutcomeKind::DoesNotConform, _) => {
                 format!("Does not conform: {must} MUST, {should} SHOULD ({files})")

@@ -55,7 +55,6 @@ pub(crate) struct Entry {
 struct MatrixEntry<'r> {
     rule: &'static str,
     mutant: &'r str,
-    #[serde(rename = "broken")]
     violated: Option<&'r BTreeSet<&'static str>>,
     expected: BTreeSet<&'static str>,
 }

@@ -29,10 +29,8 @@ pub struct Testee {
     #[serde(serialize_with = "not_passed")]
     pub cases: Vec<Case>,
     /// The violations of the test protocol.
-    #[serde(rename = "manners")]
     pub protocol_remarks: Vec<Remark>,
     /// The number of further protocol violations.
-    #[serde(rename = "more_manners")]
     pub more_protocol_remarks: u64,
     /// The number of restarts.
     pub restarts: u32,
@@ -58,7 +56,7 @@ pub struct Counts {
     pub pass: u64,
     /// Wrong responses, crashes and hangs.
     pub fail: u64,
-    /// Failures that are in a list of known failures.
+    /// Failures that are in a baseline.
     pub known: u64,
     /// Cases that the testee doesn't support.
     pub unsupported: u64,
@@ -123,7 +121,7 @@ pub struct Case {
     pub definition: Option<Definition>,
     /// The command that runs only this case.
     pub reproduce: String,
-    /// The matching entry in a list of known failures.
+    /// The matching entry of a baseline.
     pub known: Option<Known>,
 }
 

@@ -114,7 +114,7 @@ fn rules(subject: &Subject, text: &mut String) -> fmt::Result {
         });
         let named: Vec<String> = named.collect();
         if !named.is_empty() {
-            label(style, findings::word(verdict), &named.join(", "), text)?;
+            label(style, verdict.name(), &named.join(", "), text)?;
         }
     }
     let [passed, uncovered] = [Verdict::Pass, Verdict::NotCovered].map(|verdict| subject.count(verdict));

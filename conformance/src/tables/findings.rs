@@ -27,7 +27,7 @@ pub(super) static TABLE: Table<FindingRow> = Table {
             .in_unit("s"),
         Column::time("utc", "The time in UTC, if the capture states it.", |row| row.utc),
         Column::text("definition", "The file and line of the definition.", |row| row.definition.as_deref()),
-        Column::text("known", "The reason in a list of known failures.", |row| row.known.as_deref()),
+        Column::text("known", "The reason in a baseline.", |row| row.known.as_deref()),
     ],
 };
 

@@ -1,4 +1,4 @@
-//! Converts case results to the form that lists of known failures use, and applies these lists.
+//! Converts case results to the form that baselines use, and applies the baselines.
 
 use std::collections::BTreeMap;
 use std::ptr;

@@ -36,7 +36,7 @@ pub enum Verdict {
         /// The last part of standard error.
         stderr: String,
     },
-    /// A failure excused by a list of known failures.
+    /// A failure excused by a baseline.
     Known {
         /// The failure.
         failure: Box<Verdict>,
@@ -130,7 +130,7 @@ pub struct Counts {
     pub passed: usize,
     /// Wrong responses, crashes and timeouts.
     pub failed: usize,
-    /// Failures excused by a list of known failures.
+    /// Failures excused by a baseline.
     pub known: usize,
     /// Cases that the testee doesn't support.
     pub unsupported: usize,

@@ -292,9 +292,14 @@ fn suspended_operations_continue_only_after_a_request() {
     session.notify(json!({ "type": "ASYNC-ST", "id": "r-1", "progress": { "percentage": null } }));
     session.notify(ended);
     assert_eq!(violated_by(&session), [("FW-ASY-14", 1)]);
-    let mut session = suspended();
-    session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-1"] }));
-    assert_eq!(violated_by(&session), []);
+    for end in [
+        json!({ "type": "ASYNC-TIMEOUT", "ids": ["r-1"] }),
+        json!({ "type": "ASYNC-RESP", "id": "r-1", "error": "The glider is lost" }),
+    ] {
+        let mut session = suspended();
+        session.notify(end.clone());
+        assert_eq!(violated_by(&session), [], "{end}");
+    }
 }
 
 #[test]

@@ -70,9 +70,8 @@ fn of_json(report: &str) -> Outcomes {
     let report: Value = serde_json::from_str(report).expect("JSON");
     let text = |value: &Value| value.as_str().expect("text").to_owned();
     let subjects = report["subjects"].as_array().expect("a list").iter();
-    let mut outcomes: Outcomes = subjects
-        .map(|subject| (name(&text(&subject["path"])), text(&subject["conclusion"]["outcome"])))
-        .collect();
+    let mut outcomes: Outcomes =
+        subjects.map(|subject| (name(&text(&subject["path"])), text(&subject["outcome"]["kind"]))).collect();
     for file in report["not_checked"].as_array().expect("a list") {
         outcomes.insert(name(&text(&file["path"])), "not checked".to_owned());
     }
@@ -127,7 +126,7 @@ fn of_sarif(report: &str, files: impl Iterator<Item = String>) -> Outcomes {
         let path = &result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"];
         let message = result["message"]["text"].as_str().expect("a message");
         let outcome = match (result["ruleId"].as_str().expect("an id"), &result["level"]) {
-            ("damage", _) => continue,
+            ("corruption", _) => continue,
             ("incomplete", level) => {
                 assert_eq!(level, "error");
                 "incomplete"

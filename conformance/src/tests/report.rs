@@ -234,6 +234,9 @@ fn junit_has_a_case_for_each_rule_or_request() {
         suite.test_cases.iter().filter(|case| is_error(case)).count() > 2,
         "crashes and hangs are errors"
     );
+    let is_failed = |case: &&TestCase| matches!(&case.status, TestCaseStatus::NonSuccess { ty: Some(ty), .. } if ty.as_str() == "failed");
+    let failed = suite.test_cases.iter().find(is_failed).expect("the run failed");
+    assert_eq!(failed.name.as_str(), "run completes");
     let names: BTreeSet<_> =
         suite.test_cases.iter().map(|case| (case.classname.clone(), case.name.clone())).collect();
     assert_eq!(names.len(), suite.test_cases.len(), "class and name identify a case");

@@ -10,7 +10,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use super::expression::{Context, expanded, value};
-use super::{Project, example, members, path_with_uavspec, repository, string, yaml};
+use super::{MESSAGE, Project, capture, example, members, path_with_uavspec, repository, string, yaml};
 use crate::support::write;
 
 /// The inputs of github/codeql-action/upload-sarif.
@@ -230,6 +230,12 @@ fn inputs_select_the_commands_and_their_options() {
     let run_with = |inputs: &[(&str, &str)]| run(&project, inputs);
     let known = run_with(&[("baseline", "known.toml"), ("against", &project.base), ("deny", "note")]);
     assert!(!known.failed && known.reports().len() == 2, "{}", known.log);
+    write(folder, "logs/gust.jsonl", capture(&MESSAGE.replace("\"mode_id\": 1", "\"mode_id\": 300")));
+    uavspec(&["check", "--write-baseline", "failures.toml", "logs/gust.jsonl"]);
+    let gust = [("lint", "false"), ("captures", "logs/gust.jsonl"), ("check-baseline", "failures.toml")];
+    assert!(run_with(&gust[..2]).failed);
+    let known = run_with(&gust);
+    assert!(!known.failed, "{}", known.log);
     let quiet = run_with(&[("lint", "false"), ("captures", "logs/flight.jsonl")]);
     assert!(!quiet.failed && quiet.reports().len() == 1, "{}", quiet.log);
     let printed = run_with(&[("upload", "false"), ("deny", "warning")]);
@@ -256,7 +262,8 @@ fn inputs_are_never_executed() {
         "x\ntouch pwned",
         "--help",
     ] {
-        let inputs = ["config", "preset", "against", "baseline", "captures", "definitions", "known", "deny"];
+        let inputs =
+            ["config", "preset", "against", "baseline", "captures", "definitions", "check-baseline", "deny"];
         let run = run(&project, &inputs.map(|input| (input, hostile)));
         assert!(run.failed && !project.path().join("pwned").exists(), "{hostile}\n{}", run.log);
         for command in ["lint", "breaking", "check"] {

@@ -7,7 +7,11 @@ use std::process::Command;
 use quick_junit::Report as Junit;
 use serde_json::Value;
 
-use super::{Project, example, members, path_with_uavspec, repository, string, yaml};
+use super::{MESSAGE, Project, capture, example, members, path_with_uavspec, repository, string, yaml};
+use crate::support::write;
+
+/// The variable that only merge request pipelines have.
+const MERGE_REQUEST: &str = "CI_MERGE_REQUEST_DIFF_BASE_SHA";
 
 /// The result of a job.
 struct Job {
@@ -31,19 +35,20 @@ fn pipeline() -> (Value, BTreeMap<String, String>) {
     (template, variables)
 }
 
-/// Runs the jobs whose rules apply, as GitLab does for a merge request.
+/// Runs the jobs of a merge request pipeline, or of a branch pipeline if `changes` clears [`MERGE_REQUEST`].
 fn run(project: &Project, changes: &[(&str, &str)]) -> BTreeMap<String, Job> {
     let (template, mut variables) = pipeline();
-    variables.insert("CI_MERGE_REQUEST_DIFF_BASE_SHA".to_owned(), project.base.clone());
+    variables.insert(MERGE_REQUEST.to_owned(), project.base.clone());
     variables.extend(changes.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())));
+    let is_set = |name: &str| variables.get(name).is_some_and(|value| !value.is_empty());
+    let matches = |rule: &Value| {
+        let condition = rule.get("if").map(|condition| condition.as_str().expect("a condition"));
+        condition.is_none_or(|condition| is_set(condition.strip_prefix('$').expect("a variable")))
+    };
     let applies = |job: &Value| {
         let rules = job["rules"].as_array();
-        rules.is_none_or(|rules| {
-            rules.iter().any(|rule| {
-                let name = rule["if"].as_str().and_then(|condition| condition.strip_prefix('$'));
-                variables.get(name.expect("a variable")).is_some_and(|value| !value.is_empty())
-            })
-        })
+        // GitLab adds jobs without rules only to pipelines for branches and tags.
+        rules.map_or(!is_set(MERGE_REQUEST), |rules| rules.iter().any(matches))
     };
     let jobs = members(&template).filter(|(_, job)| job.get("script").is_some() && applies(job));
     jobs.map(|(name, job)| (name.clone(), run_job(project, job, &variables))).collect()
@@ -128,19 +133,29 @@ fn jobs_without_findings_succeed() {
 #[test]
 fn variables_change_the_commands() {
     let project = Project::with_findings();
-    let baseline = ["lint", "--write-baseline", "known findings.toml"];
-    let command =
-        Command::new(env!("CARGO_BIN_EXE_uavspec")).args(baseline).current_dir(project.path()).output();
-    assert!(command.expect("it runs").status.success());
+    let uavspec = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+        command.args(arguments).current_dir(project.path()).output().expect("it runs").status.code()
+    };
+    assert_eq!(uavspec(&["lint", "--write-baseline", "known findings.toml"]), Some(0));
     let variables = [
         ("UAVSPEC_CAPTURES", ""),
         ("UAVSPEC_PRESET", ""),
         ("UAVSPEC_BASELINE", "known findings.toml"),
         ("UAVSPEC_CONFIG", "uavspec.toml"),
-        ("CI_MERGE_REQUEST_DIFF_BASE_SHA", ""),
+        (MERGE_REQUEST, ""),
     ];
     let jobs = run(&project, &variables);
     let names: Vec<&str> = jobs.keys().map(String::as_str).collect();
     assert_eq!(names, ["uavspec-lint"]);
     assert!(jobs["uavspec-lint"].is_success, "{}", jobs["uavspec-lint"].log);
+
+    let message = MESSAGE.replace("\"mode_id\": 1", "\"mode_id\": 300");
+    write(project.path(), "logs/gust.jsonl", capture(&message));
+    assert_eq!(uavspec(&["check", "--write-baseline", "known failures.toml", "logs/gust.jsonl"]), Some(1));
+    for (baseline, is_success) in [("", false), ("known failures.toml", true)] {
+        let variables = [("UAVSPEC_CAPTURES", "logs/gust.jsonl"), ("UAVSPEC_CHECK_BASELINE", baseline)];
+        let job = &run(&project, &variables)["uavspec-check"];
+        assert_eq!(job.is_success, is_success, "{}", job.log);
+    }
 }

@@ -58,7 +58,7 @@ impl Probed {
     pub(crate) fn covered(&self, rule: &str) -> u64 {
         let rules = self.vehicle()["rules"].as_array().expect("a list");
         let found = rules.iter().find(|found| found["id"] == rule).expect("the rule");
-        found["exercised"].as_u64().expect("a number")
+        found["covered"].as_u64().expect("a number")
     }
 
     /// The number of messages.

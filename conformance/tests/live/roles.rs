@@ -54,7 +54,7 @@ fn probe(domain: &str, arguments: &[&str]) -> (Vec<String>, usize, Value) {
     assert_eq!(violated(&live), violated(&recorded));
     let rules = live["rules"].as_array().expect("a list");
     let is_covered = |rule: &&Value| {
-        rule["id"].as_str().is_some_and(|id| id.starts_with("PX-EXT")) && rule["exercised"].as_u64() > Some(0)
+        rule["id"].as_str().is_some_and(|id| id.starts_with("PX-EXT")) && rule["covered"].as_u64() > Some(0)
     };
     (violated(&live), rules.iter().filter(is_covered).count(), live["notes"].clone())
 }

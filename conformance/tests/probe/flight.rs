@@ -245,7 +245,7 @@ fn interrupted_at(
     assert!(!errors.contains("may still") || errors.contains("first makes the UAVs safe"), "{context}");
     assert!(!errors.contains("error:"), "{context}");
     let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
-    assert_eq!(report["conclusion"]["status"], 6, "{context}");
+    assert_eq!(report["outcome"]["status"], 6, "{context}");
     let recording = std::fs::read(record).expect("a recording");
     let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
     assert_eq!(replayed.corruption, vec![], "{context}");

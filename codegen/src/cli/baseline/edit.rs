@@ -9,9 +9,8 @@ use globset::escape;
 use super::matching::{Found, Matches, Reason};
 use super::read::List;
 
-/// The first lines of a new list.
-const HEAD: &str =
-    "# Known findings. `lint` and `breaking` report only findings that are not in this list.\n";
+/// The first line of a new baseline.
+const HEAD: &str = "# Baseline. `lint` and `breaking` report only findings that are not in this list.\n";
 
 /// The reason in new entries.
 const REASON: &str = "found when the list was written";

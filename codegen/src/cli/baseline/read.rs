@@ -1,4 +1,4 @@
-//! Parses a list of known findings.
+//! Parses a baseline.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::render;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::terminal;
 
-/// A list of known findings.
+/// A baseline.
 #[derive(Debug)]
 pub(super) struct List {
     /// The text of the list.

@@ -116,7 +116,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let (application, note) = application.map(|found| (found.types, found.note)).unzip();
     let required = args.require.rules()?;
     check_outputs(args)?;
-    let known = args.known.read()?;
+    let baselines = args.baseline.read()?;
     let interruptible = probe::Options::new(Duration::ZERO, None, Vec::new());
     interrupt::install(&interruptible)?;
     let stop = interruptible.stop;
@@ -160,5 +160,5 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     };
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !stop.is_requested();
-    Ok(report(args, Some(checked), Vec::new(), &definitions, &required, known, settings))
+    Ok(report(args, Some(checked), Vec::new(), &definitions, &required, baselines, settings))
 }

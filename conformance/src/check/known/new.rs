@@ -1,4 +1,4 @@
-//! Writes the first list of known failures.
+//! Writes a new baseline.
 
 use std::fmt::Write as _;
 

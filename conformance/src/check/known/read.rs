@@ -23,7 +23,7 @@ pub(super) fn entries(sources: &SourceMap, source: SourceId) -> (Vec<Entry>, Vec
     let (table, errors) = DeTable::parse_recoverable(sources.text(source));
     for error in &errors {
         let span = reader.span(error.span().unwrap_or_default());
-        reader.mistake("known-syntax", span, error.message(), "correct the TOML syntax");
+        reader.mistake("baseline-syntax", span, error.message(), "correct the TOML syntax");
     }
     // A partly parsed list would only cause follow-up errors.
     let mut entries = if errors.is_empty() { reader.list(table.get_ref()) } else { Vec::new() };
@@ -70,7 +70,8 @@ impl Reader<'_> {
             let Some(kind) = kind else {
                 let message = format!("unknown key `{}`", key.get_ref());
                 let span = self.span(key.span());
-                self.mistake("known-key", span, message, "start each entry with `[[known]]` or `[[flaky]]`");
+                let help = "start each entry with `[[known]]` or `[[flaky]]`";
+                self.mistake("baseline-key", span, message, help);
                 continue;
             };
             // Only an entry with a separate header line can be removed without other changes.
@@ -78,7 +79,7 @@ impl Reader<'_> {
                 let message = format!("`{kind}`: expected an array of tables");
                 let help = format!("start each entry with a line `[[{kind}]]`");
                 let span = self.span(key.span());
-                self.mistake("known-type", span, message, &help);
+                self.mistake("baseline-type", span, message, &help);
                 continue;
             };
             entries.extend(tables.iter().filter_map(|(header, table)| self.entry(kind, *header, table)));
@@ -150,7 +151,7 @@ impl Reader<'_> {
                 _ => {
                     let message = format!("unknown key `{}` in an entry", key.get_ref());
                     let span = self.span(key.span());
-                    self.mistake("known-key", span, message, KEYS);
+                    self.mistake("baseline-key", span, message, KEYS);
                     continue;
                 }
             };
@@ -169,7 +170,7 @@ impl Reader<'_> {
         if text.is_none() {
             let message =
                 format!("`{}`: expected a string, found type {}", key.get_ref(), value.get_ref().type_str());
-            self.mistake("known-type", span, message, "put the value in quotes");
+            self.mistake("baseline-type", span, message, "put the value in quotes");
         }
         text.map(|text| (text, span))
     }
@@ -180,7 +181,7 @@ impl Reader<'_> {
         let date = datetime.and_then(|found| found.date);
         if date.is_none() {
             self.mistake(
-                "known-date",
+                "baseline-date",
                 span,
                 "`expires`: expected a date",
                 "write it without quotes, e.g. 2027-06-30",
@@ -194,7 +195,7 @@ impl Reader<'_> {
             if let Some((_, span)) = value.filter(|_| values.rule.is_none()) {
                 let message = format!("`{key}` without `rule`");
                 self.mistake(
-                    "known-selector",
+                    "baseline-selector",
                     span,
                     message,
                     "add a `rule` to the entry, or remove this key",
@@ -206,7 +207,7 @@ impl Reader<'_> {
                 let rule = rule(id);
                 if rule.is_none() {
                     self.mistake(
-                        "known-rule",
+                        "baseline-rule",
                         span,
                         format!("unknown rule `{id}`"),
                         "`uavspec rules` lists all rules",
@@ -222,12 +223,12 @@ impl Reader<'_> {
             }
             (Some(_), Some((_, span))) => {
                 let help = "remove one of them: an entry applies to either a rule or cases";
-                self.mistake("known-selector", span, "`case` and `rule` in one entry", help);
+                self.mistake("baseline-selector", span, "`case` and `rule` in one entry", help);
                 None
             }
             (None, None) => {
                 let help = "add a `rule`, or a `case` pattern";
-                self.mistake("known-selector", header, "the entry has neither `rule` nor `case`", help);
+                self.mistake("baseline-selector", header, "the entry has neither `rule` nor `case`", help);
                 None
             }
         }
@@ -242,7 +243,7 @@ impl Reader<'_> {
         read(text)
             .map_err(|error| {
                 let help = format!("to match this text literally, write `{}`", escape(text));
-                self.mistake("known-pattern", span, format!("invalid pattern `{text}`: {error}"), &help);
+                self.mistake("baseline-pattern", span, format!("invalid pattern `{text}`: {error}"), &help);
             })
             .ok()
     }
@@ -251,7 +252,7 @@ impl Reader<'_> {
         let help = "explain the failure, so others know when to remove the entry";
         let (reason, span) = values.reason.unwrap_or(("", header));
         if reason.trim().is_empty() {
-            self.mistake("known-reason", span, "the entry has no `reason`", help);
+            self.mistake("baseline-reason", span, "the entry has no `reason`", help);
             return None;
         }
         self.line("reason", reason, span).then_some(reason)
@@ -262,7 +263,7 @@ impl Reader<'_> {
         let is_line = !text.chars().any(char::is_control);
         if !is_line {
             let message = format!("`{key}` contains a line break or another control character");
-            self.mistake("known-type", span, message, "write it on one line without control characters");
+            self.mistake("baseline-type", span, message, "write it on one line without control characters");
         }
         is_line
     }

@@ -219,33 +219,33 @@ impl Lists {
         let (id, span, message, help) = match &stale.reason {
             StaleReason::Passes => {
                 let message = format!("this {noun} matches only passing results");
-                ("known-passes", spans.selector, message, "remove the entry")
+                ("baseline-passes", spans.selector, message, "remove the entry")
             }
             StaleReason::PassesInPart { count, first, failing } => {
                 let all = count + failing.len();
                 let message = format!("{count} of {all} matching cases pass; the first is {first}");
                 let help = "match only the cases that fail; use `[[flaky]]` for cases that sometimes pass";
-                ("known-passes", spans.selector, message, help)
+                ("baseline-passes", spans.selector, message, help)
             }
             StaleReason::FailsOtherwise { found, .. } => {
                 let expected = entry.message.as_deref()?;
                 let message =
                     format!("the message differs: expected {expected:?} at the start, found {found:?}");
                 let help = "investigate the failure; if the new failure is known too, update the message";
-                ("known-fails-otherwise", spans.message?, message, help)
+                ("baseline-fails-otherwise", spans.message?, message, help)
             }
             StaleReason::MatchesNothing => {
                 let message = format!("nothing in this run matches this {noun}");
-                ("known-matches-nothing", spans.selector, message, "correct the pattern, or remove the entry")
+                ("baseline-unmatched", spans.selector, message, "correct the pattern, or remove the entry")
             }
             StaleReason::Idle => {
                 let message = format!("there was nothing to check for this {noun}");
-                ("known-matches-nothing", spans.selector, message, "correct the pattern, or remove the entry")
+                ("baseline-unmatched", spans.selector, message, "correct the pattern, or remove the entry")
             }
             StaleReason::Expired => {
                 let message = format!("the entry expired on {}", entry.excuse.expires?);
                 let help = "remove the entry, or set a later date if the reason still applies";
-                ("known-expired", spans.expires?, message, help)
+                ("baseline-expired", spans.expires?, message, help)
             }
         };
         let mut finding = Finding::new(id, level, span, message);

@@ -85,7 +85,7 @@ fn an_entry_is_stale_if_a_case_passes_and_is_fixed_to_match_the_others() {
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-passes]: 1 of 3 matching cases pass; the first is decode-cdr/soaring/Glider/typical
+error[baseline-passes]: 1 of 3 matching cases pass; the first is decode-cdr/soaring/Glider/typical
  --> known.toml:2:8
   |
 2 | case = \"decode-*/soaring/Glider/*\"
@@ -114,7 +114,7 @@ fn an_entry_is_stale_if_the_message_differs() {
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-fails-otherwise]: the message differs: expected \"/flaps/0: expected NaN\" at the start, found \"/flaps/0: expected 1, got 0\"
+error[baseline-fails-otherwise]: the message differs: expected \"/flaps/0: expected NaN\" at the start, found \"/flaps/0: expected 1, got 0\"
  --> known.toml:4:11
   |
 4 | message = \"/flaps/0: expected NaN\"
@@ -201,17 +201,17 @@ expires = 2026-05-08
     assert_eq!(
         list.render(&stale, Level::Error, false),
         "\
-error[known-passes]: this rule matches only passing results
+error[baseline-passes]: this rule matches only passing results
  --> known.toml:4:8
   |
 4 | rule = \"PX-RANGE-01\"
   |        ^^^^^^^^^^^^^ remove the entry
-error[known-expired]: the entry expired on 2026-05-08
+error[baseline-expired]: the entry expired on 2026-05-08
   --> known.toml:10:11
    |
 10 | expires = 2026-05-08
    |           ^^^^^^^^^^ remove the entry, or set a later date if the reason still applies
-error[known-matches-nothing]: nothing in this run matches this rule
+error[baseline-unmatched]: nothing in this run matches this rule
  --> known.toml:8:8
   |
 8 | rule = \"PX-BOOL-01\"

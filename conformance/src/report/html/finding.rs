@@ -117,7 +117,7 @@ pub(super) fn definition(definition: Option<&Definition>) -> Markup {
     }
 }
 
-/// An entry in a list of known failures. Only HTTP and HTTPS links can be clicked.
+/// An entry of a baseline. Only HTTP and HTTPS links can be clicked.
 pub(super) fn known(known: Option<&Known>) -> Markup {
     html! {
         @if let Some(known) = known {

@@ -1,8 +1,10 @@
+use serde_json::json;
+
 use super::*;
 use crate::check::{Coverage, JsonSummary, Share, Summary, Unit};
 use crate::model::{Extent, Level};
 use crate::px4::json::Dialects;
-use crate::report::{About, RuleVerdict, Settings, Subject, Verdict};
+use crate::report::{About, CaseVerdict, RuleVerdict, Settings, Subject, Verdict};
 use crate::rules::RULES;
 
 /// The settings of a run without options.
@@ -222,4 +224,33 @@ fn a_testee_fails_if_a_case_fails_or_it_violates_the_protocol_or_stops() {
     assert_eq!(outcome(9, 0, 0, 2, None), (1, "Does not conform: violates the test protocol".to_owned()));
     assert_eq!(outcome(0, 0, 3, 0, None), (5, "Nothing was checked".to_owned()));
     assert_eq!(outcome(9, 1, 0, 0, Some("it ended")), (3, "Failed: it ended".to_owned()));
+}
+
+#[test]
+fn json_reports_contain_the_names_of_the_other_reports() {
+    for kind in OutcomeKind::ALL {
+        assert_eq!(json!(kind), kind.name());
+    }
+    for verdict in [
+        Verdict::NotCovered,
+        Verdict::Unsupported,
+        Verdict::Pass,
+        Verdict::Shown,
+        Verdict::Known,
+        Verdict::Inconclusive,
+        Verdict::Warn,
+        Verdict::Fail,
+    ] {
+        assert_eq!(json!(verdict), verdict.name());
+    }
+    for verdict in [
+        CaseVerdict::Pass,
+        CaseVerdict::Fail,
+        CaseVerdict::Unsupported,
+        CaseVerdict::Crashed,
+        CaseVerdict::TimedOut,
+        CaseVerdict::NotRun,
+    ] {
+        assert_eq!(json!(verdict), verdict.name());
+    }
 }

@@ -13,6 +13,9 @@ use crate::report::{Example, Finding, Subject, Verdict};
 use crate::rules::px4;
 use crate::text::{Grouped, shown, wrapped};
 
+/// The width of the column with the verdict.
+const WORD: usize = 7;
+
 /// The minimum width of the rule column.
 const MIN_WIDTH: usize = 12;
 
@@ -55,16 +58,6 @@ impl Merged<'_> {
     }
 }
 
-/// The word for a verdict in front of a rule.
-pub(super) const fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Fail => "FAIL",
-        Verdict::Warn => "warn",
-        Verdict::Shown => "info",
-        other => other.name(),
-    }
-}
-
 const fn style(verdict: Verdict) -> Style {
     match verdict {
         Verdict::Fail => FAIL,
@@ -78,23 +71,23 @@ pub(super) fn write(merged: &Merged<'_>, subject: &Subject, text: &mut String) -
     let Merged { first: finding, example, subjects } = merged;
     let width =
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
-    let word =
-        finding.known.as_ref().map_or_else(|| word(finding.verdict).to_owned(), |known| shown(&known.kind));
+    let known = finding.known.as_ref();
+    let word = known.map_or_else(|| finding.verdict.name().to_owned(), |known| shown(&known.kind));
     let style = style(finding.verdict);
-    let indent = width + 14;
+    let indent = width + WORD + 9;
     let content = match &subjects[..] {
         [only] => format!("{}: {}", shown(only), shown(&example.text())),
         many => format!("{}: {}", names(many.iter().copied()), shown(&example.message)),
     };
     let content = wrapped(&content, indent, indent);
-    writeln!(text, "{style}{word:<5}{style:#} {:<width$} {:<6} {content}", finding.rule, finding.level)?;
+    writeln!(text, "{style}{word:<WORD$}{style:#} {:<width$} {:<6} {content}", finding.rule, finding.level)?;
     let mut details = vec![place(finding, example, subject)];
     if !example.connection.is_empty() {
         let exchange = [("request: ", &example.request), ("message: ", &example.excerpt)];
         let exchange = exchange.into_iter().filter(|(_, content)| !content.is_empty());
         details.extend(exchange.map(|(name, content)| format!("{name}{}", excerpt(content))));
     }
-    details.extend(finding.known.as_ref().map(ToString::to_string));
+    details.extend(known.map(ToString::to_string));
     for detail in details {
         writeln!(text, "{:DETAIL$}{}", "", wrapped(&detail, DETAIL, DETAIL + 2))?;
     }

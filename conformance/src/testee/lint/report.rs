@@ -31,7 +31,7 @@ fn write_text(found: &LintResult, text: &mut String) -> fmt::Result {
     for (check, outcome) in &found.outcomes {
         let (style, word) = match outcome {
             CheckOutcome::Pass => (PASS, "pass"),
-            CheckOutcome::Fail(_) => (FAIL, "FAIL"),
+            CheckOutcome::Fail(_) => (FAIL, "fail"),
             CheckOutcome::NotApplicable(_) => (DIMMED, "n/a"),
         };
         writeln!(text, "{style}{word:<4}{style:#}  {:<24} {}", check.id, check.statement)?;

@@ -4,82 +4,82 @@ use proptest::prelude::*;
 
 use super::*;
 
-const MISTAKES: &str = r#"error[known-key]: unknown key `title`
+const MISTAKES: &str = r#"error[baseline-key]: unknown key `title`
  --> known.toml:1:1
   |
 1 | title = 1
   | ^^^^^ start each entry with `[[known]]` or `[[flaky]]`
-error[known-type]: `flaky`: expected an array of tables
+error[baseline-type]: `flaky`: expected an array of tables
  --> known.toml:2:1
   |
 2 | flaky = [{ case = "a", reason = "b" }]
   | ^^^^^ start each entry with a line `[[flaky]]`
-error[known-rule]: unknown rule `PX-RANGE-1`
+error[baseline-rule]: unknown rule `PX-RANGE-1`
  --> known.toml:5:8
   |
 5 | rule = "PX-RANGE-1"
   |        ^^^^^^^^^^^^ `uavspec rules` lists all rules
-error[known-key]: unknown key `subjct` in an entry
+error[baseline-key]: unknown key `subjct` in an entry
  --> known.toml:6:1
   |
 6 | subjct = "x"
   | ^^^^^^ expected rule, subject, file, case, reason, link, expires or message
-error[known-reason]: the entry has no `reason`
+error[baseline-reason]: the entry has no `reason`
  --> known.toml:7:10
   |
 7 | reason = "  "
   |          ^^^^ explain the failure, so others know when to remove the entry
-error[known-selector]: `case` and `rule` in one entry
+error[baseline-selector]: `case` and `rule` in one entry
   --> known.toml:11:8
    |
 11 | case = "decode-cdr/*"
    |        ^^^^^^^^^^^^^^ remove one of them: an entry applies to either a rule or cases
-error[known-type]: `reason`: expected a string, found type integer
+error[baseline-type]: `reason`: expected a string, found type integer
   --> known.toml:12:10
    |
 12 | reason = 7
    |          ^ put the value in quotes
-error[known-date]: `expires`: expected a date
+error[baseline-date]: `expires`: expected a date
   --> known.toml:13:11
    |
 13 | expires = "2027-06-30"
    |           ^^^^^^^^^^^^ write it without quotes, e.g. 2027-06-30
-error[known-selector]: the entry has neither `rule` nor `case`
+error[baseline-selector]: the entry has neither `rule` nor `case`
   --> known.toml:15:1
    |
 15 | [[known]]
    | ^^^^^^^^^ add a `rule`, or a `case` pattern
-error[known-reason]: the entry has no `reason`
+error[baseline-reason]: the entry has no `reason`
   --> known.toml:15:1
    |
 15 | [[known]]
    | ^^^^^^^^^ explain the failure, so others know when to remove the entry
-error[known-selector]: `subject` without `rule`
+error[baseline-selector]: `subject` without `rule`
   --> known.toml:16:11
    |
 16 | subject = "["
    |           ^^^ add a `rule` to the entry, or remove this key
-error[known-selector]: `file` without `rule`
+error[baseline-selector]: `file` without `rule`
   --> known.toml:17:8
    |
 17 | file = "*.ulg"
    |        ^^^^^^^ add a `rule` to the entry, or remove this key
-error[known-type]: `link` contains a line break or another control character
+error[baseline-type]: `link` contains a line break or another control character
   --> known.toml:18:8
    |
 18 | link = "a\nb"
    |        ^^^^^^ write it on one line without control characters
-error[known-pattern]: invalid pattern `decode-[/px4`: unclosed character class; missing ']'
+error[baseline-pattern]: invalid pattern `decode-[/px4`: unclosed character class; missing ']'
   --> known.toml:21:8
    |
 21 | case = "decode-[/px4"
    |        ^^^^^^^^^^^^^^ to match this text literally, write `decode-[[]/px4`
-error[known-type]: `reason` contains a line break or another control character
+error[baseline-type]: `reason` contains a line break or another control character
   --> known.toml:22:10
    |
 22 | reason = "a\u001b[31m"
    |          ^^^^^^^^^^^^^ write it on one line without control characters
-error[known-date]: `expires`: expected a date
+error[baseline-date]: `expires`: expected a date
   --> known.toml:23:11
    |
 23 | expires = 2027-06-30T10:00:00Z
@@ -122,17 +122,17 @@ fn reports_invalid_toml_with_its_location() {
     let error = parse("[[known]]\nrule = \nreason = \"a\nexpires = 2027-02-30\n").expect_err("mistakes");
     assert_eq!(
         error.to_string(),
-        r#"error[known-syntax]: string values must be quoted, expected literal string
+        r#"error[baseline-syntax]: string values must be quoted, expected literal string
  --> known.toml:2:8
   |
 2 | rule = 
   |        ^ correct the TOML syntax
-error[known-syntax]: invalid basic string, expected `"`
+error[baseline-syntax]: invalid basic string, expected `"`
  --> known.toml:3:12
   |
 3 | reason = "a
   |            ^ correct the TOML syntax
-error[known-syntax]: invalid date, expected day between 01 and 28
+error[baseline-syntax]: invalid date, expected day between 01 and 28
  --> known.toml:4:11
   |
 4 | expires = 2027-02-30

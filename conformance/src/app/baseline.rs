@@ -1,4 +1,4 @@
-//! Lists of known failures on the command line.
+//! Baselines on the command line: lists of known failures.
 
 use std::collections::BTreeSet;
 use std::error::Error;
@@ -21,30 +21,30 @@ use crate::model::{Date, Extent, Reason};
 use crate::report::{About, CheckedCapture, Subject, Verdict};
 use crate::text::terminal;
 
-/// Arguments of commands that read lists of known failures.
+/// Arguments of commands that read baselines.
 #[derive(Args, Debug)]
-pub(super) struct KnownArgs {
-    /// List of known failures (repeatable).
+pub(super) struct BaselineArgs {
+    /// Baseline: a list of known failures (repeatable).
     ///
     /// Known failures don't fail the run. If an entry no longer applies, the run fails with status 4.
     #[arg(long, value_name = "FILE")]
-    known: Vec<PathBuf>,
-    /// Remove or update outdated list entries.
+    baseline: Vec<PathBuf>,
+    /// Remove or update outdated entries of the baselines.
     ///
     /// Other entries and comments stay unchanged. If the messages of an entry have no common prefix, split the entry by
     /// hand. Until then, the run fails.
-    #[arg(long, requires = "known")]
-    fix_known: bool,
-    /// Write a new list of all failures that are not known yet.
+    #[arg(long, requires = "baseline")]
+    fix_baseline: bool,
+    /// Write a new baseline of all failures that are not known yet.
     ///
-    /// The file must not exist. State the reason for each entry, then pass the list with --known.
+    /// The file must not exist. State the reason for each entry, then pass the file with --baseline.
     #[arg(long, value_name = "FILE")]
-    init_known: Option<PathBuf>,
+    write_baseline: Option<PathBuf>,
 }
 
-/// The lists of a run.
-pub(super) struct Known {
-    /// The lists; updated by `--fix-known`.
+/// The baselines of a run.
+pub(super) struct Baselines {
+    /// The lists; updated by `--fix-baseline`.
     pub(super) lists: Lists,
     /// The entries that the run showed to be outdated, each as a reason for failure.
     pub(super) stale: Vec<Reason>,
@@ -52,54 +52,54 @@ pub(super) struct Known {
     is_fixing: bool,
 }
 
-impl KnownArgs {
-    /// The lists that exist.
+impl BaselineArgs {
+    /// The baselines to read.
     pub(super) fn inputs(&self) -> impl Iterator<Item = &Path> {
-        self.known.iter().map(PathBuf::as_path)
+        self.baseline.iter().map(PathBuf::as_path)
     }
 
-    /// The list to write.
+    /// The baseline to write.
     pub(super) fn outputs(&self) -> impl Iterator<Item = Output<'_>> {
-        self.init_known.iter().map(|path| Output::new("--init-known", path))
+        self.write_baseline.iter().map(|path| Output::new("--write-baseline", path))
     }
 
-    /// Reads the lists. Errors are printed.
-    pub(super) fn read(&self) -> Result<Known, Status> {
+    /// Reads the baselines. Errors are printed.
+    pub(super) fn read(&self) -> Result<Baselines, Status> {
         let print_error = |error: String| {
             terminal::eprintln!("{error}");
             Status::Usage
         };
-        let lists = Lists::read(&self.known).map_err(|error| print_error(error.to_string()))?;
-        if let Some(path) = self.init_known.as_deref().filter(|path| path.exists()) {
-            let help = "use --known and --fix-known to update a list, or choose another name";
+        let lists = Lists::read(&self.baseline).map_err(|error| print_error(error.to_string()))?;
+        if let Some(path) = self.write_baseline.as_deref().filter(|path| path.exists()) {
+            let help = "use --baseline and --fix-baseline to update a baseline, or choose another name";
             return Err(print_error(format!(
                 "error: {}: the file exists\n  help: {help}",
                 terminal::path(path)
             )));
         }
         let today = Date::today().map_err(|error| print_error(format!("error: {error}")))?;
-        Ok(Known { lists, stale: Vec::new(), today, is_fixing: self.fix_known })
+        Ok(Baselines { lists, stale: Vec::new(), today, is_fixing: self.fix_baseline })
     }
 
-    /// Starts the list for `--init-known`, if requested.
-    pub(super) fn new_list(&self) -> Option<NewList> {
-        let path = self.init_known.clone()?;
-        Some(NewList { path, entries: BTreeSet::new(), is_too_long: false })
+    /// Starts the baseline for `--write-baseline`, if requested.
+    pub(super) fn new_baseline(&self) -> Option<NewBaseline> {
+        let path = self.write_baseline.clone()?;
+        Some(NewBaseline { path, entries: BTreeSet::new(), is_too_long: false })
     }
 }
 
-/// The list for `--init-known` under construction.
-pub(super) struct NewList {
+/// The baseline for `--write-baseline` under construction.
+pub(super) struct NewBaseline {
     path: PathBuf,
     entries: BTreeSet<NewEntry>,
     is_too_long: bool,
 }
 
-/// The maximum number of entries in a new list. Lists with more entries exceed the maximum size of a list.
+/// The maximum number of entries in a new baseline. Baselines with more entries exceed the maximum size of a baseline.
 const MAX_NEW_ENTRIES: usize = 10_000;
 
-impl NewList {
-    /// Adds an entry for each failure and warning that no list names.
+impl NewBaseline {
+    /// Adds an entry for each failure and warning that no baseline names.
     pub(super) fn add(&mut self, subject: &Subject) {
         let findings = subject.findings.iter();
         let failed = findings.filter(|found| matches!(found.verdict, Verdict::Fail | Verdict::Warn));
@@ -120,7 +120,7 @@ impl NewList {
         }
     }
 
-    /// Writes the list. `command` is the command line of the run. Errors are printed.
+    /// Writes the baseline. `command` is the command line of the run. Errors are printed.
     pub(super) fn write(&self, command: &str) -> Status {
         let path = terminal::path(&self.path);
         if self.is_too_long {
@@ -136,7 +136,7 @@ impl NewList {
                 Status::Conforms
             }
             Err(error) => {
-                terminal::error(format_args!("{path}: can't write the list: {error}"), None);
+                terminal::error(format_args!("{path}: can't write the baseline: {error}"), None);
                 Status::Unreadable
             }
         }
@@ -146,13 +146,13 @@ impl NewList {
 /// Writes a new file completely or not at all. Fails if the file exists.
 fn create_new(path: &Path, text: &str) -> io::Result<()> {
     let stage = Stage::new(folder_of(path))?;
-    let file = stage.path().join("list");
+    let file = stage.path().join("baseline");
     fs::write(&file, text)?;
     Ok(TempPath::try_from_path(file)?.persist_noclobber(path)?)
 }
 
-impl Known {
-    /// True if the lists are updated before they are applied.
+impl Baselines {
+    /// True if the baselines are updated before they are applied.
     pub(super) fn is_fixing(&self) -> bool {
         self.is_fixing && !self.lists.is_empty()
     }
@@ -180,14 +180,14 @@ impl Known {
         let help = if self.is_fixing {
             "the messages have no common prefix: write one entry for each message"
         } else {
-            "run again with --fix-known to update the list"
+            "run again with --fix-baseline to update it"
         };
         terminal::print_error(format_args!("{}", self.lists.render(&stale, Level::Error, true)));
-        terminal::error("a list of known failures is out of date", Some(help));
+        terminal::error("a baseline is out of date", Some(help));
         Status::Stale
     }
 
-    /// Compares the lists with results that are in memory. `count` adds all results.
+    /// Compares the baselines with results that are in memory. `count` adds all results.
     pub(super) fn compare(&mut self, scope: Scope, count: impl Fn(&Lists, &mut Sums)) -> Status {
         let counted = |lists: &Lists| {
             let mut sums = lists.sums(scope);

@@ -1,4 +1,4 @@
-//! Tests of lists of known failures, through the command line.
+//! Tests of baselines, through the command line.
 
 use std::fs;
 use std::path::Path;
@@ -48,7 +48,7 @@ fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
 /// Runs `check` with a list.
 fn check(folder: &TempDir, list: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
     fs::write(folder.path().join("known.toml"), list).expect("a file");
-    let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--known", "known.toml"];
+    let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--baseline", "known.toml"];
     uavspec(folder.path(), &[&always, arguments].concat())
 }
 
@@ -73,9 +73,9 @@ fn shows_a_known_finding_without_counting_it() {
     let (status, printed, output) = check(&folder, MARKS, &["logs"]);
     assert_eq!(status, Some(0), "{printed}{output}");
     for wanted in [
-        "known PX-JSON-02   MUST   Glider.mark: expected an integer from 0 to 255, found 300\n",
+        "known   PX-JSON-02   MUST   Glider.mark: expected an integer from 0 to 255, found 300\n",
         "  marks are counted beyond 255 (until 2026-05-09) https://example.org/issues/7\n",
-        "warn  PX-RANGE-01  SHOULD Glider.speed: 70 is outside the range 0 to 60\n",
+        "warning PX-RANGE-01  SHOULD Glider.speed: 70 is outside the range 0 to 60\n",
     ] {
         assert!(words(&printed).contains(&words(wanted)), "{wanted}: {printed}");
     }
@@ -97,13 +97,16 @@ fn shows_a_known_finding_without_counting_it() {
         let rules = source["rules"].as_array().expect("a list");
         rules.iter().find(|rule| rule["id"] == id).map(|rule| rule["verdict"].clone())
     };
-    assert_eq!((verdict("PX-JSON-02"), verdict("PX-RANGE-01")), (Some("known".into()), Some("warn".into())));
+    assert_eq!(
+        (verdict("PX-JSON-02"), verdict("PX-RANGE-01")),
+        (Some("known".into()), Some("warning".into()))
+    );
 
     // Unlisted findings are still violations, including findings in other files.
     let elsewhere = MARKS.replace("reason", "file = \"old/*\"\nreason");
     let (status, printed, output) = check(&folder, &elsewhere, &["logs"]);
     assert_eq!(status, Some(1), "{printed}");
-    assert!(output.contains("error[known-matches-nothing]") && output.contains("known.toml:4:8"), "{output}");
+    assert!(output.contains("error[baseline-unmatched]") && output.contains("known.toml:4:8"), "{output}");
 }
 
 #[test]
@@ -114,21 +117,21 @@ fn fails_if_the_list_is_out_of_date() {
     assert_eq!(
         output,
         "\
-error[known-passes]: this rule matches only passing results
+error[baseline-passes]: this rule matches only passing results
  --> known.toml:4:8
   |
 4 | rule = \"PX-JSON-02\" # MUST
   |        ^^^^^^^^^^^^ remove the entry
-error: a list of known failures is out of date
-  help: run again with --fix-known to update the list
+error: a baseline is out of date
+  help: run again with --fix-baseline to update it
 "
     );
-    assert_eq!(list_of(&folder), MARKS, "the list changes only with --fix-known");
+    assert_eq!(list_of(&folder), MARKS, "the list changes only with --fix-baseline");
     // A flaky rule may pass.
     assert_eq!(check(&folder, &MARKS.replace("[[known]]", "[[flaky]]"), &["logs/good.jsonl"]).0, Some(0));
     let (status, _, output) = check(&folder, &MARKS.replace("05-09", "05-08"), &["logs"]);
     assert_eq!(status, Some(4));
-    assert!(output.contains("error[known-expired]: the entry expired on 2026-05-08"), "{output}");
+    assert!(output.contains("error[baseline-expired]: the entry expired on 2026-05-08"), "{output}");
     // An unreadable file takes precedence, because it might contain the listed findings.
     let (status, _, output) = check(&folder, MARKS, &["logs/good.jsonl", "logs/absent.jsonl"]);
     assert_eq!(status, Some(3));
@@ -136,8 +139,8 @@ error: a list of known failures is out of date
     // A different violation of the same rule isn't a known failure.
     let (status, printed, output) = check(&folder, &(MARKS.to_owned() + "message = \"null\"\n"), &["logs"]);
     assert_eq!(status, Some(1));
-    assert!(printed.contains("FAIL  PX-JSON-02"), "{printed}");
-    assert!(output.contains("error[known-fails-otherwise]"), "{output}");
+    assert!(printed.contains("fail    PX-JSON-02"), "{printed}");
+    assert!(output.contains("error[baseline-fails-otherwise]"), "{output}");
 }
 
 #[test]
@@ -146,18 +149,18 @@ fn fixes_a_list_and_checks_by_the_remaining_entries() {
     let speed = "\n# apart\n\n[[known]]\nrule = \"PX-RANGE-01\"\nreason = \"a gauge\"   # of brass\nmessage = \"7\" # so\n";
     let gone = "\n# old\n[[known]]\nrule = \"PX-NAN-01\"\nsubject = \"Glider.mark\"\nreason = \"none\"\n";
     let list = MARKS.to_owned() + "message = \"null\"\n" + gone + speed;
-    let (status, printed, output) = check(&folder, &list, &["--fix-known", "logs"]);
+    let (status, printed, output) = check(&folder, &list, &["--fix-baseline", "logs"]);
     assert_eq!(status, Some(0), "{printed}{output}");
-    assert!(output.contains("note[known-fails-otherwise]") && output.contains("fixed: "), "{output}");
+    assert!(output.contains("note[baseline-fails-otherwise]") && output.contains("fixed: "), "{output}");
     assert!(printed.contains("\nconforms, with 2 known failures\n"), "{printed}");
     let fixed = "message = \"expected an integer from 0 to 255, found 300\"\n";
     assert_eq!(list_of(&folder), MARKS.to_owned() + fixed + speed);
     let again = list_of(&folder);
-    let (status, _, output) = check(&folder, &again, &["--fix-known", "logs"]);
+    let (status, _, output) = check(&folder, &again, &["--fix-baseline", "logs"]);
     assert_eq!((status, output.as_str(), list_of(&folder)), (Some(0), "", again));
     // An expired entry no longer excuses findings.
-    let (status, printed, _) = check(&folder, &MARKS.replace("05-09", "05-08"), &["--fix-known", "logs"]);
-    assert!(status == Some(1) && printed.contains("FAIL  PX-JSON-02"), "{printed}");
+    let (status, printed, _) = check(&folder, &MARKS.replace("05-09", "05-08"), &["--fix-baseline", "logs"]);
+    assert!(status == Some(1) && printed.contains("fail    PX-JSON-02"), "{printed}");
     assert_eq!(list_of(&folder), "# Known failures of our gliders.\n");
 }
 
@@ -174,8 +177,8 @@ fn reports_a_new_message_after_many_known_ones() {
     write(marks(&[300, 300, 300, 300, 7000, 300]));
     let (status, printed, output) = check(&folder, &list, &["logs"]);
     assert_eq!(status, Some(1), "{printed}{output}");
-    assert!(printed.contains("FAIL  PX-JSON-02"), "{printed}");
-    assert!(output.contains("known-fails-otherwise") && output.contains("found 7000"), "{output}");
+    assert!(printed.contains("fail    PX-JSON-02"), "{printed}");
+    assert!(output.contains("baseline-fails-otherwise") && output.contains("found 7000"), "{output}");
 }
 
 #[test]
@@ -185,13 +188,13 @@ fn does_not_fix_messages_without_a_common_prefix() {
     fs::write(folder.path().join("logs/odd.jsonl"), speeds.concat()).expect("a file");
     let entry = "[[known]]\nrule = \"PX-RANGE-01\"\nreason = \"a gauge\"\nmessage = \"70\"\n";
     let gone = "\n[[known]]\nrule = \"PX-NAN-01\"\nreason = \"none\"\n";
-    let (status, printed, output) = check(&folder, &(entry.to_owned() + gone), &["--fix-known", "logs"]);
+    let (status, printed, output) = check(&folder, &(entry.to_owned() + gone), &["--fix-baseline", "logs"]);
     assert_eq!(status, Some(4), "{printed}{output}");
     assert!(
-        output.contains("error[known-fails-otherwise]") && output.contains("write one entry for each"),
+        output.contains("error[baseline-fails-otherwise]") && output.contains("write one entry for each"),
         "{output}"
     );
-    assert!(printed.contains("warn  PX-RANGE-01"), "{printed}");
+    assert!(printed.contains("warning PX-RANGE-01"), "{printed}");
     assert_eq!(list_of(&folder), entry, "the other entry is fixed");
 }
 
@@ -204,14 +207,14 @@ fn fails_if_the_list_cannot_be_fixed() {
     permissions.set_readonly(true);
     fs::set_permissions(&path, permissions).expect("permissions can be set");
     let check = |file: &str| {
-        let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--known", "known.toml"];
-        uavspec(folder.path(), &[&always[..], &["--fix-known", "--format", "json", file]].concat())
+        let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "--baseline", "known.toml"];
+        uavspec(folder.path(), &[&always[..], &["--fix-baseline", "--format", "json", file]].concat())
     };
     let (status, printed, output) = check("logs/good.jsonl");
     assert_eq!(status, Some(2), "{printed}{output}");
     assert!(output.contains("known.toml") && list_of(&folder) == MARKS, "{output}");
     let report: Value = serde_json::from_str(&printed).expect("JSON");
-    assert_eq!(report["conclusion"]["outcome"], "stale list");
+    assert_eq!(report["outcome"]["kind"], "out of date");
     assert_eq!(check("logs/odd.jsonl").0, Some(0), "nothing to fix");
 
     write_responses(&folder, &json!("CDR"));
@@ -221,8 +224,8 @@ fn fails_if_the_list_cannot_be_fixed() {
     let mut permissions = fs::metadata(&path).expect("a file").permissions();
     permissions.set_readonly(true);
     fs::set_permissions(&path, permissions).expect("permissions can be set");
-    let always = ["test", "--definitions", "msg", "--replay", "answers", "--known", "known.toml"];
-    assert_eq!(uavspec(folder.path(), &[&always[..], &["--fix-known"]].concat()).0, Some(2));
+    let always = ["test", "--definitions", "msg", "--replay", "answers", "--baseline", "known.toml"];
+    assert_eq!(uavspec(folder.path(), &[&always[..], &["--fix-baseline"]].concat()).0, Some(2));
 }
 
 #[test]
@@ -235,7 +238,7 @@ fn keeps_entries_that_an_unreadable_part_may_match() {
     fs::write(folder.path().join("cut.jsonl.gz"), &packed[..packed.len() / 2]).expect("a file");
     let (status, printed, output) = check(&folder, MARKS, &["cut.jsonl.gz"]);
     assert_eq!(status, Some(6), "{printed}{output}");
-    assert!(!output.contains("known-passes"), "{output}");
+    assert!(!output.contains("baseline-passes"), "{output}");
 }
 
 #[test]
@@ -245,14 +248,14 @@ fn writes_the_first_list() {
         let always = ["check", "--definitions", "msg", "--type", "px4/Glider", "logs/odd.jsonl"];
         uavspec(folder.path(), &[&always, arguments].concat())
     };
-    let (status, _, errors) = run(&["--init-known", "known.toml"]);
+    let (status, _, errors) = run(&["--write-baseline", "known.toml"]);
     assert_eq!(status, Some(1));
     assert!(errors.contains("known.toml: 2 failures"), "{errors}");
     let list = list_of(&folder);
     assert!(list.contains("rule = \"PX-JSON-02\"\nsubject = \"Glider.mark\""), "{list}");
-    let (status, printed, _) = run(&["--known", "known.toml"]);
+    let (status, printed, _) = run(&["--baseline", "known.toml"]);
     assert_eq!(status, Some(0), "{printed}");
-    let (status, _, errors) = run(&["--init-known", "known.toml"]);
+    let (status, _, errors) = run(&["--write-baseline", "known.toml"]);
     assert_eq!(status, Some(2));
     assert!(errors.contains("the file exists"), "{errors}");
     assert_eq!(list_of(&folder), list);
@@ -265,20 +268,20 @@ fn rejects_invalid_lists() {
     assert_eq!((status, printed.as_str()), (Some(2), ""));
     assert!(output.contains("unknown rule `PX-NONE-01`") && output.contains("no `reason`"), "{output}");
     let check = |arguments: &[&str]| uavspec(folder.path(), &[&["check", "logs"], arguments].concat());
-    let (status, _, output) = check(&["--known", "absent.toml"]);
+    let (status, _, output) = check(&["--baseline", "absent.toml"]);
     assert_eq!(status, Some(2));
     assert!(output.contains("error: absent.toml: "), "{output}");
     fs::write(folder.path().join("long.toml"), "#".repeat((1 << 20) + 1)).expect("a file");
-    let (status, _, output) = check(&["--known", "long.toml"]);
-    assert!(status == Some(2) && output.contains("the limit for a list"), "{output}");
-    assert_eq!(check(&["--fix-known"]).0, Some(2), "nothing to fix");
+    let (status, _, output) = check(&["--baseline", "long.toml"]);
+    assert!(status == Some(2) && output.contains("the limit for a baseline"), "{output}");
+    assert_eq!(check(&["--fix-baseline"]).0, Some(2), "nothing to fix");
     let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
     command.args(["check", "logs"]).current_dir(folder.path()).env("SOURCE_DATE_EPOCH", "soon");
     assert_eq!(command.output().expect("uavspec runs").status.code(), Some(2));
     for command in ["check", "test"] {
         let (status, printed, _) = uavspec(folder.path(), &[command, "--help"]);
         assert!(
-            status == Some(0) && printed.contains("[[known]]") && printed.contains("--fix-known"),
+            status == Some(0) && printed.contains("[[known]]") && printed.contains("--fix-baseline"),
             "{printed}"
         );
     }
@@ -307,7 +310,7 @@ fn write_responses(folder: &TempDir, wrong: &Value) {
 /// Runs `test` with responses and a list.
 fn test(folder: &TempDir, list: &str, arguments: &[&str]) -> (Option<i32>, String, String) {
     fs::write(folder.path().join("known.toml"), list).expect("a file");
-    let always = ["test", "--definitions", "msg", "--replay", "answers", "--known", "known.toml"];
+    let always = ["test", "--definitions", "msg", "--replay", "answers", "--baseline", "known.toml"];
     uavspec(folder.path(), &[&always, arguments].concat())
 }
 
@@ -345,7 +348,7 @@ fn counts_known_cases_separately() {
         output.contains("1 of 2 matching cases pass; the first is decode-uorb/px4/Glider/zero"),
         "{output}"
     );
-    assert_eq!(test(&folder, &all, &[&zeros[..], &["--fix-known"]].concat()).0, Some(0));
+    assert_eq!(test(&folder, &all, &[&zeros[..], &["--fix-baseline"]].concat()).0, Some(0));
     assert_eq!(list_of(&folder), list.replace("decode-cdr/*", "decode-cdr/px4/Glider/zero"));
 
     // Cases with known failures still count as checked. Entries for cases that weren't run stay unchanged.
@@ -382,16 +385,16 @@ reason = \"irrelevant here\"
     let codes: Vec<&str> =
         output.lines().filter(|line| line.starts_with("error[") || line.contains("-->")).collect();
     let expected = [
-        "error[known-passes]: this case matches only passing results",
+        "error[baseline-passes]: this case matches only passing results",
         " --> known.toml:7:8",
-        "error[known-matches-nothing]: nothing in this run matches this case",
+        "error[baseline-unmatched]: nothing in this run matches this case",
         "  --> known.toml:11:8",
     ];
     assert_eq!(codes, expected, "{output}");
     let (status, _, output) = test(&folder, &list.replace("\"expected\"", "\"crashed\""), &[]);
-    assert!(status == Some(1) && output.contains("known-fails-otherwise"), "{output}");
+    assert!(status == Some(1) && output.contains("baseline-fails-otherwise"), "{output}");
 
-    let (status, _, output) = test(&folder, list, &["--fix-known"]);
+    let (status, _, output) = test(&folder, list, &["--fix-baseline"]);
     assert_eq!(status, Some(0), "{output}");
     let (start, end) = (list.split("\n\n").next(), list.split("\n\n").last());
     assert_eq!(Some(list_of(&folder)), start.zip(end).map(|(start, end)| format!("{start}\n\n{end}")));
