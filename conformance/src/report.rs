@@ -483,7 +483,7 @@ impl RuleReport {
 }
 
 impl Verdict {
-    /// The name, which is the same in all reports.
+    /// The name in all reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::NotCovered => "not covered",

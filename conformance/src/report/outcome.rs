@@ -72,7 +72,7 @@ impl OutcomeKind {
         }
     }
 
-    /// The name, which is the same in all reports.
+    /// The name in all reports.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Conforms => "conforms",
