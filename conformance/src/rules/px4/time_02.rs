@@ -63,19 +63,26 @@ struct Gaps {
 #[derive(Clone, Default)]
 struct Rhythm {
     latest: u64,
-    /// The latest log time, if one is known.
-    logged: Option<u64>,
+    /// Set if log times are known. Logs have none, and contain so many messages that separate memory pays off.
+    order: Option<Box<Order>>,
+    /// `None` until the topic had a regular period.
+    period: Option<u64>,
+    first: Vec<u64>,
+}
+
+/// The order of the log times of a channel, and the results that don't count if there is no order.
+#[derive(Clone, Default)]
+struct Order {
+    /// The latest log time.
+    logged: u64,
     /// True if the messages aren't in the order of their log times. The messages of a pause may follow later.
-    is_unordered: bool,
+    is_lost: bool,
     /// The number of pauses that were checked.
     checked: u64,
     /// The number of findings.
     found: u64,
     /// The locations of the first findings.
     examples: Vec<Location>,
-    /// `None` until the topic had a regular period.
-    period: Option<u64>,
-    first: Vec<u64>,
 }
 
 impl Checker for Gaps {
@@ -91,16 +98,18 @@ impl Checker for Gaps {
         let (Some(timestamp), Some(rhythm)) = (message.timestamp, self.channels.get(channel)) else {
             return;
         };
-        if rhythm.is_unordered {
+        if let Some(logged) = message.logged {
+            let order = rhythm.order.get_or_insert_default();
+            if !order.is_lost && logged < order.logged {
+                order.is_lost = true;
+                context.findings.remove(context.rule, channel.topic, order.found, &order.examples);
+                *context.coverage -= order.checked;
+            }
+            order.logged = logged;
+        }
+        if rhythm.order.as_ref().is_some_and(|order| order.is_lost) {
             return;
         }
-        if rhythm.logged.zip(message.logged).is_some_and(|(before, now)| now < before) {
-            rhythm.is_unordered = true;
-            context.findings.remove(context.rule, channel.topic, rhythm.found, &rhythm.examples);
-            *context.coverage -= rhythm.checked;
-            return;
-        }
-        rhythm.logged = rhythm.logged.max(message.logged);
         self.now = self.now.max(timestamp);
         let Rhythm { latest, period, .. } = *rhythm;
         let pause = timestamp.saturating_sub(latest);
@@ -110,12 +119,16 @@ impl Checker for Gaps {
         // After a step back, which PX-TIME-01 judges, the clock is unknown.
         rhythm.latest = if timestamp < latest { 0 } else { timestamp };
         let Some(period) = period else { return };
-        rhythm.checked += 1;
+        if let Some(order) = &mut rhythm.order {
+            order.checked += 1;
+        }
         context.covered();
         if pause > period.saturating_mul(PAUSE) && latest > self.excused_until {
-            rhythm.found += 1;
-            if rhythm.examples.len() < MAX_EXAMPLES {
-                rhythm.examples.push(message.location);
+            if let Some(order) = &mut rhythm.order {
+                order.found += 1;
+                if order.examples.len() < MAX_EXAMPLES {
+                    order.examples.push(message.location);
+                }
             }
             let definition = context.defined(channel.definition);
             context.violation_of(channel.topic, message.location, definition, || {
