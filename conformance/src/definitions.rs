@@ -33,7 +33,7 @@ use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 pub(crate) use self::choice::{Clues, FormatClue, JsonClue, TypeClue};
 pub use self::index::Family;
 use self::index::Index;
-pub(crate) use self::index::{ReleaseId, Row};
+pub(crate) use self::index::{ReleaseId, Row, read_schema};
 pub use self::library::Library;
 pub(crate) use self::library::ros_package;
 pub(crate) use self::released::{ReleasedType, released_type};

@@ -3,7 +3,7 @@
 //!
 //! A channel's definition is determined by its schema name, or otherwise by its topic. The schema in the file is
 //! compared with the definition. If the two differ, CDR messages are decoded with the schema in the file, and rules on
-//! values apply only to the fields that match. This also holds for JSON messages.
+//! values apply only to the fields that match. JSON messages are checked only in these fields.
 
 mod cdr;
 mod clues;

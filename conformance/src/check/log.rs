@@ -453,8 +453,7 @@ impl<'d> LogChecker<'d> {
                 self.run.findings.report(&px4::FMT_02.rule, name, location, definition, || detail);
             }
             LogProblem::MissingFormat { id } | LogProblem::UnusableFormat { id } => {
-                let open = self.open.get(usize::from(*id)).and_then(Option::as_ref);
-                match open.filter(|open| !open.topic.is_empty()).map(|open| open.index) {
+                match known(&self.open, *id).map(|open| open.index) {
                     Some(index) => {
                         self.run.corrupt_part(location, problem.to_string(), Extent::Whole);
                         self.run.lost(index, location);
@@ -469,8 +468,7 @@ impl<'d> LogChecker<'d> {
     /// Reports data that violates a rule and can't be read. If the topic is unknown, the data may belong to any
     /// topic.
     fn drop_data(&mut self, id: u16, rule: &'static Rule, detail: Detail, location: Location) {
-        let open = self.open.get(usize::from(id)).and_then(Option::as_ref);
-        let Some(open) = open.filter(|open| !open.topic.is_empty()) else {
+        let Some(open) = known(&self.open, id) else {
             self.run.findings.report(rule, &format!("id {id}"), location, None, || detail);
             return self.run.lost_any(location);
         };
@@ -544,6 +542,11 @@ impl Open {
         let values = fields.times(tally.checked, tally.records);
         parts.add(&self.topic, result, tally, values);
     }
+}
+
+/// The topic of a message id. `None` if its subscription is unknown.
+fn known(open: &[Option<Box<Open>>], id: u16) -> Option<&Open> {
+    open.get(usize::from(id))?.as_deref().filter(|open| !open.topic.is_empty())
 }
 
 /// Checks that messages of a format have a timestamp.

@@ -163,12 +163,9 @@ impl Index {
             if rows.peek().is_none() {
                 continue;
             }
-            let mut equal: Vec<_> = rows.filter(|row| format.agrees(row)).collect();
-            let mut by_keys = ReleaseSet::default();
-            if let FormatClue::Json(message) = format {
-                by_keys = releases(&equal);
-                equal = self.closest(equal, message);
-            }
+            let equal: Vec<_> = rows.filter(|row| format.agrees(row)).collect();
+            let message = if let FormatClue::Json(message) = format { Some(message) } else { None };
+            let (equal, by_keys) = self.closest(equal, message);
             let agreeing = releases(&equal);
             let name = equal.first().map_or(topic.as_str(), |row| &row.name);
             let is_undecided = matches!(format, FormatClue::Json(_)) && definitions(&equal).len() > 1;
@@ -192,12 +189,9 @@ impl Index {
                 }
                 _ => true,
             };
-            let mut equal: Vec<_> = rows.into_iter().filter(agrees).collect();
-            let mut by_keys = ReleaseSet::default();
-            if let (None, Some(message)) = (&clue.type_hash, &clue.json) {
-                by_keys = releases(&equal);
-                equal = self.closest(equal, message);
-            }
+            let equal: Vec<_> = rows.into_iter().filter(agrees).collect();
+            let message = clue.json.as_ref().filter(|_| clue.type_hash.is_none());
+            let (equal, by_keys) = self.closest(equal, message);
             let agreeing = releases(&equal);
             let definitions = definitions(&equal);
             let is_undecided = clue.type_hash.is_none() && definitions.len() > 1;
@@ -208,12 +202,17 @@ impl Index {
         matches
     }
 
-    /// The definitions among `rows` that a JSON message differs from least. All of them have the keys of the message. If
-    /// several definitions remain, the version in the name of the topic decides.
-    fn closest<'i>(&self, rows: Vec<&'i Row>, message: &JsonClue) -> Vec<&'i Row> {
-        if definitions(&rows).len() < 2 {
-            return rows;
-        }
+    /// The definitions among `rows` that a JSON message is closest to, and the releases of all `rows`. All of them have the
+    /// keys of the message. Without a message, all definitions remain, and no release has its keys.
+    fn closest<'i>(&self, rows: Vec<&'i Row>, message: Option<&JsonClue>) -> (Vec<&'i Row>, ReleaseSet) {
+        let Some(message) = message else { return (rows, ReleaseSet::default()) };
+        let by_keys = releases(&rows);
+        if definitions(&rows).len() < 2 { (rows, by_keys) } else { (self.narrowed(rows, message), by_keys) }
+    }
+
+    /// The definitions among `rows` that a JSON message differs from least. If several definitions remain, the version in
+    /// the name of the topic decides.
+    fn narrowed<'i>(&self, rows: Vec<&'i Row>, message: &JsonClue) -> Vec<&'i Row> {
         let rows = match Tree::read(&message.text) {
             Ok(tree) => self.least_different(rows, &tree),
             Err(_) => rows,

@@ -279,12 +279,17 @@ fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
     })
 }
 
-/// Reads the definition with a full ROS name from the text of a release.
-pub(super) fn read_definition(text: &str, name: &str, dialect: Dialect) -> Option<(Schema, MessageId)> {
+/// Reads the definition with a full ROS name, and its nested definitions, from the text of a release.
+pub(crate) fn read_schema(text: &str, name: &str, dialect: Dialect) -> Schema {
     let text = release::select(text, &BTreeSet::from([name]));
     let mut sources = SourceMap::default();
     let packages = release::packages(&text, dialect, "", &mut sources);
-    let (schema, _) = read(&sources, &packages);
+    read(&sources, &packages).0
+}
+
+/// Reads the definition with a full ROS name from the text of a release.
+pub(super) fn read_definition(text: &str, name: &str, dialect: Dialect) -> Option<(Schema, MessageId)> {
+    let schema = read_schema(text, name, dialect);
     let messages = schema.packages.iter().flat_map(|package| &package.messages);
     let id = messages.copied().find(|id| ros_name(&schema, schema.message(*id)) == name)?;
     Some((schema, id))

@@ -1,15 +1,13 @@
 //! Looks up definitions in all releases. Nothing is read before it is needed.
 
 use std::cell::OnceCell;
-use std::collections::BTreeSet;
 
-use uavspec_codegen::msg::{Dialect, Kind};
-use uavspec_codegen::release::{self, ReleaseText, Step, entries, full_name, history, select};
+use uavspec_codegen::msg::Kind;
+use uavspec_codegen::release::{ReleaseText, Step, entries, full_name, history};
 use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_codegen::schema::{Constant, Field, Message, Schema};
-use uavspec_codegen::{SourceMap, read};
 
-use crate::definitions::{Family, Library, ReleaseId, Row};
+use crate::definitions::{Family, Library, ReleaseId, Row, read_schema};
 
 /// The definitions of all releases, or of one release.
 pub(super) struct Catalogue<'l> {
@@ -119,18 +117,15 @@ impl<'l> Catalogue<'l> {
         let family = self.family(release);
         let text = self.text(release);
         let annotated = annotation.and_then(|(line, annotation)| annotated(text, name, line, annotation));
-        let text = select(annotated.as_deref().unwrap_or(text), &BTreeSet::from([name]));
-        let mut sources = SourceMap::default();
-        let packages = release::packages(&text, dialect(family), "", &mut sources);
         // Tests ensure that the releases have no errors.
-        let (schema, _) = read(&sources, &packages);
+        let schema = read_schema(annotated.as_deref().unwrap_or(text), name, family.dialect());
         Definition { name: name.to_owned(), release, schema }
     }
 
     /// The history of a definition in its family.
     pub(super) fn history(&self, definition: &Definition) -> Vec<Step> {
         let family = self.family(definition.release);
-        history(self.texts(family), dialect(family), &definition.name)
+        history(self.texts(family), family.dialect(), &definition.name)
     }
 
     /// The documented definition of a message.
@@ -186,11 +181,4 @@ fn annotated(text: &str, name: &str, line: &str, annotation: &str) -> Option<Str
     let at = start + text[start..].find(&format!("\n{line}\n"))? + 1 + line.len();
     let separator = if line.contains(" # ") { "" } else { " #" };
     Some(format!("{}{separator} {annotation}{}", &text[..at], &text[at..]))
-}
-
-fn dialect(family: Family) -> Dialect {
-    match family {
-        Family::Px4 => Dialect::Px4,
-        Family::Ros2 => Dialect::Ros2,
-    }
 }

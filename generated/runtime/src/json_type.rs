@@ -68,10 +68,13 @@ pub trait JsonType: Sized {
     /// Writes the value. Error messages contain the name `field`.
     fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error>;
 
-    /// Reads a value.
-    fn read(json: &Json, choices: &mut Choices) -> Result<Self, Error>;
+    /// Reads a value. A type without parts implements `parse` instead, and any other type this method: each calls the
+    /// other one.
+    fn read(json: &Json, _: &mut Choices) -> Result<Self, Error> {
+        Self::parse(json)
+    }
 
-    /// Reads a value that is not a part of another value. The format must be self-describing, unless the type overrides
+    /// Reads a value that is not a part of another value. The format must be self-describing, unless the type implements
     /// this method.
     fn parse<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let Parsed(json) = Parsed::deserialize(deserializer)?;
@@ -370,13 +373,6 @@ macro_rules! __json_plain {
                 $crate::serde::Serialize::serialize(self, serializer)
             }
 
-            fn read(
-                json: &$crate::json_type::Json,
-                _: &mut $crate::json_type::Choices,
-            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
-                $crate::serde::Deserialize::deserialize(json)
-            }
-
             fn parse<'de, D: $crate::serde::Deserializer<'de>>(
                 deserializer: D,
             ) -> ::core::result::Result<Self, D::Error> {
@@ -413,10 +409,6 @@ macro_rules! float {
                 }
             }
 
-            fn read(json: &Json, _: &mut Choices) -> Result<Self, Error> {
-                Self::parse(json)
-            }
-
             fn parse<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 let value = Self::deserialize(deserializer)?;
                 if value.is_finite() {
@@ -432,7 +424,7 @@ macro_rules! float {
 float!(f32);
 float!(f64);
 
-// Doesn't override `parse`, because the implementation of `serde_json` accepts repeated fields.
+// Doesn't implement `parse`, because the implementation of `serde_json` accepts repeated fields.
 impl JsonType for Json {
     fn write<S: Serializer>(&self, _: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
         self.serialize(serializer)
@@ -810,13 +802,6 @@ macro_rules! __json_strings {
                 $crate::serde::Serializer::serialize_str(serializer, self.as_str())
             }
 
-            fn read(
-                json: &$crate::json_type::Json,
-                _: &mut $crate::json_type::Choices,
-            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
-                $crate::json_type::JsonType::parse(json)
-            }
-
             fn parse<'de, D: $crate::serde::Deserializer<'de>>(
                 deserializer: D,
             ) -> ::core::result::Result<Self, D::Error> {
@@ -897,13 +882,6 @@ macro_rules! __json_integers {
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
                 $crate::serde::Serializer::serialize_i64(serializer, self.value())
-            }
-
-            fn read(
-                json: &$crate::json_type::Json,
-                _: &mut $crate::json_type::Choices,
-            ) -> ::core::result::Result<Self, $crate::json_type::Error> {
-                $crate::json_type::JsonType::parse(json)
             }
 
             fn parse<'de, D: $crate::serde::Deserializer<'de>>(

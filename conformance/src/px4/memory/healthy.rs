@@ -114,7 +114,7 @@ fn until_nul(text: &[u8]) -> &[u8] {
     text.iter().position(|byte| *byte == 0).map_or(text, |end| &text[..end])
 }
 
-pub(super) fn integer(scalar: Scalar, bytes: &[u8]) -> Option<i64> {
+fn integer(scalar: Scalar, bytes: &[u8]) -> Option<i64> {
     match number(scalar, bytes)? {
         Number::Int(value) => i64::try_from(value).ok(),
         Number::Float(_) => None,

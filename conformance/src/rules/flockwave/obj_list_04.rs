@@ -9,6 +9,7 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
+use super::reply::TimedList;
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
     SessionCheck, Status, body, mutant, reply, source,
@@ -62,8 +63,8 @@ struct Objects(PerConnection<Listed>);
 /// The listed objects of a connection.
 #[derive(Default)]
 struct Listed {
-    /// The latest unfiltered list, and its time.
-    all: Option<(BTreeSet<String>, Option<f64>)>,
+    /// The latest unfiltered list.
+    all: Option<TimedList>,
     /// The objects in filtered lists since the latest unfiltered list.
     others: BTreeSet<String>,
 }
@@ -89,10 +90,7 @@ impl SessionCheck for Objects {
             Some(_) => {}
             None => {
                 let others = std::mem::take(&mut listed.others);
-                let is_same = |(all, time): &(BTreeSet<String>, Option<f64>)| {
-                    *all == list && reply::is_recent(*time, exchange.time)
-                };
-                if listed.all.as_ref().is_some_and(is_same) {
+                if listed.all.as_ref().is_some_and(|all| all.is_confirmed_by(&list, exchange)) {
                     if !others.is_empty() {
                         context.covered();
                     }
@@ -104,7 +102,7 @@ impl SessionCheck for Objects {
                         });
                     }
                 }
-                listed.all = Some((list, exchange.time));
+                listed.all = Some(TimedList::new(list, exchange));
             }
         }
     }

@@ -117,9 +117,23 @@ pub(super) fn listed(exchange: &Exchange<'_>) -> Option<BTreeSet<String>> {
     values.iter().map(id).collect()
 }
 
-/// True if a list from the time `before` is still recent, so that objects hardly appear and disappear again meanwhile.
-pub(super) fn is_recent(before: Option<f64>, now: Option<f64>) -> bool {
-    before.zip(now).is_some_and(|(before, now)| now - before <= MAX_LIST_AGE)
+/// A list of ids, with its time if that is known.
+pub(super) struct TimedList {
+    ids: BTreeSet<String>,
+    time: Option<f64>,
+}
+
+impl TimedList {
+    pub(super) fn new(ids: BTreeSet<String>, exchange: &Exchange<'_>) -> Self {
+        Self { ids, time: exchange.time }
+    }
+
+    /// True if a later response has the same ids, and this list is still recent: objects hardly appear and disappear
+    /// again meanwhile.
+    pub(super) fn is_confirmed_by(&self, ids: &BTreeSet<String>, exchange: &Exchange<'_>) -> bool {
+        let is_recent = |(before, now): (f64, f64)| now - before <= MAX_LIST_AGE;
+        self.ids == *ids && self.time.zip(exchange.time).is_some_and(is_recent)
+    }
 }
 
 /// True if this is a response from the server and its `refs` can be checked, because no earlier records are missing.

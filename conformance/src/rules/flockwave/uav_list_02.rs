@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 use serde_json::json;
 
+use super::reply::TimedList;
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
     SessionCheck, Status, body, mutant, reply, source,
@@ -69,8 +70,8 @@ struct Uavs(PerConnection<Listed>);
 /// The listed UAVs of a connection.
 #[derive(Default)]
 struct Listed {
-    /// The ids of the latest UAV-LIST, and its time.
-    uavs: Option<(BTreeSet<String>, Option<f64>)>,
+    /// The latest UAV-LIST.
+    uavs: Option<TimedList>,
     /// The ids and locations of OBJ-LIST responses since the latest UAV-LIST.
     objects: Vec<(BTreeSet<String>, Location)>,
 }
@@ -92,15 +93,12 @@ impl SessionCheck for Uavs {
             }
         } else if exchange.response("UAV-LIST").is_some() {
             let objects = std::mem::take(&mut listed.objects);
-            let is_same = |(uavs, time): &(BTreeSet<String>, Option<f64>)| {
-                *uavs == list && reply::is_recent(*time, exchange.time)
-            };
-            if listed.uavs.as_ref().is_some_and(is_same) {
+            if listed.uavs.as_ref().is_some_and(|uavs| uavs.is_confirmed_by(&list, exchange)) {
                 for (objects, location) in objects {
                     compare(&list, &objects, location, context);
                 }
             }
-            listed.uavs = Some((list, exchange.time));
+            listed.uavs = Some(TimedList::new(list, exchange));
         }
     }
 
