@@ -44,7 +44,7 @@ use self::stated::Stated;
 pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Unit};
 use super::release::{ReleaseMatch, release_matches};
-use super::topic::{definition_of, is_guess, is_same_type, resembles};
+use super::topic::{confirms, definition_of, is_guess, is_same_type};
 use super::{CaptureResult, CheckRun, Logged, Summary};
 use crate::capture::mcap::OWN;
 use crate::definitions::Definitions;
@@ -431,15 +431,15 @@ impl<'d> Channels<'d> {
     fn decide(&mut self, index: usize, payload: &[u8], location: Location) {
         let tree = utf8(payload).and_then(|text| Tree::read(text).map_err(|error| error.to_string()));
         let message = match tree {
-            Ok(Tree::Object(members)) if members.is_empty() => return,
-            Ok(tree @ Tree::Object(_)) => tree,
-            Ok(_) => return,
+            Ok(message) => message,
             Err(problem) => return self.run.gap(location, problem),
         };
+        let Some(Open { reading: Reading::Guess(message_id, _), .. }) = self.open.get(index) else { return };
+        let Some(is_confirmed) = confirms(&message, *message_id, self.run.definitions) else { return };
         // Removes the channel while it is opened, and then puts it back in its place.
         let mut open = self.open.swap_remove(index);
         if let Reading::Guess(message_id, declared) = std::mem::replace(&mut open.reading, Reading::Skipped)
-            && resembles(&message, message_id, self.run.definitions)
+            && is_confirmed
         {
             open.identity.definition = Some(message_id);
             self.read(&mut open, &declared, message_id);

@@ -65,7 +65,7 @@ pub(crate) fn definition_of_json(
 ///
 /// Outside of PX4's folders, other programs also use names such as `battery_status`. Definitions that the user gave are
 /// those of the capture, so their names aren't ambiguous.
-pub(super) fn is_guess(
+pub(crate) fn is_guess(
     topic: &str,
     schema: Option<(&str, &str)>,
     id: MessageId,
@@ -76,12 +76,20 @@ pub(super) fn is_guess(
 }
 
 /// True if a JSON message clearly has a type: it has a timestamp, and most of its keys are most of the type's fields.
-pub(super) fn resembles(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> bool {
+fn resembles(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> bool {
     let Tree::Object(members) = message else { return false };
     let keys: BTreeSet<&str> = members.iter().map(|(key, _)| &**key).collect();
     let fields = &definitions.schema.message(id).fields;
     let shared = fields.iter().filter(|field| keys.contains(field.name.as_str())).count();
     keys.contains("timestamp") && shared * 2 > keys.len().max(fields.len())
+}
+
+/// True if a JSON message confirms a guess, false if it refutes the guess. `None` if the message has no keys.
+pub(crate) fn confirms(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> Option<bool> {
+    match message {
+        Tree::Object(members) if !members.is_empty() => Some(resembles(message, id, definitions)),
+        _ => None,
+    }
 }
 
 /// True if a schema name denotes a ROS 2 message.

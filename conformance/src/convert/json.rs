@@ -15,7 +15,7 @@ use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::json::{Event, Item, Reader};
 use crate::check::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, ROS, form, starts_like_object};
-use crate::check::{definition_of, is_flockwave};
+use crate::check::{definition_of, definition_of_json, is_flockwave, is_guess};
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::Extent;
@@ -28,6 +28,19 @@ struct Channel<'p> {
     topic: Topic<'p>,
     /// True if messages stay the same.
     is_kept: bool,
+    /// True if a message or a stated type decided about the definition.
+    is_decided: bool,
+}
+
+/// The part of a value that shows the definition of a topic.
+#[derive(Clone, Copy)]
+enum Evidence<'v> {
+    /// A message.
+    Message(&'v Tree<'v>),
+    /// The type that an operation states.
+    Type(&'v str),
+    /// An operation without a type. It shows only the name of the topic.
+    Name,
 }
 
 struct Stream<'p, 'o> {
@@ -149,7 +162,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         value: TextValue<'_>,
         line: u64,
     ) -> Result<(), Error> {
-        let at = match self.open(name, None) {
+        let at = match self.open(name, Evidence::Message(message)) {
             Ok(at) => at,
             Err(problem) => {
                 self.problem(line, problem);
@@ -178,7 +191,8 @@ impl<'p, 'o> Stream<'p, 'o> {
 
     /// Copies a rosbridge message other than `publish`. Renames its topic and its type.
     fn operation(&mut self, topic: &str, ty: Option<&str>, value: TextValue<'_>) -> Result<(), Error> {
-        let Ok(at) = self.open((NameKind::Topic, topic), ty) else { return self.write(value.text) };
+        let evidence = ty.map_or(Evidence::Name, Evidence::Type);
+        let Ok(at) = self.open((NameKind::Topic, topic), evidence) else { return self.write(value.text) };
         let channel = &self.channels[at];
         let name = channel.topic.report.renamed.as_deref().map(quoted);
         // The type may be stated only after the first message, which shows another type.
@@ -190,9 +204,9 @@ impl<'p, 'o> Stream<'p, 'o> {
         self.write(&line)
     }
 
-    /// The index of a topic or a type. `ty` is the type of a topic, if it is stated. The type that is stated before the
-    /// first message applies.
-    fn open(&mut self, (kind, name): (NameKind, &str), ty: Option<&str>) -> Result<usize, String> {
+    /// The index of a topic or a type. The type that is stated before the first message applies. If none is stated, the
+    /// first message decides.
+    fn open(&mut self, (kind, name): (NameKind, &str), evidence: Evidence<'_>) -> Result<usize, String> {
         if name.len() > MAX_NAME {
             return Err(format!("the name of the topic or type is longer than {MAX_NAME} bytes"));
         }
@@ -202,16 +216,22 @@ impl<'p, 'o> Stream<'p, 'o> {
         };
         let definitions = self.plan.source();
         let known = names.get(name).copied();
-        let find = || match kind {
-            NameKind::Type => definitions.message_of_type(name),
-            NameKind::Topic => definition_of(name, ty.map(|ty| (ty, ROS)), definitions),
-        };
         if let Some(at) = known {
             let channel = &self.channels[at];
-            let is_stated = ty.is_some() && channel.topic.report.messages == 0;
-            let definition = if is_stated { find() } else { channel.definition };
-            if definition != channel.definition {
-                self.channels[at] = self.channel((kind, name), ty, definition);
+            let decides = match evidence {
+                Evidence::Message(_) => !channel.is_decided,
+                Evidence::Type(_) => channel.topic.report.messages == 0,
+                Evidence::Name => false,
+            };
+            if decides {
+                let definition = find((kind, name), evidence, definitions);
+                let has_old_name = !channel.is_decided && channel.definition.is_none();
+                let mut channel = self.channel((kind, name), evidence, definition);
+                if has_old_name {
+                    // An operation with the old name has already been copied.
+                    channel.topic.report.renamed = None;
+                }
+                self.channels[at] = channel;
             }
             return Ok(at);
         }
@@ -219,7 +239,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         if at >= MAX_CHANNELS {
             return Err(format!("more than {MAX_CHANNELS} topics and types"));
         }
-        let channel = self.channel((kind, name), ty, find());
+        let definition = find((kind, name), evidence, definitions);
+        let channel = self.channel((kind, name), evidence, definition);
         self.channels.push(channel);
         let names = match kind {
             NameKind::Type => &mut self.by_type,
@@ -232,16 +253,13 @@ impl<'p, 'o> Stream<'p, 'o> {
     fn channel(
         &mut self,
         (kind, name): (NameKind, &str),
-        ty: Option<&str>,
+        evidence: Evidence<'_>,
         definition: Option<MessageId>,
     ) -> Channel<'p> {
         let plan = self.plan;
         let source = plan.source();
         // The fields of undefined messages aren't known.
-        let is_other = |target: &Definitions| match kind {
-            NameKind::Type => target.message_of_type(name).is_some(),
-            NameKind::Topic => definition_of(name, ty.map(|ty| (ty, ROS)), target).is_some(),
-        };
+        let is_other = |target: &Definitions| find((kind, name), evidence, target).is_some();
         let treated = match definition {
             None => (None, plan.undefined(is_other)),
             Some(id) => {
@@ -256,7 +274,8 @@ impl<'p, 'o> Stream<'p, 'o> {
             topic.report.renamed = topic.renamed_type(name, plan);
         }
         let is_kept = topic.converted.as_ref().is_some_and(|converted| converted.keeps_json());
-        Channel { definition, topic, is_kept }
+        let is_decided = !matches!(evidence, Evidence::Name);
+        Channel { definition, topic, is_kept, is_decided }
     }
 
     /// Writes a value.
@@ -289,6 +308,23 @@ impl<'p, 'o> Stream<'p, 'o> {
         }
         self.output.flush()?;
         Ok((self.channels.into_iter().map(|channel| channel.topic.finish()).collect(), self.problems))
+    }
+}
+
+/// Finds the definition of a topic or a type, as `uavspec check` does. `None` if there is only a name that other programs
+/// use as well.
+fn find(
+    (kind, name): (NameKind, &str),
+    evidence: Evidence<'_>,
+    definitions: &Definitions,
+) -> Option<MessageId> {
+    match (kind, evidence) {
+        (NameKind::Type, _) => definitions.message_of_type(name),
+        (NameKind::Topic, Evidence::Message(message)) => definition_of_json(name, None, message, definitions),
+        (NameKind::Topic, Evidence::Type(ty)) => definition_of(name, Some((ty, ROS)), definitions),
+        (NameKind::Topic, Evidence::Name) => {
+            definition_of(name, None, definitions).filter(|id| !is_guess(name, None, *id, definitions))
+        }
     }
 }
 

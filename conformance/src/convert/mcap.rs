@@ -17,7 +17,7 @@ use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::mcap::{AttachmentHead, Event, Item, Packing, Reader, Writer, compressed};
 use crate::check::json::MAX_NAME;
-use crate::check::{HASH, StatedType, decompressed, definition_of, digest, stated_type};
+use crate::check::{HASH, StatedType, confirms, decompressed, definition_of, digest, is_guess, stated_type};
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::text::{start_of, utf8};
@@ -29,6 +29,10 @@ const MAX_SIZE: usize = 64 << 20;
 /// The size of the attachments that are kept in memory, in bytes. A larger one is stored in a temporary file, until it
 /// is complete.
 const MAX_ATTACHMENT: usize = 16 << 20;
+
+/// The maximum total size of the JSON messages that wait for a decision about their type, in bytes. The channel that
+/// exceeds it is copied.
+const MAX_WAITING: usize = 16 << 20;
 
 /// A schema: its name, encoding and text.
 type Schema = (String, String, Vec<u8>);
@@ -47,6 +51,18 @@ enum Origin {
     Json(MessageId, u16),
 }
 
+/// The declaration of a channel.
+struct Declared {
+    id: u16,
+    /// The id of the schema; 0 if there is none.
+    schema: u16,
+    topic: String,
+    encoding: String,
+    metadata: BTreeMap<String, String>,
+    /// A hash of the declaration.
+    digest: u64,
+}
+
 struct Channel<'p> {
     topic: Topic<'p>,
     /// A hash of the declaration.
@@ -54,6 +70,18 @@ struct Channel<'p> {
     is_json: bool,
     /// True if the output contains the payloads of the input.
     keeps_payloads: bool,
+    /// The guess about a JSON channel, until it is decided. Until then, the output doesn't contain the channel.
+    guess: Option<Box<Guess>>,
+}
+
+/// A JSON channel whose name suggests a type. The first message with keys decides whether it has this type.
+struct Guess {
+    message_id: MessageId,
+    declared: Declared,
+    /// The messages so far.
+    waiting: Vec<(MessageHeader, Vec<u8>)>,
+    /// The size of these messages, in bytes.
+    size: usize,
 }
 
 struct Stream<'p, 'o> {
@@ -70,6 +98,8 @@ struct Stream<'p, 'o> {
     /// The total size of the schemas in the output, in bytes.
     written_size: usize,
     converters: Converters<'p>,
+    /// The total size of the messages that wait for a decision, in bytes.
+    waiting_size: usize,
     /// The channels, by id. The output has the same ids.
     channels: Vec<Option<Box<Channel<'p>>>>,
     /// The attachment that is being read.
@@ -114,7 +144,10 @@ pub(super) fn convert(
     if let Some(output) = output {
         Writer::new(output, "")?.finish()?;
     }
-    let Some(stream) = stream else { return Ok((Vec::new(), problems)) };
+    let Some(mut stream) = stream else { return Ok((Vec::new(), problems)) };
+    for problem in stream.decide_rest()? {
+        problems.add(format!("byte {}: {problem}", reader.bytes()));
+    }
     stream.output.finish()?;
     let channels = stream.channels.into_iter().flatten();
     Ok((channels.map(|channel| channel.topic.finish()).collect(), problems))
@@ -132,6 +165,7 @@ impl<'p, 'o> Stream<'p, 'o> {
             written: HashMap::new(),
             written_size: 0,
             converters: Converters::default(),
+            waiting_size: 0,
             channels: Vec::new(),
             attachment: None,
         }
@@ -195,7 +229,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         id: u16,
         schema: u16,
         (topic, encoding): (String, String),
-        mut metadata: BTreeMap<String, String>,
+        metadata: BTreeMap<String, String>,
     ) -> Result<Option<String>, Error> {
         let digest = digest(&(schema, &topic, &encoding, &metadata));
         let at = usize::from(id);
@@ -209,12 +243,37 @@ impl<'p, 'o> Stream<'p, 'o> {
         if let Some(reason) = self.refusal(schema, &topic, &encoding, &metadata) {
             let problem = format!("channel {id}: {reason}");
             let topic = Topic::left_out(&start_of(&topic, MAX_NAME), reason);
-            self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, keeps_payloads: false }));
+            let channel = Channel { topic, digest, is_json, keeps_payloads: false, guess: None };
+            self.channels[at] = Some(Box::new(channel));
             return Ok(Some(problem));
         }
         let plan = self.plan;
-        let stored = self.schemas.get(&schema);
-        let treatment = treatment(plan, (&topic, &encoding), stored, &metadata, &mut self.converters);
+        let source = plan.source();
+        let names = self.schemas.get(&schema).map(names);
+        let definition = definition_of(&topic, names, source);
+        let is_undecided =
+            |id: &MessageId| is_json && plan.concerns(*id) && is_guess(&topic, names, *id, source);
+        let guess = definition.filter(is_undecided);
+        let declared = Declared { id, schema, topic, encoding, metadata, digest };
+        let Some(message_id) = guess else { return self.declare(declared, definition) };
+        let topic = Topic::new(&declared.topic, (None, Treatment::Copy), plan, self.settings);
+        let guess = Some(Box::new(Guess { message_id, declared, waiting: Vec::new(), size: 0 }));
+        self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, keeps_payloads: true, guess }));
+        Ok(None)
+    }
+
+    /// Writes the declaration of a channel, and opens the channel. `definition` is the definition of its messages. Returns
+    /// the problem if the channel is left out.
+    fn declare(
+        &mut self,
+        declared: Declared,
+        definition: Option<MessageId>,
+    ) -> Result<Option<String>, Error> {
+        let plan = self.plan;
+        let stored = self.schemas.get(&declared.schema);
+        let treatment = treatment(plan, &declared, stored, definition, &mut self.converters);
+        let Declared { id, schema, topic, encoding, mut metadata, digest } = declared;
+        let is_json = encoding == "json";
         let mut topic = Topic::new(&topic, treatment, plan, self.settings);
         let mut keeps_payloads = true;
         let origin = match &topic.converted {
@@ -238,7 +297,8 @@ impl<'p, 'o> Stream<'p, 'o> {
                 problem = Some(format!("channel {id}: {}", too_large()));
             }
         }
-        self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, keeps_payloads }));
+        let channel = Channel { topic, digest, is_json, keeps_payloads, guess: None };
+        self.channels[usize::from(id)] = Some(Box::new(channel));
         Ok(problem)
     }
 
@@ -283,28 +343,60 @@ impl<'p, 'o> Stream<'p, 'o> {
         Ok(Some(id))
     }
 
-    /// Writes a message. Returns the problem if its channel is unknown.
+    /// Writes a message. Returns the problem if its channel is unknown, or if the channel is left out from now on.
     fn message(&mut self, header: MessageHeader, payload: &[u8]) -> Result<Option<String>, Error> {
         let id = header.channel_id;
         let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut) else {
             return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
         };
-        channel.topic.report.messages += 1;
-        if channel.topic.report.action == Action::LeftOut {
+        let Some(guess) = &mut channel.guess else {
+            channel.write(&header, payload, &mut self.output)?;
+            return Ok(None);
+        };
+        let decision = guess.decision(payload, self.plan.source());
+        let size = size_of::<(MessageHeader, Vec<u8>)>() + payload.len();
+        guess.waiting.push((header, payload.to_vec()));
+        guess.size += size;
+        self.waiting_size += size;
+        if decision.is_none() && self.waiting_size <= MAX_WAITING {
             return Ok(None);
         }
-        let payload = if channel.keeps_payloads {
-            Cow::Borrowed(payload)
-        } else {
-            let is_json = channel.is_json;
-            let converted = channel.topic.convert(|converted, losses| {
-                if is_json { converted.json_payload(payload, losses) } else { converted.cdr(payload, losses) }
-            });
-            let Some(converted) = converted else { return Ok(None) };
-            Cow::Owned(converted)
-        };
-        self.output.message(&header, &payload)?;
-        Ok(None)
+        let definition = Some(guess.message_id).filter(|_| decision == Some(true));
+        let problem = self.decide(usize::from(id), definition)?;
+        // The limit is exceeded.
+        if decision.is_none()
+            && let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut)
+        {
+            let limit = MAX_WAITING >> 20;
+            let reason = format!("more than {limit} MiB of messages precede the first one with keys");
+            channel.topic.report.reason.get_or_insert(reason);
+        }
+        Ok(problem)
+    }
+
+    /// Declares a channel whose guess is decided, and writes its messages so far. They follow later messages of other
+    /// channels. Does nothing if the channel has no guess. Returns the problem if the channel is left out.
+    fn decide(&mut self, at: usize, definition: Option<MessageId>) -> Result<Option<String>, Error> {
+        let channel = self.channels.get_mut(at).and_then(Option::as_deref_mut);
+        let Some(guess) = channel.and_then(|channel| channel.guess.take()) else { return Ok(None) };
+        let Guess { declared, waiting, size, .. } = *guess;
+        self.waiting_size -= size;
+        let problem = self.declare(declared, definition)?;
+        if let Some(channel) = self.channels.get_mut(at).and_then(Option::as_deref_mut) {
+            for (header, payload) in waiting {
+                channel.write(&header, &payload, &mut self.output)?;
+            }
+        }
+        Ok(problem)
+    }
+
+    /// Decides the remaining guesses at the end of the file, as wrong. Returns the problems.
+    fn decide_rest(&mut self) -> Result<Vec<String>, Error> {
+        let mut problems = Vec::new();
+        for at in 0..self.channels.len() {
+            problems.extend(self.decide(at, None)?);
+        }
+        Ok(problems)
     }
 
     /// Copies a metadata record. Returns the problem if it is left out. The index contains the name.
@@ -338,6 +430,41 @@ impl<'p, 'o> Stream<'p, 'o> {
             self.attachment = None;
         }
         Ok(None)
+    }
+}
+
+impl Channel<'_> {
+    /// Writes a message, unless it is left out.
+    fn write(
+        &mut self,
+        header: &MessageHeader,
+        payload: &[u8],
+        output: &mut Writer<impl Write>,
+    ) -> Result<(), Error> {
+        self.topic.report.messages += 1;
+        if self.topic.report.action == Action::LeftOut {
+            return Ok(());
+        }
+        let payload = if self.keeps_payloads {
+            Cow::Borrowed(payload)
+        } else {
+            let is_json = self.is_json;
+            let converted = self.topic.convert(|converted, losses| {
+                if is_json { converted.json_payload(payload, losses) } else { converted.cdr(payload, losses) }
+            });
+            let Some(converted) = converted else { return Ok(()) };
+            Cow::Owned(converted)
+        };
+        output.message(header, &payload)?;
+        Ok(())
+    }
+}
+
+impl Guess {
+    /// True if a payload confirms the guess, false if it refutes the guess. `None` if it decides nothing.
+    fn decision(&self, payload: &[u8], definitions: &Definitions) -> Option<bool> {
+        let message = Tree::read(utf8(payload).ok()?).ok()?;
+        confirms(&message, self.message_id, definitions)
     }
 }
 
@@ -387,20 +514,25 @@ fn content<'s>(plan: &Plan, schemas: &'s HashMap<u16, Schema>, origin: Origin) -
     }
 }
 
-/// The treatment of a channel, and the release of its messages.
+/// The name and the encoding of a schema.
+fn names((name, encoding, _): &Schema) -> (&str, &str) {
+    (name, encoding)
+}
+
+/// The treatment of a channel whose messages have this definition, and the release of its messages.
 fn treatment<'p>(
     plan: &'p Plan,
-    (topic, encoding): (&str, &str),
+    declared: &Declared,
     schema: Option<&Schema>,
-    metadata: &BTreeMap<String, String>,
+    definition: Option<MessageId>,
     converters: &mut Converters<'p>,
 ) -> (Option<String>, Treatment<'p>) {
     let definitions = plan.source();
-    let names = schema.map(|(name, encoding, _)| (name.as_str(), encoding.as_str()));
+    let Declared { topic, encoding, metadata, .. } = declared;
     let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
-    let Some(id) = definition_of(topic, names, definitions) else {
+    let Some(id) = definition else {
         let is_other = |target: &Definitions| {
-            let id = definition_of(topic, names, target).filter(|_| encoding == "cdr");
+            let id = definition_of(topic, schema.map(names), target).filter(|_| encoding == "cdr");
             id.is_some_and(|id| stated_type(stated, metadata, id, target) == StatedType::Other)
         };
         return (None, plan.undefined(is_other));
@@ -408,7 +540,7 @@ fn treatment<'p>(
     if !plan.concerns(id) {
         return (None, Treatment::Copy);
     }
-    let treatment = match encoding {
+    let treatment = match encoding.as_str() {
         "cdr" => match stated_type(stated, metadata, id, definitions) {
             StatedType::Other => plan.differs(id),
             // Only the type shows the fields of a CDR message.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
-use super::{checked, converted, release, try_converted};
+use super::{checked, checked_against, converted, release, try_converted};
 use crate::capture::mcap::{Event, Packing, Reader};
 use crate::convert::{Action, ConversionReport, Settings};
 use crate::tests::mcap::file::{self, FORMS, Form};
@@ -232,6 +232,108 @@ fn unreadable_json_messages_are_left_out() {
         assert!(!report.is_complete(), "{}", report.to_text());
         assert_eq!(checked(&output).result.records, 0);
     }
+}
+
+/// The payloads of an output, as text.
+fn payloads(output: &[u8]) -> Vec<String> {
+    let messages = ::mcap::MessageStream::new(output).expect("a bag");
+    let texts = messages.map(|message| String::from_utf8(message.expect("a message").data.into_owned()));
+    texts.map(|text| text.expect("text")).collect()
+}
+
+/// Other programs use the names of PX4's topics for other types.
+#[test]
+fn names_of_json_channels_outside_of_px4_need_the_keys_of_the_type() {
+    let (robot, px4) = ("/robot/arming_check_request", "/robot/fmu/out/arming_check_request");
+    let sent = r#"{"timestamp":9,"request_id":3}"#;
+    let other = r#"{"robot":"Ada","request_id":3}"#;
+    let new = r#"{"timestamp":9,"request_id":3,"valid_registrations_mask":4294967295}"#;
+    for (topic, ty, messages, expected, action) in [
+        (robot, "Request", &[other, sent][..], &[other, sent][..], Action::Copied),
+        (robot, "Request", &[sent, sent], &[new, new], Action::Converted),
+        (robot, "Request", &[sent, other], &[new], Action::Converted),
+        // Messages without keys decide nothing.
+        (robot, "Request", &["{}", "[1]", "{", sent], &[new], Action::Converted),
+        (robot, "Request", &["{}", "[1]", "{", other], &["{}", "[1]", "{", other], Action::Copied),
+        (robot, "Request", &["{}", "{}"], &["{}", "{}"], Action::Copied),
+        (robot, "Request", &[], &[], Action::Copied),
+        // A schema and PX4's folders leave nothing to guess.
+        (robot, "px4/ArmingCheckRequest", &[other], &[], Action::Converted),
+        (px4, "Request", &[other], &[], Action::Converted),
+    ] {
+        let records: Vec<u8> = messages.iter().flat_map(|sent| file::message(5, sent.as_bytes())).collect();
+        let schema = file::schema(9, ty, "jsonschema", b"{}");
+        let bytes = file::file(&[schema, file::channel(5, 9, topic, "json", &[]), records].concat());
+        let library = release("px4@1.16");
+        let conversion = try_converted(&bytes, &library, "px4@1.17", Settings::default());
+        let (report, output) = conversion.expect("a conversion");
+        assert_eq!(payloads(&output), expected, "{topic} {ty} {messages:?}");
+        let [found] = &report.topics[..] else { panic!("{:?}", report.topics) };
+        let (count, lost) = (messages.len() as u64, (messages.len() - expected.len()) as u64);
+        assert_eq!((found.action, found.messages, found.unreadable), (action, count, lost), "{messages:?}");
+        assert_eq!((report.is_complete(), &found.reason), (lost == 0, &None), "{messages:?}");
+        let is_converted = action == Action::Converted;
+        let summary = ::mcap::Summary::read(&output).expect("a summary").expect("a summary");
+        let schema = summary.channels.values().find_map(|channel| channel.schema.as_ref());
+        let expected = if is_converted { "px4_msgs/msg/ArmingCheckRequest" } else { ty };
+        assert_eq!(schema.map(|schema| schema.name.as_str()), Some(expected), "{messages:?}");
+        let is_checked = checked_against(&bytes, &library).result.checked > 0;
+        assert_eq!(is_checked, is_converted, "`check` and `convert` must agree: {messages:?}");
+    }
+}
+
+/// Messages that have waited are written after those of other channels, and the statistics count them.
+#[test]
+fn messages_without_keys_wait_for_a_decision() {
+    let sent = r#"{"timestamp":9,"request_id":3}"#;
+    let records = [
+        file::channel(5, 0, "/robot/arming_check_request", "json", &[]),
+        file::channel(6, 0, "/rope", "json", &[]),
+        file::message(5, b"{}"),
+        file::message(6, b"{\"length\":1}"),
+        file::message(5, b"{\"robot\":2}"),
+        file::message(6, b"{\"length\":3}"),
+        file::message(5, sent.as_bytes()),
+    ];
+    let bytes = file::file(&records.concat());
+    let conversion = try_converted(&bytes, &release("px4@1.16"), "px4@1.17", Settings::default());
+    let (report, output) = conversion.expect("a conversion");
+    assert!(report.is_complete() && report.count(Action::Copied) == 2, "{}", report.to_text());
+    let expected = ["{\"length\":1}", "{}", "{\"robot\":2}", "{\"length\":3}", sent];
+    assert_eq!(payloads(&output), expected);
+    let summary = ::mcap::Summary::read(&output).expect("a summary").expect("a summary");
+    let counts = summary.stats.expect("statistics").channel_message_counts;
+    assert_eq!(counts.into_iter().collect::<Vec<_>>(), [(5, 3), (6, 2)]);
+}
+
+#[test]
+fn the_size_of_waiting_messages_is_limited() {
+    let (blank, sent) = (vec![b' '; 17 << 20], br#"{"timestamp":9,"request_id":3}"#);
+    let channel = |id, topic| file::channel(id, 0, topic, "json", &[]);
+    let records = [
+        channel(5, "/robot/arming_check_request"),
+        channel(6, "/drone/arming_check_request"),
+        file::message(5, &blank),
+        file::message(5, sent),
+        // The room is free again.
+        file::message(6, b"{}"),
+        file::message(6, sent),
+    ];
+    let bytes = file::file(&records.concat());
+    let conversion = try_converted(&bytes, &release("px4@1.16"), "px4@1.17", Settings::default());
+    let (report, output) = conversion.expect("a conversion");
+    let found: Vec<_> =
+        report.topics.iter().map(|topic| (&*topic.topic, topic.action, topic.messages)).collect();
+    let expected = [
+        ("/drone/arming_check_request", Action::Converted, 2),
+        ("/robot/arming_check_request", Action::Copied, 2),
+    ];
+    assert_eq!(found, expected);
+    let reason = report.topics[1].reason.as_deref();
+    assert_eq!(reason, Some("more than 16 MiB of messages precede the first one with keys"));
+    let lengths: Vec<usize> = payloads(&output).iter().map(String::len).collect();
+    assert_eq!(lengths[..2], [blank.len(), sent.len()]);
+    assert_eq!(lengths.len(), 3);
 }
 
 /// The problems in a report, without their offsets.

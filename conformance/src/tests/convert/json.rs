@@ -136,6 +136,95 @@ fn topics_and_types_are_renamed_in_all_operations() {
     assert!(lines[2].starts_with(r#"{"type": "px4/RtcmData", "#), "{}", lines[2]);
 }
 
+/// A rosbridge message.
+fn published(topic: &str, message: &str) -> String {
+    format!(r#"{{"op":"publish","topic":"{topic}","msg":{message}}}"#)
+}
+
+/// Other programs use the names of PX4's topics for other types.
+#[test]
+fn names_of_topics_outside_of_px4_need_the_keys_of_the_type() {
+    let (robot, px4) = ("/robot/arming_check_request", "/robot/fmu/out/arming_check_request");
+    let sent = r#"{"timestamp":9,"request_id":3}"#;
+    let other = r#"{"robot":"Ada","request_id":3}"#;
+    let new = r#"{"timestamp":9,"request_id":3,"valid_registrations_mask":4294967295}"#;
+    let subscribed = format!(r#"{{"op":"subscribe","topic":"{robot}"}}"#);
+    let advertised = |ty: &str| format!(r#"{{"op":"advertise","topic":"{robot}","type":"{ty}"}}"#);
+    let px4_type = advertised("px4_msgs/msg/ArmingCheckRequest");
+    let club_type = advertised("club_msgs/msg/Request");
+    for (before, topic, messages, expected, action) in [
+        ("", robot, &[other, sent][..], &[other, sent][..], Action::Copied),
+        ("", robot, &[sent, sent], &[new, new], Action::Converted),
+        ("", robot, &[sent, other], &[new], Action::Converted),
+        // The first message decides.
+        ("", robot, &["{}", sent], &["{}", sent], Action::Copied),
+        ("", robot, &["null", sent], &["null", sent], Action::Copied),
+        // An operation without a type decides nothing.
+        (subscribed.as_str(), robot, &[sent], &[new], Action::Converted),
+        (subscribed.as_str(), robot, &[other], &[other], Action::Copied),
+        (subscribed.as_str(), robot, &[], &[], Action::Copied),
+        // A stated type and PX4's folders leave nothing to guess.
+        (px4_type.as_str(), robot, &[other], &[], Action::Converted),
+        (club_type.as_str(), robot, &[sent], &[sent], Action::Copied),
+        ("", px4, &[other], &[], Action::Converted),
+    ] {
+        let lines = |messages: &[&str]| {
+            let start = Some(before.to_owned()).filter(|line| !line.is_empty());
+            let all = start.into_iter().chain(messages.iter().map(|message| published(topic, message)));
+            all.map(|line| line + "\n").collect::<String>()
+        };
+        let text = lines(messages);
+        let (report, output) = converted(text.as_bytes(), "px4@1.16", "px4@1.17");
+        assert_eq!(output, lines(expected), "{text}");
+        let [found] = &report.topics[..] else { panic!("{:?}", report.topics) };
+        let (count, lost) = (messages.len() as u64, (messages.len() - expected.len()) as u64);
+        assert_eq!((found.action, found.messages, found.unreadable), (action, count, lost), "{text}");
+        assert_eq!((report.is_complete(), &found.reason), (lost == 0, &None), "{text}");
+        let is_checked = checked_against(text.as_bytes(), &release("px4@1.16")).result.checked > 0;
+        assert_eq!(is_checked, action == Action::Converted, "`check` and `convert` must agree: {text}");
+    }
+}
+
+/// PX4 1.18 renames `gps_inject_data`.
+#[test]
+fn topics_keep_the_name_under_which_operations_were_copied() {
+    let published = published("/robot/gps_inject_data", &message("px4@1.17", "GpsInjectData"));
+    let renamed = |before: &str| {
+        let text = format!("{before}{published}\n");
+        converted(text.as_bytes(), "px4@1.17", "px4@1.18").1.contains("/robot/rtcm_corrections")
+    };
+    assert!(renamed(""));
+    assert!(!renamed("{\"op\":\"subscribe\",\"topic\":\"/robot/gps_inject_data\"}\n"));
+}
+
+/// Only PX4 1.17 defines `battery_info`.
+#[test]
+fn names_that_only_the_target_defines_need_the_keys_of_the_type() {
+    let (of_px4, other) = (message("px4@1.17", "BatteryInfo"), r#"{"timestamp":1,"level":3}"#);
+    for (topic, sent, action) in [
+        ("/robot/battery_info", other, Action::Copied),
+        ("/robot/battery_info", of_px4.as_str(), Action::LeftOut),
+        ("/fmu/out/battery_info", other, Action::LeftOut),
+    ] {
+        let line = published(topic, sent) + "\n";
+        let (report, output) = converted(line.as_bytes(), "px4@1.16", "px4@1.17");
+        let [found] = &report.topics[..] else { panic!("{:?}", report.topics) };
+        assert_eq!((found.action, found.messages, found.unreadable), (action, 1, 0), "{line}");
+        assert_eq!(output, if action == Action::Copied { line.as_str() } else { "" });
+    }
+}
+
+/// Both releases define `battery_status`, with other fields.
+#[test]
+fn topics_that_resemble_no_definition_are_copied() {
+    let other = published("/robot/battery_status", r#"{"voltage":12.1,"percentage":0.5}"#);
+    let text = format!("{other}\n{}\n", line("px4@1.17", "BatteryStatus"));
+    let (report, output) = converted(text.as_bytes(), "px4@1.17", "px4@1.16");
+    assert!(report.is_complete(), "{:?}", report.topics);
+    assert_eq!((report.count(Action::Converted), report.count(Action::Copied)), (1, 1));
+    assert_eq!((output.lines().next(), output.lines().count()), (Some(other.as_str()), 2));
+}
+
 /// rosbridge writes bytes as base64, and ROS 2 writes text as numbers.
 #[test]
 fn the_notation_of_bytes_stays_the_same() {
