@@ -18,7 +18,9 @@ use uavspec_runtime::{Number, Scalar};
 use self::healthy::Healthy;
 use self::screen::Screen;
 use super::ValueRules;
-use super::values::{Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, number};
+use super::values::{
+    Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, entries_in_use, number,
+};
 use crate::model::{Findings, Location, hexadecimal};
 use crate::text::start_of;
 
@@ -78,16 +80,16 @@ struct Values {
 }
 
 /// A field that contains the number of used entries in an array.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Counter {
     offset: usize,
     scalar: Scalar,
-    /// The count that means that the number is unknown, if there is one.
-    unknown: Option<i128>,
+    /// The field's special values, which don't say how many entries are in use. Most counts have none.
+    special: Box<[Number]>,
 }
 
 /// An entry of a counted array.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 struct Entry {
     counter: Counter,
     index: usize,
@@ -267,8 +269,8 @@ impl Compiler<'_> {
         for index in 0..count(placed.shape) {
             let path = if placed.shape == Shape::Single { path.clone() } else { format!("{path}[{index}]") };
             let before = steps.len();
-            let entry = counter.map(|counter| Entry { counter, index });
-            let entries: Vec<Entry> = within.entries.iter().copied().chain(entry).collect();
+            let entry = counter.clone().map(|counter| Entry { counter, index });
+            let entries: Vec<Entry> = within.entries.iter().cloned().chain(entry).collect();
             let base = offset + index * placed.stride;
             let within = Within { base, path: &path, subject: &subject, entries: &entries };
             self.add(nested, nested_id(field), within, steps);
@@ -380,26 +382,22 @@ impl Counter {
         let placed = message_type
             .layout()
             .find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
-        let mut special = field.restriction.iter().flat_map(|restriction| &restriction.special);
-        let unknown = special.find_map(|number| match *number {
-            Number::Int(value) => Some(value),
-            Number::Float(_) => None,
-        });
         match placed.element {
-            PlacedElement::Scalar(scalar) => Some(Self { offset: base + placed.offset, scalar, unknown }),
+            PlacedElement::Scalar(scalar) => {
+                Some(Self { offset: base + placed.offset, scalar, special: field.special().into() })
+            }
             PlacedElement::Text(_) | PlacedElement::String { .. } | PlacedElement::Message(_) => None,
         }
     }
 
-    /// True if the message at offset `base` uses the entry with this index. If the count is negative or unknown, the entries
-    /// may have any values.
-    fn uses(self, index: usize, base: usize, payload: &[u8]) -> bool {
+    /// The number of entries in use in the message at offset `base`. If the count isn't an integer, all entries are in
+    /// use.
+    fn in_use(&self, base: usize, payload: &[u8]) -> usize {
         let start = base + self.offset;
         let count = payload.get(start..start + self.scalar.size());
         match count.and_then(|count| number(self.scalar, count)) {
-            Some(Number::Int(count)) if self.unknown == Some(count) => false,
-            Some(Number::Int(count)) => usize::try_from(count).is_ok_and(|count| index < count),
-            Some(Number::Float(_)) | None => true,
+            Some(Number::Int(count)) => entries_in_use(count, &self.special),
+            Some(Number::Float(_)) | None => usize::MAX,
         }
     }
 }
@@ -505,12 +503,11 @@ impl Run<'_> {
         if !step.entries.iter().all(|entry| entry.is_in_use(base, self.payload)) {
             return;
         }
-        for index in 0..length {
-            let is_in_use = |counter: Counter| counter.uses(index, base, self.payload);
-            if step.count_of_values.is_none_or(is_in_use) {
-                let trail = Trail { outer: trail, sequence: &step.path, index };
-                self.steps(inner, start + index * step.stride, Some(&trail));
-            }
+        let counter = step.count_of_values.as_ref();
+        let in_use = counter.map_or(length, |counter| counter.in_use(base, self.payload).min(length));
+        for index in 0..in_use {
+            let trail = Trail { outer: trail, sequence: &step.path, index };
+            self.steps(inner, start + index * step.stride, Some(&trail));
         }
     }
 
@@ -558,7 +555,7 @@ fn joined(prefix: &str, path: &str) -> String {
 
 impl Entry {
     fn is_in_use(&self, base: usize, payload: &[u8]) -> bool {
-        self.counter.uses(self.index, base, payload)
+        self.index < self.counter.in_use(base, payload)
     }
 }
 
@@ -574,8 +571,8 @@ impl Step {
     /// True if a value is in use. Unused values are ignored.
     fn is_in_use(&self, index: usize, values: &Values, base: usize, payload: &[u8]) -> bool {
         // All characters of a text form a single value.
-        let counter = self.count_of_values.filter(|_| !matches!(values.element, Element::Text(_)));
-        counter.is_none_or(|counter| counter.uses(index, base, payload))
+        let counter = self.count_of_values.as_ref().filter(|_| !matches!(values.element, Element::Text(_)));
+        counter.is_none_or(|counter| index < counter.in_use(base, payload))
             && self.entries.iter().all(|entry| entry.is_in_use(base, payload))
     }
 }

@@ -2,7 +2,7 @@
 //! constraints.
 //!
 //! An encoding only determines how a value is read. This module contains the constraints, their rules, the messages for
-//! violations, and the number of values that each rule covers.
+//! violations, the number of values that each rule covers, and the number of entries in use in counted arrays.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -363,11 +363,25 @@ impl FieldPlan {
         Constraint { element: self.element, shape: self.shape, restriction: self.restriction.as_ref() }
     }
 
+    /// The values with a special meaning, except for values that the other constraints allow anyway.
+    pub(super) fn special(&self) -> &[Number] {
+        self.restriction.as_ref().map_or(&[], |restriction| restriction.special.as_slice())
+    }
+
     /// True for an array of bytes, which rosbridge writes as base64.
     pub(super) fn is_byte_array(&self) -> bool {
         let is_byte = matches!(self.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
         is_byte && self.shape != Shape::Single
     }
+}
+
+/// The number of entries in use in an array, from the count and the special values of the count's field. A negative or
+/// special count doesn't say which entries are in use. The number is then 0, so the entries may have any values.
+pub(super) fn entries_in_use(count: i128, special: &[Number]) -> usize {
+    if count <= 0 || special.contains(&Number::Int(count)) {
+        return 0;
+    }
+    usize::try_from(count).unwrap_or(usize::MAX)
 }
 
 /// True if `char` is text. In ROS 2, `char` is a number.

@@ -5,14 +5,13 @@ use std::fmt::Write as _;
 
 use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_codegen::source::Span;
-use uavspec_runtime::Number;
 
 use super::dialect::{Dialect, Dialects};
 use super::value::Leaf;
 use crate::json::pointer;
 use crate::json::{Tree, shortened};
 use crate::model::{Detail, Findings, Location, Rule};
-use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, SharedFields, Violation};
+use crate::px4::values::{Element, FieldPlan, MessagePlan, Plans, SharedFields, Violation, entries_in_use};
 
 /// The maximum number of missing fields that a finding names.
 const MAX_MISSING: usize = 8;
@@ -353,13 +352,10 @@ impl<'p> Explaining<'p, '_> {
     }
 }
 
-/// The number of used entries according to the field that counts them, if that field is valid. If the count is negative or
-/// unknown, the entries may have any values.
+/// The number of entries in use according to the field that counts them. `None` if that field is not an integer.
 fn in_use(object: &Tree<'_>, field: &FieldPlan) -> Option<usize> {
     let Some(Tree::Int(count)) = object.get(&field.name) else { return None };
-    let restriction = field.restriction.as_ref();
-    let is_unknown = restriction.is_some_and(|found| found.special.contains(&Number::Int(*count)));
-    if is_unknown || *count < 0 { Some(0) } else { usize::try_from(*count).ok() }
+    Some(entries_in_use(*count, field.special()))
 }
 
 impl FieldPlan {

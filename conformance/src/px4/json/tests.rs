@@ -1,6 +1,7 @@
-//! Tests that both readers of a message agree on any text.
+//! Tests that both readers of a message agree on any text, and that the checks of JSON and memory agree.
 
 use proptest::prelude::*;
+use serde_json::json;
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
@@ -10,6 +11,7 @@ use super::{MessageOrigin, Plans, Template};
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Findings, Location};
+use crate::px4::memory::Plan;
 
 /// The texts that replace random pieces of a message.
 const PIECES: [&str; 28] = [
@@ -70,6 +72,11 @@ fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseErro
     Ok(was_clean)
 }
 
+/// The findings: the ids of their rules, their subjects, and the number for each.
+fn listed(findings: &Findings) -> Vec<(&'static str, String, u64)> {
+    findings.groups().map(|group| (group.rule.id, group.subject.clone(), group.count)).collect()
+}
+
 /// The boundaries of the values, keys and punctuation in a text.
 fn pieces(text: &str) -> Vec<usize> {
     let is_mark = |byte: u8| matches!(byte, b'{' | b'}' | b'[' | b']' | b',' | b':');
@@ -119,6 +126,76 @@ fn checks_bounds_of_sequences_and_strings() {
     ] {
         assert!(good.contains(from), "{from}");
         assert_eq!(violated(&good.replace(from, to)), [text], "{to}");
+    }
+}
+
+/// Checks a message with counted arrays in JSON and in memory. Each entry violates its range, so the number of findings
+/// is the number of entries in use.
+#[test]
+fn json_and_memory_agree_on_the_entries_in_use() {
+    const HIGH: &str = "[@invalid 255] [@uncontrolled 254]";
+    // One special value is below the array length, and the other one is written as a float.
+    const LOW: &str = "[@range 2, 7] [@invalid 1] [@uncontrolled 254.0]";
+    let (too_long, out_of_range) = (Some("PX-LEN-01"), Some("PX-RANGE-01"));
+    for (special, count, in_use, violated) in [
+        (HIGH, -1, 0, None),
+        (HIGH, 0, 0, None),
+        (HIGH, 2, 2, None),
+        (HIGH, 3, 3, None),
+        (HIGH, 4, 3, too_long),
+        (HIGH, 253, 3, too_long),
+        (HIGH, 254, 0, None),
+        (HIGH, 255, 0, None),
+        (HIGH, 256, 3, too_long),
+        (LOW, -1, 0, out_of_range),
+        (LOW, 0, 0, out_of_range),
+        (LOW, 1, 0, None),
+        (LOW, 2, 2, None),
+        (LOW, 3, 3, None),
+        (LOW, 4, 3, too_long),
+        (LOW, 254, 0, None),
+        (LOW, 255, 3, too_long),
+    ] {
+        let tow = format!(
+            "int16 num_ropes  # {special} [@count ropes]\nuint8[3] ropes  # [@range 10, 90]\n\
+             int16 num_knots  # {special} [@count knots]\nKnot[3] knots\n\
+             int16 num_turns  # {special} [@count turns]\nuint8[<=3] turns  # [@range 1, 9]\n"
+        );
+        let mut sources = SourceMap::default();
+        let files = [("Tow.msg", tow), ("Knot.msg", "int16 width  # [@range 1, 9]\n".to_owned())]
+            .map(|(name, text)| sources.add(name, text.into()).expect("a file"));
+        let package = PackageInput::new("demo", Form::Msg(Dialect::Ros2), Vec::from(files));
+        let (schema, mistakes) = read(&sources, &[package]);
+        assert!(mistakes.is_empty(), "{mistakes:?}");
+        let at = schema.messages.iter().position(|message| message.name == "Tow").expect("a message");
+        let id = MessageId(u32::try_from(at).expect("few"));
+        let text = json!({
+            "num_ropes": count, "ropes": [0, 0, 0],
+            "num_knots": count, "knots": vec![json!({"width": 0}); 3],
+            "num_turns": count, "turns": [0, 0, 0],
+        });
+        let text = text.to_string();
+
+        let (mut in_json, mut in_memory) = (Findings::default(), Findings::default());
+        let location = Location::Line(1);
+        let origin = MessageOrigin { id, name: "m", location, key: None, is_rosbridge: false, shared: None };
+        let plans = Plans::new(&schema, &crate::rules::px4::VALUES);
+        plans.explain(origin, &Tree::read(&text).expect("JSON"), &mut in_json);
+        let types = Types::new(&schema);
+        let message = types.get(id).from_json_text(&text).expect("a message");
+        let plan = Plan::new(types.get(id), Some(id), &schema, "m", &crate::rules::px4::VALUES);
+        plan.check(message.memory(), location, &mut in_memory);
+
+        let mut expected: Vec<(&str, String, u64)> = Vec::new();
+        for (array, value) in [("knots", "knots.width"), ("ropes", "ropes"), ("turns", "turns")] {
+            expected.extend(violated.map(|rule| (rule, format!("m.num_{array}"), 1)));
+            if in_use > 0 {
+                expected.push(("PX-RANGE-01", format!("m.{value}"), in_use));
+            }
+        }
+        expected.sort_unstable();
+        assert_eq!(listed(&in_json), expected, "JSON: {special} {count}");
+        assert_eq!(listed(&in_memory), expected, "memory: {special} {count}");
     }
 }
 
