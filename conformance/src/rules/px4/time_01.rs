@@ -56,7 +56,11 @@ const MAX_STEP: u64 = 3_600_000_000;
 
 #[derive(Default)]
 struct Times {
-    channels: PerChannel<Time>,
+    /// The times of the latest messages of logs; 0 if they are unknown. Logs need no more, and have so many messages that
+    /// copying a [`Time`] for each would take noticeable time.
+    logged: PerChannel<u64>,
+    /// The times of other channels.
+    sent: PerChannel<Time>,
 }
 
 /// The times of a channel.
@@ -101,21 +105,56 @@ impl Early {
 
 impl Checker for Times {
     fn opened(&mut self, channel: &Channel<'_>, context: &mut RuleContext<'_>) -> Interest {
+        let is_log = channel.multi_id.is_some();
         // Outside of logs, any other topic may merge the messages of several instances or publishers.
-        let has_one_publisher = channel.multi_id.is_some() || channel.full_topic.contains(FROM_PX4);
+        let has_one_publisher = is_log || channel.full_topic.contains(FROM_PX4);
         if !has_one_publisher || !is_of_px4(channel, context) {
             return Interest::Nothing;
         }
-        self.channels.open(channel, Time::default());
+        if is_log {
+            self.logged.open(channel, 0);
+        } else {
+            self.sent.open(channel, Time::default());
+        }
         Interest::Times
     }
 
     fn message(&mut self, channel: &Channel<'_>, message: &Message<'_>, context: &mut RuleContext<'_>) {
         let Some(timestamp) = message.timestamp.filter(|timestamp| *timestamp != 0) else { return };
-        let Some(time) = self.channels.get(channel) else { return };
-        let Time { latest: previous, logged, pause, early } = std::mem::take(time);
+        if channel.multi_id.is_none() {
+            return self.sent(channel, message, timestamp, context);
+        }
+        let Some(latest) = self.logged.get(channel) else { return };
         // Later messages are compared with this message, even if its time is wrong. Otherwise, a single wrong time or a
         // restart would make all later messages wrong.
+        let previous = std::mem::replace(latest, timestamp);
+        if previous == 0 {
+            return;
+        }
+        context.covered();
+        if timestamp < previous {
+            report(timestamp, previous, message.location, channel, context);
+        }
+    }
+
+    fn corruption(&mut self, _: Location) {
+        // The latest message may be corrupt too.
+        self.logged.iter_mut().for_each(|latest| *latest = 0);
+        self.sent.iter_mut().for_each(|time| *time = Time::default());
+    }
+}
+
+impl Times {
+    /// Checks a message outside of logs.
+    fn sent(
+        &mut self,
+        channel: &Channel<'_>,
+        message: &Message<'_>,
+        timestamp: u64,
+        context: &mut RuleContext<'_>,
+    ) {
+        let Some(time) = self.sent.get(channel) else { return };
+        let Time { latest: previous, logged, pause, early } = std::mem::take(time);
         *time = Time { latest: timestamp, logged: message.logged, pause, early: None };
         // The messages of a bag may be in any order.
         let is_unordered = logged.zip(message.logged).is_some_and(|(before, now)| now < before);
@@ -125,9 +164,6 @@ impl Checker for Times {
         context.covered();
         let (logged, location) = (message.logged, message.location);
         let now = (timestamp < previous).then_some(Early { timestamp, previous, logged, location });
-        if channel.multi_id.is_some() {
-            return report(now, channel, context);
-        }
         // The influence of a long pause decreases with each message. The clock may also be set forward. An early message is
         // between two pauses.
         let (since, pauses) = early.map_or((previous, 1), |early| (early.previous, 2));
@@ -137,17 +173,19 @@ impl Checker for Times {
             time.pause = passed.max(pause - pause / 16);
         }
         time.early = now.filter(|early| early.step() < MAX_STEP);
-        report(early.filter(|early| early.is_alone(timestamp, message.logged, pause)), channel, context);
-    }
-
-    fn corruption(&mut self, _: Location) {
-        // The latest message may be corrupt too.
-        self.channels.iter_mut().for_each(|time| *time = Time::default());
+        if let Some(early) = early.filter(|early| early.is_alone(timestamp, logged, pause)) {
+            report(early.timestamp, early.previous, early.location, channel, context);
+        }
     }
 }
 
-fn report(early: Option<Early>, channel: &Channel<'_>, context: &mut RuleContext<'_>) {
-    let Some(Early { timestamp, previous, location, .. }) = early else { return };
+fn report(
+    timestamp: u64,
+    previous: u64,
+    location: Location,
+    channel: &Channel<'_>,
+    context: &mut RuleContext<'_>,
+) {
     context.violation_in_field(channel, "timestamp", location, || {
         Detail::new(format!("timestamp {timestamp} is earlier than the previous timestamp, {previous}"))
             .expected(format!("{previous} or later"))
