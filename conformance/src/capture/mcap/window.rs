@@ -18,10 +18,13 @@ pub(super) struct Window<R> {
     /// The offset of the cursor in the input.
     offset: u64,
     is_at_end: bool,
-    /// The checksum of everything before the cursor.
-    whole: Hasher,
-    /// The checksum of the bytes between the latest [`start_part`](Self::start_part) call and the cursor.
+    /// The checksum of everything before the latest [`start_part`](Self::start_part) call.
+    before: Hasher,
+    /// The checksum of the bytes from there to `summed`.
     part: Hasher,
+    /// The buffer index just after the last byte in a checksum. The bytes from there to the cursor are added later, in
+    /// large pieces: short pieces take much longer per byte.
+    summed: usize,
 }
 
 impl<R: Read> Window<R> {
@@ -33,8 +36,9 @@ impl<R: Read> Window<R> {
             end: 0,
             offset: 0,
             is_at_end: false,
-            whole: Hasher::new(),
+            before: Hasher::new(),
             part: Hasher::new(),
+            summed: 0,
         }
     }
 
@@ -60,10 +64,11 @@ impl<R: Read> Window<R> {
     /// Moves the data to the front if that frees half of the buffer; otherwise, grows the buffer. Each byte is
     /// therefore moved once on average.
     fn make_room(&mut self, count: usize) {
+        self.sum();
         if self.start > self.buffer.len() / 2 {
             self.buffer.copy_within(self.start..self.end, 0);
             self.end -= self.start;
-            self.start = 0;
+            (self.start, self.summed) = (0, 0);
         } else {
             let enough = self.start.saturating_add(count).max(self.buffer.len() + CAPACITY);
             self.buffer.resize(enough.min(self.buffer.len() * 2), 0);
@@ -115,11 +120,14 @@ impl<R> Window<R> {
 
     /// Moves the cursor over bytes in the buffer.
     pub(super) fn advance(&mut self, count: usize) {
-        let passed = &self.buffer[self.start..self.start + count];
-        self.whole.update(passed);
-        self.part.update(passed);
         self.start += count;
         self.offset += count as u64;
+    }
+
+    /// Adds the bytes before the cursor to the checksum.
+    fn sum(&mut self) {
+        self.part.update(&self.buffer[self.summed..self.start]);
+        self.summed = self.start;
     }
 
     /// The input, positioned after the bytes that were read.
@@ -138,17 +146,22 @@ impl<R> Window<R> {
     }
 
     /// The checksum of everything before the cursor.
-    pub(super) fn checksum(&self) -> u32 {
-        self.whole.clone().finalize()
+    pub(super) fn checksum(&mut self) -> u32 {
+        self.sum();
+        let mut whole = self.before.clone();
+        whole.combine(&self.part);
+        whole.finalize()
     }
 
     /// Restarts the partial checksum at the cursor.
     pub(super) fn start_part(&mut self) {
-        self.part = Hasher::new();
+        self.sum();
+        self.before.combine(&std::mem::take(&mut self.part));
     }
 
     /// The checksum of the part up to the cursor.
-    pub(super) fn part_checksum(&self) -> u32 {
+    pub(super) fn part_checksum(&mut self) -> u32 {
+        self.sum();
         self.part.clone().finalize()
     }
 }
