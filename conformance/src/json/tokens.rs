@@ -14,11 +14,24 @@ const MAX_DEPTH: usize = 127;
 /// The largest number of digits for which every integer fits into 64 bits.
 const MAX_DIGITS: usize = 18;
 
+/// The largest integer up to which all integers are exact in a 64-bit float.
+const MAX_EXACT: u64 = 1 << 53;
+
+/// The largest number of decimal places for which the power of ten is exact in a 64-bit float, and fits into 64 bits.
+const MAX_PLACES: usize = 19;
+
 /// The error at the end of an incomplete text.
 pub(crate) const TRUNCATED: &str = "unexpected end";
 
-/// The non-JSON tokens that some programs write.
-const NOT_JSON: [&str; 3] = ["NaN", "Infinity", "-Infinity"];
+/// The words of JSON, and the words that some programs write for numbers that JSON can't represent.
+const WORDS: [(&str, Token<'static>); 6] = [
+    ("null", Token::Null),
+    ("true", Token::Bool(true)),
+    ("false", Token::Bool(false)),
+    ("NaN", Token::NotJson("NaN")),
+    ("Infinity", Token::NotJson("Infinity")),
+    ("-Infinity", Token::NotJson("-Infinity")),
+];
 
 /// A position in a JSON text.
 #[derive(Clone, Copy, Debug)]
@@ -294,15 +307,19 @@ impl<'t> Tokens<'t> {
     /// Reads a number.
     pub(crate) fn number(&mut self) -> Result<Token<'t>, SyntaxError> {
         let start = self.at;
-        let is_part = |byte: &u8| matches!(byte, b'-' | b'+' | b'.' | b'0'..=b'9' | b'e' | b'E');
         if let Some(value) = self.integer() {
-            if !self.rest().first().is_some_and(is_part) {
+            if !self.rest().first().copied().is_some_and(is_part) {
                 return Ok(Token::Int(value.into()));
             }
             self.at = start;
         }
         self.peek();
-        let length = self.rest().iter().position(|byte| !is_part(byte)).unwrap_or(self.rest().len());
+        if let Some((value, length)) = short_decimal(self.rest()) {
+            let written = &self.text[self.at..self.at + length];
+            self.at += length;
+            return Ok(Token::Float(value, written));
+        }
+        let length = self.rest().iter().position(|byte| !is_part(*byte)).unwrap_or(self.rest().len());
         let written = &self.text[self.at..self.at + length];
         if !is_number(written.as_bytes()) {
             return Err(self.error("invalid number"));
@@ -324,11 +341,10 @@ impl<'t> Tokens<'t> {
     /// Reads a word. An incomplete word at the end of the text counts as truncated.
     fn word(&mut self) -> Result<Token<'t>, SyntaxError> {
         let rest = self.rest();
-        let json = [("null", Token::Null), ("true", Token::Bool(true)), ("false", Token::Bool(false))];
-        for (word, token) in json.into_iter().chain(NOT_JSON.map(|word| (word, Token::NotJson(word)))) {
+        for (word, token) in &WORDS {
             if rest.starts_with(word.as_bytes()) {
                 self.at += word.len();
-                return Ok(token);
+                return Ok(token.clone());
             }
             if !rest.is_empty() && word.as_bytes().starts_with(rest) {
                 self.at = self.text.len();
@@ -420,6 +436,35 @@ pub(crate) fn leading_integer(text: &[u8]) -> Option<(i64, usize)> {
     }
     let value = if is_negative { -value } else { value };
     Some((value, length + usize::from(is_negative)))
+}
+
+/// True for the bytes of numbers.
+fn is_part(byte: u8) -> bool {
+    matches!(byte, b'-' | b'+' | b'.' | b'0'..=b'9' | b'e' | b'E')
+}
+
+/// The decimal number at the start of a text, and its length. `None` if the general parser must read the number, for
+/// example because of an exponent or too many digits. The number is the quotient of the integer of all digits and a power of
+/// ten. Both are exact in 64 bits, so the quotient is correctly rounded.
+fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
+    let (whole, length) = leading_integer(text)?;
+    let (point, fraction) = text[length..].split_first()?;
+    let (mut digits, mut power, mut places) = (whole.unsigned_abs(), 1_u64, 0);
+    for digit in fraction.iter().take(MAX_PLACES).take_while(|byte| byte.is_ascii_digit()) {
+        digits = digits * 10 + u64::from(digit - b'0');
+        power *= 10;
+        places += 1;
+        if digits > MAX_EXACT {
+            return None;
+        }
+    }
+    let length = length + 1 + places;
+    if *point != b'.' || places == 0 || text.get(length).copied().is_some_and(is_part) {
+        return None;
+    }
+    #[allow(clippy::cast_precision_loss)] // both are exact
+    let value = digits as f64 / power as f64;
+    Some((if whole < 0 { -value } else { value }, length))
 }
 
 /// Resolves the escapes of a string.

@@ -1,6 +1,6 @@
 //! Reads an MCAP file of a bag.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
 
 use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
@@ -79,7 +79,7 @@ pub(super) struct McapFile<'c> {
     /// The indices of the schemas, by id.
     schemas: HashMap<u16, usize>,
     /// The hashes of the channels' declarations, and the indices of the channels, by id.
-    channels: BTreeMap<u16, (u64, usize)>,
+    channels: Vec<Option<(u64, usize)>>,
     /// The indices in `channels`.
     claimed: BTreeSet<usize>,
     /// The undeclared channels with messages, each reported once.
@@ -95,7 +95,7 @@ impl<'c> McapFile<'c> {
             profile: String::new(),
             library: String::new(),
             schemas: HashMap::new(),
-            channels: BTreeMap::new(),
+            channels: Vec::new(),
             claimed: BTreeSet::new(),
             undeclared: BTreeSet::new(),
             num_endpoints: 0,
@@ -144,7 +144,7 @@ impl<'c> McapFile<'c> {
             Event::Message { channel, time, sequence, payload, .. } => {
                 let number = bag.begin(Logged { time, sequence: Some(sequence) });
                 let location = place(Location::Message(number));
-                if let Some((_, channel)) = self.channels.get(&channel) {
+                if let Some(Some((_, channel))) = self.channels.get(usize::from(channel)) {
                     bag.message(*channel, time, payload, location);
                 } else if self.undeclared.insert(channel) {
                     let text =
@@ -196,7 +196,8 @@ impl<'c> McapFile<'c> {
         location: Location,
     ) -> Result<(), String> {
         let digest = digest(&(schema_id, &declared));
-        if let Some((known, _)) = self.channels.get(&id) {
+        let at = usize::from(id);
+        if let Some(Some((known, _))) = self.channels.get(at) {
             if *known != digest {
                 return Err(format!(
                     "channel {id} is declared again with different content; the first declaration is used"
@@ -208,7 +209,10 @@ impl<'c> McapFile<'c> {
         let declared = Declared { schema, ..declared };
         let channel = bag.declare(&declared, location, &mut self.claimed);
         let channel = channel.map_err(|problem| format!("channel {id}: {problem}"))?;
-        self.channels.insert(id, (digest, channel));
+        if at >= self.channels.len() {
+            self.channels.resize(at + 1, None);
+        }
+        self.channels[at] = Some((digest, channel));
         if schema_id != 0 && schema.is_none() {
             return Err(format!("channel {id} refers to schema {schema_id}, which hasn't been declared yet"));
         }

@@ -57,6 +57,14 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4_096))]
 
     #[test]
+    fn reads_fractions_like_the_standard_library(text in "-?(0|[1-9][0-9]{0,18})\\.[0-9]{1,21}") {
+        let value: f64 = text.parse().expect("a number");
+        let found = Tokens::new(&text).token();
+        let Ok(Token::Float(found, written)) = found else { panic!("{found:?}") };
+        prop_assert_eq!((found.to_bits(), written), (value.to_bits(), &*text));
+    }
+
+    #[test]
     fn accepts_the_same_texts_and_values_as_serde_json(
         text in texts(),
         cut in any::<prop::sample::Index>(),

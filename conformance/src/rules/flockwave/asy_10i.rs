@@ -101,7 +101,8 @@ impl SessionCheck for Ends {
         }
         let open = self.0.at(report.connection_id());
         match report.time() {
-            Some(now) => report_overdue(open, now, context),
+            Some(now) if !open.is_empty() => report_overdue(open, now, context),
+            Some(_) => {}
             None => open.clear(),
         }
     }

@@ -1,7 +1,5 @@
 //! The state of a check, stored separately for each connection.
 
-use std::collections::BTreeMap;
-
 use super::{Exchange, Role};
 use crate::flockwave::session::ConnectionId;
 
@@ -12,11 +10,11 @@ const MAX_CONNECTIONS: usize = 16;
 /// A state for each connection. The state is reset when the connection is reopened, or when some of the connection's
 /// records may be missing.
 #[derive(Debug)]
-pub(super) struct PerConnection<T>(BTreeMap<usize, (u64, T)>);
+pub(super) struct PerConnection<T>(Vec<(ConnectionId, T)>);
 
 impl<T> Default for PerConnection<T> {
     fn default() -> Self {
-        Self(BTreeMap::new())
+        Self(Vec::new())
     }
 }
 
@@ -28,13 +26,19 @@ impl<T: Default> PerConnection<T> {
 
     /// The state of a connection.
     pub(super) fn at(&mut self, connection: ConnectionId) -> &mut T {
-        let ConnectionId { index, serial: now } = connection;
-        if self.0.len() >= MAX_CONNECTIONS && !self.0.contains_key(&index) {
-            self.0.pop_first();
-        }
-        let (serial, state) = self.0.entry(index).or_default();
-        if *serial != now {
-            (*serial, *state) = (now, T::default());
+        let known = self.0.iter().position(|(id, _)| id.index == connection.index);
+        let at = known.unwrap_or_else(|| {
+            if self.0.len() >= MAX_CONNECTIONS
+                && let Some(first) = (0..self.0.len()).min_by_key(|at| self.0[*at].0.index)
+            {
+                self.0.swap_remove(first);
+            }
+            self.0.push((connection, T::default()));
+            self.0.len() - 1
+        });
+        let (id, state) = &mut self.0[at];
+        if *id != connection {
+            (*id, *state) = (connection, T::default());
         }
         state
     }
@@ -48,7 +52,8 @@ impl<T: Default> PerConnection<T> {
             Role::Unreadable if exchange.is_from_server() => false,
             _ => return None,
         };
-        let (_, state) = self.0.remove(&exchange.record.connection.index)?;
+        let at = self.0.iter().position(|(id, _)| id.index == exchange.record.connection.index)?;
+        let (_, state) = self.0.swap_remove(at);
         is_closed.then_some(state)
     }
 
