@@ -428,17 +428,16 @@ impl<'d> Channels<'d> {
     }
 
     /// Decides by a message whether a JSON channel has the type that its name suggests.
-    fn decide(&mut self, index: usize, payload: &[u8], location: Location) {
+    fn decide(&mut self, index: usize, message_id: MessageId, payload: &[u8], location: Location) {
         let tree = utf8(payload).and_then(|text| Tree::read(text).map_err(|error| error.to_string()));
         let message = match tree {
             Ok(message) => message,
             Err(problem) => return self.run.gap(location, problem),
         };
-        let Some(Open { reading: Reading::Guess(message_id, _), .. }) = self.open.get(index) else { return };
-        let Some(is_confirmed) = confirms(&message, *message_id, self.run.definitions) else { return };
+        let Some(is_confirmed) = confirms(&message, message_id, self.run.definitions) else { return };
         // Removes the channel while it is opened, and then puts it back in its place.
         let mut open = self.open.swap_remove(index);
-        if let Reading::Guess(message_id, declared) = std::mem::replace(&mut open.reading, Reading::Skipped)
+        if let Reading::Guess(_, declared) = std::mem::replace(&mut open.reading, Reading::Skipped)
             && is_confirmed
         {
             open.identity.definition = Some(message_id);
@@ -451,8 +450,8 @@ impl<'d> Channels<'d> {
 
     /// Checks a message. `time` is the log time in ns.
     fn message(&mut self, index: usize, time: u64, payload: &[u8], location: Location) {
-        if self.open.get(index).is_some_and(|open| matches!(open.reading, Reading::Guess(..))) {
-            self.decide(index, payload, location);
+        if let Some(&Open { reading: Reading::Guess(message_id, _), .. }) = self.open.get(index) {
+            self.decide(index, message_id, payload, location);
         }
         let Some(open) = self.open.get_mut(index) else { return };
         open.tally.records += 1;

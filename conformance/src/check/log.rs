@@ -408,7 +408,7 @@ impl<'d> LogChecker<'d> {
             values.check(record.payload, location, &mut self.run.findings);
         }
         self.latest = Some(location);
-        if let (Some(timestamp), Some(utc)) = (timestamp, time_at(plan.utc)) {
+        if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
             self.run.clock.set_utc(timestamp, utc);
         }
         open.tally.count(open.definition.is_some() && plan.values.is_some(), self.run.logged(timestamp));

@@ -225,13 +225,15 @@ impl<'p, 'o> Stream<'p, 'o> {
             };
             if decides {
                 let definition = find((kind, name), evidence, definitions);
-                let has_old_name = !channel.is_decided && channel.definition.is_none();
-                let mut channel = self.channel((kind, name), evidence, definition);
-                if has_old_name {
-                    // An operation with the old name has already been copied.
-                    channel.topic.report.renamed = None;
+                if definition != channel.definition || !channel.is_decided {
+                    let has_old_name = !channel.is_decided && channel.definition.is_none();
+                    let mut channel = self.channel((kind, name), evidence, definition);
+                    if has_old_name {
+                        // An operation with the old name has already been copied.
+                        channel.topic.report.renamed = None;
+                    }
+                    self.channels[at] = channel;
                 }
-                self.channels[at] = channel;
             }
             return Ok(at);
         }

@@ -306,18 +306,17 @@ impl<'t> Tokens<'t> {
 
     /// Reads a number.
     pub(crate) fn number(&mut self) -> Result<Token<'t>, SyntaxError> {
+        self.peek();
         let start = self.at;
-        if let Some(value) = self.integer() {
+        if let Some(whole) = self.integer() {
             if !self.rest().first().copied().is_some_and(is_part) {
-                return Ok(Token::Int(value.into()));
+                return Ok(Token::Int(whole.into()));
+            }
+            if let Some((value, length)) = short_decimal(whole, self.rest()) {
+                self.at += length;
+                return Ok(Token::Float(value, self.since(start)));
             }
             self.at = start;
-        }
-        self.peek();
-        if let Some((value, length)) = short_decimal(self.rest()) {
-            let written = &self.text[self.at..self.at + length];
-            self.at += length;
-            return Ok(Token::Float(value, written));
         }
         let length = self.rest().iter().position(|byte| !is_part(*byte)).unwrap_or(self.rest().len());
         let written = &self.text[self.at..self.at + length];
@@ -443,12 +442,12 @@ fn is_part(byte: u8) -> bool {
     matches!(byte, b'-' | b'+' | b'.' | b'0'..=b'9' | b'e' | b'E')
 }
 
-/// The decimal number at the start of a text, and its length. `None` if the general parser must read the number, for
-/// example because of an exponent or too many digits. The number is the quotient of the integer of all digits and a power of
-/// ten. Both are exact in 64 bits, so the quotient is correctly rounded.
-fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
-    let (whole, length) = leading_integer(text)?;
-    let (point, fraction) = text[length..].split_first()?;
+/// The decimal number that consists of an integer and the fraction at the start of a text, and the length of that fraction.
+/// `None` if the general parser must read the number, for example because of an exponent or too many digits. The number is
+/// the quotient of the integer of all digits and a power of ten. Both are exact in 64 bits, so the quotient is correctly
+/// rounded.
+fn short_decimal(whole: i64, text: &[u8]) -> Option<(f64, usize)> {
+    let fraction = text.strip_prefix(b".")?;
     let (mut digits, mut power, mut places) = (whole.unsigned_abs(), 1_u64, 0);
     for digit in fraction.iter().take(MAX_PLACES).take_while(|byte| byte.is_ascii_digit()) {
         digits = digits * 10 + u64::from(digit - b'0');
@@ -458,8 +457,8 @@ fn short_decimal(text: &[u8]) -> Option<(f64, usize)> {
             return None;
         }
     }
-    let length = length + 1 + places;
-    if *point != b'.' || places == 0 || text.get(length).copied().is_some_and(is_part) {
+    let length = 1 + places;
+    if places == 0 || text.get(length).copied().is_some_and(is_part) {
         return None;
     }
     #[allow(clippy::cast_precision_loss)] // both are exact

@@ -101,8 +101,7 @@ impl SessionCheck for Ends {
         }
         let open = self.0.at(report.connection_id());
         match report.time() {
-            Some(now) if !open.is_empty() => report_overdue(open, now, context),
-            Some(_) => {}
+            Some(now) => report_overdue(open, now, context),
             None => open.clear(),
         }
     }

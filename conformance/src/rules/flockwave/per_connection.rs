@@ -26,8 +26,7 @@ impl<T: Default> PerConnection<T> {
 
     /// The state of a connection.
     pub(super) fn at(&mut self, connection: ConnectionId) -> &mut T {
-        let known = self.0.iter().position(|(id, _)| id.index == connection.index);
-        let at = known.unwrap_or_else(|| {
+        let at = self.position(connection.index).unwrap_or_else(|| {
             if self.0.len() >= MAX_CONNECTIONS
                 && let Some(first) = (0..self.0.len()).min_by_key(|at| self.0[*at].0.index)
             {
@@ -52,9 +51,14 @@ impl<T: Default> PerConnection<T> {
             Role::Unreadable if exchange.is_from_server() => false,
             _ => return None,
         };
-        let at = self.0.iter().position(|(id, _)| id.index == exchange.record.connection.index)?;
+        let at = self.position(exchange.record.connection.index)?;
         let (_, state) = self.0.swap_remove(at);
         is_closed.then_some(state)
+    }
+
+    /// The position of the state of the connection with an index.
+    fn position(&self, index: usize) -> Option<usize> {
+        self.0.iter().position(|(id, _)| id.index == index)
     }
 
     /// Removes all states.

@@ -194,7 +194,12 @@ fn topics_keep_the_name_under_which_operations_were_copied() {
         converted(text.as_bytes(), "px4@1.17", "px4@1.18").1.contains("/robot/rtcm_corrections")
     };
     assert!(renamed(""));
-    assert!(!renamed("{\"op\":\"subscribe\",\"topic\":\"/robot/gps_inject_data\"}\n"));
+    let subscribed = "{\"op\":\"subscribe\",\"topic\":\"/robot/gps_inject_data\"}\n";
+    assert!(!renamed(subscribed));
+    // A type may be stated repeatedly.
+    let advertised = "{\"op\":\"advertise\",\"topic\":\"/robot/gps_inject_data\",\
+                      \"type\":\"px4_msgs/msg/GpsInjectData\"}\n";
+    assert!(!renamed(&[subscribed, advertised, advertised].concat()));
 }
 
 /// Only PX4 1.17 defines `battery_info`.
