@@ -89,6 +89,7 @@ mod unknown_translation;
 mod unknown_unit;
 mod version_type;
 
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 pub use self::fix::apply;
@@ -106,7 +107,9 @@ pub use crate::example::Example;
 use crate::finding::Finding;
 use crate::parallel::in_parts;
 use crate::read::{PackageInput, parse_all};
-use crate::resolve::{PackageSource, resolve};
+#[cfg(feature = "lsp")]
+use crate::resolve::resolve;
+use crate::resolve::{PackageSource, resolve_formats};
 use crate::schema::{Form, Package, Schema};
 use crate::source::{SourceId, SourceMap};
 use crate::translation;
@@ -193,11 +196,23 @@ pub fn lint(
     catalogues: &[SourceId],
     settings: &Settings,
 ) -> Vec<Finding> {
-    read_and_lint(sources, packages, catalogues, settings).1
+    // No rule needs the hashes of messages and types.
+    resolve_and_lint(resolve_formats, sources, packages, catalogues, settings).1
 }
 
 /// Like [`lint`], but also returns the schema. The schema is incomplete if the definitions contain errors.
+#[cfg(feature = "lsp")]
 pub(crate) fn read_and_lint(
+    sources: &SourceMap,
+    packages: &[PackageInput],
+    catalogues: &[SourceId],
+    settings: &Settings,
+) -> (Schema, Vec<Finding>) {
+    resolve_and_lint(resolve, sources, packages, catalogues, settings)
+}
+
+fn resolve_and_lint(
+    resolve: fn(&[PackageSource<'_>]) -> (Schema, Vec<Diagnostic>),
     sources: &SourceMap,
     packages: &[PackageInput],
     catalogues: &[SourceId],
@@ -221,10 +236,12 @@ pub(crate) fn read_and_lint(
             || selected.contains(&sources.source_of(finding.span))
     });
     ignore::apply(sources, &parsed, (RULES, settings), &selected, &mut findings);
-    findings.sort_by(|left, right| {
-        (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message))
-    });
+    findings.sort_by(by_location);
     (schema, findings)
+}
+
+fn by_location(left: &Finding, right: &Finding) -> Ordering {
+    (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message))
 }
 
 struct Linter<'s> {
@@ -274,13 +291,16 @@ impl Linter<'_> {
             })
         });
         let of_messages = in_parts(&subjects, |subjects| {
-            self.apply(|check, sink| {
+            let mut findings = self.apply(|check, sink| {
                 if let Check::Message(check) = check {
                     for subject in subjects {
                         check(subject, sink);
                     }
                 }
-            })
+            });
+            // All findings are sorted later, which is fast for sorted parts.
+            findings.sort_by(by_location);
+            findings
         });
         let of_packages = self.apply(|check, sink| match check {
             Check::ErrorCodes(check) => {

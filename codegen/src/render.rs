@@ -11,7 +11,6 @@
 //! ```
 
 use std::borrow::Cow;
-use std::fmt::Write as _;
 use std::ops::Range;
 
 use annotate_snippets::{AnnotationKind, Group, Level as Title, Renderer, Snippet};
@@ -20,7 +19,9 @@ use crate::diagnostic::{Diagnostic, Level};
 use crate::finding::Finding;
 use crate::parallel::in_parts;
 use crate::prose::visible;
-use crate::source::{SourceMap, Span};
+use crate::source::{Located, SourceMap, Span};
+#[cfg(feature = "cli")]
+use crate::terminal::GuardedLines;
 #[cfg(feature = "files")]
 use crate::terminal::guarded;
 use crate::terminal::{Command, shown};
@@ -44,28 +45,49 @@ pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> 
 /// Renders `findings` in the given order, with colours if `styled`. Consecutive findings that differ only in category
 /// are shown as one.
 pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> String {
+    let add = |text: &mut String, finding: &str| {
+        text.push_str(finding);
+        text.push('\n');
+    };
+    render_parts(findings, sources, styled, add).concat()
+}
+
+/// Like [`findings`], but in several parts, which are ready to be printed one after the other.
+#[cfg(feature = "cli")]
+pub(crate) fn guarded_findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> Vec<GuardedLines> {
+    render_parts(findings, sources, styled, GuardedLines::push)
+}
+
+/// Renders findings in one or more parts. `add` adds a rendered finding and a line break to a part.
+fn render_parts<P: Default + Send>(
+    findings: &[Finding],
+    sources: &SourceMap,
+    styled: bool,
+    add: impl Fn(&mut P, &str) + Sync,
+) -> Vec<P> {
     let is_in_same_source =
         |left: &Finding, right: &Finding| sources.source_of(left.span) == sources.source_of(right.span);
     let by_source: Vec<&[Finding]> = findings.chunk_by(is_in_same_source).collect();
-    in_parts(&by_source, |part| in_sources(part, sources, styled)).concat()
+    in_parts(&by_source, |by_source| {
+        let mut part = P::default();
+        in_sources(by_source, sources, styled, &mut |text| add(&mut part, text));
+        part
+    })
 }
 
-/// Renders the findings of several sources.
-fn in_sources(by_source: &[&[Finding]], sources: &SourceMap, styled: bool) -> String {
+/// Renders the findings of several sources. Calls `add` with each rendered finding.
+fn in_sources(by_source: &[&[Finding]], sources: &SourceMap, styled: bool, add: &mut dyn FnMut(&str)) {
     let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
-    let mut text = String::new();
     for in_source in by_source {
         for same in in_source.chunk_by(Finding::is_same_change).take(MAX_PER_SOURCE) {
-            text.push_str(&renderer.render(&[group(same, sources)]));
-            text.push('\n');
+            add(&renderer.render(&[group(same, sources)]));
         }
         let count = in_source.chunk_by(Finding::is_same_change).count();
         if let Some(more) = count.checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
             let path = shown(sources.path(sources.source_of(in_source[0].span)));
-            let _ = writeln!(text, "… and {more} more in {path}");
+            add(&format!("… and {more} more in {path}"));
         }
     }
-    text
 }
 
 /// Renders another tool's error at a source location, without the `error: ` prefix and without colours.
@@ -134,8 +156,7 @@ fn quote(
     label: String,
     sources: &SourceMap,
 ) -> Snippet<'_, annotate_snippets::Annotation<'_>> {
-    let (text, range) = sources.locate(span);
-    let first = text[..range.start].rfind('\n').map_or(0, |at| at + 1);
+    let Located { path, text, range, line, line_start: first } = sources.located(span);
     let end_of_line = |from: usize| text[from..].find('\n').map_or(text.len(), |at| from + at);
     // A span that covers several lines is marked only on its first line.
     let last = end_of_line(range.start);
@@ -143,10 +164,10 @@ fn quote(
     // The renderer counts columns from the start of the line, so an overlong line is truncated only at its end.
     let last = floor_char_boundary(text, last.min(end + MAX_REST_LEN));
     let range = range.start - first..end.clamp(range.start, last) - first;
-    let (line, range) = visible_line(&text[first..last], range);
-    Snippet::source(line)
-        .path(shown(sources.path(sources.source_of(span))))
-        .line_start(sources.position(span).line)
+    let (quoted, range) = visible_line(&text[first..last], range);
+    Snippet::source(quoted)
+        .path(shown(path))
+        .line_start(line)
         .annotation(kind.span(range).label((!label.is_empty()).then_some(label)))
 }
 

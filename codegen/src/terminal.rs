@@ -13,9 +13,13 @@ mod print;
 mod shown;
 
 pub(crate) use self::command::Command;
+#[cfg(feature = "cli")]
+pub(crate) use self::guard::GuardedLines;
 pub use self::guard::{Guard, guarded};
 #[cfg(feature = "print")]
 pub use self::parse::{parse, parse_as};
+#[cfg(feature = "cli")]
+pub(crate) use self::print::print_lines;
 #[cfg(feature = "print")]
 pub use self::print::{error, error_with_details, print, print_error, stderr, stdout};
 pub use self::shown::{MAX_SHOWN, path, shown};

@@ -5,12 +5,12 @@ use std::io::{self, Write as _};
 use crate::diagnostic::{Diagnostic, Level};
 use crate::load::Loaded;
 use crate::render;
-use crate::terminal;
+use crate::terminal::{self, GuardedLines};
 
-/// Prints a text to standard output, with colours if enabled.
-pub(super) fn print_results(render: impl FnOnce(bool) -> String) {
+/// Prints lines to standard output, with colours if enabled.
+pub(super) fn print_results(render: impl FnOnce(bool) -> Vec<GuardedLines>) {
     let is_plain = anstream::AutoStream::choice(&io::stdout()) == anstream::ColorChoice::Never;
-    terminal::print(format_args!("{}", render(!is_plain)));
+    terminal::print_lines(&render(!is_plain));
 }
 
 /// Prints a machine-readable report, whose format escapes all text.

@@ -16,7 +16,7 @@ use crate::finding::Finding;
 use crate::render;
 use crate::report::{Entry, Report, RuleInfo, Totals};
 use crate::source::{SourceId, SourceMap};
-use crate::terminal::guarded;
+use crate::terminal::{GuardedLines, guarded};
 
 /// The reports, and the lowest level of finding that makes a command fail.
 #[derive(Args, Clone, Debug)]
@@ -113,19 +113,30 @@ pub(super) struct Results<'r> {
 }
 
 impl Results<'_> {
-    fn to_text(&self, format: FormatName, sources: &SourceMap, styled: bool) -> String {
+    fn to_text(&self, format: FormatName, sources: &SourceMap) -> String {
         let Some(format) = format.format() else {
-            let text = render::findings(self.findings, sources, styled);
-            let gap = if text.is_empty() { "" } else { "\n" };
-            return match self.totals.rules.len() {
-                // The table would repeat the last line.
-                0 | 1 => format!("{text}{gap}{}\n", self.totals.headline()),
-                _ => format!("{text}{gap}{}", self.totals.to_text()),
-            };
+            return render::findings(self.findings, sources, false) + &self.end();
         };
         let entries = self.findings.iter().map(|finding| Entry::of(finding, sources)).collect();
         let report = Report { command: self.totals.command, rules: self.rules.clone(), entries };
         report.to_text_with_totals(format, self.totals)
+    }
+
+    /// The results as text for a terminal.
+    fn to_lines(&self, sources: &SourceMap, styled: bool) -> Vec<GuardedLines> {
+        let mut parts = render::guarded_findings(self.findings, sources, styled);
+        parts.push(GuardedLines::of(&self.end()));
+        parts
+    }
+
+    /// The totals at the end of a text.
+    fn end(&self) -> String {
+        let gap = if self.findings.is_empty() { "" } else { "\n" };
+        match self.totals.rules.len() {
+            // The table would repeat the last line.
+            0 | 1 => format!("{gap}{}\n", self.totals.headline()),
+            _ => format!("{gap}{}", self.totals.to_text()),
+        }
     }
 
     fn to_summary(&self, format: FormatName) -> String {
@@ -156,19 +167,16 @@ impl ReportArgs {
 
     /// Prints the results to standard output, and writes the report files.
     pub(super) fn show(&self, results: &Results<'_>, sources: &SourceMap) -> Result<(), Failure> {
-        let text = |styled| {
-            if self.summary {
-                results.to_summary(self.format)
-            } else {
-                results.to_text(self.format, sources, styled)
-            }
-        };
         match self.format {
-            FormatName::Text => print_results(text),
-            _ => print_report(&text(false)),
+            FormatName::Text if self.summary => {
+                print_results(|_| vec![GuardedLines::of(&results.to_summary(self.format))]);
+            }
+            FormatName::Text => print_results(|styled| results.to_lines(sources, styled)),
+            format if self.summary => print_report(&results.to_summary(format)),
+            format => print_report(&results.to_text(format, sources)),
         }
         self.report.iter().try_for_each(|target| {
-            let text = results.to_text(target.format, sources, false);
+            let text = results.to_text(target.format, sources);
             match target.format {
                 FormatName::Text => target.write(&guarded(&text)),
                 _ => target.write(&text),

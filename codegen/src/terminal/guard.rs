@@ -40,24 +40,16 @@ fn put(character: char, command: &mut Command, text: &mut String) {
     }
 }
 
-/// A writer that passes on lines, tabs, colours and text effects. It escapes other control characters, invisible
-/// characters and commands of CI systems.
-#[derive(Debug)]
-pub struct Guard<W> {
-    to: W,
+/// Passes on lines, tabs, colours and text effects. Escapes other control characters, invisible characters and commands
+/// of CI systems.
+#[derive(Debug, Default)]
+struct Filter {
     command: Command,
-    /// The start of a character whose other bytes are in the next buffer.
-    incomplete: Vec<u8>,
     /// A terminal sequence that may set a style.
     style: String,
 }
 
-impl<W> Guard<W> {
-    /// Creates a guard for a writer.
-    pub fn new(to: W) -> Self {
-        Self { to, command: Command::default(), incomplete: Vec::new(), style: String::new() }
-    }
-
+impl Filter {
     fn push_all(&mut self, mut rest: &str, text: &mut String) {
         while let Some(character) = rest.chars().next() {
             // Nearly all characters are in parts that stay as they are.
@@ -93,13 +85,61 @@ impl<W> Guard<W> {
             }
         }
     }
+}
+
+/// Guarded lines of an output, as a [`Guard`] would write them. After the end of a line, a guard has nothing to
+/// remember, so lines can be guarded in several threads and printed one after the other.
+#[cfg(feature = "cli")]
+#[derive(Debug, Default)]
+pub(crate) struct GuardedLines(String);
+
+#[cfg(feature = "cli")]
+impl GuardedLines {
+    /// Guards the lines of a text. Adds a missing line break at its end.
+    pub(crate) fn of(text: &str) -> Self {
+        let mut lines = Self::default();
+        lines.push(text.strip_suffix('\n').unwrap_or(text));
+        lines
+    }
+
+    /// Adds a text and a line break.
+    pub(crate) fn push(&mut self, text: &str) {
+        let mut filter = Filter::default();
+        filter.push_all(text, &mut self.0);
+        filter.push('\n', &mut self.0);
+    }
+
+    /// The lines as text.
+    pub(super) fn text(&self) -> &str {
+        &self.0
+    }
+}
+
+/// A writer that passes on lines, tabs, colours and text effects. It escapes other control characters, invisible
+/// characters and commands of CI systems.
+#[derive(Debug)]
+pub struct Guard<W> {
+    to: W,
+    filter: Filter,
+    /// The start of a character whose other bytes are in the next buffer.
+    incomplete: Vec<u8>,
+}
+
+impl<W> Guard<W> {
+    /// Creates a guard for a writer.
+    pub fn new(to: W) -> Self {
+        Self { to, filter: Filter::default(), incomplete: Vec::new() }
+    }
 
     /// Escapes bytes. Invalid UTF-8 becomes U+FFFD.
     fn escaped(&mut self, bytes: &[u8]) -> String {
         let mut text = String::with_capacity(bytes.len() + 16);
-        let mut joined = mem::take(&mut self.incomplete);
-        joined.extend_from_slice(bytes);
-        let mut rest = &joined[..];
+        let joined;
+        let mut rest = bytes;
+        if !self.incomplete.is_empty() {
+            joined = [mem::take(&mut self.incomplete).as_slice(), bytes].concat();
+            rest = &joined;
+        }
         while !rest.is_empty() {
             let (valid, invalid) = match std::str::from_utf8(rest) {
                 Ok(valid) => (valid, None),
@@ -108,7 +148,7 @@ impl<W> Guard<W> {
                     (std::str::from_utf8(&rest[..error.valid_up_to()]).unwrap_or_default(), Some(error))
                 }
             };
-            self.push_all(valid, &mut text);
+            self.filter.push_all(valid, &mut text);
             rest = &rest[valid.len()..];
             match invalid.map(|error| error.error_len()) {
                 None => break,
@@ -117,7 +157,7 @@ impl<W> Guard<W> {
                     break;
                 }
                 Some(Some(length)) => {
-                    self.push(char::REPLACEMENT_CHARACTER, &mut text);
+                    self.filter.push(char::REPLACEMENT_CHARACTER, &mut text);
                     rest = &rest[length..];
                 }
             }
@@ -187,6 +227,22 @@ mod tests {
             prop_assert_eq!(written(&parts), written(&[text.as_bytes()]));
             if !text.contains(ESCAPE) {
                 prop_assert_eq!(written(&[text.as_bytes()]), guarded(&text));
+            }
+        }
+
+        #[cfg(feature = "cli")]
+        #[test]
+        fn is_the_same_for_lines_that_are_guarded_apart(
+            texts in proptest::collection::vec("([a-c:#\\[ \t\n\u{1b}m1é\u{7}]|vso){0,8}", 0..6),
+        ) {
+            let mut apart = GuardedLines::default();
+            for text in &texts {
+                apart.push(text);
+            }
+            let whole: String = texts.iter().map(|text| format!("{text}\n")).collect();
+            prop_assert_eq!(apart.text(), written(&[whole.as_bytes()]));
+            if !texts.is_empty() {
+                prop_assert_eq!(GuardedLines::of(&whole).0, apart.0);
             }
         }
     }

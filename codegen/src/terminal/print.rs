@@ -3,6 +3,8 @@
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, Write as _};
 
+#[cfg(feature = "cli")]
+use super::guard::GuardedLines;
 use super::guard::{ESCAPE, Guard};
 use super::shown::shown_up_to;
 
@@ -29,6 +31,20 @@ pub fn print(text: fmt::Arguments<'_>) {
         stdout().write_all(text.as_bytes())
     } else {
         Guard::new(io::stdout()).write_all(text.as_bytes())
+    };
+}
+
+/// Prints guarded lines to standard output, like [`print`].
+#[cfg(feature = "cli")]
+#[allow(clippy::disallowed_methods, reason = "the lines are guarded")]
+pub(crate) fn print_lines(parts: &[GuardedLines]) {
+    let write =
+        |to: &mut dyn io::Write| parts.iter().try_for_each(|part| to.write_all(part.text().as_bytes()));
+    // Only styles must be removed.
+    let _ = if parts.iter().any(|part| part.text().contains(ESCAPE)) {
+        write(&mut anstream::stdout())
+    } else {
+        write(&mut io::stdout())
     };
 }
 
