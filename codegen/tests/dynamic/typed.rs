@@ -18,17 +18,17 @@ use super::values::Draw;
 use crate::support;
 
 /// A hand-written message type of variable size, which mirrors what the generator emits.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 struct Leaf {
     on: bool,
     name: String,
     wide: String,
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 struct Empty {}
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 struct Tree {
     flags: [bool; 3],
     text: String,

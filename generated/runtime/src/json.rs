@@ -12,7 +12,7 @@
 //!
 //! ```
 //! # use uavspec_runtime::{Definition, Message, record};
-//! # #[derive(Clone, Debug, Default, PartialEq)]
+//! # #[derive(Clone, Default, PartialEq)]
 //! # struct Wind {
 //! #     speed: f32,
 //! # }
@@ -35,6 +35,7 @@
 use alloc::vec::Vec;
 use core::fmt;
 use core::marker::PhantomData;
+use core::mem;
 
 use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Unexpected, Visitor};
 use serde::ser::{Error as _, SerializeStruct, SerializeTuple as _};
@@ -47,20 +48,35 @@ use crate::record::{FieldSink, Record, Value};
 /// A message whose fields can be read one by one, by index.
 #[doc(hidden)]
 pub trait Fields: Record + Default {
+    /// An array with one element per field.
+    type PerField: PerField<Self>;
     /// The names of the fields, in declaration order.
-    const NAMES: &'static [&'static str];
-    /// A bit set that records which fields have been read, with one bit per field.
-    type Seen: AsMut<[u64]>;
-    /// The empty bit set.
-    const UNSEEN: Self::Seen;
+    const NAMES: &'static [&'static str] = <Self::PerField as PerField<Self>>::NAMES;
 
-    /// Reads the field with this index.
-    fn read_field<'de, S: Source<'de>>(&mut self, index: usize, source: &mut S) -> Result<(), S::Error>;
+    /// Reads the field with this index, if there is one.
+    fn read_field<'de, S: Source<'de>>(&mut self, index: usize, source: &mut S);
 }
 
-/// The names of the `N` fields of a message.
+/// The constants of messages that depend on the number of fields. Compilers evaluate them only for messages that are read
+/// or written as JSON.
 #[doc(hidden)]
-pub const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str; N] {
+pub trait PerField<T> {
+    /// The names of the fields, in declaration order.
+    const NAMES: &'static [&'static str];
+    /// The fields that have been read.
+    type Seen: AsMut<[bool]>;
+    /// No field has been read.
+    const UNSEEN: Self::Seen;
+}
+
+impl<T: Record, const N: usize> PerField<T> for [(); N] {
+    type Seen = [bool; N];
+
+    const NAMES: &'static [&'static str] = &names::<N>(T::DESCRIPTOR);
+    const UNSEEN: [bool; N] = [false; N];
+}
+
+const fn names<const N: usize>(message: &MessageDescriptor) -> [&'static str; N] {
     let mut names = [""; N];
     let mut index = 0;
     while index < N {
@@ -80,14 +96,12 @@ pub trait Field: Sized {
     fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
 }
 
-/// A source of values: the members of an object, or the elements of a sequence.
+/// A source of values: the members of an object, or the elements of a sequence. It stores the error of a value, so generated
+/// code needs no `Result` for each field and compiles faster.
 #[doc(hidden)]
 pub trait Source<'de> {
-    /// The error of the deserializer.
-    type Error: serde::de::Error;
-
-    /// Reads the next value into `field`.
-    fn read<T: Field>(&mut self, field: &mut T) -> Result<(), Self::Error>;
+    /// Reads the next value into `field`, which stays as it is after an error.
+    fn read<T: Field>(&mut self, field: &mut T);
 }
 
 /// Writes fields until the first error, which it stores.
@@ -128,12 +142,6 @@ pub fn deserialize<'de, T: Fields, D: Deserializer<'de>>(deserializer: D) -> Res
     deserializer.deserialize_struct(T::DESCRIPTOR.name, T::NAMES, visitor)
 }
 
-/// The error for a field index that is out of range. Generated code can't cause this error.
-#[doc(hidden)]
-pub fn no_field<E: serde::de::Error>(index: usize) -> E {
-    E::custom(format_args!("field index {index} is out of range"))
-}
-
 struct Named<'v, T> {
     name: &'static str,
     value: &'v T,
@@ -160,15 +168,15 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
 
     fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
         let mut record = T::default();
-        let mut source = Members(map);
+        let mut source = Members { map, error: None };
         // Fast path: while the fields arrive in declaration order, no field can be repeated.
         let mut read = 0;
         let next = loop {
-            let next = source.0.next_key_seed(KeySeed::<T>(read, PhantomData))?;
+            let next = source.map.next_key_seed(KeySeed::<T>(read, PhantomData))?;
             if next != Some(read) {
                 break next;
             }
-            record.read_field(read, &mut source)?;
+            source.read_field(&mut record, read)?;
             read += 1;
         };
         if next.is_none() && read == T::NAMES.len() {
@@ -182,11 +190,11 @@ impl<'de, T: Fields> Visitor<'de> for RecordVisitor<T> {
             return Err(A::Error::invalid_type(Unexpected::Seq, &self));
         }
         let mut record = T::default();
-        let mut source = Elements(seq);
+        let mut source = Elements { seq, error: None };
         for index in 0..T::NAMES.len() {
-            record.read_field(index, &mut source)?;
+            record.read_field(index, &mut source);
         }
-        Ok(record)
+        source.error.map_or(Ok(record), Err)
     }
 }
 
@@ -197,15 +205,15 @@ fn read_in_any_order<'de, T: Fields, A: MapAccess<'de>>(
     mut record: T,
     read: usize,
     mut next: Option<usize>,
-    mut source: Members<A>,
+    mut source: Members<'de, A>,
 ) -> Result<T, A::Error> {
     let mut seen = Seen::<T>::first(read);
     while let Some(index) = next {
         if !seen.insert(index) {
             return Err(A::Error::duplicate_field(T::NAMES[index]));
         }
-        record.read_field(index, &mut source)?;
-        next = source.0.next_key_seed(KeySeed::<T>(index + 1, PhantomData))?;
+        source.read_field(&mut record, index)?;
+        next = source.map.next_key_seed(KeySeed::<T>(index + 1, PhantomData))?;
     }
     match (0..T::NAMES.len()).find(|index| seen.insert(*index)) {
         None => Ok(record),
@@ -214,50 +222,64 @@ fn read_in_any_order<'de, T: Fields, A: MapAccess<'de>>(
 }
 
 /// The set of fields that have been read.
-struct Seen<T: Fields>(T::Seen);
+struct Seen<T: Fields>(<T::PerField as PerField<T>>::Seen);
 
 impl<T: Fields> Seen<T> {
     /// The set of the first `count` fields.
     fn first(count: usize) -> Self {
-        let mut seen = Self(T::UNSEEN);
-        for index in 0..count {
-            seen.insert(index);
-        }
+        let mut seen = Self(<T::PerField as PerField<T>>::UNSEEN);
+        seen.0.as_mut().iter_mut().take(count).for_each(|field| *field = true);
         seen
     }
 
     /// Adds a field. Returns true if the field was not in the set.
     fn insert(&mut self, index: usize) -> bool {
-        let Some(word) = self.0.as_mut().get_mut(index / 64) else { return false };
-        let bit = 1 << (index % 64);
-        let is_new = *word & bit == 0;
-        *word |= bit;
-        is_new
+        self.0.as_mut().get_mut(index).is_some_and(|field| !mem::replace(field, true))
     }
 }
 
-struct Members<A>(A);
+struct Members<'de, A: MapAccess<'de>> {
+    map: A,
+    error: Option<A::Error>,
+}
 
-impl<'de, A: MapAccess<'de>> Source<'de> for Members<A> {
-    type Error = A::Error;
-
+impl<'de, A: MapAccess<'de>> Members<'de, A> {
     #[inline]
-    fn read<T: Field>(&mut self, field: &mut T) -> Result<(), A::Error> {
-        *field = self.0.next_value_seed(FieldSeed(PhantomData))?;
-        Ok(())
+    fn read_field<T: Fields>(&mut self, record: &mut T, index: usize) -> Result<(), A::Error> {
+        record.read_field(index, self);
+        self.error.take().map_or(Ok(()), Err)
     }
 }
 
-struct Elements<A>(A);
+impl<'de, A: MapAccess<'de>> Source<'de> for Members<'de, A> {
+    #[inline]
+    fn read<T: Field>(&mut self, field: &mut T) {
+        match self.map.next_value_seed(FieldSeed(PhantomData)) {
+            Ok(value) => *field = value,
+            Err(error) => self.error = Some(error),
+        }
+    }
+}
 
-impl<'de, A: SeqAccess<'de>> Source<'de> for Elements<A> {
-    type Error = A::Error;
+struct Elements<'de, A: SeqAccess<'de>> {
+    seq: A,
+    error: Option<A::Error>,
+}
 
-    fn read<T: Field>(&mut self, field: &mut T) -> Result<(), A::Error> {
-        let value = self.0.next_element_seed(FieldSeed(PhantomData))?;
-        *field =
-            value.ok_or_else(|| A::Error::custom("expected another field, found the end of the sequence"))?;
-        Ok(())
+impl<'de, A: SeqAccess<'de>> Source<'de> for Elements<'de, A> {
+    fn read<T: Field>(&mut self, field: &mut T) {
+        // After an error, nothing more is read.
+        if self.error.is_some() {
+            return;
+        }
+        match self.seq.next_element_seed(FieldSeed(PhantomData)) {
+            Ok(Some(value)) => *field = value,
+            Ok(None) => {
+                let problem = "expected another field, found the end of the sequence";
+                self.error = Some(A::Error::custom(problem));
+            }
+            Err(error) => self.error = Some(error),
+        }
     }
 }
 
@@ -478,24 +500,16 @@ impl<const N: usize> Visitor<'_> for TextVisitor<Text<N>> {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __json_record {
-    ($type:ident; $($index:literal $field:ident)*) => {
+    ($type:ident[$count:literal]; $($index:literal $field:ident)*) => {
         impl $crate::json::Fields for $type {
-            const NAMES: &'static [&'static str] = &$crate::json::names::<{ <[usize]>::len(&[$($index),*]) }>(
-                <Self as $crate::record::Record>::DESCRIPTOR,
-            );
-            type Seen = [u64; <[usize]>::len(&[$($index),*]).div_ceil(64)];
-            const UNSEEN: Self::Seen = [0; <[usize]>::len(&[$($index),*]).div_ceil(64)];
+            type PerField = [(); $count];
 
             #[allow(unused_variables, clippy::inline_always, clippy::match_single_binding)]
             #[inline(always)]
-            fn read_field<'de, S: $crate::json::Source<'de>>(
-                &mut self,
-                index: usize,
-                source: &mut S,
-            ) -> ::core::result::Result<(), S::Error> {
+            fn read_field<'de, S: $crate::json::Source<'de>>(&mut self, index: usize, source: &mut S) {
                 match index {
                     $($index => source.read(&mut self.$field),)*
-                    _ => ::core::result::Result::Err($crate::json::no_field(index)),
+                    _ => {}
                 }
             }
         }

@@ -249,7 +249,12 @@ pub fn optional<T: JsonType>(
 
 /// Reads a value. An error contains the `name` of the field, or the key or index of the element.
 fn read_named<T: JsonType>(name: &dyn fmt::Display, json: &Json, choices: &mut Choices) -> Result<T, Error> {
-    T::read(json, choices).map_err(|error| Error::custom(format_args!("{name}: {error}")))
+    T::read(json, choices).map_err(|error| named(name, &error))
+}
+
+/// Adds a name to an error.
+fn named(name: &dyn fmt::Display, error: &Error) -> Error {
+    Error::custom(format_args!("{name}: {error}"))
 }
 
 /// The elements of a tuple.
@@ -460,7 +465,12 @@ impl<T: JsonType> JsonType for Box<T> {
 
 impl<T: JsonType> JsonType for Vec<T> {
     fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.iter().map(|value| Named { name: field, value }))
+        // With `collect_seq`, the compiler would copy more code for each type of elements.
+        let mut list = serializer.serialize_seq(Some(self.len()))?;
+        for value in self {
+            list.serialize_element(&Named { name: field, value })?;
+        }
+        list.end()
     }
 
     fn read(json: &Json, choices: &mut Choices) -> Result<Self, Error> {
@@ -471,12 +481,19 @@ impl<T: JsonType> JsonType for Vec<T> {
 
 impl<T: JsonType> JsonType for BTreeMap<String, T> {
     fn write<S: Serializer>(&self, field: &'static str, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.iter().map(|(key, value)| (key, Named { name: field, value })))
+        let mut map = serializer.serialize_map(Some(self.len()))?;
+        for (key, value) in self {
+            map.serialize_entry(key, &Named { name: field, value })?;
+        }
+        map.end()
     }
 
     fn read(json: &Json, choices: &mut Choices) -> Result<Self, Error> {
-        let entries = object(json, "an object")?.iter();
-        entries.map(|(key, json)| read_named(key, json, choices).map(|value| (key.clone(), value))).collect()
+        let mut map = Self::new();
+        for (key, json) in object(json, "an object")? {
+            map.insert(key.clone(), read_named(key, json, choices)?);
+        }
+        Ok(map)
     }
 }
 
@@ -505,8 +522,8 @@ pub fn join_message(name: String, mut value: Json) -> Json {
 
 /// Reads a message body from the parts that [`split_message`] returned.
 #[doc(hidden)]
-pub fn read_body<T: JsonType, E: serde::de::Error>(name: &str, value: &Json) -> Result<T, E> {
-    read_named(&name, value, &mut Choices::default()).map_err(E::custom)
+pub fn read_body<T: JsonType>(name: &str, value: &Json, choices: &mut Choices) -> Result<T, Error> {
+    read_named(&name, value, choices)
 }
 
 /// An object that can write its fields into a map that already has fields. In a message, the `type` field precedes the
@@ -525,17 +542,12 @@ pub fn write_object<T: Object, S: Serializer>(object: &T, serializer: S) -> Resu
     map.end()
 }
 
-/// Writes a message from its type and its body.
+/// Writes the type of a message. The fields of the body follow.
 #[doc(hidden)]
-pub fn write_message<T: Object, S: Serializer>(
-    name: &str,
-    body: &T,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
+pub fn start_message<S: Serializer>(name: &str, serializer: S) -> Result<S::SerializeMap, S::Error> {
     let mut map = serializer.serialize_map(None)?;
     map.serialize_entry(TYPE, name)?;
-    body.write_fields(&mut map)?;
-    map.end()
+    Ok(map)
 }
 
 // A page can define a type with any name, such as that of a generic parameter. The macros therefore write `Self`
@@ -1019,10 +1031,15 @@ macro_rules! json_messages {
                 &self,
                 serializer: S,
             ) -> ::core::result::Result<S::Ok, S::Error> {
-                match self {
-                    $(Self::$variant(body) => $crate::json_type::write_message($name, body, serializer),)*
-                    Self::Other(other) => $crate::serde::Serialize::serialize(other, serializer),
+                if let Self::Other(other) = self {
+                    return $crate::serde::Serialize::serialize(other, serializer);
                 }
+                let mut map = $crate::json_type::start_message(self.message_type(), serializer)?;
+                match self {
+                    $(Self::$variant(body) => $crate::json_type::Object::write_fields(body, &mut map)?,)*
+                    Self::Other(_) => {}
+                }
+                $crate::serde::ser::SerializeMap::end(map)
             }
         }
 
@@ -1031,10 +1048,12 @@ macro_rules! json_messages {
                 deserializer: D,
             ) -> ::core::result::Result<Self, D::Error> {
                 let (name, body) = $crate::json_type::split_message(deserializer)?;
-                match name.as_str() {
-                    $($name => $crate::json_type::read_body($name, &body).map(Self::$variant),)*
+                let choices = &mut $crate::json_type::Choices::default();
+                let read: ::core::result::Result<Self, $crate::json_type::Error> = match name.as_str() {
+                    $($name => $crate::json_type::read_body($name, &body, choices).map(Self::$variant),)*
                     _ => ::core::result::Result::Ok(Self::Other($crate::json_type::join_message(name, body))),
-                }
+                };
+                read.map_err($crate::serde::de::Error::custom)
             }
         }
     };

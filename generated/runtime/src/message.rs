@@ -51,7 +51,7 @@ impl Definition {
 /// use uavspec_runtime::cdr::ByteOrder;
 /// use uavspec_runtime::{Definition, Message, record};
 ///
-/// #[derive(Clone, Debug, Default, PartialEq)]
+/// #[derive(Clone, Default, PartialEq)]
 /// struct Altitude {
 ///     metres: f32,
 /// }

@@ -13,11 +13,13 @@
 //! assert_eq!((u16::read_le(&[1, 2]), u16::read_be(&[1, 2])), (0x0201, 0x0102));
 //! ```
 
+use core::fmt;
+
 use crate::descriptor::{FieldDescriptor, MessageDescriptor, Shape};
 use crate::{Number, Scalar};
 
 /// A message as a list of fields.
-pub trait Record: Default + crate::JsonField + crate::SchemaRecord {
+pub trait Record: Default + fmt::Debug + crate::JsonField + crate::SchemaRecord {
     /// The descriptor of the message.
     const DESCRIPTOR: &'static MessageDescriptor;
 
@@ -39,6 +41,28 @@ pub trait FieldSink {
 pub trait FieldSource {
     /// Reads the field with this index.
     fn field<T: Value>(&mut self, index: usize) -> T;
+}
+
+/// Adds each field to a formatted struct.
+struct DebugFields<'f, 'b> {
+    message: &'static MessageDescriptor,
+    out: fmt::DebugStruct<'f, 'b>,
+}
+
+impl FieldSink for DebugFields<'_, '_> {
+    fn field<T: Value>(&mut self, index: usize, value: &T) {
+        self.out.field(self.message.fields[index].name, value);
+    }
+}
+
+/// Formats a message as the derived `Debug` does, except that fields have their names in the definition. The derive would take
+/// longer to compile, because it generates code for each field.
+#[doc(hidden)]
+pub fn debug<M: Record>(message: &M, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let out = formatter.debug_struct(M::DESCRIPTOR.name);
+    let mut fields = DebugFields { message: M::DESCRIPTOR, out };
+    message.write_fields(&mut fields);
+    fields.out.finish()
 }
 
 /// A sink for values in one format.
@@ -98,7 +122,7 @@ pub trait Source: FieldSource {
 }
 
 /// A field value.
-pub trait Value: Sized + crate::JsonField {
+pub trait Value: Sized + fmt::Debug + crate::JsonField {
     /// The minimum CDR size in bytes, without alignment padding.
     const LEAST_SIZE: usize;
 
@@ -279,8 +303,8 @@ impl Primitive for bool {
     }
 }
 
-/// Implements the codecs of a message. The arguments are the message name, the number of fields, and the index, name
-/// and descriptor of each field.
+/// Implements the codecs of a message, and `Debug`, which must not be derived as well. The arguments are the message name, the
+/// number of fields, and the index, name and descriptor of each field.
 ///
 /// For a fixed-size message, the arguments also include the name of its view, the size with padding and the size
 /// without padding. For each field, the arguments also include the type that the view returns.
@@ -328,7 +352,13 @@ macro_rules! __record {
             }
         }
 
-        $crate::__json_record!($type; $($index $field)*);
+        impl ::core::fmt::Debug for $type {
+            fn fmt(&self, formatter: &mut ::core::fmt::Formatter<'_>) -> ::core::fmt::Result {
+                $crate::record::debug(self, formatter)
+            }
+        }
+
+        $crate::__json_record!($type[$count]; $($index $field)*);
         $crate::__arbitrary_record!($type);
         $crate::__schema_record!($type);
     };

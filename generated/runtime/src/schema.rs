@@ -9,7 +9,7 @@
 //!
 //! ```
 //! # use uavspec_runtime::{Definition, Message, record};
-//! # #[derive(Clone, Debug, Default, PartialEq)]
+//! # #[derive(Clone, Default, PartialEq)]
 //! # struct Wind {
 //! #     speed: f32,
 //! # }
@@ -283,11 +283,7 @@ impl Source for References<'_> {
 #[macro_export]
 macro_rules! __schema_record {
     ($type:ident) => {
-        $crate::__schema!(
-            $type,
-            <Self as $crate::record::Record>::DESCRIPTOR.name,
-            $crate::schema::message::<Self>
-        );
+        $crate::__schema!($type, generator => $crate::schema::message::<Self>(generator));
     };
 }
 
@@ -296,27 +292,26 @@ macro_rules! __schema_record {
 #[macro_export]
 macro_rules! __schema_number {
     ($type:ident) => {
-        $crate::__schema!($type, <Self as $crate::Open>::NAME, |_| $crate::schema::open::<Self>());
+        $crate::__schema!($type, _generator => $crate::schema::open::<Self>());
     };
 }
 
-/// Implements `JsonSchema` by calling a function.
+/// Implements `JsonSchema` with an expression for the schema.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! __schema {
-    ($type:ident, $name:expr, $make:expr) => {
+    ($type:ident, $generator:ident => $schema:expr) => {
         impl $crate::schemars::JsonSchema for $type {
             fn schema_name() -> $crate::alloc::borrow::Cow<'static, str> {
-                $crate::alloc::borrow::Cow::Borrowed($name)
+                $crate::alloc::borrow::Cow::Borrowed(stringify!($type))
             }
 
             fn schema_id() -> $crate::alloc::borrow::Cow<'static, str> {
                 $crate::alloc::borrow::Cow::Borrowed(concat!(module_path!(), "::", stringify!($type)))
             }
 
-            fn json_schema(generator: &mut $crate::schemars::SchemaGenerator) -> $crate::schemars::Schema {
-                let make = $make;
-                make(generator)
+            fn json_schema($generator: &mut $crate::schemars::SchemaGenerator) -> $crate::schemars::Schema {
+                $schema
             }
         }
     };

@@ -11,7 +11,7 @@
 //!
 //! ```
 //! # use uavspec_runtime::{Definition, Message, record};
-//! # #[derive(Clone, Debug, Default, PartialEq)]
+//! # #[derive(Clone, Default, PartialEq)]
 //! # struct Wind {
 //! #     speed: f32,
 //! # }
@@ -116,7 +116,7 @@ pub struct InvalidMessage<T> {
     pub path: String,
 }
 
-impl<T: Message + Debug> Strategy for Valid<T> {
+impl<T: Message> Strategy for Valid<T> {
     type Tree = ValidTree<T>;
     type Value = T;
 
@@ -126,7 +126,7 @@ impl<T: Message + Debug> Strategy for Valid<T> {
     }
 }
 
-impl<T: Message + Debug> Strategy for Invalid<T> {
+impl<T: Message> Strategy for Invalid<T> {
     type Tree = InvalidTree<T>;
     type Value = InvalidMessage<T>;
 
@@ -190,7 +190,7 @@ pub struct OpenTree<T> {
     marker: PhantomData<T>,
 }
 
-impl<T: Message + Debug> ValueTree for ValidTree<T> {
+impl<T: Message> ValueTree for ValidTree<T> {
     type Value = T;
 
     fn current(&self) -> T {
@@ -206,7 +206,7 @@ impl<T: Message + Debug> ValueTree for ValidTree<T> {
     }
 }
 
-impl<T: Message + Debug> ValueTree for InvalidTree<T> {
+impl<T: Message> ValueTree for InvalidTree<T> {
     type Value = InvalidMessage<T>;
 
     fn current(&self) -> InvalidMessage<T> {

@@ -4,7 +4,7 @@
 //! use uavspec_runtime::view::Elements;
 //! use uavspec_runtime::{Definition, Message, UorbMessage, record};
 //!
-//! #[derive(Clone, Debug, Default, PartialEq)]
+//! #[derive(Clone, Default, PartialEq)]
 //! pub struct Wind {
 //!     pub timestamp: u64,
 //!     pub speed: [f32; 2],
@@ -69,7 +69,7 @@ impl<'b, M: Record, const N: usize> Fields<'b, M, N> {
 }
 
 /// Formats the message.
-impl<M: Record + fmt::Debug, const N: usize> fmt::Debug for Fields<'_, M, N> {
+impl<M: Record, const N: usize> fmt::Debug for Fields<'_, M, N> {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.read().fmt(formatter)
     }

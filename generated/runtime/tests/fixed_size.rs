@@ -5,7 +5,7 @@ use uavspec_runtime::{DecodeError, Definition, Fault, Message, Scalar, UorbMessa
 
 macro_rules! sample {
     ($type:ident, $cdr:literal { $($field:ident: $field_type:ty),* }) => {
-        #[derive(Clone, Debug, Default, PartialEq)]
+        #[derive(Clone, Default, PartialEq)]
         struct $type {
             $($field: $field_type,)*
         }
@@ -24,6 +24,8 @@ sample!(Hollow, 6 { e: Empty, x: u8 });
 sample!(Hollows, 12 { few: [Empty; 3], x: u16, last: Hollow });
 
 sample!(In, 9 { x: u16, flags: [bool; 3] });
+
+sample!(Keyword, 5 { r#type: u8 });
 
 sample!(Out, 29 { time: u64, share: f32, last: bool, ins: [In; 2] });
 
@@ -58,7 +60,23 @@ uavspec_runtime::record! {
     2 last = message::<Hollow>("last", 0);
 }
 
+uavspec_runtime::record! {
+    Keyword[1];
+    0 r#type = uint8("type", 0);
+}
+
 const ORDERS: [ByteOrder; 2] = [ByteOrder::LittleEndian, ByteOrder::BigEndian];
+
+#[test]
+fn the_debug_form_is_that_of_the_derive() {
+    let message = Hollow { e: Empty {}, x: 7 };
+    assert_eq!(format!("{message:?}"), "Hollow { e: Empty, x: 7 }");
+    assert_eq!(format!("{message:#?}"), "Hollow {\n    e: Empty,\n    x: 7,\n}");
+    let message = In { x: 1, flags: [true, false, true] };
+    assert_eq!(format!("{message:?}"), "In { x: 1, flags: [true, false, true] }");
+    // Fields have their names in the definition.
+    assert_eq!(format!("{:?}", Keyword { r#type: 3 }), "Keyword { type: 3 }");
+}
 
 /// The decoding errors for a payload of zeros, truncated to each length that includes the header.
 fn truncation_errors<T: Message + std::fmt::Debug>() -> Vec<String> {

@@ -5,7 +5,7 @@ use uavspec_runtime::serde::de::{Deserializer, Visitor};
 use uavspec_runtime::serde::forward_to_deserialize_any;
 use uavspec_runtime::{Definition, Message};
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 struct Pair {
     tag: u8,
     x: u16,
@@ -58,6 +58,12 @@ fn reads_sequences_of_values() {
         read(Payload::Sequence(vec![7])),
         Err("expected another field, found the end of the sequence".to_owned())
     );
+}
+
+#[test]
+fn the_first_error_in_a_sequence_is_the_result() {
+    let error = read(Payload::Sequence(vec![300])).expect_err("300 is no u8");
+    assert!(error.contains("300"), "{error}");
 }
 
 #[test]

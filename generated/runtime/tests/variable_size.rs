@@ -9,7 +9,7 @@ use uavspec_runtime::{Definition, Fault, Message};
 
 macro_rules! sample {
     ($type:ident { $($field:ident: $field_type:ty),* }) => {
-        #[derive(Clone, Debug, Default, PartialEq)]
+        #[derive(Clone, Default, PartialEq)]
         struct $type {
             $($field: $field_type,)*
         }

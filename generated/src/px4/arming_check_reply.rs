@@ -24,7 +24,7 @@ uavspec_runtime::with_views! {
 /// | queue length | 4 |
 /// | uORB | 232 bytes, hash `0x7c350de4` |
 /// | CDR | 231 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct ArmingCheckReply {
     /// Time since boot
     ///

@@ -15,7 +15,7 @@ use uavspec_runtime::{Definition, Message, format_record, record};
 /// | message version | 1 |
 /// | uORB | 16 bytes, hash `0x6e29cdcd` |
 /// | CDR | 20 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct ArmingCheckRequest {
     /// Time since boot
     ///

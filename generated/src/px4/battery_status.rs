@@ -18,7 +18,7 @@ uavspec_runtime::with_views! {
 /// | topics | `battery_status` |
 /// | uORB | 168 bytes, hash `0xe2fc0296` |
 /// | CDR | 180 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct BatteryStatus {
     /// Time since boot
     ///

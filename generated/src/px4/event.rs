@@ -20,7 +20,7 @@ uavspec_runtime::with_views! {
 /// | queue length | 16 |
 /// | uORB | 40 bytes, hash `0x7bc07e31` |
 /// | CDR | 44 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct Event {
     /// Time since boot
     ///

@@ -19,7 +19,7 @@ use uavspec_runtime::{Definition, Message, failure_flags, flags, format_record, 
 /// | topics | `failsafe_flags` |
 /// | uORB | 88 bytes, hash `0xd9bc4415` |
 /// | CDR | 89 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct FailsafeFlags {
     /// Time since boot
     ///

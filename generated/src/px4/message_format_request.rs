@@ -13,7 +13,7 @@ use uavspec_runtime::{Definition, Message, Text, format_record, record};
 /// | topics | `message_format_request` |
 /// | uORB | 64 bytes, hash `0x24e20cb7` |
 /// | CDR | 64 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct MessageFormatRequest {
     /// Time since boot
     ///

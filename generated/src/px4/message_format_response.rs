@@ -11,7 +11,7 @@ use uavspec_runtime::{Definition, Message, Text, flags, format_record, record};
 /// | topics | `message_format_response` |
 /// | uORB | 72 bytes, hash `0x60a08c2d` |
 /// | CDR | 72 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct MessageFormatResponse {
     /// Time since boot
     ///

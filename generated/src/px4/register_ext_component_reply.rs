@@ -15,7 +15,7 @@ use uavspec_runtime::{Definition, Message, Text, flags, format_record, record};
 /// | queue length | 2 |
 /// | uORB | 48 bytes, hash `0x3f5a272f` |
 /// | CDR | 52 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct RegisterExtComponentReply {
     /// Time since boot
     ///

@@ -16,7 +16,7 @@ use uavspec_runtime::{Definition, Message, Text, flags, format_record, record};
 /// | queue length | 2 |
 /// | uORB | 56 bytes, hash `0x35cde621` |
 /// | CDR | 54 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct RegisterExtComponentRequest {
     /// Time since boot
     ///

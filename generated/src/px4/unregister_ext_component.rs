@@ -15,7 +15,7 @@ use uavspec_runtime::{Definition, Message, Text, format_record, record};
 /// | message version | 0 |
 /// | uORB | 40 bytes, hash `0x58239ba9` |
 /// | CDR | 40 bytes |
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub struct UnregisterExtComponent {
     /// Time since boot
     ///

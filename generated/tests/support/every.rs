@@ -24,7 +24,7 @@ uavspec_runtime::open! {
     -32768 "TOP";
 }
 
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Default, PartialEq)]
 pub(crate) struct Inner {
     pub(crate) number: i64,
     pub(crate) names: Vec<String>,
@@ -36,7 +36,7 @@ record! {
     1 names = string("names", 0).at_most(4).bounded(2);
 }
 
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub(crate) struct Every {
     pub(crate) yes: bool,
     pub(crate) bytes: Vec<u8>,
@@ -79,7 +79,7 @@ record! {
 }
 
 /// A message without constraints.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, PartialEq, Default)]
 pub(crate) struct Free {
     pub(crate) a: i32,
     pub(crate) b: bool,

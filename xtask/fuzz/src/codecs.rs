@@ -52,7 +52,7 @@ pub(crate) fn json(data: &[u8]) {
 macro_rules! sample {
     ($type:ident { $($field:ident: $field_type:ty),* }) => {
         // A variable-size message, written like generated code.
-        #[derive(Clone, Debug, Default, PartialEq)]
+        #[derive(Clone, Default, PartialEq)]
         struct $type {
             $($field: $field_type,)*
         }

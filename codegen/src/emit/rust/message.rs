@@ -68,7 +68,7 @@ impl Parts<'_> {
         let default = self.derives_default().then(|| quote!(, Default));
         quote! {
             #doc
-            #[derive(Clone, Debug, PartialEq #default)]
+            #[derive(Clone, PartialEq #default)]
             pub struct #name {
                 #(#docs pub #fields: #types,)*
             }
