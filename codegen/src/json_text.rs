@@ -12,7 +12,7 @@ use crate::characters::is_hidden;
 use crate::terminal::Command;
 
 /// Writes a value on several lines, without a final line break.
-pub fn write_pretty(value: &(impl Serialize + ?Sized), to: impl Write) -> io::Result<()> {
+fn write_pretty(value: &(impl Serialize + ?Sized), to: impl Write) -> io::Result<()> {
     let mut serializer = Serializer::with_formatter(to, Escaping(PrettyFormatter::new()));
     value.serialize(&mut serializer).map_err(io::Error::from)
 }

@@ -83,6 +83,10 @@ pub mod cli;
 #[cfg_attr(not(feature = "files"), allow(dead_code))]
 pub mod conversion;
 pub mod diagnostic;
+// Only commands write patches.
+#[cfg(any(feature = "cli", feature = "lsp"))]
+#[cfg_attr(not(feature = "cli"), allow(dead_code))]
+mod difference;
 mod directive;
 pub mod dynamic;
 pub mod emit;

@@ -20,6 +20,7 @@ mod layout;
 mod lines;
 mod navigation;
 mod outline;
+mod parameters;
 mod project;
 mod rename;
 #[cfg(any(fuzzing, test))]

@@ -24,6 +24,7 @@ const LAYERS: &[&[&str]] = &[
     &["table"],
     &["msg"],
     &[
+        "difference",
         "directive",
         "finding",
         "json_text",

@@ -35,7 +35,7 @@ pub(crate) use self::detail::hexadecimal;
 pub(crate) use self::endpoint::History;
 pub(crate) use self::endpoint::{Durability, Endpoint, EndpointKind, Liveliness, Qos, Reliability};
 pub use self::excuse::{Excuse, ExcuseKind};
-pub(crate) use self::finding::MAX_EXAMPLES;
+pub(crate) use self::finding::{Counted, MAX_EXAMPLES};
 pub use self::finding::{Findings, Group, Verdict};
 pub use self::reason::Reason;
 pub(crate) use self::record::{Channel, Message};

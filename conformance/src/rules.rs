@@ -20,7 +20,7 @@ use uavspec_codegen::source::Span;
 
 use self::sample::Flight;
 use crate::definitions::Definitions;
-use crate::model::{Detail, Findings, Location, Rule};
+use crate::model::{Counted, Detail, Findings, Location, Rule};
 
 /// All rules, sorted by id.
 pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
@@ -144,6 +144,11 @@ impl RuleContext<'_> {
     /// Reports a violation of the rule.
     pub(crate) fn violation(&mut self, subject: &str, location: Location, detail: impl FnOnce() -> Detail) {
         self.violation_of(subject, location, None, detail);
+    }
+
+    /// Counts a violation of the rule. Returns `None` if its details are not needed.
+    pub(crate) fn count_violation(&mut self, subject: &str, location: Location) -> Option<Counted<'_>> {
+        self.findings.count_violation(self.rule, subject, location, None)
     }
 
     /// Reports a violation, with the location of the violated definition.

@@ -34,8 +34,8 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
-    let known: BTreeSet<&String> = pair.new.topics.iter().collect();
-    for topic in pair.old.topics.iter().filter(|topic| !known.contains(topic)) {
+    let known: BTreeSet<&str> = pair.new.topics.iter().map(String::as_str).collect();
+    for topic in pair.old.topics.iter().filter(|topic| !known.contains(topic.as_str())) {
         let message = format!("`{}` no longer has the topic `{topic}`", pair.name());
         sink.change(pair.head(), both(pair.old.span.part(0..0), pair.head()), message).breaks(
             Category::Source,

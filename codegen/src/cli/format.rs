@@ -7,10 +7,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use similar::TextDiff;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
 use super::print::{plural, report};
+use crate::difference;
 use crate::failure::Failure;
 use crate::format::{self, Formatted};
 use crate::load::Plan;
@@ -96,8 +96,7 @@ fn change(sources: &SourceMap, id: SourceId, path: PathBuf, formatted: Formatted
 fn print(changes: &[Change]) {
     let mut stdout = terminal::stdout();
     for Change { shown, old, new, .. } in changes {
-        let difference = TextDiff::from_lines(old.as_str(), new.as_str());
         // It is not an error if the reader closes the pipe early.
-        let _ = write!(stdout, "{}", difference.unified_diff().header(shown, shown));
+        let _ = stdout.write_all(difference::patch(shown, old, new).as_bytes());
     }
 }

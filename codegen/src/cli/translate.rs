@@ -146,7 +146,7 @@ fn outcomes(
     }
     let exists =
         |tag: &str| loaded.catalogues.iter().any(|id| stem(sources.path(*id)).eq_ignore_ascii_case(tag));
-    for tag in args.languages.iter().collect::<BTreeSet<_>>() {
+    for tag in args.languages.iter().map(String::as_str).collect::<BTreeSet<_>>() {
         if !exists(tag) {
             let all = || texts.iter().map(|text| text.unit.clone()).collect();
             let select = if args.select.is_empty() { all() } else { select.clone() };

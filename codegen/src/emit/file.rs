@@ -16,3 +16,10 @@ pub struct OutputFile {
     /// Content.
     pub text: String,
 }
+
+impl OutputFile {
+    /// Sorts files by path.
+    pub(super) fn sort(files: &mut [Self]) {
+        files.sort_by(|left, right| left.path.cmp(&right.path));
+    }
+}

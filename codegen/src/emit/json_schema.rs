@@ -114,7 +114,7 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
     files.extend(
         bundles.filter_map(|(index, package)| emitter.bundle(package, targets(schema, package, index))),
     );
-    files.sort_by(|left, right| left.path.cmp(&right.path));
+    OutputFile::sort(&mut files);
     files
 }
 

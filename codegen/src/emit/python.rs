@@ -90,7 +90,7 @@ pub fn emit(schema: &Schema, translations: &Translations) -> Vec<OutputFile> {
         files.push(OutputFile { path: format!("{OPEN_ENUM}.py"), text: open_enum() });
     }
     files.extend(labels(schema, translations).iter().flat_map(labels::files));
-    files.sort_by(|left, right| left.path.cmp(&right.path));
+    OutputFile::sort(&mut files);
     files
 }
 

@@ -137,7 +137,7 @@ pub fn emit_with_conversions(
         };
         files.append(&mut conversion::files(&context, conversions, &module));
     }
-    files.sort_by(|left, right| left.path.cmp(&right.path));
+    OutputFile::sort(&mut files);
     files
 }
 

@@ -100,7 +100,7 @@ pub fn emit(schema: &Schema, translations: &Translations, options: &Options) -> 
         let re_exports: Vec<OutputFile> = typed.map(types_of_module).collect();
         files.extend(re_exports);
     }
-    files.sort_by(|left, right| left.path.cmp(&right.path));
+    OutputFile::sort(&mut files);
     files
 }
 

@@ -114,7 +114,7 @@ pub fn emit(schema: &Schema, options: &Options) -> Vec<OutputFile> {
             files.extend(emitter.files(target, &head, &cases));
         }
     }
-    files.sort_by(|left, right| left.path.cmp(&right.path));
+    OutputFile::sort(&mut files);
     files
 }
 

@@ -1,10 +1,11 @@
 //! Formatting of documents.
 
 use lsp_types::TextEdit;
-use similar::{DiffTag, TextDiff};
+use similar::DiffTag;
 
 use super::lines::Lines;
 use super::snapshot::Document;
+use crate::difference;
 use crate::format::format;
 
 /// The edits that format a document. None, if it contains errors.
@@ -15,10 +16,9 @@ pub(super) fn edits(document: &Document<'_>) -> Option<Vec<TextEdit>> {
 
 /// The edits that replace a text. Lines that stay the same are not part of an edit.
 pub(super) fn replacement(lines: &Lines<'_>, new: &str) -> Vec<TextEdit> {
-    let old: Vec<&str> = lines.text().split_inclusive('\n').collect();
-    let new: Vec<&str> = new.split_inclusive('\n').collect();
-    let difference = TextDiff::from_slices(&old, &new);
-    let changes = difference.ops().iter().filter(|change| change.tag() != DiffTag::Equal);
+    let (old, new) = (difference::lines(lines.text()), difference::lines(new));
+    let operations = difference::operations(&old, &new);
+    let changes = operations.iter().filter(|change| change.tag() != DiffTag::Equal);
     changes
         .map(|change| {
             let old = change.old_range();

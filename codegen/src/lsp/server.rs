@@ -5,16 +5,11 @@ use std::path::{Path, PathBuf};
 
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use lsp_types::{
-    CodeActionKind, CodeActionOptions, CodeActionParams, CodeActionProvider, CompletionOptions,
-    DefinitionProvider, Diagnostic, DidChangeTextDocumentParams, DidChangeWorkspaceFoldersParams,
-    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DocumentFormattingProvider,
-    DocumentHighlightProvider, DocumentSymbolProvider, FoldingRangeProvider, Full, HoverProvider,
-    InitializeParams, InlayHintParams, InlayHintProvider, LspNotificationMethod, LspRequestMethod, Position,
-    PublishDiagnosticsParams, ReferenceParams, ReferencesProvider, RenameOptions, RenameParams,
-    RenameProvider, ResourceOperationKind, SemanticTokens, SemanticTokensOptions, SemanticTokensProvider,
-    ServerCapabilities, TextDocumentIdentifier, TextDocumentSync, TextDocumentSyncKind,
-    TextDocumentSyncOptions, WorkspaceFolders, WorkspaceFoldersServerCapabilities, WorkspaceOptions,
-    WorkspaceSymbolParams, WorkspaceSymbolProvider,
+    CodeActionKind, CodeActionParams, Diagnostic, DidChangeTextDocumentParams,
+    DidChangeWorkspaceFoldersParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, InlayHintParams,
+    LspNotificationMethod, LspRequestMethod, Position, PublishDiagnosticsParams, ReferenceParams,
+    RenameParams, ResourceOperationKind, SemanticTokens, TextDocumentIdentifier, TextDocumentSyncKind,
+    WorkspaceSymbolParams,
 };
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -22,6 +17,7 @@ use serde_json::{Value, json};
 
 use super::history::History;
 use super::lines::Encoding;
+use super::parameters::Parameters;
 use super::project::Project;
 use super::snapshot::{Document, Snapshot};
 use super::workspace::Workspace;
@@ -63,20 +59,17 @@ struct Place {
 
 impl<'c> Server<'c> {
     /// Creates the server for the parameters of the editor's `initialize` request.
-    #[allow(deprecated)] // editors without workspace folders send `rootUri`
     pub(super) fn new(
         connection: &'c Connection,
         history: &'c dyn History,
         parameters: Value,
     ) -> Result<Self, serde_json::Error> {
-        let parameters: InitializeParams = serde_json::from_value(parameters)?;
+        let parameters: Parameters = serde_json::from_value(parameters)?;
         let general = parameters.capabilities.general.unwrap_or_default();
         let encoding = Encoding::choose(&general.position_encodings.unwrap_or_default());
-        let folders = match parameters.workspace_folders_initialize_params.workspace_folders {
-            Some(WorkspaceFolders::WorkspaceFolderList(folders)) => {
-                folders.into_iter().map(|folder| folder.uri).collect()
-            }
-            Some(WorkspaceFolders::Null) | None => Vec::from_iter(parameters.root_uri),
+        let folders = match parameters.workspace_folders {
+            Some(folders) => folders.into_iter().map(|folder| folder.uri).collect(),
+            None => Vec::from_iter(parameters.root_uri),
         };
         let folders: Vec<PathBuf> = folders.iter().filter_map(uri::to_path).collect();
         let client = parameters.capabilities.workspace.unwrap_or_default();
@@ -345,51 +338,42 @@ fn unknown(method: &str) -> Failed {
     (ErrorCode::MethodNotFound, format!("unknown request `{method}`"))
 }
 
-/// The features of the server.
-fn capabilities(encoding: Encoding) -> ServerCapabilities {
-    ServerCapabilities {
-        position_encoding: Some(encoding.kind()),
-        text_document_sync: Some(TextDocumentSync::Options(TextDocumentSyncOptions {
-            open_close: Some(true),
-            change: Some(TextDocumentSyncKind::Incremental),
-            save: Some(true.into()),
-            ..TextDocumentSyncOptions::default()
-        })),
-        hover_provider: Some(HoverProvider::Bool(true)),
-        definition_provider: Some(DefinitionProvider::Bool(true)),
-        references_provider: Some(ReferencesProvider::Bool(true)),
-        document_highlight_provider: Some(DocumentHighlightProvider::Bool(true)),
-        document_symbol_provider: Some(DocumentSymbolProvider::Bool(true)),
-        workspace_symbol_provider: Some(WorkspaceSymbolProvider::Bool(true)),
-        document_formatting_provider: Some(DocumentFormattingProvider::Bool(true)),
-        folding_range_provider: Some(FoldingRangeProvider::Bool(true)),
-        inlay_hint_provider: Some(InlayHintProvider::Bool(true)),
-        rename_provider: Some(RenameProvider::RenameOptions(RenameOptions {
-            prepare_provider: Some(true),
-            ..RenameOptions::default()
-        })),
-        completion_provider: Some(CompletionOptions {
-            trigger_characters: Some(completion::TRIGGERS.map(str::to_owned).into()),
-            ..CompletionOptions::default()
-        }),
-        code_action_provider: Some(CodeActionProvider::CodeActionOptions(CodeActionOptions {
-            code_action_kinds: Some(vec![CodeActionKind::QuickFix, fixes::fix_all()]),
-            ..CodeActionOptions::default()
-        })),
-        semantic_tokens_provider: Some(SemanticTokensProvider::SemanticTokensOptions(
-            SemanticTokensOptions {
-                legend: tokens::legend(),
-                full: Some(Full::Bool(true)),
-                ..SemanticTokensOptions::default()
-            },
-        )),
-        workspace: Some(WorkspaceOptions {
-            workspace_folders: Some(WorkspaceFoldersServerCapabilities {
-                supported: Some(true),
-                change_notifications: Some(true.into()),
-            }),
-            ..WorkspaceOptions::default()
-        }),
-        ..ServerCapabilities::default()
+/// The features of the server, in the form of `lsp_types::ServerCapabilities`. Code that writes this type, with the
+/// features of all servers, takes long to compile.
+fn capabilities(encoding: Encoding) -> Value {
+    json!({
+        "positionEncoding": encoding.kind(),
+        "textDocumentSync": { "openClose": true, "change": TextDocumentSyncKind::Incremental, "save": true },
+        "completionProvider": { "triggerCharacters": completion::TRIGGERS },
+        "hoverProvider": true,
+        "definitionProvider": true,
+        "referencesProvider": true,
+        "documentHighlightProvider": true,
+        "documentSymbolProvider": true,
+        "codeActionProvider": { "codeActionKinds": [CodeActionKind::QuickFix, fixes::fix_all()] },
+        "workspaceSymbolProvider": true,
+        "documentFormattingProvider": true,
+        "renameProvider": { "prepareProvider": true },
+        "foldingRangeProvider": true,
+        "semanticTokensProvider": { "legend": tokens::legend(), "full": true },
+        "inlayHintProvider": true,
+        "workspace": { "workspaceFolders": { "supported": true, "changeNotifications": true } },
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use lsp_types::ServerCapabilities;
+
+    use super::*;
+
+    #[test]
+    fn the_features_are_those_of_the_protocol_in_its_order() {
+        for encoding in [Encoding::Utf8, Encoding::Utf16] {
+            let features = capabilities(encoding);
+            let known: ServerCapabilities = serde_json::from_value(features.clone()).expect("capabilities");
+            // An unknown name would be missing.
+            assert_eq!(json!(known).to_string(), features.to_string());
+        }
     }
 }

@@ -56,7 +56,7 @@ impl ByPrefix {
         scalar: Scalar,
         is_flags: bool,
     ) -> Candidate {
-        let distinct: BTreeSet<&String> = prefixes.iter().collect();
+        let distinct: BTreeSet<&str> = prefixes.iter().map(String::as_str).collect();
         let mut members: Vec<Member> =
             distinct.into_iter().filter_map(|prefix| self.members.get(prefix)).flatten().cloned().collect();
         members.sort_by_key(|member| member.constant);

@@ -43,7 +43,6 @@ mod stale;
 #[cfg(test)]
 mod tests;
 
-use std::collections::BTreeMap;
 use std::fmt;
 use std::fs::{self, File};
 use std::io::{self, Read as _};
@@ -101,8 +100,8 @@ pub(crate) struct Lists {
     sources: SourceMap,
     ids: Vec<SourceId>,
     entries: Vec<Entry>,
-    /// The files from which lists were read, with symbolic links resolved.
-    paths: BTreeMap<SourceId, PathBuf>,
+    /// The files from which lists were read, with symbolic links resolved, in the order of `ids`.
+    paths: Vec<PathBuf>,
 }
 
 /// The reason why lists can't be read.
@@ -142,7 +141,7 @@ impl Lists {
             }
         }
         let mut lists = Self::parse(texts)?;
-        lists.paths = lists.ids.iter().copied().zip(files).collect();
+        lists.paths = files;
         Ok(lists)
     }
 
@@ -211,8 +210,8 @@ impl Lists {
 
     /// Writes each list that differs from `old` to its file. Either all such lists are written, or none.
     pub(crate) fn write(&self, old: &Self) -> Result<(), Failure> {
-        let changes =
-            self.paths.iter().filter(|(source, _)| self.sources.text(**source) != old.sources.text(**source));
+        let files = self.ids.iter().zip(&self.paths);
+        let changes = files.filter(|(source, _)| self.sources.text(**source) != old.sources.text(**source));
         let change = |(source, path): (&SourceId, &PathBuf)| Change {
             path: path.clone(),
             shown: self.sources.path(*source).to_owned(),

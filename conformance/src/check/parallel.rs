@@ -1,6 +1,5 @@
 //! Runs a job for several items in parallel.
 
-use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex, PoisonError, mpsc};
@@ -59,31 +58,50 @@ pub fn each<T: Sync, R: Send>(
     if jobs <= 1 {
         return items.iter().for_each(|item| take(item, work(item)));
     }
+    // The results are boxed, because most of them are taken soon, whereas their places stay.
+    let results: Vec<Mutex<Option<Box<R>>>> = items.iter().map(|_| Mutex::default()).collect();
+    let result = |at: usize| results[at].lock().unwrap_or_else(PoisonError::into_inner);
+    let work = |at: usize| {
+        let found = work(&items[at]);
+        *result(at) = Some(Box::new(found));
+    };
+    in_order(items.len(), jobs, &work, &mut |at| {
+        let Some(found) = result(at).take() else { return false };
+        take(&items[at], *found);
+        true
+    });
+}
+
+/// Runs `work` for all numbers below `count` in parallel, and `take` for the same numbers in order, each as early as
+/// possible. `take` returns false if the work for its number isn't done.
+///
+/// Not generic, because the compiler would copy all code of the threads for each type of results.
+fn in_order(count: usize, jobs: usize, work: &(dyn Fn(usize) + Sync), take: &mut dyn FnMut(usize) -> bool) {
     let max_early = jobs.saturating_mul(MAX_EARLY);
     let (next, taken) = (AtomicUsize::new(0), Taken::default());
-    let (sender, results) = mpsc::channel();
+    let (sender, done) = mpsc::channel();
     thread::scope(|scope| {
         for _ in 0..jobs {
-            let (sender, next, taken, work) = (sender.clone(), &next, &taken, &work);
+            let (sender, next, taken) = (sender.clone(), &next, &taken);
             scope.spawn(move || {
                 let _end = EndOnPanic(taken);
                 loop {
                     let at = next.fetch_add(1, Ordering::Relaxed);
-                    let Some(item) = items.get(at) else { return };
+                    if at >= count {
+                        return;
+                    }
                     taken.wait(at, max_early);
+                    work(at);
                     // The receiver outlives all senders.
-                    let _ = sender.send((at, work(item)));
+                    let _ = sender.send(());
                 }
             });
         }
         drop(sender);
         let _end = EndOnPanic(&taken);
-        let mut early = BTreeMap::new();
         let mut expected = 0;
-        for (at, result) in results {
-            early.insert(at, result);
-            while let Some(result) = early.remove(&expected) {
-                take(&items[expected], result);
+        for () in done {
+            while expected < count && take(expected) {
                 expected += 1;
                 taken.set(expected);
             }

@@ -38,8 +38,8 @@ pub struct Library {
     is_fixed: bool,
     /// True if only the definitions that a capture needs are read.
     is_for_one: bool,
-    /// The releases that the user demands, by family.
-    forced: BTreeMap<Family, ReleaseId>,
+    /// The release that the user demands, with its family.
+    forced: Option<(Family, ReleaseId)>,
     schemas: Arc<Schemas>,
     formats: Arc<FormatCache>,
     index: OnceLock<&'static Index>,
@@ -87,7 +87,7 @@ impl Library {
                 .with_hint(format!("the releases are {}", known.join(", "))));
         };
         library.name = index.title(release);
-        library.forced.insert(library.index().family(release), release);
+        library.forced = Some((index.family(release), release));
         Ok(library)
     }
 
@@ -97,7 +97,7 @@ impl Library {
             base: OnceLock::new(),
             is_fixed,
             is_for_one: false,
-            forced: BTreeMap::new(),
+            forced: None,
             schemas: Arc::default(),
             formats: Arc::default(),
             index: OnceLock::new(),
@@ -131,13 +131,11 @@ impl Library {
     /// The definitions for captures that don't show their release.
     pub fn base(&self) -> &Arc<Definitions> {
         self.base.get_or_init(|| {
-            let forced = self.forced.values();
-            let choices: Vec<Choice> = forced.map(|release| Choice::without_clues(*release)).collect();
-            Arc::new(if choices.is_empty() {
+            Arc::new(if let Some((_, release)) = self.forced {
+                self.read(&[Choice::without_clues(release)], None)
+            } else {
                 let built_in = Definitions::built_in().with_schemas(Arc::clone(&self.schemas));
                 Definitions { formats: Arc::clone(&self.formats), ..built_in }
-            } else {
-                self.read(&choices, None)
             })
         })
     }
@@ -167,7 +165,7 @@ impl Library {
 
     /// True if the user names the release of a family.
     pub(crate) fn names_release(&self, family: Family) -> bool {
-        self.forced.contains_key(&family)
+        self.forced.is_some_and(|(forced, _)| forced == family)
     }
 
     /// The formats of the logs of a run.
@@ -191,7 +189,8 @@ impl Library {
         if self.is_fixed || *clues == Clues::default() {
             return Vec::new();
         }
-        let choose = |family: Family| self.index().choose(clues, family, self.forced.get(&family).copied());
+        let forced = |family: Family| self.forced.filter(|(forced, _)| *forced == family);
+        let choose = |family| self.index().choose(clues, family, forced(family).map(|(_, release)| release));
         Family::ALL.into_iter().filter_map(choose).collect()
     }
 

@@ -1,11 +1,9 @@
 //! The definitions of a PX4 type in all releases.
 
-use std::collections::BTreeSet;
-
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::fingerprint::hashed_text;
 
-use super::index::{Index, Row, read_definition};
+use super::index::{Index, ReleaseSet, read_definition};
 
 /// A definition that releases contain.
 #[derive(Debug)]
@@ -29,16 +27,18 @@ impl ReleasedType {
 /// The definition with a full ROS name and PX4's hash.
 pub(crate) fn released_type(name: &str, hash: u32) -> Option<ReleasedType> {
     let index = Index::built_in();
-    let rows: Vec<&Row> = index.of_name(name).filter(|row| row.hash == hash).collect();
-    let releases: BTreeSet<_> = rows.iter().flat_map(|row| row.releases.iter()).collect();
-    let text = index.release(*releases.last()?).text();
+    let rows = index.of_name(name).filter(|row| row.hash == hash);
+    let releases = rows.fold(ReleaseSet::default(), |all, row| all.union(row.releases));
+    let text = index.release(releases.iter().next_back()?).text();
     let (schema, id) = read_definition(&text, name, Dialect::Px4)?;
     let fields = hashed_text(&schema, schema.message(id));
-    Some(ReleasedType { releases: releases.into_iter().map(|id| index.label(id)).collect(), fields })
+    Some(ReleasedType { releases: releases.iter().map(|id| index.label(id)).collect(), fields })
 }
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::*;
 
     #[test]

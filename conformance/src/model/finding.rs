@@ -47,6 +47,11 @@ impl Group {
         first.chain(self.farthest.clone()).collect()
     }
 
+    /// True if the group has enough examples.
+    fn has_examples(&self) -> bool {
+        self.examples.len() >= MAX_EXAMPLES
+    }
+
     /// Shortens the common prefix if another finding's message doesn't start with that prefix.
     fn compare(&mut self, message: String) {
         let first = self.examples.first().map_or_else(|| message.clone(), |(_, detail)| detail.to_string());
@@ -92,6 +97,26 @@ pub struct Findings {
     counts: Vec<(&'static Rule, Counts)>,
 }
 
+/// A violation that has been counted, and whose details are still missing.
+#[must_use = "without its details, a violation has no example"]
+pub(crate) struct Counted<'f> {
+    group: &'f mut Group,
+    incomplete: &'f mut Vec<(Key, usize)>,
+    location: Location,
+}
+
+impl Counted<'_> {
+    /// Adds the details.
+    pub(crate) fn describe(self, detail: Detail) {
+        let Self { group, incomplete, location } = self;
+        group.compare(detail.to_string());
+        if !group.has_examples() {
+            incomplete.push(((group.rule.id, group.subject.clone()), group.examples.len()));
+            group.examples.push((location, detail));
+        }
+    }
+}
+
 /// The counts of a rule.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
@@ -118,13 +143,28 @@ impl Findings {
         definition: Option<Span>,
         detail: impl FnOnce() -> Detail,
     ) {
+        if let Some(found) = self.count_violation(rule, subject, location, definition) {
+            found.describe(detail());
+        }
+    }
+
+    /// Counts a violation of a rule in `subject`. Returns `None` if its details are not needed.
+    ///
+    /// The compiler copies `report` for each of its many callers, so all that doesn't depend on the caller is here.
+    pub(crate) fn count_violation(
+        &mut self,
+        rule: &'static Rule,
+        subject: &str,
+        location: Location,
+        definition: Option<Span>,
+    ) -> Option<Counted<'_>> {
         let key = (rule.id, subject.to_owned());
         if !self.groups.contains_key(&key) {
             let is_full = self.groups.len() >= MAX_ALL_GROUPS;
             let counts = self.counts_of(rule);
             if is_full || counts.num_groups >= MAX_GROUPS {
                 counts.dropped += 1;
-                return;
+                return None;
             }
             counts.num_groups += 1;
         }
@@ -147,17 +187,11 @@ impl Findings {
             }
             latest => *latest = Some((location, vec![key])),
         }
-        let has_examples = group.examples.len() >= MAX_EXAMPLES;
         // An empty common prefix can't get shorter.
-        if has_examples && group.common == 0 {
-            return;
+        if group.has_examples() && group.common == 0 {
+            return None;
         }
-        let detail = detail();
-        group.compare(detail.to_string());
-        if !has_examples {
-            group.examples.push((location, detail));
-            self.incomplete.push(((rule.id, subject.to_owned()), group.examples.len() - 1));
-        }
+        Some(Counted { group, incomplete: &mut self.incomplete, location })
     }
 
     /// Removes the findings in a record, if they are the latest findings.
@@ -218,7 +252,7 @@ impl Findings {
     /// True if a group has enough examples, so further findings are only counted.
     pub(crate) fn has_examples(&self, rule: &Rule, subject: &str) -> bool {
         let group = self.groups.get(&(rule.id, subject.to_owned()));
-        group.is_some_and(|group| group.examples.len() == MAX_EXAMPLES)
+        group.is_some_and(Group::has_examples)
     }
 
     /// Counts further findings in a group that has enough examples.

@@ -1,21 +1,23 @@
 //! Sessions that violate a rule: small changes to the conforming session.
+//!
+//! Most changes are function pointers, so that the compiler doesn't copy the functions for each change.
 
 use serde_json::{Value, json};
 
 use super::{Rule, Session};
 
 /// The conforming session with a changed body in the first response of this type.
-pub(super) fn reply(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
+pub(super) fn reply(type_name: &str, change: fn(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().reply(type_name, change)?.to_bytes())
 }
 
 /// The conforming session with a changed envelope in the first response of this type.
-pub(super) fn reply_message(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
+pub(super) fn reply_message(type_name: &str, change: fn(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().reply_message(type_name, change)?.to_bytes())
 }
 
 /// The conforming session with a changed body in the first notification of this type.
-pub(super) fn notice(type_name: &str, change: impl FnOnce(&mut Value)) -> Option<Vec<u8>> {
+pub(super) fn notice(type_name: &str, change: fn(&mut Value)) -> Option<Vec<u8>> {
     Some(Session::new().notice(type_name, change)?.to_bytes())
 }
 
