@@ -8,7 +8,7 @@ use std::thread;
 /// takes longer than reading a few definitions.
 const MIN_ITEMS: usize = 128;
 
-/// The number of threads that the system runs at a time. Finding it out takes as long as reading several files.
+/// The number of threads that the system runs at a time. The standard library finds it out by reading several files.
 static THREADS: LazyLock<usize> = LazyLock::new(|| thread::available_parallelism().map_or(1, NonZero::get));
 
 /// Calls `work` for consecutive parts of `items` in several threads, and returns the results in order. The number of
@@ -20,7 +20,7 @@ pub(crate) fn in_parts<'i, T: Sync, R: Send>(items: &'i [T], work: impl Fn(&'i [
     in_threads(items.chunks(items.len().div_ceil(*THREADS).max(MIN_ITEMS / 2)), work)
 }
 
-/// Calls `work` for each of `items` at the same time, and returns the results in order.
+/// Calls `work` for each of `items` in a separate thread, and returns the results in order.
 #[cfg(feature = "files")]
 pub(crate) fn in_parallel<'i, T: Sync, R: Send, E: Send>(
     items: &'i [T],
@@ -29,18 +29,15 @@ pub(crate) fn in_parallel<'i, T: Sync, R: Send, E: Send>(
     in_threads(items.iter(), work).into_iter().collect()
 }
 
-/// The current thread works on the first item, because each further thread needs time to start, and its own memory.
-fn in_threads<T: Send, R: Send>(mut items: impl Iterator<Item = T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
-    let Some(first) = items.next() else { return Vec::new() };
+// The current thread only waits. Linux starts a thread on the processor of a thread that goes on working, and moves it late.
+fn in_threads<T: Send, R: Send>(items: impl Iterator<Item = T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     thread::scope(|scope| {
         let work = &work;
         let threads: Vec<_> = items.map(|item| scope.spawn(move || work(item))).collect();
-        let mut results = vec![work(first)];
         // A panic in a thread is a bug; propagate it.
         let join = |thread: thread::ScopedJoinHandle<'_, R>| {
             thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
         };
-        results.extend(threads.into_iter().map(join));
-        results
+        threads.into_iter().map(join).collect()
     })
 }
