@@ -6,6 +6,7 @@ pub(crate) mod bag_file;
 mod captures;
 mod conversions;
 mod lists;
+#[cfg(feature = "schemas")]
 mod schemas;
 mod server;
 mod testees;
@@ -41,6 +42,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },
     Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
     Target { name: "known-failures", check: lists::known_failures, seeds: lists::known_failure_seeds },
+    #[cfg(feature = "schemas")]
     Target { name: "body-schema", check: schemas::body_schema, seeds: schemas::body_schema_seeds },
     Target { name: "http", check: transports::http, seeds: transports::http_seeds },
     Target { name: "web-socket", check: transports::web_socket, seeds: transports::web_socket_seeds },

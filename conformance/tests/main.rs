@@ -12,6 +12,7 @@ mod outputs;
 mod probe;
 #[cfg(all(feature = "stores", feature = "tables"))]
 mod python;
+#[cfg(feature = "schemas")]
 mod schema;
 mod serve;
 #[cfg(all(feature = "stores", feature = "tables"))]

@@ -128,7 +128,7 @@ fn a_report_never_replaces_a_redirected_stream() {
 }
 
 #[test]
-fn outputs_never_replace_definitions_schemas_or_lists() {
+fn outputs_never_replace_definitions_or_lists() {
     let folder = workspace();
     for (arguments, wanted) in [
         (
@@ -151,6 +151,12 @@ fn outputs_never_replace_definitions_schemas_or_lists() {
     ] {
         assert_rejected(folder.path(), command(folder.path(), arguments), wanted);
     }
+}
+
+#[cfg(feature = "schemas")]
+#[test]
+fn a_report_never_replaces_a_schema() {
+    let folder = workspace();
     let schema = "schemas/SOAR-INF.json";
     let report = format!("json={schema}");
     let arguments = ["check", "--schema", "schemas", "--report", &report, "logs"];

@@ -19,7 +19,7 @@ pub(crate) struct Platform {
 }
 
 /// The features of the programs, in addition to the default ones.
-pub(crate) const FEATURES: &str = "live,stores,tables";
+pub(crate) const FEATURES: &str = "live,schemas,stores,tables";
 
 /// All platforms. The programs are static, so they run on every Linux distribution.
 pub(crate) static PLATFORMS: [Platform; 2] = [

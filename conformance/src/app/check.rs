@@ -108,6 +108,7 @@ pub(super) struct CheckArgs {
     ///
     /// All JSON Schemas (.json) in the folder and its subfolders are read. Types that have a definition are checked
     /// against the definition. A schema may have up to 100,000 inner schemas, counting each reference like a copy.
+    /// Schemas require a program that was built with the feature `schemas`.
     #[arg(long = "schema", value_name = "DIR")]
     schemas: Vec<PathBuf>,
     /// Type of all JSON messages in the input.

@@ -122,7 +122,8 @@ pub(super) struct ProbeArgs {
     definitions: Option<PathBuf>,
     /// Schemas for other Flockwave types (repeatable).
     ///
-    /// All JSON Schemas (.json) in the folder and its subfolders are read, as in `uavspec check`.
+    /// All JSON Schemas (.json) in the folder and its subfolders are read, as in `uavspec check`. Schemas require a
+    /// program that was built with the feature `schemas`.
     #[arg(long = "schema", value_name = "DIR")]
     schemas: Vec<PathBuf>,
     #[command(flatten)]

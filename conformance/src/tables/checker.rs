@@ -31,7 +31,7 @@ const ENGLISH: &str = "en";
 pub struct Options {
     /// A release such as `px4@1.16`, or the path of definitions. By default, they are chosen for each capture.
     pub definitions: Option<PathBuf>,
-    /// The folders with JSON Schemas for other Flockwave types.
+    /// The folders with JSON Schemas for other Flockwave types. They require the feature `schemas`.
     pub schemas: Vec<PathBuf>,
     /// True if formats that differ from the definitions count as violations.
     pub are_formats_strict: bool,

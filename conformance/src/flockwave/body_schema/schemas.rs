@@ -1,5 +1,7 @@
 //! User-supplied JSON Schemas for message types without a definition.
 
+mod expansion;
+
 use std::collections::{BTreeMap, HashMap};
 use std::fmt;
 use std::fs::File;
@@ -12,7 +14,7 @@ use serde_json::Value;
 use uavspec_codegen::schema::json_type::Direction;
 use walkdir::WalkDir;
 
-use super::expansion::{self, Anchors, MAX_SCHEMAS};
+use self::expansion::{Anchors, MAX_SCHEMAS};
 use super::{Deviation, Mismatch};
 use crate::json::Tree;
 use crate::text::{shown, terminal};
