@@ -41,13 +41,13 @@
 //!
 //! | features | generated | derives |
 //! |---|---|---|
-//! | none | 1.07 | 0.34 |
-//! | `defmt` | 1.42 | 0.90 |
-//! | `proptest` | 1.33 | 0.82 |
-//! | `schemars` | 1.35 | 0.87 |
-//! | `serde` | 1.68 | 4.62 |
-//! | `views` | 1.63 | 0.33 |
-//! | all five | 3.09 | 6.80 |
+//! | none | 1.13 | 0.42 |
+//! | `defmt` | 1.53 | 1.02 |
+//! | `proptest` | 1.44 | 0.91 |
+//! | `schemars` | 1.31 | 0.96 |
+//! | `serde` | 1.44 | 4.76 |
+//! | `views` | 1.66 | 0.36 |
+//! | all five | 2.97 | 7.49 |
 
 #![no_std]
 #![cfg_attr(docsrs, feature(doc_cfg))]
