@@ -87,8 +87,8 @@ impl Filter {
     }
 }
 
-/// Guarded lines of an output, as a [`Guard`] would write them. After the end of a line, a guard has nothing to
-/// remember, so lines can be guarded in several threads and printed one after the other.
+/// Guarded lines of an output, as a [`Guard`] would write them. After the end of a line, a guard starts afresh, so lines
+/// can be guarded in several threads and printed one after the other.
 #[cfg(feature = "cli")]
 #[derive(Debug, Default)]
 pub(crate) struct GuardedLines(String);
