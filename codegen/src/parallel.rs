@@ -8,7 +8,8 @@ use std::thread;
 /// takes longer than reading a few definitions.
 const MIN_ITEMS: usize = 128;
 
-/// The number of threads that the system runs at a time. The standard library finds it out by reading several files.
+/// The number of threads that the system runs at a time. Stored, because the standard library reads several files on Linux
+/// to find it out.
 static THREADS: LazyLock<usize> = LazyLock::new(|| thread::available_parallelism().map_or(1, NonZero::get));
 
 /// Calls `work` for consecutive parts of `items` in several threads, and returns the results in order. The number of
@@ -29,7 +30,8 @@ pub(crate) fn in_parallel<'i, T: Sync, R: Send, E: Send>(
     in_threads(items.iter(), work).into_iter().collect()
 }
 
-// The current thread only waits. Linux starts a thread on the processor of a thread that goes on working, and moves it late.
+// The current thread only waits. Linux starts a new thread on the processor of its parent. If the parent goes on working, the
+// new thread waits until Linux moves it.
 fn in_threads<T: Send, R: Send>(items: impl Iterator<Item = T>, work: impl Fn(T) -> R + Sync) -> Vec<R> {
     thread::scope(|scope| {
         let work = &work;

@@ -415,7 +415,7 @@ fn missing_schemas_name_the_feature() {
     let folder = tempfile::tempdir().expect("a folder");
     for command in [["check", "absent.jsonl"], ["probe", "tcp://127.0.0.1:1"]] {
         let (status, _, output) = uavspec(folder.path(), &[&command[..], &["--schema", "soar"]].concat());
-        let problem = "error: soar: this program was built without JSON Schemas";
+        let problem = "error: soar: this program can't read JSON Schemas";
         assert_eq!(status, Some(2), "{output}");
         assert!(output.starts_with(problem) && output.contains("--features schemas"), "{output}");
     }

@@ -1,6 +1,7 @@
 //! The parameters of the editor's `initialize` request, as far as the server uses them.
 //!
-//! `lsp_types::InitializeParams` also has all other capabilities of editors. Code that reads these takes long to compile.
+//! `lsp_types::InitializeParams` also has all other capabilities of editors. Code that reads these takes long to
+//! compile.
 
 use lsp_types::{PositionEncodingKind, ResourceOperationKind, Uri, WorkspaceFolder};
 use serde::Deserialize;
@@ -10,7 +11,7 @@ use serde::Deserialize;
 #[serde(rename_all = "camelCase")]
 pub(super) struct Parameters {
     pub(super) workspace_folders: Option<Vec<WorkspaceFolder>>,
-    /// The folder of editors without workspace folders.
+    /// The folder, if the editor doesn't send workspace folders.
     pub(super) root_uri: Option<Uri>,
     pub(super) capabilities: Capabilities,
 }

@@ -58,7 +58,7 @@ pub fn each<T: Sync, R: Send>(
     if jobs <= 1 {
         return items.iter().for_each(|item| take(item, work(item)));
     }
-    // The results are boxed, because most of them are taken soon, whereas their places stay.
+    // The results are boxed: the list has a place for each item until the end, but most results are taken soon.
     let results: Vec<Mutex<Option<Box<R>>>> = items.iter().map(|_| Mutex::default()).collect();
     let result = |at: usize| results[at].lock().unwrap_or_else(PoisonError::into_inner);
     let work = |at: usize| {

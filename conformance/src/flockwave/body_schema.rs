@@ -1,8 +1,9 @@
 //! The schemas of Flockwave message bodies, and the code that checks values against them.
 //!
 //! Schemas are data. A message body has a separate schema for each direction. The body schemas are compiled from the
-//! definitions ([`DefinedSchemas`]). For undefined types, users can supply JSON Schemas ([`Schemas`]). Rules that check
-//! a single field use separate schemas (`ExpectedValue`), which may be less strict than the definitions.
+//! definitions ([`DefinedSchemas`]). For undefined types, users can supply JSON Schemas ([`Schemas`]) if the crate has
+//! the feature `schemas`. Rules that check a single field use separate schemas (`ExpectedValue`), which may be less
+//! strict than the definitions.
 //!
 //! ```
 //! use uavspec_conformance::definitions::Definitions;

@@ -57,8 +57,8 @@ pub trait Fields: Record + Default {
     fn read_field<'de, S: Source<'de>>(&mut self, index: usize, source: &mut S);
 }
 
-/// The constants of messages that depend on the number of fields. Compilers evaluate them only for messages that are read
-/// or written as JSON.
+/// The constants of messages that depend on the number of fields. The compiler evaluates them only for messages that are
+/// read or written as JSON, so other messages compile faster.
 #[doc(hidden)]
 pub trait PerField<T> {
     /// The names of the fields, in declaration order.
@@ -96,8 +96,8 @@ pub trait Field: Sized {
     fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error>;
 }
 
-/// A source of values: the members of an object, or the elements of a sequence. It stores the error of a value, so generated
-/// code needs no `Result` for each field and compiles faster.
+/// A source of values: the members of an object, or the elements of a sequence. It stores the error of a value, so
+/// generated code needs no `Result` for each field and compiles faster.
 #[doc(hidden)]
 pub trait Source<'de> {
     /// Reads the next value into `field`, which stays as it is after an error.

@@ -23,8 +23,8 @@
 //! # Compile time
 //!
 //! Each format string needs one defmt macro call. `#[derive(defmt::Format)]` saves four bytes per message, because it
-//! can use private functions of defmt. However, this derive adds 0.9 s to `cargo check` of PX4's 261 messages, whereas
-//! this implementation adds 0.4 to 0.6 s. The derive also needs a feature and a dependency on defmt in the crate that
+//! can use private functions of defmt. However, this derive adds 0.6 s to `cargo check` of PX4's 261 messages, whereas
+//! this implementation adds 0.4 s. The derive also needs a feature and a dependency on defmt in the crate that
 //! contains the messages.
 
 use defmt::{Format, Formatter, write};

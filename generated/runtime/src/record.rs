@@ -55,8 +55,8 @@ impl FieldSink for DebugFields<'_, '_> {
     }
 }
 
-/// Formats a message as the derived `Debug` does, except that fields have their names in the definition. The derive would take
-/// longer to compile, because it generates code for each field.
+/// Formats a message as the derived `Debug` does, except that fields have their names in the definition. The derive would
+/// take longer to compile, because it generates code for each field.
 #[doc(hidden)]
 pub fn debug<M: Record>(message: &M, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
     let out = formatter.debug_struct(M::DESCRIPTOR.name);
@@ -303,8 +303,8 @@ impl Primitive for bool {
     }
 }
 
-/// Implements the codecs of a message, and `Debug`, which must not be derived as well. The arguments are the message name, the
-/// number of fields, and the index, name and descriptor of each field.
+/// Implements the codecs of a message, and `Debug`, which must not be derived as well. The arguments are the message
+/// name, the number of fields, and the index, name and descriptor of each field.
 ///
 /// For a fixed-size message, the arguments also include the name of its view, the size with padding and the size
 /// without padding. For each field, the arguments also include the type that the view returns.

@@ -9,7 +9,7 @@ use super::Deviation;
 use crate::json::Tree;
 use crate::text::terminal;
 
-/// JSON Schemas for bodies, which this program can't read. There are none.
+/// No schemas: this program can't read JSON Schemas of users.
 #[derive(Debug, Default)]
 pub struct Schemas(());
 
@@ -22,7 +22,7 @@ pub struct SchemaError {
 
 impl fmt::Display for SchemaError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let problem = "this program was built without JSON Schemas: build it with `--features schemas`";
+        let problem = "this program can't read JSON Schemas: build it with `--features schemas`";
         write!(formatter, "{}: {problem}", terminal::path(&self.path))
     }
 }
