@@ -11,27 +11,21 @@ use serde_json::ser::{CharEscape, CompactFormatter, Formatter, PrettyFormatter, 
 use crate::characters::is_hidden;
 use crate::terminal::Command;
 
-/// Writes a value on several lines, without a final line break.
-fn write_pretty(value: &(impl Serialize + ?Sized), to: impl Write) -> io::Result<()> {
-    let mut serializer = Serializer::with_formatter(to, Escaping(PrettyFormatter::new()));
-    value.serialize(&mut serializer).map_err(io::Error::from)
-}
-
 /// Formats a value on several lines, with a final line break.
 pub fn pretty(value: &(impl Serialize + ?Sized)) -> String {
-    let mut text = Vec::new();
-    // Writing to memory can't fail. A value whose keys aren't strings gives an empty text.
-    let is_written = write_pretty(value, &mut text).is_ok();
-    text.push(b'\n');
-    String::from_utf8(text).ok().filter(|_| is_written).unwrap_or_default()
+    write(value, PrettyFormatter::new()).map_or_else(String::new, |text| text + "\n")
 }
 
 /// Formats a value on one line.
 pub fn compact(value: &(impl Serialize + ?Sized)) -> String {
+    write(value, CompactFormatter).unwrap_or_default()
+}
+
+/// Fails for a value whose keys aren't strings. Writing to memory can't fail.
+fn write(value: &(impl Serialize + ?Sized), formatter: impl Formatter) -> Option<String> {
     let mut text = Vec::new();
-    let mut serializer = Serializer::with_formatter(&mut text, Escaping(CompactFormatter));
-    let is_written = value.serialize(&mut serializer).is_ok();
-    String::from_utf8(text).ok().filter(|_| is_written).unwrap_or_default()
+    value.serialize(&mut Serializer::with_formatter(&mut text, Escaping(formatter))).ok()?;
+    String::from_utf8(text).ok()
 }
 
 /// Escapes hidden characters and commands in strings.

@@ -89,7 +89,6 @@ mod unknown_translation;
 mod unknown_unit;
 mod version_type;
 
-use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 pub use self::fix::apply;
@@ -236,12 +235,10 @@ fn resolve_and_lint(
             || selected.contains(&sources.source_of(finding.span))
     });
     ignore::apply(sources, &parsed, (RULES, settings), &selected, &mut findings);
-    findings.sort_by(by_location);
+    findings.sort_by(|left, right| {
+        (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message))
+    });
     (schema, findings)
-}
-
-fn by_location(left: &Finding, right: &Finding) -> Ordering {
-    (left.span, left.rule, &left.message).cmp(&(right.span, right.rule, &right.message))
 }
 
 struct Linter<'s> {
@@ -291,16 +288,13 @@ impl Linter<'_> {
             })
         });
         let of_messages = in_parts(&subjects, |subjects| {
-            let mut findings = self.apply(|check, sink| {
+            self.apply(|check, sink| {
                 if let Check::Message(check) = check {
                     for subject in subjects {
                         check(subject, sink);
                     }
                 }
-            });
-            // All findings are sorted later, which is fast for sorted parts.
-            findings.sort_by(by_location);
-            findings
+            })
         });
         let of_packages = self.apply(|check, sink| match check {
             Check::ErrorCodes(check) => {

@@ -16,7 +16,7 @@ use crate::finding::Finding;
 use crate::render;
 use crate::report::{Entry, Report, RuleInfo, Totals};
 use crate::source::{SourceId, SourceMap};
-use crate::terminal::{GuardedLines, guarded};
+use crate::terminal::{self, GuardedLines, guarded};
 
 /// The reports, and the lowest level of finding that makes a command fail.
 #[derive(Args, Clone, Debug)]
@@ -168,8 +168,8 @@ impl ReportArgs {
     /// Prints the results to standard output, and writes the report files.
     pub(super) fn show(&self, results: &Results<'_>, sources: &SourceMap) -> Result<(), Failure> {
         match self.format {
-            FormatName::Text if self.summary => {
-                print_results(|_| vec![GuardedLines::of(&results.to_summary(self.format))]);
+            format @ FormatName::Text if self.summary => {
+                terminal::print(format_args!("{}", results.to_summary(format)));
             }
             FormatName::Text => print_results(|styled| results.to_lines(sources, styled)),
             format if self.summary => print_report(&results.to_summary(format)),

@@ -9,7 +9,6 @@ use super::{Detail, Exchange, Role, RuleContext, Tree};
 use crate::flockwave::body_schema::{Deviation, Mismatch};
 use crate::flockwave::record::Connection;
 use crate::flockwave::session::ConnectionId;
-use crate::model::Counted;
 
 /// The type of status reports.
 const STATUS: &str = "UAV-INF";
@@ -173,7 +172,7 @@ impl<'t> StatusReport<'t> {
 impl Exchange<'_> {
     /// Reports that the message violates the rule.
     pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
-        if let Some(found) = self.counted(None, context) {
+        if let Some(found) = context.count_violation(&self.subject(), self.record.location) {
             found.describe(detail().excerpt(self.excerpt()));
         }
     }
@@ -185,19 +184,9 @@ impl Exchange<'_> {
         context: &mut RuleContext<'_>,
         detail: impl FnOnce() -> Detail,
     ) {
-        if let Some(found) = self.counted(Some(field), context) {
+        let subject = format!("{}.{field}", self.subject());
+        if let Some(found) = context.count_violation(&subject, self.record.location) {
             found.describe(detail().excerpt(self.excerpt()));
         }
-    }
-
-    /// Counts a violation by the message or by one of its fields. The compiler copies the functions above for each of
-    /// their callers, but not this function.
-    fn counted<'f>(&self, field: Option<&str>, context: &'f mut RuleContext<'_>) -> Option<Counted<'f>> {
-        let subject = self.subject();
-        let subject = match field {
-            Some(field) => format!("{subject}.{field}").into(),
-            None => subject,
-        };
-        context.count_violation(&subject, self.record.location)
     }
 }
