@@ -73,10 +73,8 @@ impl Schema {
             restriction.limits = (demand.apply)(restriction.limits, demand.number);
             restriction.demands.push((demand.method, demand.number));
         }
-        let special = field.constraints.iter().filter(|constraint| constraint.is_special());
-        let special = special.filter_map(|constraint| stored(constraint.stated.value()?, scalar));
         let is_excluded = |value: &Number| restriction.constraint().violated_by(*value).is_some();
-        restriction.special = special.filter(is_excluded).collect();
+        restriction.special = field.special_values().into_iter().filter(is_excluded).collect();
         (restriction.constraint() != Constraint::NONE).then_some(restriction)
     }
 }
@@ -99,6 +97,13 @@ pub(crate) fn mentions_nan(message: &Message, field: &Field) -> bool {
 }
 
 impl Field {
+    /// The values that have a special meaning, including values that the other constraints allow.
+    pub fn special_values(&self) -> Vec<Number> {
+        let Element::Scalar(scalar) = self.ty.element else { return Vec::new() };
+        let special = self.constraints.iter().filter(|constraint| constraint.is_special());
+        special.filter_map(|constraint| stored(constraint.stated.value()?, scalar)).collect()
+    }
+
     /// True if the definition mentions NaN in the annotations or the text of the field.
     pub(crate) fn gives_nan_a_meaning(&self) -> bool {
         self.states_nan()

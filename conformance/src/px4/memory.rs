@@ -384,7 +384,7 @@ impl Counter {
             .find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
         match placed.element {
             PlacedElement::Scalar(scalar) => {
-                Some(Self { offset: base + placed.offset, scalar, special: field.special().into() })
+                Some(Self { offset: base + placed.offset, scalar, special: field.special.as_slice().into() })
             }
             PlacedElement::Text(_) | PlacedElement::String { .. } | PlacedElement::Message(_) => None,
         }
@@ -427,6 +427,8 @@ impl Values {
                 let counted = field.counts.map(|array| &message.fields[array]);
                 // The array has the length that the format states, even if the definition states a different one.
                 restriction.limits.count = counted.and_then(|array| most(&array.name, message_type));
+                // If that array is shorter, the limit may exclude special values that the definition's array allows.
+                restriction.special.clone_from(&field.special);
                 (Element::Scalar(scalar), Some(restriction))
             }
             PlacedElement::Message(_) => return None,

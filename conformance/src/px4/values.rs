@@ -69,6 +69,8 @@ pub(super) struct FieldPlan {
     /// The number of elements. Text is a single element.
     pub(super) shape: Shape,
     pub(super) restriction: Option<Restriction>,
+    /// The values with a special meaning, including values that the restriction allows.
+    pub(super) special: Vec<Number>,
     /// The field that contains the number of used entries, if there is one.
     pub(super) counted_by: Option<usize>,
     /// The array whose used entries this field counts, if there is one.
@@ -350,6 +352,7 @@ impl FieldPlan {
             element,
             shape,
             restriction: schema.restriction(message, field),
+            special: field.special_values(),
             counted_by: message.fields.iter().position(|other| other.counts == Some(index)),
             counts: field.counts,
             span: field.span,
@@ -361,11 +364,6 @@ impl FieldPlan {
     /// The constraints on each of the field's values.
     pub(super) fn constraint(&self) -> Constraint<'_> {
         Constraint { element: self.element, shape: self.shape, restriction: self.restriction.as_ref() }
-    }
-
-    /// The values with a special meaning, except for values that the other constraints allow anyway.
-    pub(super) fn special(&self) -> &[Number] {
-        self.restriction.as_ref().map_or(&[], |restriction| restriction.special.as_slice())
     }
 
     /// True for an array of bytes, which rosbridge writes as base64.

@@ -355,7 +355,7 @@ impl<'p> Explaining<'p, '_> {
 /// The number of entries in use according to the field that counts them. `None` if that field is not an integer.
 fn in_use(object: &Tree<'_>, field: &FieldPlan) -> Option<usize> {
     let Some(Tree::Int(count)) = object.get(&field.name) else { return None };
-    Some(entries_in_use(*count, field.special()))
+    Some(entries_in_use(*count, &field.special))
 }
 
 impl FieldPlan {

@@ -129,6 +129,32 @@ fn checks_bounds_of_sequences_and_strings() {
     }
 }
 
+/// Checks a message of type `Tow` in JSON and in memory. Both must have the returned findings.
+fn found_in_both(tow: &str, text: &str) -> Vec<(&'static str, String, u64)> {
+    let mut sources = SourceMap::default();
+    let files = [("Tow.msg", tow), ("Knot.msg", "int16 width  # [@range 1, 9]\n")]
+        .map(|(name, text)| sources.add(name, text.into()).expect("a file"));
+    let package = PackageInput::new("demo", Form::Msg(Dialect::Ros2), Vec::from(files));
+    let (schema, mistakes) = read(&sources, &[package]);
+    assert!(mistakes.is_empty(), "{mistakes:?}");
+    let at = schema.messages.iter().position(|message| message.name == "Tow").expect("a message");
+    let id = MessageId(u32::try_from(at).expect("few"));
+
+    let (mut in_json, mut in_memory) = (Findings::default(), Findings::default());
+    let location = Location::Line(1);
+    let origin = MessageOrigin { id, name: "m", location, key: None, is_rosbridge: false, shared: None };
+    let plans = Plans::new(&schema, &crate::rules::px4::VALUES);
+    plans.explain(origin, &Tree::read(text).expect("JSON"), &mut in_json);
+    let types = Types::new(&schema);
+    let message = types.get(id).from_json_text(text).expect("a message");
+    let plan = Plan::new(types.get(id), Some(id), &schema, "m", &crate::rules::px4::VALUES);
+    plan.check(message.memory(), location, &mut in_memory);
+
+    let found = listed(&in_json);
+    assert_eq!(found, listed(&in_memory), "{tow} {text}");
+    found
+}
+
 /// Checks a message with counted arrays in JSON and in memory. Each entry violates its range, so the number of findings
 /// is the number of entries in use.
 #[test]
@@ -136,6 +162,8 @@ fn json_and_memory_agree_on_the_entries_in_use() {
     const HIGH: &str = "[@invalid 255] [@uncontrolled 254]";
     // One special value is below the array length, and the other one is written as a float.
     const LOW: &str = "[@range 2, 7] [@invalid 1] [@uncontrolled 254.0]";
+    // The array length allows the special value.
+    const WITHIN: &str = "[@invalid 2]";
     let (too_long, out_of_range) = (Some("PX-LEN-01"), Some("PX-RANGE-01"));
     for (special, count, in_use, violated) in [
         (HIGH, -1, 0, None),
@@ -155,37 +183,21 @@ fn json_and_memory_agree_on_the_entries_in_use() {
         (LOW, 4, 3, too_long),
         (LOW, 254, 0, None),
         (LOW, 255, 3, too_long),
+        (WITHIN, 1, 1, None),
+        (WITHIN, 2, 0, None),
+        (WITHIN, 3, 3, None),
+        (WITHIN, 4, 3, too_long),
     ] {
         let tow = format!(
             "int16 num_ropes  # {special} [@count ropes]\nuint8[3] ropes  # [@range 10, 90]\n\
              int16 num_knots  # {special} [@count knots]\nKnot[3] knots\n\
              int16 num_turns  # {special} [@count turns]\nuint8[<=3] turns  # [@range 1, 9]\n"
         );
-        let mut sources = SourceMap::default();
-        let files = [("Tow.msg", tow), ("Knot.msg", "int16 width  # [@range 1, 9]\n".to_owned())]
-            .map(|(name, text)| sources.add(name, text.into()).expect("a file"));
-        let package = PackageInput::new("demo", Form::Msg(Dialect::Ros2), Vec::from(files));
-        let (schema, mistakes) = read(&sources, &[package]);
-        assert!(mistakes.is_empty(), "{mistakes:?}");
-        let at = schema.messages.iter().position(|message| message.name == "Tow").expect("a message");
-        let id = MessageId(u32::try_from(at).expect("few"));
         let text = json!({
             "num_ropes": count, "ropes": [0, 0, 0],
             "num_knots": count, "knots": vec![json!({"width": 0}); 3],
             "num_turns": count, "turns": [0, 0, 0],
         });
-        let text = text.to_string();
-
-        let (mut in_json, mut in_memory) = (Findings::default(), Findings::default());
-        let location = Location::Line(1);
-        let origin = MessageOrigin { id, name: "m", location, key: None, is_rosbridge: false, shared: None };
-        let plans = Plans::new(&schema, &crate::rules::px4::VALUES);
-        plans.explain(origin, &Tree::read(&text).expect("JSON"), &mut in_json);
-        let types = Types::new(&schema);
-        let message = types.get(id).from_json_text(&text).expect("a message");
-        let plan = Plan::new(types.get(id), Some(id), &schema, "m", &crate::rules::px4::VALUES);
-        plan.check(message.memory(), location, &mut in_memory);
-
         let mut expected: Vec<(&str, String, u64)> = Vec::new();
         for (array, value) in [("knots", "knots.width"), ("ropes", "ropes"), ("turns", "turns")] {
             expected.extend(violated.map(|rule| (rule, format!("m.num_{array}"), 1)));
@@ -194,8 +206,18 @@ fn json_and_memory_agree_on_the_entries_in_use() {
             }
         }
         expected.sort_unstable();
-        assert_eq!(listed(&in_json), expected, "JSON: {special} {count}");
-        assert_eq!(listed(&in_memory), expected, "memory: {special} {count}");
+        assert_eq!(found_in_both(&tow, &text.to_string()), expected, "{special} {count}");
+    }
+}
+
+/// Any count is valid for a sequence without a bound, including the special one.
+#[test]
+fn a_special_count_leaves_the_entries_of_a_sequence_unchecked() {
+    let tow = "int16 num_loops  # [@invalid 255] [@count loops]\nuint8[] loops  # [@range 1, 9]\n";
+    for (count, in_use) in [(0, 0), (2, 2), (254, 3), (255, 0)] {
+        let text = json!({"num_loops": count, "loops": [0, 0, 0]}).to_string();
+        let found = (in_use > 0).then(|| ("PX-RANGE-01", "m.loops".to_owned(), in_use));
+        assert_eq!(found_in_both(tow, &text), Vec::from_iter(found), "{count}");
     }
 }
 

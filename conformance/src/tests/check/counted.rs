@@ -6,7 +6,7 @@ use crate::check::{CaptureResult, check_ulog};
 use crate::definitions::Definitions;
 use tempfile::TempDir;
 
-use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, run_check, violated};
+use super::{FORMAT, Glider, MARK_FORMAT, PERIOD, defined, run_check, violated};
 use crate::tests::support::Writer;
 
 /// A glider log with an array of `marks` elements, of which `num_marks` are in use.
@@ -32,6 +32,23 @@ fn checks_counts_against_the_array_in_the_log() {
         let message =
             ("PX-LEN-01", format!("glider.num_marks: {num_marks} exceeds the array length {marks}"));
         assert_eq!(found, if is_violating { vec![message] } else { vec![] }, "{num_marks} of {marks}");
+    }
+}
+
+/// The special count 9 is a valid length in the definition, but not in the log.
+#[test]
+fn accepts_a_special_count_above_the_length_in_the_log() {
+    let tow = "uint64 timestamp\nuint8 num_ropes  # [@invalid 9] [@count ropes]\nuint8[12] ropes\n";
+    let (_folder, definitions) = defined(&[("Tow.msg", tow)]);
+    for (num_ropes, message) in [(2, None), (3, Some("3 exceeds the array length 2")), (9, None)] {
+        let mut log = Writer::with_flags();
+        log.format("tow:uint64_t timestamp;uint8_t num_ropes;uint8_t[2] ropes;uint8_t[5] _padding0;");
+        log.subscribe(5, 0, "tow");
+        log.data(5, &[5, 0, 0, 0, 0, 0, 0, 0, num_ropes, 0, 0, 0, 0, 0, 0, 0]);
+        let found = violated(&check_ulog(&log.bytes[..], &definitions));
+        let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
+        let message = message.map(|message| ("PX-LEN-01", format!("tow.num_ropes: {message}")));
+        assert_eq!(found, Vec::from_iter(message), "{num_ropes}");
     }
 }
 
