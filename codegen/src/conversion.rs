@@ -37,5 +37,7 @@ pub use self::expression::{Binary, Computed, Expression, Unary, ValueKind};
 pub use self::hints::read as read_hints;
 pub use self::hints::{Hints, Mistake};
 pub use self::memory::{Converter, MAX_CONVERTED, TooLarge};
-pub use self::plan::{Conversion, Copy, Elements, Loss, LossKind, Narrowing, Neutral, Step, Undecided};
+pub use self::plan::{
+    Conversion, Copy, CountLimit, Elements, Loss, LossKind, Narrowing, Neutral, Step, Undecided,
+};
 pub use self::request::{Answer, Request, answer};

@@ -139,7 +139,7 @@ impl Copier<'_> {
 
     /// The number of elements, limited to the length of an array that was cut.
     fn limited(&self, value: i128) -> i128 {
-        self.copy.at_most.map_or(value, |most| value.min(most.into()))
+        self.copy.limit.as_ref().map_or(value, |limit| limit.limited(value))
     }
 
     fn element(&self, value: &Value, initial: &Value) -> Value {
@@ -155,8 +155,8 @@ impl Copier<'_> {
             }
             Elements::Values(pairs) => {
                 let value = integer(value);
-                let found = pairs.iter().find(|(from, _)| *from == value).map_or(value, |(_, to)| *to);
-                number(self.target, Computed::Int(found))
+                let named = pairs.iter().find(|(from, _)| *from == value).map(|(_, to)| *to);
+                number(self.target, Computed::Int(named.unwrap_or_else(|| self.limited(value))))
             }
             Elements::Flags(pairs) => number(self.target, Computed::Int(flags(pairs, integer(value)))),
             Elements::Narrow(Narrowing::Neutral) => {
@@ -172,8 +172,8 @@ impl Copier<'_> {
                     value => number(self.target, value),
                 }
             }
-            Elements::Same | Elements::Text | Elements::String(None) => match self.copy.at_most {
-                Some(_) => number(self.target, Computed::Int(self.limited(integer(value)))),
+            Elements::Same | Elements::Text | Elements::String(None) => match &self.copy.limit {
+                Some(limit) => number(self.target, Computed::Int(limit.limited(integer(value)))),
                 None => value.clone(),
             },
         }

@@ -1,5 +1,6 @@
 //! The steps of a conversion.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::expression::Expression;
@@ -59,8 +60,25 @@ pub struct Copy {
     pub elements: Elements,
     /// The value of elements of the target that the source lacks, and of numbers that [`Narrowing::Neutral`] replaces.
     pub rest: Neutral,
-    /// The maximum value, if the field counts the elements of an array that was cut.
-    pub at_most: Option<u32>,
+    /// The limit, if the field counts the elements of an array that was cut.
+    pub limit: Option<CountLimit>,
+}
+
+/// The limit of a count.
+#[derive(Clone, Debug)]
+pub struct CountLimit {
+    /// The maximum.
+    pub most: u32,
+    /// The values of the source type that are not limited, and their values in the target: values with a special
+    /// meaning, such as an unknown count, and all values that are converted by name.
+    pub special: BTreeMap<i128, i128>,
+}
+
+impl CountLimit {
+    /// The limited count.
+    pub(super) fn limited(&self, value: i128) -> i128 {
+        self.special.get(&value).copied().unwrap_or(value.min(self.most.into()))
+    }
 }
 
 /// The conversion of an element.

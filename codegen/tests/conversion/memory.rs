@@ -155,6 +155,84 @@ fn the_neutral_value_of_a_count_is_not_limited() {
     assert_eq!(converted, serde_json::json!({"count": 255, "items": [1, 2]}));
 }
 
+#[test]
+fn special_values_of_a_count_are_not_limited() {
+    let types = [
+        ("uint8", "uint8", ""),
+        ("uint8", "uint32", ""),
+        ("uint32", "uint8", "nearest"),
+        ("uint32", "uint8", "neutral"),
+    ];
+    let notes = [
+        ("[@invalid 255]", "[@invalid 255]"),
+        ("[@invalid 255.0]", ""),
+        ("", "[@uncontrolled 255]"),
+        ("[@invalid 0] [@uncontrolled 255]", "[@invalid 0]"),
+    ];
+    for (old, new, hint) in types {
+        for (before, after) in notes {
+            let count = |length: u32, ty: &str, note: &str| {
+                format!("{ty} count  # [@count items] {note}\nuint8[{length}] items\n")
+            };
+            let hints = format!("[[hint]]\nmessage = \"Tank\"\nnarrow = {{ count = \"{hint}\" }}\n");
+            let hints = if hint.is_empty() { "" } else { &hints };
+            let texts = (count(5, old, before), count(2, new, after));
+            let found = convert(&[("Tank", &texts.0)], &[("Tank", &texts.1)], hints);
+            for (count, expected) in [(1, 1), (2, 2), (4, 2), (254, 2), (255, 255)] {
+                let message = serde_json::json!({"count": count, "items": [1, 2, 3, 4, 0]});
+                let converted = found.run(found.forward("Tank"), &message);
+                assert_eq!(converted["count"], expected, "{count}: {old} {before}, {new} {after}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_neutral_value_replaces_special_values_of_a_count_that_do_not_fit() {
+    for (ty, value) in [("uint32", 65535), ("int16", -1)] {
+        let old = format!("{ty} count  # [@count items] [@uncontrolled {value}]\nuint8[5] items\n");
+        for policy in ["nearest", "neutral"] {
+            for (note, expected) in [("", 0), ("[@invalid 255]", 255)] {
+                let new = format!("uint8 count  # [@count items] {note}\nuint8[2] items\n");
+                let hints = format!("[[hint]]\nmessage = \"Tank\"\nnarrow = {{ count = \"{policy}\" }}\n");
+                let found = convert(&[("Tank", &old)], &[("Tank", &new)], &hints);
+                let message = format!(r#"{{"count": {value}}}"#);
+                let converted = found.converted(found.forward("Tank"), &message);
+                assert_eq!(converted["count"], expected, "{ty} {policy} {note}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_count_that_is_special_only_in_the_target_is_limited() {
+    for (before, after, expected) in [("", "[@invalid 150]", 100), ("[@invalid 150]", "", 150)] {
+        let count =
+            |length: u8, note: &str| format!("uint8 count  # [@count items] {note}\nuint8[{length}] items\n");
+        let (old, new) = (count(200, before), count(100, after));
+        let found = convert(&[("Tank", &old)], &[("Tank", &new)], "");
+        let converted = found.converted(found.forward("Tank"), r#"{"count": 150}"#);
+        assert_eq!(converted["count"], expected, "{before} {after}");
+    }
+}
+
+#[test]
+fn named_values_of_a_count_are_not_limited() {
+    let text = |unknown: u8, length: u8| {
+        format!(
+            "uint8 COUNT_UNKNOWN = {unknown}\n\
+             uint8 count  # [@count items] [@enum COUNT]\nuint8[{length}] items\n"
+        )
+    };
+    for unknown in [255, 254] {
+        let found = convert(&[("Tank", &text(255, 5))], &[("Tank", &text(unknown, 2))], "");
+        for (count, expected) in [(1, 1), (4, 2), (255, unknown)] {
+            let converted = found.converted(found.forward("Tank"), &format!(r#"{{"count": {count}}}"#));
+            assert_eq!(converted["count"], expected, "{count}: {unknown}");
+        }
+    }
+}
+
 /// The losses that a conversion counts in a message.
 fn losses(found: &Converted, conversion: &Conversion, fields: &str) -> Vec<(LossKind, u64)> {
     let types = Types::new(&found.schema);

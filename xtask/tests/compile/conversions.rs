@@ -19,7 +19,7 @@ uint8 mode        # [@enum MODE]
 uint8 FAULT_A = 1
 uint8 FAULT_B = 2
 uint8 faults      # [@flags FAULT]
-uint8 count       # [@count parts]
+uint8 count       # [@count parts] [@invalid 63]
 Part[4] parts
 Part part
 uint16[3] grown   # [@invalid 9]
@@ -39,6 +39,15 @@ uint32 num_marks  # [@count marks]
 uint8[5] marks
 uint32 num_seats  # [@count seats]
 uint8[5] seats
+uint8 num_knots   # [@count knots] [@invalid 255]
+uint8[5] knots
+uint32 num_ropes  # [@count ropes] [@invalid 65535]
+uint8[5] ropes
+uint32 num_turns  # [@count turns] [@invalid 255]
+uint8[5] turns
+uint8 LEG_UNKNOWN = 255
+uint8 num_legs    # [@count legs] [@enum LEG]
+uint8[5] legs
 uint32 dropped
 ";
 
@@ -70,6 +79,15 @@ uint8 num_marks   # [@count marks]
 uint8[2] marks
 uint8 num_seats   # [@count seats]
 uint8[2] seats
+uint8 num_knots   # [@count knots] [@invalid 255]
+uint8[2] knots
+uint8 num_ropes   # [@count ropes]
+uint8[2] ropes
+uint8 num_turns   # [@count turns] [@invalid 255]
+uint8[2] turns
+uint8 LEG_UNKNOWN = 254
+uint16 num_legs   # [@count legs] [@enum LEG]
+uint8[2] legs
 uint16[40] added
 float32[2] unknown  # [m] [@invalid NaN] Unknown
 char[9] tower     # [@invalid 0]
@@ -83,7 +101,7 @@ const PARTS: [&str; 2] = ["uint8 id\nint64 code\n", "int64 code\nuint16 id\nbool
 const HINTS: &str = r#"
 [[hint]]
 message = "Glider"
-narrow = { narrow = "nearest", neutral = "neutral", rounded = "nearest", num_marks = "nearest", num_seats = "neutral" }
+narrow = { narrow = "nearest", neutral = "neutral", rounded = "nearest", num_marks = "nearest", num_seats = "neutral", num_ropes = "nearest", num_turns = "neutral" }
 new.limit = "if mode == old.MODE_B and not is_valid then limit - 300 else -limit + 0x10 * 2 | 1"
 new.share = "share / 2 + limit"
 new.is_valid = "share != share or faults & ~old.FAULT_B == 0 and is_valid == true"

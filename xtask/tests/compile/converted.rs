@@ -48,6 +48,26 @@ fn counts_of_cut_arrays_are_limited() {
     }
 }
 
+/// A special value, such as an unknown count, is not limited to the length of the array that was cut.
+#[test]
+fn special_values_of_counts_are_not_limited() {
+    let counts = |count, [num_knots, num_turns]: [u8; 2], num_ropes| {
+        let old = old::Glider { count, num_knots, num_ropes, num_turns: u32::from(num_turns), ..glider() };
+        let new = new::Glider::from(&old);
+        (new.count, new.num_knots, new.num_ropes, new.num_turns)
+    };
+    assert_eq!(counts(63, [255, 255], 65535), (63, 255, 0, 255));
+    assert_eq!(counts(62, [254, 254], 65534), (3, 2, 2, 2));
+}
+
+#[test]
+fn named_values_of_counts_are_not_limited() {
+    for (count, expected) in [(2, 2), (4, 2), (255, 254)] {
+        let old = old::Glider { num_legs: old::glider::Leg(count), ..glider() };
+        assert_eq!(new::Glider::from(&old).num_legs.0, expected, "{count}");
+    }
+}
+
 #[test]
 fn constants_are_converted_by_name() {
     for (mode, faults, new_mode, new_faults) in [(0, 0, 0, 0), (1, 1, 2, 2), (2, 2, 1, 1), (9, 0x83, 9, 0x83)]

@@ -175,7 +175,7 @@ impl<'a> FieldBuilder<'_, 'a> {
         if matches!(elements, Elements::Narrow(Narrowing::Neutral)) && !is_reported {
             rest = self.replacement(at).unwrap_or(rest);
         }
-        Step::Copy(Copy { source: at, elements, rest, at_most: None })
+        Step::Copy(Copy { source: at, elements, rest, limit: None })
     }
 
     fn lose(&mut self, source: usize, kind: LossKind, text: String) {

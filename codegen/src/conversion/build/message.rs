@@ -1,14 +1,16 @@
 //! Builds the conversion of one message.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use uavspec_runtime::Number;
+
 use super::constants::changed;
-use super::direction::Direction;
+use super::direction::{Direction, Side};
 use super::field::FieldBuilder;
 use super::{Builder, nested};
 use crate::breaking::Pair;
-use crate::conversion::plan::{Conversion, Copy, Elements, Loss, LossKind, Step};
+use crate::conversion::plan::{Conversion, Copy, CountLimit, Elements, Loss, LossKind, Neutral, Step};
 use crate::schema::{Element, Field, Shape};
 
 impl<'a> Builder<'_, 'a> {
@@ -72,10 +74,13 @@ impl<'a> Builder<'_, 'a> {
     }
 }
 
-/// Limits fields that count the elements of an array that is cut.
+/// Limits fields that count the elements of an array that is cut, except for flags.
 fn limit_counts(direction: &Direction<'_>, conversion: &mut Conversion) {
     for (target, step) in conversion.steps.iter_mut().enumerate() {
-        let Step::Copy(Copy { source, at_most, .. }) = step else { continue };
+        let Step::Copy(copy) = step else { continue };
+        if matches!(copy.elements, Elements::Flags(_)) {
+            continue;
+        }
         let counted = |fields: &[Field], field: usize| {
             let array = fields.get(fields[field].counts?)?;
             match array.ty.shape {
@@ -83,12 +88,65 @@ fn limit_counts(direction: &Direction<'_>, conversion: &mut Conversion) {
                 Shape::Single | Shape::Sequence => None,
             }
         };
-        let Some(length) = counted(&direction.to.message.fields, target) else { continue };
-        let before = counted(&direction.from.message.fields, *source);
-        if before.is_none_or(|before| before > length) {
-            *at_most = Some(length);
+        let fields = &direction.to.message.fields;
+        let Some(most) = counted(fields, target) else { continue };
+        let before = counted(&direction.from.message.fields, copy.source);
+        if before.is_none_or(|before| before > most) {
+            let special = special_counts(direction, copy, &fields[target], (before, most));
+            copy.limit = Some(CountLimit { most, special });
         }
     }
+}
+
+/// The special values of a count that aren't counts up to `most`, and their values in the target. A value is special if
+/// either definition annotates or names it, because annotations are often added or removed without a change in meaning.
+/// Up to `before`, the length of the array in the source, only those are special that the source annotates. The others may
+/// be counts.
+///
+/// The neutral value replaces special values that the target type lacks. The nearest number would have another meaning.
+fn special_counts(
+    direction: &Direction<'_>,
+    copy: &Copy,
+    target: &Field,
+    (before, most): (Option<u32>, u32),
+) -> BTreeMap<i128, i128> {
+    let source = &direction.from.message.fields[copy.source];
+    let has = |field: &Field, value: i128| match field.ty.element {
+        Element::Scalar(scalar) => {
+            scalar.integer_bounds().is_some_and(|(low, high)| (low..=high).contains(&value))
+        }
+        Element::String { .. } | Element::Message(_) => false,
+    };
+    let neutral = match copy.rest {
+        Neutral::Int(value) => value,
+        Neutral::Default | Neutral::Float(_) => 0,
+    };
+    let is_no_count = |value: &i128| before.is_some_and(|before| *value > i128::from(before));
+    let named = named_values(direction.from, source).chain(named_values(direction.to, target));
+    let others = annotated_values(target).chain(named).filter(is_no_count);
+    let all = annotated_values(source).chain(others);
+    let all = all.filter(|value| has(source, *value) && (*value > i128::from(most) || !has(target, *value)));
+    let mut special: BTreeMap<i128, i128> =
+        all.map(|value| (value, if has(target, value) { value } else { neutral })).collect();
+    if let Elements::Values(pairs) = &copy.elements {
+        special.extend(pairs.iter().copied().filter(|(value, _)| has(source, *value)));
+    }
+    special
+}
+
+/// The integers that the definition of a field annotates as special.
+fn annotated_values(field: &Field) -> impl Iterator<Item = i128> {
+    field.special_values().into_iter().map(|value| match value {
+        Number::Int(value) => value,
+        #[allow(clippy::cast_possible_truncation)] // the float is an integer, such as 255.0
+        Number::Float(value) => value as i128,
+    })
+}
+
+/// The integers that the enum of a field names.
+fn named_values<'s>(side: Side<'s>, field: &Field) -> impl Iterator<Item = i128> + use<'s> {
+    let enumeration = field.enumeration.map(|reference| side.schema.enumeration(reference));
+    enumeration.into_iter().flat_map(|found| &found.members).map(|member| member.value)
 }
 
 /// Lists the source fields that no step copies, and the losses of nested messages.

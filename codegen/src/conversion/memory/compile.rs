@@ -159,9 +159,11 @@ fn element(copy: &Copy, source: PlacedElement<'_>, target: PlacedElement<'_>) ->
 }
 
 fn scalar(copy: &Copy, from: Scalar, to: Scalar) -> Element {
-    match (&copy.elements, copy.at_most) {
+    match (&copy.elements, &copy.limit) {
         (Elements::Same, None) => Element::Bytes,
-        (elements, at_most) => Element::Number(Number { from, to, elements: elements.clone(), at_most }),
+        (elements, limit) => {
+            Element::Number(Number { from, to, elements: elements.clone(), limit: limit.clone() })
+        }
     }
 }
 
@@ -192,7 +194,7 @@ fn merged(operations: Vec<Operation>) -> Vec<Operation> {
 pub(super) fn keeps_cdr(conversion: &Conversion, source: MessageType<'_>, target: MessageType<'_>) -> bool {
     let sources: Vec<Placed<'_>> = source.layout().collect();
     let keeps = |(at, (step, target)): (usize, (&Step, Placed<'_>))| {
-        let Step::Copy(Copy { source: from, elements, at_most: None, .. }) = step else { return false };
+        let Step::Copy(Copy { source: from, elements, limit: None, .. }) = step else { return false };
         let Some(source) = sources.get(at).filter(|_| *from == at) else { return false };
         let is_same_length = match (Place::of(source).room, Place::of(&target).room) {
             (Room::Varying(_), Room::Varying(_)) => true,

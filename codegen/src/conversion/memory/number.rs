@@ -5,7 +5,7 @@ use uavspec_runtime::record::Primitive;
 
 use crate::conversion::expression::Computed;
 use crate::conversion::json::flags;
-use crate::conversion::plan::{Elements, Narrowing};
+use crate::conversion::plan::{CountLimit, Elements, Narrowing};
 use crate::dynamic;
 
 /// The conversion of a number.
@@ -14,14 +14,15 @@ pub(super) struct Number {
     pub(super) from: Scalar,
     pub(super) to: Scalar,
     pub(super) elements: Elements,
-    pub(super) at_most: Option<u32>,
+    pub(super) limit: Option<CountLimit>,
 }
 
 impl Number {
     /// The converted value; `None` for the neutral value.
     pub(super) fn converted(&self, value: Computed) -> Option<Computed> {
         let value = match (&self.elements, value) {
-            (Elements::Values(pairs), Computed::Int(value)) => {
+            // The limit of a count also converts the named values.
+            (Elements::Values(pairs), Computed::Int(value)) if self.limit.is_none() => {
                 Computed::Int(pairs.iter().find(|(from, _)| *from == value).map_or(value, |(_, to)| *to))
             }
             (Elements::Flags(pairs), Computed::Int(value)) => Computed::Int(flags(pairs, value)),
@@ -31,8 +32,8 @@ impl Number {
             }
             (_, value) => value,
         };
-        Some(match (self.at_most, value) {
-            (Some(most), Computed::Int(value)) => Computed::Int(value.min(most.into())),
+        Some(match (&self.limit, value) {
+            (Some(limit), Computed::Int(value)) => Computed::Int(limit.limited(value)),
             (_, value) => value,
         })
     }

@@ -1,5 +1,7 @@
 //! The values of the fields of a converted message.
 
+use std::collections::BTreeMap;
+
 use proc_macro2::{Ident, Literal, TokenStream};
 use quote::quote;
 use uavspec_runtime::Scalar;
@@ -74,21 +76,14 @@ impl Fields<'_> {
     }
 
     fn filled(&self, field: &Field, name: &Ident, neutral: Neutral) -> TokenStream {
-        match (neutral, field.ty.shape) {
-            (Neutral::Default, _) if field.default.is_some() => {
+        match neutral {
+            Neutral::Default if field.default.is_some() => {
                 let path = self.way.path(self.conversion.to, 1);
                 quote!(#path::default().#name)
             }
-            (Neutral::Default, Shape::Array(length)) if length > 32 && !self.is_text(field) => {
-                quote!(::core::array::from_fn(|_| ::core::default::Default::default()))
-            }
-            (Neutral::Default, _) => quote!(::core::default::Default::default()),
-            (Neutral::Int(_) | Neutral::Float(_), _) => Self::spread(field, self.neutral(field, neutral)),
+            Neutral::Default => quote!(::uavspec_runtime::record::Value::initial()),
+            Neutral::Int(_) | Neutral::Float(_) => Self::spread(field, self.neutral(field, neutral)),
         }
-    }
-
-    fn is_text(&self, field: &Field) -> bool {
-        field.is_text(types::dialect(self.way.context, self.conversion.to))
     }
 
     /// The neutral value of an element.
@@ -249,7 +244,7 @@ impl Copied<'_> {
                 _ => quote!(#value.clone()),
             },
             (_, origin) => {
-                let number = self.number(self.raw(origin));
+                let number = self.number(&self.raw(origin));
                 self.fields.wrapped(self.target, number)
             }
         }
@@ -264,12 +259,34 @@ impl Copied<'_> {
         }
     }
 
-    fn number(&self, raw: TokenStream) -> TokenStream {
+    /// The converted number. The special values of a count are not limited.
+    fn number(&self, raw: &TokenStream) -> TokenStream {
+        let mut special: BTreeMap<i128, Vec<TokenStream>> = BTreeMap::new();
+        for (from, to) in self.copy.limit.iter().flat_map(|limit| &limit.special) {
+            special.entry(clamped(self.target, *to)).or_default().push(types::integer(*from));
+        }
+        let arms: Vec<_> = special
+            .into_iter()
+            .map(|(to, from)| {
+                let to = types::integer(to);
+                quote!(#(#from)|* => #to,)
+            })
+            .collect();
+        if arms.is_empty() {
+            return self.limited(raw.clone());
+        }
+        let count = self.limited(quote!(count));
+        quote!(match #raw { #(#arms)* count => #count })
+    }
+
+    /// The converted number, limited if it is a count.
+    fn limited(&self, raw: TokenStream) -> TokenStream {
         let (Element::Scalar(from), Element::Scalar(to)) = (self.source.ty.element, self.target.ty.element)
         else {
             return raw;
         };
         let ty = types::primitive(to);
+        let most = self.copy.limit.as_ref().map(|limit| limit.most);
         let number = match &self.copy.elements {
             Elements::Widen => quote!(#ty::from(#raw)),
             Elements::Narrow(Narrowing::Neutral) => {
@@ -277,7 +294,7 @@ impl Copied<'_> {
                     Neutral::Int(value) => types::integer(clamped(self.target, value)),
                     Neutral::Default | Neutral::Float(_) => types::integer(0),
                 };
-                let Some(most) = self.copy.at_most else {
+                let Some(most) = most else {
                     return quote!(#ty::try_from(#raw).unwrap_or(#neutral));
                 };
                 // The neutral value may exceed the length of an array that was cut.
@@ -287,15 +304,17 @@ impl Copied<'_> {
             Elements::Narrow(Narrowing::Nearest) => {
                 let Some((low, high)) = to.integer_bounds() else { return quote!(#raw as #ty) };
                 // A count is limited to the length of the array that was cut.
-                let high = self.copy.at_most.map_or(high, |most| high.min(most.into()));
+                let high = most.map_or(high, |most| high.min(most.into()));
                 let (low, high) = (types::integer(low), types::integer(high));
                 return quote!(i128::from(#raw).clamp(#low, #high) as #ty);
             }
-            Elements::Values(pairs) => return self.values(&raw, pairs, (from, to)),
+            Elements::Values(pairs) if most.is_none() => return self.values(&raw, pairs, (from, to)),
+            // The special values of the limit include the named values.
+            Elements::Values(_) => cast(&raw, from, to),
             Elements::Flags(pairs) => return self.flags(&raw, pairs, (from, to)),
             _ => raw,
         };
-        match self.copy.at_most {
+        match most {
             Some(most) => {
                 let most = types::integer(clamped(self.target, most.into()));
                 quote!(#number.min(#most))
