@@ -51,6 +51,10 @@ const MAX_CLOCK_JITTER: f64 = 0.5;
 /// The assumed maximum transit time of a message, in seconds.
 const MAX_TRANSIT_TIME: f64 = 1.0;
 
+/// The assumed maximum time until the server has handled a request that adjusts its clock, in seconds. This includes copies
+/// of the request that a network delivers later.
+const MAX_ADJUSTMENT_TIME: f64 = 60.0;
+
 /// The assumed maximum drift between the clocks of the client and the server, in seconds per second. NTP corrects
 /// clocks at up to this rate.
 const MAX_DRIFT: f64 = 0.0005;
@@ -98,6 +102,8 @@ struct State {
     clock: Option<(f64, f64)>,
     /// The time when the bounds were determined.
     clock_time: f64,
+    /// The number of adjustments of the server's clock before that.
+    num_adjustments: u64,
     /// The location of a request to adjust the server's clock by 0. This location is cleared when an answer to a later
     /// request states the time.
     adjusted_by_nothing: Option<Location>,
@@ -135,6 +141,14 @@ pub(crate) struct Sessions {
     operations: Ids<Operation>,
     /// True if a client may have set the server's clock back.
     is_clock_set_back: bool,
+    /// The number of requests that may have adjusted the server's clock, on any connection. Several connections may lead
+    /// to the same server.
+    num_adjustments: u64,
+    /// The time until which the server may adjust its clock because of these requests.
+    adjusts_until: f64,
+    /// The location of the latest such request, if the server handles no other one at about the same time. The answer
+    /// then states the time after the adjustment.
+    only_adjustment: Option<Location>,
 }
 
 impl Default for Sessions {
@@ -147,6 +161,9 @@ impl Default for Sessions {
             sent: Ids::new(MEMORY_LIMIT),
             operations: Ids::new(MEMORY_LIMIT),
             is_clock_set_back: false,
+            num_adjustments: 0,
+            adjusts_until: f64::NEG_INFINITY,
+            only_adjustment: None,
         }
     }
 }
@@ -175,7 +192,8 @@ impl Sessions {
     fn resolve(&mut self, exchange: &mut Exchange<'_>) {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
-        exchange.clock = state.clock_at(exchange.time);
+        let is_adjusted = state.num_adjustments != self.num_adjustments;
+        exchange.clock = state.clock_at(exchange.time).filter(|_| !is_adjusted);
         exchange.is_clock_set_back = self.is_clock_set_back;
         exchange.serial = state.serial;
         match exchange.role {
@@ -293,9 +311,11 @@ impl Sessions {
     fn request(&mut self, exchange: &mut Exchange<'_>) {
         let side = side(exchange);
         let request = SentRequest::new(exchange);
-        if side == Side::Client && request.is_setting && exchange.type_name == Some("SYS-TIME") {
-            // Other connections may lead to the same server.
-            self.states.iter_mut().for_each(|state| state.clock = None);
+        if side == Side::Client && request.is_adjustment() {
+            let is_ordered = exchange.record.connection.is_ordered;
+            let is_only = is_ordered && request.time.is_some_and(|time| time > self.adjusts_until);
+            self.only_adjustment = is_only.then_some(request.location);
+            self.may_adjust(request.time.map(|time| time + MAX_ADJUSTMENT_TIME));
             self.is_clock_set_back |= !is_forward(exchange.field("adjustment"));
         }
         let state = &mut self.states[exchange.record.connection.index];
@@ -384,6 +404,14 @@ impl Sessions {
                 _ if is_certain => Reference::Unknown,
                 _ => Reference::Unclear,
             };
+            if asker == Side::Client
+                && exchange.reference == Reference::Unclear
+                && exchange.type_name == Some("SYS-TIME")
+            {
+                // The capture may lack a request that adjusted the clock.
+                self.may_adjust(exchange.time);
+                self.is_clock_set_back = true;
+            }
         }
     }
 
@@ -519,8 +547,25 @@ impl Sessions {
         }
     }
 
-    /// Determines the offset between the clocks.
+    /// Handles a request that may adjust the server's clock until this time.
+    fn may_adjust(&mut self, until: Option<f64>) {
+        self.num_adjustments += 1;
+        self.adjusts_until = until.map_or(self.adjusts_until, |until| self.adjusts_until.max(until));
+    }
+
+    /// Determines the offset between the clocks. The server may handle requests in any order, so only some answers state
+    /// the time after an adjustment.
     fn learn_time(&mut self, exchange: &mut Exchange<'_>) {
+        let Some(request) = &exchange.request else { return };
+        let location = request.location;
+        let is_certain = if request.is_adjustment() {
+            self.only_adjustment == Some(location)
+        } else {
+            request.time.is_some_and(|time| time > self.adjusts_until)
+        };
+        if !is_certain {
+            return;
+        }
         let (Some(now), Some(time)) = (exchange.clock_reading(), exchange.time) else { return };
         let state = &mut self.states[exchange.record.connection.index];
         exchange.clock_move = exchange.clock.map(|before| ClockMove {
@@ -530,8 +575,8 @@ impl Sessions {
             is_after_nothing: state.adjusted_by_nothing.is_some(),
         });
         (state.clock, state.clock_time) = (Some(now), time);
-        let request = exchange.request.as_ref().map(|request| request.location);
-        state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|location| request <= Some(*location));
+        state.num_adjustments = self.num_adjustments;
+        state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|asked| location <= *asked);
     }
 }
 

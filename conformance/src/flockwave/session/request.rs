@@ -85,6 +85,11 @@ impl SentRequest {
             && self.excerpt == other.excerpt
     }
 
+    /// True if the request adjusts the server's clock.
+    pub(super) fn is_adjustment(&self) -> bool {
+        self.is_setting && self.type_name.as_deref() == Some("SYS-TIME")
+    }
+
     /// The approximate size, in bytes.
     pub(super) fn size(&self) -> usize {
         let object_size = |object: &String| object.len() + 64;

@@ -286,6 +286,162 @@ fn timestamps_are_compared_after_the_clock_is_set_forward() {
     }
 }
 
+/// An hour, in milliseconds.
+const HOUR: u64 = 3_600_000;
+
+/// Adds a SYS-TIME response. The server's clock is ahead by this time in milliseconds.
+fn answers_time(session: &mut Session, id: &str, ahead: u64) {
+    let timestamp = session.now() + ahead;
+    session.answers(id, json!({ "body": { "type": "SYS-TIME", "timestamp": timestamp } }));
+}
+
+/// Adds a SYS-TIME query and its response. The server's clock is ahead by this time in milliseconds.
+fn queries_time(session: &mut Session, ahead: u64) {
+    let id = session.sends(json!({ "type": "SYS-TIME" }));
+    answers_time(session, &id, ahead);
+}
+
+/// Adds two SYS-TIME queries, between which the server's clock jumps. It is ahead by this time in milliseconds before.
+fn clock_jumps(session: &mut Session, ahead: u64) {
+    queries_time(session, ahead);
+    queries_time(session, ahead + HOUR);
+}
+
+/// Adds a request that sets the server's clock forward by an hour. Returns the id of the request.
+fn adjusts_clock(session: &mut Session) -> String {
+    session.sends(json!({ "type": "SYS-TIME", "adjustment": HOUR }))
+}
+
+/// Adds a status report whose timestamp is ahead by this time in milliseconds.
+fn report_ahead(session: &mut Session, ahead: u64) {
+    let timestamp = session.now() + ahead;
+    report(session, timestamp);
+}
+
+/// The server may handle requests in any order, and may send the answers in any order.
+#[test]
+fn answers_from_before_an_adjustment_do_not_state_the_time_after_it() {
+    for (is_sent_first, is_answered_first) in [(true, true), (true, false), (false, true), (false, false)] {
+        let mut session = Session::opened();
+        let queries = |session: &mut Session| session.sends(json!({ "type": "SYS-TIME" }));
+        let early = is_sent_first.then(|| queries(&mut session));
+        let adjustment = adjusts_clock(&mut session);
+        let query = early.unwrap_or_else(|| queries(&mut session));
+        if is_answered_first {
+            answers_time(&mut session, &query, 0);
+            report_ahead(&mut session, HOUR);
+            answers_time(&mut session, &adjustment, HOUR);
+        } else {
+            answers_time(&mut session, &adjustment, HOUR);
+            answers_time(&mut session, &query, 0);
+        }
+        report_ahead(&mut session, HOUR);
+        let case = format!("sent first: {is_sent_first}, answered first: {is_answered_first}");
+        assert_eq!(violated_by(&session), [], "{case}");
+        // The adjustment's answer states the new time.
+        report_ahead(&mut session, 2 * HOUR);
+        session.wait(61.0);
+        queries_time(&mut session, 2 * HOUR);
+        assert_eq!(violated_by(&session), [("FW-SYS-TIME-02", 1), ("FW-UAV-INF-09", 1)], "{case}");
+    }
+}
+
+#[test]
+fn an_adjustment_may_affect_other_connections() {
+    let asked = |session: &mut Session, ahead: u64, reported: u64| {
+        session.over("tcp#2", |session| {
+            queries_time(session, ahead);
+            report_ahead(session, reported);
+        });
+    };
+    let mut session = Session::opened();
+    asked(&mut session, 0, 0);
+    let adjustment = adjusts_clock(&mut session);
+    asked(&mut session, 0, HOUR);
+    answers_time(&mut session, &adjustment, HOUR);
+    asked(&mut session, HOUR, HOUR);
+    session.wait(61.0);
+    asked(&mut session, HOUR, HOUR);
+    assert_eq!(violated_by(&session), []);
+    asked(&mut session, HOUR, 2 * HOUR);
+    assert_eq!(violated_by(&session), [("FW-UAV-INF-09", 1)]);
+}
+
+#[test]
+fn an_answer_to_an_unknown_request_may_follow_an_adjustment() {
+    // The recording starts after the request.
+    let mut session = Session::opened();
+    session.lines.clear();
+    queries_time(&mut session, 0);
+    answers_time(&mut session, "ask-0", HOUR);
+    report_ahead(&mut session, HOUR);
+    queries_time(&mut session, HOUR);
+    assert_eq!(violated_by(&session), []);
+    queries_time(&mut session, 2 * HOUR);
+    assert_eq!(violated_by(&session), [("FW-SYS-TIME-02", 1)]);
+}
+
+#[test]
+fn a_query_from_before_an_adjustment_may_be_recorded_late() {
+    let mut session = Session::opened();
+    let adjustment = adjusts_clock(&mut session);
+    let query = session.sends(json!({ "type": "SYS-TIME" }));
+    answers_time(&mut session, &adjustment, HOUR);
+    let last = session.lines.len() - 1;
+    session.lines.swap(last - 1, last);
+    answers_time(&mut session, &query, 0);
+    report_ahead(&mut session, HOUR);
+    assert_eq!(violated_by(&session), []);
+}
+
+/// Adjustments that are refused, repeated or unanswered.
+#[test]
+fn the_clock_is_checked_again_some_time_after_any_adjustment() {
+    type Adjust = fn(&mut Session);
+    let refused: Adjust = |session| {
+        let id = adjusts_clock(session);
+        session.answers(&id, json!({ "body": { "type": "ACK-NAK", "reason": "The clock is fixed" } }));
+    };
+    // The server may adjust its clock once per datagram.
+    let repeated: Adjust = |session| {
+        session.over("udp#1", |session| {
+            let id = adjusts_clock(session);
+            let repeated = session.lines.last().cloned();
+            session.lines.extend(repeated);
+            answers_time(session, &id, HOUR);
+            report_ahead(session, 2 * HOUR);
+        });
+    };
+    let with_the_id_of_a_query: Adjust = |session| {
+        let id = session.sends(json!({ "type": "SYS-TIME" }));
+        adjusts_clock(session);
+        if let Some(line) = session.lines.last_mut() {
+            line["msg"]["id"] = id.as_str().into();
+        }
+        answers_time(session, &id, 0);
+        report_ahead(session, HOUR);
+        answers_time(session, &id, HOUR);
+    };
+    let unanswered: Adjust = |session| {
+        adjusts_clock(session);
+    };
+    let one_id = [("FW-ENV-19", 1)];
+    for (adjust, soon, later) in [
+        (refused, &[][..], &[][..]),
+        (repeated, &[], &[]),
+        (with_the_id_of_a_query, &one_id, &one_id),
+        (unanswered, &[], &[("FW-ENV-07", 1)]),
+    ] {
+        let mut session = Session::opened();
+        adjust(&mut session);
+        clock_jumps(&mut session, HOUR);
+        assert_eq!(violated_by(&session), soon);
+        session.wait(61.0);
+        clock_jumps(&mut session, HOUR);
+        assert_eq!(violated_by(&session), [later, &[("FW-SYS-TIME-02", 1)]].concat());
+    }
+}
+
 #[test]
 fn another_uav_may_have_the_id_of_a_deleted_uav() {
     let mut session = Session::opened();
