@@ -99,6 +99,9 @@ pub enum PartResult {
     Different,
     /// Some records can't be decoded.
     Undecodable,
+    /// The type was only known once a JSON message had keys. The messages before it weren't checked.
+    #[serde(rename = "messages without keys")]
+    Keyless,
     /// The encoding isn't supported, or the definition can't be used with it.
     #[serde(rename = "unsupported encoding")]
     Unsupported,
@@ -195,8 +198,14 @@ impl Unit {
 }
 
 impl PartResult {
-    const UNCHECKED: [Self; 5] =
-        [Self::Undefined, Self::Different, Self::Unsupported, Self::TooMany, Self::Undecodable];
+    const UNCHECKED: [Self; 6] = [
+        Self::Undefined,
+        Self::Different,
+        Self::Keyless,
+        Self::Unsupported,
+        Self::TooMany,
+        Self::Undecodable,
+    ];
 
     /// True if all records were checked against something.
     pub(crate) fn is_covered(self) -> bool {
@@ -210,6 +219,7 @@ impl PartResult {
             Self::OwnSchema => "checked against its own schema",
             Self::Different => "with a different format (partly checked)",
             Self::Undecodable => "with undecodable records",
+            Self::Keyless => "with messages without keys (partly checked)",
             Self::Unsupported => "in an unsupported encoding",
             Self::TooMany => "with too many fields",
             Self::Undefined => "without a definition",
@@ -283,10 +293,10 @@ impl Parts {
         }
     }
 
-    /// Sets the result of each part by its name.
-    pub(super) fn set_results(&mut self, result: impl Fn(&str) -> PartResult) {
-        for part in self.by_name.values_mut() {
-            part.result = part.result.max(result(&part.name));
+    /// Adds a result to the part with this name, if there is one.
+    pub(super) fn add_result(&mut self, name: &str, result: PartResult) {
+        if let Some(part) = self.by_name.get_mut(name) {
+            part.result = part.result.max(result);
         }
     }
 

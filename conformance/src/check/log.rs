@@ -1,5 +1,6 @@
 //! Checks PX4 logs.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::Read;
@@ -15,7 +16,7 @@ use super::release::{ComparedTopic, MAX_AHEAD, ReleaseMatch, release_lines, rele
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
 use crate::capture::ulog::{Data, Event, FormatSet, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
-use crate::definitions::{BATTERY_STATUS, Clues, FormatClue, Library, VEHICLE_STATUS};
+use crate::definitions::{BATTERY_STATUS, Clues, Definitions, FormatClue, Library, VEHICLE_STATUS};
 use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
 use crate::px4::comparison::{Comparison, compare};
 use crate::px4::format_plan::{FormatPlan, FormatPlans};
@@ -193,7 +194,7 @@ fn needed(mut reader: Reader<impl Read>, mut names: BTreeSet<String>) -> Option<
 
 /// Checks the readable part of a PX4 log.
 #[cfg(test)]
-pub(crate) fn check_ulog(input: impl Read, definitions: &crate::definitions::Definitions) -> CaptureResult {
+pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
     check_log(input, CheckRun::new(definitions))
 }
 
@@ -262,8 +263,9 @@ struct LogChecker<'d> {
     open: Vec<Option<Box<Open>>>,
     /// The plans of the log's formats, once data has arrived.
     plans: Option<(Arc<FormatSet>, Arc<FormatPlans>)>,
-    /// The topics whose format has already been checked for a `timestamp`. A log has one format for each topic.
-    timed: BTreeSet<String>,
+    /// The topics with data, each with the offset of its subscription and the comparison of its format. A log may
+    /// declare a format again after its data, so the result is that of the format when the data was read.
+    compared: BTreeMap<String, (u64, Comparison)>,
     /// The topics whose subscription has ended.
     parts: Parts,
     firmware: Option<String>,
@@ -278,14 +280,12 @@ struct LogChecker<'d> {
 
 impl<'d> LogChecker<'d> {
     fn new(run: CheckRun<'d>) -> Self {
-        let (open, timed) = (Vec::new(), BTreeSet::new());
-        let parts = Parts::default();
         Self {
             run,
-            open,
+            open: Vec::new(),
             plans: None,
-            timed,
-            parts,
+            compared: BTreeMap::new(),
+            parts: Parts::default(),
             firmware: None,
             dropouts: 0,
             latest: None,
@@ -379,9 +379,6 @@ impl<'d> LogChecker<'d> {
         let plan = match &mut open.plan {
             Some(plan) => plan,
             empty => {
-                if self.timed.insert(open.topic.clone()) {
-                    check_timestamp(record.message_type, location, &mut self.run);
-                }
                 let definitions = self.run.definitions;
                 let compile = |has_values| {
                     let (format, definition) = (record.message_type, open.definition);
@@ -394,6 +391,10 @@ impl<'d> LogChecker<'d> {
                         &mut plans.insert(new).1
                     }
                 };
+                if let Entry::Vacant(new) = self.compared.entry(open.topic.clone()) {
+                    check_timestamp(record.message_type, location, &mut self.run);
+                    new.insert((open.offset, comparison(record.message_type, plans, definitions)));
+                }
                 empty.insert(plans.plan(&open.topic, compile))
             }
         };
@@ -484,11 +485,11 @@ impl<'d> LogChecker<'d> {
         for rule in [&px4::DATA_01.rule, &px4::DATA_02.rule] {
             self.run.findings.cover(rule, self.run.records);
         }
-        let formats = formats(log, &self.timed, &mut self.run);
-        let results: BTreeMap<&str, PartResult> =
-            formats.iter().map(|(topic, comparison)| (&**topic, comparison.into())).collect();
-        // A topic that has no format can't be decoded.
-        self.parts.set_results(|topic| results.get(topic).copied().unwrap_or(PartResult::Undecodable));
+        let formats = formats(log, self.compared, &mut self.run);
+        // Records without a definition, or in a different format, aren't fully checked.
+        for (topic, comparison) in &formats {
+            self.parts.add_result(topic, comparison.into());
+        }
         let definitions = self.run.definitions;
         let topics = formats.iter().map(|(topic, comparison)| ComparedTopic {
             topic,
@@ -562,46 +563,53 @@ fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckR
     }
 }
 
-/// Compares the formats of all subscribed topics with the definitions. Formats are also checked for a timestamp, unless
-/// this was done when their first message was read.
-fn formats(log: &Log, timed: &BTreeSet<String>, run: &mut CheckRun<'_>) -> Vec<(String, Comparison)> {
+/// Compares a format with the definition of its topic.
+fn comparison(format: MessageType<'_>, plans: &FormatPlans, definitions: &Definitions) -> Comparison {
+    plans.comparison(format.name(), || match definitions.message_of_logged_topic(format.name()) {
+        None => Comparison::Undefined,
+        Some(id) => compare(format, definitions.types().get(id)),
+    })
+}
+
+/// Reports the formats that differ from the definitions, and returns all comparisons. `compared` contains the topics
+/// with data. The formats of the other subscribed topics are compared and checked for a timestamp here.
+fn formats(
+    log: &Log,
+    mut compared: BTreeMap<String, (u64, Comparison)>,
+    run: &mut CheckRun<'_>,
+) -> Vec<(String, Comparison)> {
     let definitions = run.definitions;
     let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
     for subscription in log.subscriptions() {
         opened.entry(&subscription.topic).or_insert(subscription.offset);
     }
-    // A format that the log declares in two ways has no fields, and isn't compared.
+    // Without data, a format that the log declares in two ways isn't compared. Such a format has no fields.
     for (name, _) in log.formats().filter(|(_, fields)| fields.is_empty()) {
         opened.remove(name);
     }
     let plans = definitions.plans(log.format_set());
-    let mut compared: BTreeMap<String, Comparison> = BTreeMap::new();
     for format in log.types().iter() {
         run.findings.cover(&px4::FMT_02.rule, 1);
         // Its fields are unknown, or those of a format that it contains.
         if format.defect().is_some() {
             continue;
         }
-        let Some(location) = opened.get(format.name()).map(|offset| Location::Byte(*offset)) else {
-            continue;
-        };
-        if !timed.contains(format.name()) {
-            check_timestamp(format, location, run);
+        let Some(offset) = opened.get(format.name()).copied() else { continue };
+        if let Entry::Vacant(new) = compared.entry(format.name().to_owned()) {
+            check_timestamp(format, Location::Byte(offset), run);
+            new.insert((offset, comparison(format, &plans, definitions)));
         }
-        let comparison =
-            plans.comparison(format.name(), || match definitions.message_of_logged_topic(format.name()) {
-                None => Comparison::Undefined,
-                Some(id) => compare(format, definitions.types().get(id)),
-            });
-        if comparison != Comparison::Undefined {
+    }
+    for (topic, (offset, comparison)) in &compared {
+        if *comparison != Comparison::Undefined {
             run.findings.cover(&px4::FMT_01.rule, 1);
         }
-        if let Comparison::Differs(differences) = &comparison {
-            let definition = run.definition_of(format.name());
-            run.findings
-                .report(&px4::FMT_01.rule, format.name(), location, definition, || differences.detail());
+        if let Comparison::Differs(differences) = comparison {
+            // The location doesn't depend on the instance whose data comes first.
+            let location = Location::Byte(*opened.get(topic.as_str()).unwrap_or(offset));
+            let definition = run.definition_of(topic);
+            run.findings.report(&px4::FMT_01.rule, topic, location, definition, || differences.detail());
         }
-        compared.insert(format.name().to_owned(), comparison);
     }
-    compared.into_iter().collect()
+    compared.into_iter().map(|(topic, (_, comparison))| (topic, comparison)).collect()
 }

@@ -346,10 +346,60 @@ fn data_of_an_ambiguous_format_is_not_checked() {
     assert_eq!((part.result, part.records), (PartResult::Undecodable, Share::of(0, 1)));
     let texts: Vec<&str> = result.corruption.iter().map(|(_, text)| text.as_str()).collect();
     let expected = [
-        "format `glider` is declared again with different fields; its data can't be decoded",
+        "format `glider` is declared again with different fields; data after this can't be decoded",
         "data for id 5, whose format is invalid",
     ];
     assert_eq!(texts, expected);
+}
+
+/// A later declaration doesn't affect data that has already been checked.
+#[test]
+fn checks_data_before_its_format_changes() {
+    let other = FORMAT.replace("float speed", "uint32_t speed");
+    for (topic, fields, last, expected) in [
+        ("glider", FORMAT, format!("glider:{FORMAT}"), PartResult::Checked),
+        ("glider", FORMAT, format!("glider:{other}"), PartResult::Checked),
+        // The nested message changes.
+        ("glider", FORMAT, "mark:uint64_t timestamp;".to_owned(), PartResult::Checked),
+        ("glider", other.as_str(), format!("glider:{FORMAT}"), PartResult::Different),
+        ("kite", FORMAT, format!("kite:{other}"), PartResult::Undefined),
+    ] {
+        let first = format!("{topic}:{fields}");
+        let mut log = Writer::with_flags();
+        log.format(&first);
+        log.format(MARK_FORMAT);
+        log.subscribe(5, 0, topic);
+        log.data(5, &Glider::at(PERIOD).bytes());
+        log.format(&last);
+        let rules = if expected == PartResult::Different { vec!["PX-FMT-01"] } else { vec![] };
+        let check = |log: &Writer, part: PartResult| {
+            let result = run_check(log);
+            assert_eq!(result.coverage.parts[0].result, part, "{first} {last}");
+            let formats = as_log(&result).formats.iter().map(|(_, comparison)| PartResult::from(comparison));
+            assert_eq!(formats.collect::<Vec<_>>(), [expected], "{first} {last}");
+            let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
+            assert_eq!(found, rules, "{first} {last}");
+        };
+        check(&log, expected);
+        log.data(5, &Glider::at(2 * PERIOD).bytes());
+        check(&log, if first == last { expected } else { expected.max(PartResult::Undecodable) });
+    }
+}
+
+/// The id of a topic may be used for another topic after the data.
+#[test]
+fn compares_the_format_of_a_topic_whose_id_is_reused() {
+    let mut log = Writer::with_flags();
+    log.format(&format!("glider:{}", FORMAT.replace("float speed", "uint32_t speed")));
+    log.format(MARK_FORMAT);
+    log.subscribe(5, 0, "glider");
+    log.data(5, &Glider::at(PERIOD).bytes());
+    log.subscribe(5, 0, "mark");
+    let result = run_check(&log);
+    let topics: Vec<&str> = as_log(&result).formats.iter().map(|(topic, _)| topic.as_str()).collect();
+    assert_eq!(topics, ["glider", "mark"]);
+    let found: Vec<&str> = violated(&result).iter().map(|(rule, _)| *rule).collect();
+    assert_eq!(found, ["PX-FMT-01"]);
 }
 
 /// Nested arrays and long names can't multiply the memory for checks.

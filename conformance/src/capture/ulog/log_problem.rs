@@ -108,7 +108,7 @@ impl fmt::Display for LogProblem {
             }
             Self::FormatChanged { name } => write!(
                 formatter,
-                "format `{}` is declared again with different fields; its data can't be decoded",
+                "format `{}` is declared again with different fields; data after this can't be decoded",
                 name.escape_debug()
             ),
             Self::LateFormat { name } => {

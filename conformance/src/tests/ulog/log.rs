@@ -102,7 +102,7 @@ fn returns_no_data_of_ambiguous_formats() {
     log.subscribe(4, 0, "good");
     let more = log.data(4, &[0]);
     let text = |name: &str| {
-        format!("format `{name}` is declared again with different fields; its data can't be decoded")
+        format!("format `{name}` is declared again with different fields; data after this can't be decoded")
     };
     check(
         &log.bytes,
