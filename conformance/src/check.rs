@@ -61,7 +61,7 @@ use self::release::Ahead;
 pub use self::release::{OtherRelease, ReleaseMatch};
 use self::run::{CheckRun, Logged, microseconds};
 pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
-pub(crate) use self::topic::{confirms, definition_of, definition_of_json, is_guess, topic_of};
+pub(crate) use self::topic::{confirms, definition_of, definition_of_json, is_guess, shows_type, topic_of};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
 use crate::capture::input::{self, FileState, Input};

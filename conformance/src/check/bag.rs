@@ -434,7 +434,9 @@ impl<'d> Channels<'d> {
             Ok(message) => message,
             Err(problem) => return self.run.gap(location, problem),
         };
-        let Some(is_confirmed) = confirms(&message, message_id, self.run.definitions) else { return };
+        let Some(is_confirmed) = confirms(&message, message_id, self.run.definitions) else {
+            return self.open[index].tally.count(false, None);
+        };
         // Removes the channel while it is opened, and then puts it back in its place.
         let mut open = self.open.swap_remove(index);
         if let Reading::Guess(_, declared) = std::mem::replace(&mut open.reading, Reading::Skipped)

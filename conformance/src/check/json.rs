@@ -20,7 +20,7 @@ use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::flockwave::{FlockwaveChecker, is_flockwave};
 use super::release::{ComparedTopic, ReleaseMatch, release_line, release_matches};
 use super::summary::names;
-use super::topic::{definition_of, definition_of_json, topic_of};
+use super::topic::{definition_of, definition_of_json, shows_type, topic_of};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
 use crate::capture::json::{Event, Reader};
 use crate::definitions::Definitions;
@@ -307,27 +307,29 @@ impl<'d> JsonChecker<'d> {
             let text = format!("the name of the topic or type is longer than {MAX_NAME} bytes");
             return self.run.gap(location, text);
         }
-        let definition = |checker: &Self| match which {
-            NameKind::Type => checker.run.definitions.message_of_type(name),
+        if let Some(at) = self.channels.decided(which, name) {
+            return self.check_message(at, message, location, which == NameKind::Topic);
+        }
+        let definitions = self.run.definitions;
+        let definition = match which {
+            NameKind::Type => definitions.message_of_type(name),
             NameKind::Topic => {
-                let definitions = checker.run.definitions;
                 let guessed = || definition_of_json(name, None, message, definitions);
-                checker.advertised.get(name).copied().unwrap_or_else(guessed)
+                self.advertised.get(name).copied().unwrap_or_else(guessed)
             }
         };
-        let known = self.channels.get(which, name);
-        let Some(at) = known.or_else(|| {
-            let definition = definition(self);
-            self.open(which, name, definition, line)
-        }) else {
+        // A message without keys doesn't show the type of its topic. A later one decides.
+        let is_decided = which == NameKind::Type || definition.is_some() || shows_type(message);
+        if !is_decided && let Some(at) = self.channels.get(which, name) {
+            return self.undefined(at);
+        }
+        let Some(at) = self.open(which, name, definition, line) else {
             return self.run.gap(location, format!("more than {MAX_CHANNELS} topics and types"));
         };
-        if known.is_none() {
-            self.channels.open[at].has_keys = self.has_keys(at, message);
-        }
+        self.channels.open[at].is_decided = is_decided;
+        self.channels.open[at].has_keys = self.has_keys(at, message);
         // The channel is open now. If the first message has no findings, rules may need its values.
-        if known.is_none()
-            && let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
+        if let Fast::Clean(at, clean) = read(text, &self.channels, &self.plans, &mut self.values)
             && !self.needs_tree(at)
         {
             return self.message(at, clean, location);
@@ -411,7 +413,7 @@ impl<'d> JsonChecker<'d> {
         }
     }
 
-    /// Opens a channel, unless there are too many channels.
+    /// Opens a new or undecided channel, unless there are too many channels.
     fn open(
         &mut self,
         which: NameKind,
@@ -419,8 +421,7 @@ impl<'d> JsonChecker<'d> {
         definition: Option<MessageId>,
         line: u64,
     ) -> Option<usize> {
-        let at = self.channels.open.len();
-        if at >= MAX_CHANNELS {
+        if self.channels.open.len() >= MAX_CHANNELS && self.channels.get(which, name).is_none() {
             return None;
         }
         let defined = definition.map(|id| (id, self.run.number_channel()));
@@ -432,10 +433,18 @@ impl<'d> JsonChecker<'d> {
         };
         let shown_name = shown_name.escape_debug().to_string();
         let key = Some(which.key());
-        let (tally, has_keys) = (Tally::default(), false);
         let full_name = name.escape_debug().to_string();
-        let mut open =
-            Open { name: shown_name, full_name, defined, key, has_keys, tally, num_bytes: 0, line };
+        let mut open = Open {
+            name: shown_name,
+            full_name,
+            defined,
+            key,
+            is_decided: false,
+            has_keys: false,
+            tally: Tally::default(),
+            num_bytes: 0,
+            line,
+        };
         if let Some(channel) = open.channel() {
             self.run.opened(&channel);
             if self.run.wants_values(channel.index) {
@@ -443,8 +452,7 @@ impl<'d> JsonChecker<'d> {
                 open.num_bytes = size.map_or(0, |size| size.padded);
             }
         }
-        self.channels.insert(which, name, open);
-        Some(at)
+        Some(self.channels.insert(which, name, open))
     }
 
     fn finish(mut self, lines: u64, bytes: u64) -> CaptureResult {
@@ -458,18 +466,20 @@ impl<'d> JsonChecker<'d> {
         let mut types = BTreeSet::new();
         let (mut undefined, mut parts) = (BTreeSet::new(), Parts::default());
         for open in self.channels.open {
+            let tally = open.tally;
             let (result, values) = match open.defined {
                 Some((id, _)) => {
                     let fields = self.run.definitions.schema.message(id).fields.len() as u64;
-                    (PartResult::Checked, Share::of(fields, fields))
+                    let is_full = tally.checked == tally.records;
+                    let result = if is_full { PartResult::Checked } else { PartResult::Keyless };
+                    (result, Share::of(fields, fields))
                 }
                 None => (PartResult::Undefined, Share::default()),
             };
-            let tally = open.tally;
             parts.add(&open.name, result, tally, values.times(tally.checked, tally.records));
             match open.defined {
                 Some((id, _)) => {
-                    self.plans.count(id, None, tally.records, &mut self.run.findings);
+                    self.plans.count(id, None, tally.checked, &mut self.run.findings);
                     if tally.records > 0 {
                         types.insert(id);
                     }

@@ -84,12 +84,14 @@ fn resembles(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> bo
     keys.contains("timestamp") && shared * 2 > keys.len().max(fields.len())
 }
 
+/// True if a JSON message has keys. Other messages don't show their type.
+pub(crate) fn shows_type(message: &Tree<'_>) -> bool {
+    matches!(message, Tree::Object(members) if !members.is_empty())
+}
+
 /// True if a JSON message confirms a guess, false if it refutes the guess. `None` if the message has no keys.
 pub(crate) fn confirms(message: &Tree<'_>, id: MessageId, definitions: &Definitions) -> Option<bool> {
-    match message {
-        Tree::Object(members) if !members.is_empty() => Some(resembles(message, id, definitions)),
-        _ => None,
-    }
+    shows_type(message).then(|| resembles(message, id, definitions))
 }
 
 /// True if a schema name denotes a ROS 2 message.

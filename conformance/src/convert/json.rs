@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use std::io::{BufWriter, Read, Write};
 use std::ops::Range;
 
+use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
 use self::message::has_same_names;
@@ -15,7 +16,7 @@ use super::topic::Topic;
 use super::{Error, Settings};
 use crate::capture::json::{Event, Item, Reader};
 use crate::check::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, ROS, form, starts_like_object};
-use crate::check::{definition_of, definition_of_json, is_flockwave, is_guess};
+use crate::check::{definition_of, definition_of_json, is_flockwave, is_guess, shows_type};
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::Extent;
@@ -28,18 +29,22 @@ struct Channel<'p> {
     topic: Topic<'p>,
     /// True if messages stay the same.
     is_kept: bool,
-    /// True if a message or a stated type decided about the definition.
+    /// True if the definition is known, or if a stated type or a message with keys showed that there is none.
     is_decided: bool,
+    /// True if a message had a definition or keys, so that a type that is stated later doesn't apply.
+    is_final: bool,
+    /// The number of messages that were copied.
+    copied: u64,
 }
 
 /// The part of a value that shows the definition of a topic.
 #[derive(Clone, Copy)]
 enum Evidence<'v> {
-    /// A message.
+    /// A message with keys.
     Message(&'v Tree<'v>),
     /// The type that an operation states.
     Type(&'v str),
-    /// An operation without a type. It shows only the name of the topic.
+    /// An operation without a type, or a message without keys. It shows only the name of the topic or type.
     Name,
 }
 
@@ -162,7 +167,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         value: TextValue<'_>,
         line: u64,
     ) -> Result<(), Error> {
-        let at = match self.open(name, Evidence::Message(message)) {
+        let evidence = if shows_type(message) { Evidence::Message(message) } else { Evidence::Name };
+        let at = match self.open(name, evidence) {
             Ok(at) => at,
             Err(problem) => {
                 self.problem(line, problem);
@@ -171,10 +177,14 @@ impl<'p, 'o> Stream<'p, 'o> {
         };
         let channel = &mut self.channels[at];
         channel.topic.report.messages += 1;
+        channel.is_final |= channel.definition.is_some() || shows_type(message);
         let (kind, _) = name;
         let text = match channel.topic.report.action {
             Action::LeftOut => return Ok(()),
-            Action::Copied => return self.write(value.text),
+            Action::Copied => {
+                channel.copied += 1;
+                return self.write(value.text);
+            }
             Action::Converted if channel.is_kept => None,
             Action::Converted => {
                 let is_rosbridge = kind == NameKind::Topic;
@@ -195,7 +205,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         let Ok(at) = self.open((NameKind::Topic, topic), evidence) else { return self.write(value.text) };
         let channel = &self.channels[at];
         let name = channel.topic.report.renamed.as_deref().map(quoted);
-        // The type may be stated only after the first message, which shows another type.
+        // The type may be stated only after the first message with keys, which may show another type.
         let is_same =
             |ty: &&str| definition_of(topic, Some((ty, ROS)), self.plan.source()) == channel.definition;
         let ty = ty.filter(is_same).and_then(|ty| channel.topic.renamed_type(ty, self.plan));
@@ -204,8 +214,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         self.write(&line)
     }
 
-    /// The index of a topic or a type. The type that is stated before the first message applies. If none is stated, the
-    /// first message decides.
+    /// The index of a topic or a type. The type that is stated before the first message with keys applies. If none is
+    /// stated, this message decides.
     fn open(&mut self, (kind, name): (NameKind, &str), evidence: Evidence<'_>) -> Result<usize, String> {
         if name.len() > MAX_NAME {
             return Err(format!("the name of the topic or type is longer than {MAX_NAME} bytes"));
@@ -220,19 +230,21 @@ impl<'p, 'o> Stream<'p, 'o> {
             let channel = &self.channels[at];
             let decides = match evidence {
                 Evidence::Message(_) => !channel.is_decided,
-                Evidence::Type(_) => channel.topic.report.messages == 0,
+                Evidence::Type(_) => !channel.is_final,
                 Evidence::Name => false,
             };
             if decides {
                 let definition = find((kind, name), evidence, definitions);
                 if definition != channel.definition || !channel.is_decided {
-                    let has_old_name = !channel.is_decided && channel.definition.is_none();
+                    let has_old_name = channel.definition.is_none();
+                    let (messages, copied) = (channel.topic.report.messages, channel.copied);
                     let mut channel = self.channel((kind, name), evidence, definition);
                     if has_old_name {
-                        // An operation with the old name has already been copied.
+                        // Lines with the old name have already been copied.
                         channel.topic.report.renamed = None;
                     }
-                    self.channels[at] = channel;
+                    channel.topic.report.messages = messages;
+                    self.channels[at] = Channel { copied, ..channel };
                 }
             }
             return Ok(at);
@@ -276,8 +288,8 @@ impl<'p, 'o> Stream<'p, 'o> {
             topic.report.renamed = topic.renamed_type(name, plan);
         }
         let is_kept = topic.converted.as_ref().is_some_and(|converted| converted.keeps_json());
-        let is_decided = !matches!(evidence, Evidence::Name);
-        Channel { definition, topic, is_kept, is_decided }
+        let is_decided = definition.is_some() || !matches!(evidence, Evidence::Name);
+        Channel { definition, topic, is_kept, is_decided, is_final: false, copied: 0 }
     }
 
     /// Writes a value.
@@ -309,7 +321,21 @@ impl<'p, 'o> Stream<'p, 'o> {
             self.output.write_all(if self.written > 0 { b"\n]\n" } else { b"[]\n" })?;
         }
         self.output.flush()?;
-        Ok((self.channels.into_iter().map(|channel| channel.topic.finish()).collect(), self.problems))
+        Ok((self.channels.into_iter().map(Channel::finish).collect(), self.problems))
+    }
+}
+
+impl Channel<'_> {
+    /// The part of the report.
+    fn finish(self) -> TopicReport {
+        let mut report = self.topic.finish();
+        if self.copied > 0 && report.action != Action::Copied {
+            // Messages with keys are copied only if all later messages are copied.
+            let copied = format!("copied: {} without keys", plural(self.copied, "message"));
+            let reasons = report.reason.into_iter().chain([copied]);
+            report.reason = Some(reasons.collect::<Vec<_>>().join("; "));
+        }
+        report
     }
 }
 

@@ -50,7 +50,7 @@ pub(crate) struct TopicReport {
     pub(crate) action: Action,
     /// The release of the source message.
     pub(crate) from: Option<String>,
-    /// The reason for leaving out the messages or copying them unchanged.
+    /// The reason why messages are left out or copied unchanged.
     pub(crate) reason: Option<String>,
     /// The number of messages.
     pub(crate) messages: u64,

@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 use super::mcap::file;
 use super::support::shared;
-use crate::check::{Checked, ReleaseMatch, check_bytes, check_path};
+use crate::check::{Checked, PartResult, ReleaseMatch, Share, check_bytes, check_path};
 use crate::definitions::{Library, versioned};
 use crate::model::Level;
 use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
@@ -184,11 +184,13 @@ fn json_messages_are_checked_against_a_definition_of_their_form() {
     }
 }
 
-/// A capture with one JSON message, as a rosbridge message and as a message of a bag without schemas.
-fn json_captures(topic: &str, message: &Value) -> [(&'static str, Vec<u8>); 2] {
-    let line = json!({"op": "publish", "topic": topic, "msg": message}).to_string();
-    let records = [file::channel(1, 0, topic, "json", &[]), file::message(1, message.to_string().as_bytes())];
-    [("topic.jsonl", line.into_bytes()), ("topic.mcap", file::file(&records.concat()))]
+/// A capture with JSON messages, as rosbridge messages and as messages of a bag without schemas.
+fn json_captures(topic: &str, messages: &[&Value]) -> [(&'static str, Vec<u8>); 2] {
+    let line = |message: &&Value| json!({"op": "publish", "topic": topic, "msg": message}).to_string() + "\n";
+    let lines: String = messages.iter().map(line).collect();
+    let payloads = messages.iter().map(|message| file::message(1, message.to_string().as_bytes()));
+    let records: Vec<_> = [file::channel(1, 0, topic, "json", &[])].into_iter().chain(payloads).collect();
+    [("topic.jsonl", lines.into_bytes()), ("topic.mcap", file::file(&records.concat()))]
 }
 
 /// Other programs use the names of PX4's topics for other types.
@@ -215,7 +217,7 @@ fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
         ("battery_status", &ros, false, false),
         ("/robot/battery_status", &json!([1]), false, false),
     ] {
-        for (name, bytes) in json_captures(topic, message) {
+        for (name, bytes) in json_captures(topic, &[message]) {
             let found = checked(name, &bytes);
             let facts = (found.result.checked > 0, !failures(&found).is_empty());
             assert_eq!(facts, (is_checked, has_failures), "{name} {topic} {message}");
@@ -224,12 +226,68 @@ fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
     }
 }
 
+/// The first message with keys decides, and shows the release. Earlier messages aren't checked.
+#[test]
+fn json_messages_without_keys_decide_nothing() {
+    let library = release("1.14");
+    let flight = Flight::new(library.base());
+    let topic = flight.topic("BatteryStatus").expect("a topic");
+    let sent = flight.messages.iter().find(|sent| sent.topic == topic).expect("a message");
+    let (of_px4, other) = (&sent.value, &json!({"voltage": 12.1}));
+    let (empty, null) = (&json!({}), &json!(null));
+    let [partial, incomplete] =
+        [(PartResult::Keyless, OutcomeKind::Partial), (PartResult::Undefined, OutcomeKind::Incomplete)];
+    for (messages, checked_count, expected) in [
+        (&[empty, null, of_px4, of_px4][..], 2, partial),
+        (&[null, empty, of_px4], 1, partial),
+        (&[empty, other, of_px4, empty], 0, incomplete),
+        (&[empty, null, empty], 0, incomplete),
+    ] {
+        for (name, bytes) in json_captures("/robot/battery_status", messages) {
+            let found = checked(name, &bytes);
+            assert_eq!(failures(&found), [], "{name} {messages:?}");
+            let (result, count) = (&found.result, messages.len() as u64);
+            let facts = (result.records, result.checked, result.corruption.len());
+            assert_eq!(facts, (count, checked_count, 0), "{name} {messages:?}");
+            let covered = (result.coverage.records, result.coverage.units);
+            assert_eq!(covered, (Share::of(checked_count, count), Share::of(0, 1)), "{name} {messages:?}");
+            let part = result.coverage.parts[0].result;
+            let outcome = subject(found).outcome;
+            assert_eq!((part, outcome.kind), expected, "{name} {messages:?}: {}", outcome.text);
+        }
+    }
+}
+
+/// `std_msgs/msg/Empty` has no fields.
+#[test]
+fn json_messages_of_a_type_without_fields_conform() {
+    let ty = "std_msgs/msg/Empty";
+    let typed = json!({"type": ty, "message": {}}).to_string();
+    let advertised = json!({"op": "advertise", "topic": "/trigger", "type": ty});
+    let published = json!({"op": "publish", "topic": "/trigger", "msg": {}});
+    let records = [
+        file::schema(1, ty, "ros2msg", &[]),
+        file::channel(1, 1, "/trigger", "json", &[]),
+        file::message(1, b"{}"),
+    ];
+    for (name, bytes) in [
+        ("typed.jsonl", typed.into_bytes()),
+        ("trigger.jsonl", format!("{advertised}\n{published}\n").into_bytes()),
+        ("trigger.mcap", file::file(&records.concat())),
+    ] {
+        let found = checked(name, &bytes);
+        assert_eq!(found.result.checked, 1, "{name}");
+        let outcome = subject(found).outcome;
+        assert_eq!(outcome.kind, OutcomeKind::Conforms, "{name}: {}", outcome.text);
+    }
+}
+
 #[test]
 fn user_definitions_apply_to_json_topics_of_any_name() {
     let folder = TempDir::new().expect("a folder");
     fs::write(folder.path().join("Kite.msg"), "uint64 timestamp\nfloat32 pull\n").expect("a file");
     let library = Library::load(folder.path(), None).expect("definitions");
-    for (name, bytes) in json_captures("/robot/kite", &json!({"angle": 1})) {
+    for (name, bytes) in json_captures("/robot/kite", &[&json!({"angle": 1})]) {
         let path = folder.path().join(name);
         fs::write(&path, bytes).expect("a file");
         let found = check_path(&path, None, &library, &|input| input).expect("a capture");

@@ -92,7 +92,7 @@ fn declarations(input: impl Read) -> Clues {
     let mut room = MAX_SCHEMAS;
     // The types of channels whose schema is empty.
     let mut unknown: HashMap<u16, String> = HashMap::new();
-    // The topics and types of JSON channels without a message.
+    // The topics and types of JSON channels without a message that has keys.
     let (mut json, mut found) = (HashMap::new(), Found::default());
     while let Ok(Some(item)) = reader.next() {
         match item.event {
@@ -119,8 +119,10 @@ fn declarations(input: impl Read) -> Clues {
                 }
             }
             Event::Message { channel, payload, .. } => {
-                if let Some((topic, ty)) = json.remove(&channel) {
-                    found.add_message(&topic, &ty, payload);
+                if let Some((topic, ty)) = json.get(&channel)
+                    && found.add_message(topic, ty, payload)
+                {
+                    json.remove(&channel);
                 }
                 if let Some(clue) = unknown.remove(&channel).and_then(|name| clues.types.get_mut(&name)) {
                     clue.size = size_of(payload);

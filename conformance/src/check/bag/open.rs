@@ -155,7 +155,7 @@ pub(super) enum Reading {
     Cdr(Box<CdrChecker>),
     /// JSON. Contains the only fields to check, if the schema of the channel differs from the definition.
     Json(MessageId, Option<Rc<SharedFields>>),
-    /// JSON. The name of the channel suggests a type. The first message decides whether it has this type.
+    /// JSON. The name of the channel suggests a type. The first message with keys decides whether it has this type.
     Guess(MessageId, Box<Declared>),
 }
 
@@ -226,7 +226,7 @@ impl Open {
         findings: &mut Findings,
         parts: &mut Parts,
     ) -> BagChannel {
-        let Tally { records, checked, .. } = self.tally;
+        let Tally { records, decoded, checked, .. } = self.tally;
         let release = self.identity.definition.and_then(|id| definitions.release_of(id));
         let mut other_cdr = 0;
         match (self.reading, plans) {
@@ -239,6 +239,10 @@ impl Open {
         let mut result = PartResult::from(&self.status);
         if other_cdr > 0 {
             result = result.max(PartResult::Unsupported);
+        }
+        // Only messages that don't show the type of their channel are decoded but not checked.
+        if decoded > checked {
+            result = result.max(PartResult::Keyless);
         }
         parts.add(
             &self.identity.topic,

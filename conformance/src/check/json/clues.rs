@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;
+use std::iter;
 
 use uavspec_codegen::release::keys_hash;
 
@@ -9,7 +10,7 @@ use super::envelope::{Form, NameKind, form};
 use super::{MAX_CHANNELS, is_flockwave};
 use crate::capture::json::{Event, Reader};
 use crate::check::Source;
-use crate::check::topic::{full_name, topic_of};
+use crate::check::topic::{full_name, shows_type, topic_of};
 use crate::definitions::{
     Clues, FormatClue, JsonClue, TypeClue, is_exchanged, ros_package, unversioned, version_of_topic,
 };
@@ -24,7 +25,7 @@ const MAX_KNOWN: u32 = 200;
 /// The maximum total length of the stored messages, in bytes.
 const MAX_TEXT: usize = 4 << 20;
 
-/// Reads the first message of each topic and type.
+/// Reads the first message with keys of each topic and type.
 pub(super) fn clues(source: &mut Source<'_>) -> Clues {
     let mut reader = Reader::new(source.bytes.take(MAX_BYTES));
     let (mut found, mut is_first, mut known_in_a_row) = (Found::default(), true, 0);
@@ -71,12 +72,13 @@ pub(in crate::check) struct Found {
 }
 
 impl Found {
-    /// Adds a message of a JSON channel in a bag.
-    pub(in crate::check) fn add_message(&mut self, topic: &str, ty: &str, payload: &[u8]) {
-        let Ok(text) = std::str::from_utf8(payload) else { return };
-        let Ok(message) = Tree::read(text) else { return };
+    /// Adds a message of a JSON channel in a bag. Returns true if the message has keys.
+    pub(in crate::check) fn add_message(&mut self, topic: &str, ty: &str, payload: &[u8]) -> bool {
+        let Ok(text) = std::str::from_utf8(payload) else { return false };
+        let Ok(message) = Tree::read(text) else { return false };
         let ty = ty.contains('/').then(|| type_name(ty));
         self.add(Some(topic), ty, &message, text);
+        shows_type(&message)
     }
 
     /// All facts.
@@ -87,7 +89,8 @@ impl Found {
         self.clues
     }
 
-    /// Adds a message, if it is the first one of its topic or type. `ty` is the stated type.
+    /// Adds the first message with keys of a topic or type. If the type is stated, adds a message without keys until a
+    /// message with keys replaces it: some types have no fields. `ty` is the stated type.
     fn add(&mut self, topic: Option<&str>, ty: Option<String>, message: &Tree<'_>, text: &str) {
         let Tree::Object(members) = message else { return };
         let Self { clues, guesses, num_bytes, .. } = self;
@@ -100,6 +103,9 @@ impl Found {
         if let Some(version) = version.filter(|version| *version > 0) {
             clues.topic_versions.entry(name.clone()).or_default().insert(version);
         }
+        if members.is_empty() && !is_typed {
+            return;
+        }
         let mut json = || {
             let is_stored = text.len() <= MAX_TEXT - *num_bytes;
             let text = if is_stored { text } else { "" };
@@ -108,8 +114,13 @@ impl Found {
             JsonClue { keys, text: text.to_owned(), version }
         };
         if is_typed {
-            let clue = || TypeClue { json: Some(json()), ..TypeClue::default() };
-            clues.types.entry(name).or_insert_with(clue);
+            let without_keys = keys_hash(iter::empty());
+            let has_keys = |clue: &TypeClue| clue.json.as_ref().is_some_and(|json| json.keys != without_keys);
+            let known = clues.types.get(&name);
+            let is_final = known.is_some_and(|known| members.is_empty() || has_keys(known));
+            if !is_final {
+                clues.types.insert(name, TypeClue { json: Some(json()), ..TypeClue::default() });
+            }
         } else {
             let is_of_px4 = topic.is_some_and(is_exchanged);
             let formats = if is_of_px4 { &mut clues.formats } else { guesses };
@@ -139,6 +150,8 @@ mod tests {
     #[test]
     fn folders_of_px4_have_priority_and_show_versions() {
         let text = [
+            r#"{"op":"publish","topic":"/robot/kite_v3","msg":{}}"#,
+            r#"{"op":"publish","topic":"/fmu/out/battery_status_v1","msg":{}}"#,
             r#"{"op":"publish","topic":"/robot/battery_status","msg":{"level":3}}"#,
             r#"{"op":"publish","msg": {"timestamp":1} ,"topic":"/fmu/out/battery_status_v1"}"#,
             r#"{"op":"publish","topic":"/fmu/out/battery_status","msg":{"timestamp":2}}"#,
@@ -153,5 +166,21 @@ mod tests {
         assert_eq!(message("battery_status"), (r#"{"timestamp":1}"#, Some(1)));
         assert_eq!(message("kite"), (r#"{"pull":3}"#, None));
         assert_eq!(found.topic_versions, [("battery_status".to_owned(), [1].into())].into());
+    }
+
+    #[test]
+    fn messages_of_stated_types_may_lack_keys() {
+        let text = [
+            r#"{"type":"std_msgs/msg/Empty","message":{}}"#,
+            r#"{"type":"px4/Kite","message":{}}"#,
+            r#"{"type":"px4/Kite","message":{"pull":3}}"#,
+            r#"{"type":"px4/Kite","message":{"pull":4}}"#,
+            r#"{"type":"px4/Kite","message":{}}"#,
+        ]
+        .join("\n");
+        let found = clues(&mut Source { bytes: &mut text.as_bytes(), file: None });
+        let message = |ty: &str| found.types[ty].json.as_ref().map(|json| json.text.as_str());
+        assert_eq!(message("std_msgs/msg/Empty"), Some("{}"));
+        assert_eq!(message("px4_msgs/msg/Kite"), Some(r#"{"pull":3}"#));
     }
 }

@@ -50,12 +50,14 @@ pub(super) struct Open {
     pub(super) defined: Option<(MessageId, usize)>,
     /// The key of the message in the envelope, if messages have an envelope.
     pub(super) key: Option<&'static str>,
-    /// True if the first message has the keys of the definition.
+    /// True if the definition, or its absence, is final.
+    pub(super) is_decided: bool,
+    /// True if the message that decided has the keys of the definition.
     pub(super) has_keys: bool,
     pub(super) tally: Tally,
     /// The size of the messages in memory, in bytes; 0 if it varies, or if no rule needs their values.
     pub(super) num_bytes: usize,
-    /// The line of the first message.
+    /// The line of the message that decided.
     pub(super) line: u64,
 }
 
@@ -77,13 +79,23 @@ impl Channels {
         }
     }
 
-    pub(super) fn insert(&mut self, which: NameKind, name: &str, open: Open) {
+    /// The channel of a name, if its definition is decided.
+    pub(super) fn decided(&self, which: NameKind, name: &str) -> Option<usize> {
+        self.get(which, name).filter(|at| self.open[*at].is_decided)
+    }
+
+    /// Adds a channel, or replaces an undecided one. Returns its index.
+    pub(super) fn insert(&mut self, which: NameKind, name: &str, open: Open) -> usize {
         let names = match which {
             NameKind::Type => &mut self.by_type,
             NameKind::Topic => &mut self.by_topic,
         };
-        names.insert(name.to_owned(), self.open.len());
-        self.open.push(open);
+        let at = *names.entry(name.to_owned()).or_insert(self.open.len());
+        match self.open.get_mut(at) {
+            Some(known) => *known = Open { tally: known.tally, ..open },
+            None => self.open.push(open),
+        }
+        at
     }
 }
 
@@ -137,7 +149,7 @@ pub(super) enum Fast {
     Skipped,
     /// A message of this channel, which has no definition.
     Undefined(usize),
-    /// A value that has findings or belongs to a new channel. Such a value needs the slow path.
+    /// A value that has findings, or belongs to a new or undecided channel. Such a value needs the slow path.
     Unclear,
 }
 
@@ -201,7 +213,7 @@ impl Envelope<'_> {
 
     /// Reads a name and looks up its channel.
     fn known(&self, which: NameKind, tokens: &mut Tokens<'_>) -> Result<Option<usize>, Unclear> {
-        let channel = self.channels.get(which, &tokens.text()?);
+        let channel = self.channels.decided(which, &tokens.text()?);
         if channel.is_some() { Ok(channel) } else { Err(Unclear) }
     }
 

@@ -156,9 +156,6 @@ fn names_of_topics_outside_of_px4_need_the_keys_of_the_type() {
         ("", robot, &[other, sent][..], &[other, sent][..], Action::Copied),
         ("", robot, &[sent, sent], &[new, new], Action::Converted),
         ("", robot, &[sent, other], &[new], Action::Converted),
-        // The first message decides.
-        ("", robot, &["{}", sent], &["{}", sent], Action::Copied),
-        ("", robot, &["null", sent], &["null", sent], Action::Copied),
         // An operation without a type decides nothing.
         (subscribed.as_str(), robot, &[sent], &[new], Action::Converted),
         (subscribed.as_str(), robot, &[other], &[other], Action::Copied),
@@ -185,9 +182,48 @@ fn names_of_topics_outside_of_px4_need_the_keys_of_the_type() {
     }
 }
 
+/// The first message with keys decides, or the type that is stated before it. Earlier messages are copied.
+#[test]
+fn messages_without_keys_decide_nothing() {
+    let topic = "/robot/arming_check_request";
+    let sent = r#"{"timestamp":9,"request_id":3}"#;
+    let new = r#"{"timestamp":9,"request_id":3,"valid_registrations_mask":4294967295}"#;
+    let other = r#"{"robot":"Ada","request_id":3}"#;
+    let [empty, null, sent, new, other] =
+        ["{}", "null", sent, new, other].map(|message| published(topic, message));
+    let advertised = |ty: &str| format!(r#"{{"op":"advertise","topic":"{topic}","type":"{ty}"}}"#);
+    let [typed, club] = ["px4_msgs/msg/ArmingCheckRequest", "club_msgs/msg/Request"].map(advertised);
+    for (before, after, skipped) in [
+        (&[&empty, &sent][..], &[&empty, &new][..], Some("1 message")),
+        (&[&empty, &null, &sent, &sent], &[&empty, &null, &new, &new], Some("2 messages")),
+        (&[&empty, &typed, &sent], &[&empty, &typed, &new], Some("1 message")),
+        // The last type that is stated before the first message with keys applies.
+        (&[&empty, &club, &typed, &sent], &[&empty, &club, &typed, &new], Some("1 message")),
+        (&[&club, &empty, &typed, &sent], &[&club, &empty, &typed, &new], Some("1 message")),
+        (&[&empty, &typed, &club, &other], &[&empty, &typed, &club, &other], None),
+        (&[&empty, &null, &other, &sent], &[&empty, &null, &other, &sent], None),
+        (&[&empty, &null], &[&empty, &null], None),
+    ] {
+        let lines = |all: &[&String]| all.iter().map(|line| String::clone(line) + "\n").collect::<String>();
+        let text = lines(before);
+        let (report, output) = converted(text.as_bytes(), "px4@1.16", "px4@1.17");
+        assert_eq!(output, lines(after), "{text}");
+        let [found] = &report.topics[..] else { panic!("{:?}", report.topics) };
+        let action = if skipped.is_some() { Action::Converted } else { Action::Copied };
+        let reason = skipped.map(|count| format!("copied: {count} without keys"));
+        assert_eq!((found.action, &found.reason), (action, &reason), "{text}");
+        assert_eq!(found.messages, text.matches("publish").count() as u64, "{text}");
+        assert!(report.is_complete(), "{text}");
+        let result = checked_against(text.as_bytes(), &release("px4@1.16")).result;
+        let num_new = output.matches(&new).count() as u64;
+        assert_eq!((result.records, result.checked), (found.messages, num_new), "{text}");
+    }
+}
+
 /// PX4 1.18 renames `gps_inject_data`.
 #[test]
-fn topics_keep_the_name_under_which_operations_were_copied() {
+fn topics_keep_the_name_under_which_lines_were_copied() {
+    let empty = published("/robot/gps_inject_data", "{}") + "\n";
     let published = published("/robot/gps_inject_data", &message("px4@1.17", "GpsInjectData"));
     let renamed = |before: &str| {
         let text = format!("{before}{published}\n");
@@ -196,10 +232,13 @@ fn topics_keep_the_name_under_which_operations_were_copied() {
     assert!(renamed(""));
     let subscribed = "{\"op\":\"subscribe\",\"topic\":\"/robot/gps_inject_data\"}\n";
     assert!(!renamed(subscribed));
+    assert!(!renamed(&empty));
     // A type may be stated repeatedly.
     let advertised = "{\"op\":\"advertise\",\"topic\":\"/robot/gps_inject_data\",\
                       \"type\":\"px4_msgs/msg/GpsInjectData\"}\n";
     assert!(!renamed(&[subscribed, advertised, advertised].concat()));
+    let other = advertised.replace("px4_msgs", "club_msgs");
+    assert!(!renamed(&[other.as_str(), advertised].concat()));
 }
 
 /// Only PX4 1.17 defines `battery_info`.
@@ -216,6 +255,18 @@ fn names_that_only_the_target_defines_need_the_keys_of_the_type() {
         let [found] = &report.topics[..] else { panic!("{:?}", report.topics) };
         assert_eq!((found.action, found.messages, found.unreadable), (action, 1, 0), "{line}");
         assert_eq!(output, if action == Action::Copied { line.as_str() } else { "" });
+    }
+    // Earlier messages without keys are copied if the name of their topic may have another meaning.
+    for (topic, copied, end) in [
+        ("/robot/battery_info", 1, "defines it; copied: 1 message without keys"),
+        ("/fmu/out/battery_info", 0, "defines it"),
+    ] {
+        let lines = ["{}", of_px4.as_str()].map(|sent| published(topic, sent) + "\n");
+        let (report, output) = converted(lines.concat().as_bytes(), "px4@1.16", "px4@1.17");
+        let [found] = &report.topics[..] else { panic!("{:?}", report.topics) };
+        assert_eq!((found.action, found.messages), (Action::LeftOut, 2), "{topic}");
+        assert!(found.reason.as_deref().is_some_and(|reason| reason.ends_with(end)), "{:?}", found.reason);
+        assert_eq!(output, lines[..copied].concat());
     }
 }
 
