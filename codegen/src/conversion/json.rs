@@ -155,8 +155,10 @@ impl Copier<'_> {
             }
             Elements::Values(pairs) => {
                 let value = integer(value);
-                let named = pairs.iter().find(|(from, _)| *from == value).map(|(_, to)| *to);
-                number(self.target, Computed::Int(named.unwrap_or_else(|| self.limited(value))))
+                let named = || pairs.iter().find(|(from, _)| *from == value).map_or(value, |(_, to)| *to);
+                // The limit of a count also converts the named values.
+                let converted = self.copy.limit.as_ref().map_or_else(named, |limit| limit.limited(value));
+                number(self.target, Computed::Int(converted))
             }
             Elements::Flags(pairs) => number(self.target, Computed::Int(flags(pairs, integer(value)))),
             Elements::Narrow(Narrowing::Neutral) => {

@@ -220,7 +220,7 @@ fn a_count_that_is_special_only_in_the_target_is_limited() {
 fn named_values_of_a_count_are_not_limited() {
     let text = |unknown: u8, length: u8| {
         format!(
-            "uint8 COUNT_UNKNOWN = {unknown}\n\
+            "uint8 COUNT_MOST = 4\nuint8 COUNT_UNKNOWN = {unknown}\n\
              uint8 count  # [@count items] [@enum COUNT]\nuint8[{length}] items\n"
         )
     };

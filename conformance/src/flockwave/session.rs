@@ -51,8 +51,8 @@ const MAX_CLOCK_JITTER: f64 = 0.5;
 /// The assumed maximum transit time of a message, in seconds.
 const MAX_TRANSIT_TIME: f64 = 1.0;
 
-/// The assumed maximum time until the server has handled a request that adjusts its clock, in seconds. This includes copies
-/// of the request that a network delivers later.
+/// The assumed maximum time until the server has handled a request that adjusts its clock, in seconds. This includes
+/// copies of the request that a network delivers later.
 const MAX_ADJUSTMENT_TIME: f64 = 60.0;
 
 /// The assumed maximum drift between the clocks of the client and the server, in seconds per second. NTP corrects
@@ -144,7 +144,7 @@ pub(crate) struct Sessions {
     /// The number of requests that may have adjusted the server's clock, on any connection. Several connections may lead
     /// to the same server.
     num_adjustments: u64,
-    /// The time until which the server may adjust its clock because of these requests.
+    /// The time until which the server may still handle requests that adjust its clock.
     adjusts_until: f64,
     /// The location of the latest such request, if the server handles no other one at about the same time. The answer
     /// then states the time after the adjustment.
@@ -314,8 +314,8 @@ impl Sessions {
         if side == Side::Client && request.is_adjustment() {
             let is_ordered = exchange.record.connection.is_ordered;
             let is_only = is_ordered && request.time.is_some_and(|time| time > self.adjusts_until);
-            self.only_adjustment = is_only.then_some(request.location);
             self.may_adjust(request.time.map(|time| time + MAX_ADJUSTMENT_TIME));
+            self.only_adjustment = is_only.then_some(request.location);
             self.is_clock_set_back |= !is_forward(exchange.field("adjustment"));
         }
         let state = &mut self.states[exchange.record.connection.index];
@@ -409,8 +409,7 @@ impl Sessions {
                 && exchange.type_name == Some("SYS-TIME")
             {
                 // The capture may lack a request that adjusted the clock.
-                self.may_adjust(exchange.time);
-                self.is_clock_set_back = true;
+                self.may_adjust(exchange.time.map(|time| time + MAX_CLOCK_JITTER));
             }
         }
     }
@@ -547,10 +546,11 @@ impl Sessions {
         }
     }
 
-    /// Handles a request that may adjust the server's clock until this time.
+    /// Records that the server may adjust its clock until this time, or at any later time if none is known.
     fn may_adjust(&mut self, until: Option<f64>) {
         self.num_adjustments += 1;
-        self.adjusts_until = until.map_or(self.adjusts_until, |until| self.adjusts_until.max(until));
+        self.adjusts_until = self.adjusts_until.max(until.unwrap_or(f64::INFINITY));
+        self.only_adjustment = None;
     }
 
     /// Determines the offset between the clocks. The server may handle requests in any order, so only some answers state
@@ -558,8 +558,9 @@ impl Sessions {
     fn learn_time(&mut self, exchange: &mut Exchange<'_>) {
         let Some(request) = &exchange.request else { return };
         let location = request.location;
+        let is_only_adjustment = self.only_adjustment == Some(location);
         let is_certain = if request.is_adjustment() {
-            self.only_adjustment == Some(location)
+            is_only_adjustment
         } else {
             request.time.is_some_and(|time| time > self.adjusts_until)
         };
@@ -576,6 +577,9 @@ impl Sessions {
         });
         (state.clock, state.clock_time) = (Some(now), time);
         state.num_adjustments = self.num_adjustments;
+        if is_only_adjustment {
+            self.adjusts_until = time + MAX_CLOCK_JITTER;
+        }
         state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|asked| location <= *asked);
     }
 }

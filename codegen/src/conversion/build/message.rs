@@ -100,8 +100,8 @@ fn limit_counts(direction: &Direction<'_>, conversion: &mut Conversion) {
 
 /// The special values of a count that aren't counts up to `most`, and their values in the target. A value is special if
 /// either definition annotates or names it, because annotations are often added or removed without a change in meaning.
-/// Up to `before`, the length of the array in the source, only those are special that the source annotates. The others may
-/// be counts.
+/// A value up to `before`, the length of the array in the source, may be a count. It is special only if the source
+/// annotates it.
 ///
 /// The neutral value replaces special values that the target type lacks. The nearest number would have another meaning.
 fn special_counts(
@@ -129,7 +129,7 @@ fn special_counts(
     let mut special: BTreeMap<i128, i128> =
         all.map(|value| (value, if has(target, value) { value } else { neutral })).collect();
     if let Elements::Values(pairs) = &copy.elements {
-        special.extend(pairs.iter().copied().filter(|(value, _)| has(source, *value)));
+        special.extend(pairs.iter().copied().filter(|(from, to)| from != to && has(source, *from)));
     }
     special
 }

@@ -375,10 +375,35 @@ fn an_answer_to_an_unknown_request_may_follow_an_adjustment() {
     queries_time(&mut session, 0);
     answers_time(&mut session, "ask-0", HOUR);
     report_ahead(&mut session, HOUR);
+    session.wait(1.0);
     queries_time(&mut session, HOUR);
     assert_eq!(violated_by(&session), []);
     queries_time(&mut session, 2 * HOUR);
     assert_eq!(violated_by(&session), [("FW-SYS-TIME-02", 1)]);
+}
+
+#[test]
+fn an_unknown_adjustment_may_follow_a_known_one() {
+    let mut session = Session::opened();
+    session.lines.clear();
+    let adjustment = adjusts_clock(&mut session);
+    answers_time(&mut session, "ask-0", 2 * HOUR);
+    answers_time(&mut session, &adjustment, HOUR);
+    session.wait(61.0);
+    queries_time(&mut session, 2 * HOUR);
+    assert_eq!(violated_by(&session), []);
+}
+
+#[test]
+fn an_adjustment_without_a_time_may_happen_at_any_time() {
+    let mut session = Session::opened();
+    adjusts_clock(&mut session);
+    if let Some(line) = session.lines.last_mut().and_then(serde_json::Value::as_object_mut) {
+        line.remove("t");
+    }
+    queries_time(&mut session, 0);
+    report_ahead(&mut session, HOUR);
+    assert_eq!(violated_by(&session), []);
 }
 
 #[test]
