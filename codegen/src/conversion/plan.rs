@@ -70,7 +70,7 @@ pub struct CountLimit {
     /// The maximum.
     pub most: u32,
     /// The values of the source type that are not limited, and their values in the target: values with a special
-    /// meaning, such as an unknown count, and all values that are converted by name.
+    /// meaning, such as an unknown count, and values whose names have other numbers in the target.
     pub special: BTreeMap<i128, i128>,
 }
 

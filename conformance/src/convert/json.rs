@@ -177,7 +177,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         };
         let channel = &mut self.channels[at];
         channel.topic.report.messages += 1;
-        channel.is_final |= channel.definition.is_some() || shows_type(message);
+        channel.is_final |= channel.definition.is_some() || matches!(evidence, Evidence::Message(_));
         let (kind, _) = name;
         let text = match channel.topic.report.action {
             Action::LeftOut => return Ok(()),

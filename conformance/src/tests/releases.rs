@@ -193,14 +193,19 @@ fn json_captures(topic: &str, messages: &[&Value]) -> [(&'static str, Vec<u8>); 
     [("topic.jsonl", lines.into_bytes()), ("topic.mcap", file::file(&records.concat()))]
 }
 
-/// Other programs use the names of PX4's topics for other types.
-#[test]
-fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
-    let library = release("1.17");
+/// A message of the type `BatteryStatus` of a PX4 release.
+fn battery_status(version: &str) -> Value {
+    let library = release(version);
     let flight = Flight::new(library.base());
     let topic = flight.topic("BatteryStatus").expect("a topic");
     let sent = flight.messages.iter().find(|sent| sent.topic == topic).expect("a message");
-    let of_px4 = &sent.value;
+    sent.value.clone()
+}
+
+/// Other programs use the names of PX4's topics for other types.
+#[test]
+fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
+    let of_px4 = &battery_status("1.17");
     let mut longer = of_px4.clone();
     longer["tow"] = json!(1);
     let other = json!({"timestamp": 1, "voltage": 12.1, "percentage": 0.5});
@@ -229,11 +234,7 @@ fn names_of_json_topics_outside_of_px4_need_the_keys_of_the_type() {
 /// The first message with keys decides, and shows the release. Earlier messages aren't checked.
 #[test]
 fn json_messages_without_keys_decide_nothing() {
-    let library = release("1.14");
-    let flight = Flight::new(library.base());
-    let topic = flight.topic("BatteryStatus").expect("a topic");
-    let sent = flight.messages.iter().find(|sent| sent.topic == topic).expect("a message");
-    let (of_px4, other) = (&sent.value, &json!({"voltage": 12.1}));
+    let (of_px4, other) = (&battery_status("1.14"), &json!({"voltage": 12.1}));
     let (empty, null) = (&json!({}), &json!(null));
     let [partial, incomplete] =
         [(PartResult::Keyless, OutcomeKind::Partial), (PartResult::Undefined, OutcomeKind::Incomplete)];

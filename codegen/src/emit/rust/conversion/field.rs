@@ -309,7 +309,7 @@ impl Copied<'_> {
                 return quote!(i128::from(#raw).clamp(#low, #high) as #ty);
             }
             Elements::Values(pairs) if most.is_none() => return self.values(&raw, pairs, (from, to)),
-            // The special values of the limit include the named values.
+            // The limit of a count also converts the named values.
             Elements::Values(_) => cast(&raw, from, to),
             Elements::Flags(pairs) => return self.flags(&raw, pairs, (from, to)),
             _ => raw,
