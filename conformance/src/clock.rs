@@ -14,12 +14,15 @@
 
 mod simulation;
 
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use self::simulation::Participant;
+
+/// A time in which something happens.
+const LONG: Duration = Duration::from_secs(1 << 25);
 
 /// A source of time. Clones are for the same thread; [`spawn`](Self::spawn) passes a clock to another thread.
 #[derive(Clone, Debug, Default)]
@@ -93,6 +96,31 @@ impl Clock {
         }
     }
 
+    /// Waits while a condition on shared data holds; until a time, if there is one. Other threads announce changes to
+    /// `changed`.
+    pub fn wait_while<'m, T>(
+        &self,
+        (shared, changed): (&'m Mutex<T>, &Condvar),
+        until: Option<Instant>,
+        mut condition: impl FnMut(&mut T) -> bool,
+    ) -> MutexGuard<'m, T> {
+        let lock = || shared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(participant) = &self.0 {
+            let until = until.unwrap_or_else(|| self.now() + LONG);
+            participant.wait(until, || (!condition(&mut *lock())).then_some(()));
+            return lock();
+        }
+        let mut guard = lock();
+        while condition(&mut guard) {
+            let left = until.map_or(LONG, |until| self.left(until));
+            if left.is_zero() {
+                break;
+            }
+            guard = changed.wait_timeout(guard, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
+        guard
+    }
+
     /// Receives from a channel.
     ///
     /// # Errors
@@ -107,42 +135,53 @@ impl Clock {
         received.unwrap_or(Err(RecvTimeoutError::Timeout))
     }
 
-    /// Runs a function in another thread, with a clock of the same time. In simulated time, the calling thread must not
-    /// wait for the thread's end otherwise than by [`join`](Self::join).
+    /// Runs a function in another thread, with a clock of the same time.
     pub fn spawn<'s, T: Send + 's>(
         &self,
         scope: &'s Scope<'s, '_>,
         run: impl FnOnce(&Self) -> T + Send + 's,
     ) -> Task<'s, T> {
         let clock = Self(self.0.as_ref().map(|participant| Arc::new(participant.another())));
-        let id = clock.0.as_ref().map(|participant| participant.id());
+        let simulated = self.0.clone().zip(clock.0.as_ref().map(|participant| participant.id()));
         let thread = scope.spawn(move || {
             if let Some(participant) = &clock.0 {
                 participant.await_turn();
             }
             run(&clock)
         });
-        Task { thread, id }
-    }
-
-    /// Waits for the end of a thread, and returns its value.
-    ///
-    /// # Panics
-    /// Panics if the thread did.
-    pub fn join<T>(&self, task: Task<'_, T>) -> T {
-        if let (Some(participant), Some(id)) = (&self.0, task.id) {
-            participant.await_end(id);
-        }
-        task.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        Task { thread: Some(thread), simulated }
     }
 }
 
-/// A thread that waits by a clock.
+/// A thread that waits by a clock. The thread that spawned it must [`join`](Self::join) it in simulated time.
+#[must_use]
 #[derive(Debug)]
 pub struct Task<'s, T> {
-    thread: ScopedJoinHandle<'s, T>,
-    /// The number of the thread in its simulation.
-    id: Option<usize>,
+    thread: Option<ScopedJoinHandle<'s, T>>,
+    /// The thread that spawned it, and its number in the simulation.
+    simulated: Option<(Arc<Participant>, usize)>,
+}
+
+impl<T> Task<'_, T> {
+    /// Waits for the end of the thread. Returns its value.
+    ///
+    /// # Errors
+    /// Fails if the thread panicked.
+    pub fn join(mut self) -> thread::Result<T> {
+        if let Some((spawner, id)) = &self.simulated {
+            spawner.await_end(*id);
+        }
+        self.thread.take().map_or_else(|| Err(Box::new("joined twice")), ScopedJoinHandle::join)
+    }
+}
+
+impl<T> Drop for Task<'_, T> {
+    /// If the spawner panics, its scope waits for the thread, so the thread must not wait for the spawner.
+    fn drop(&mut self) {
+        if let Some((spawner, _)) = self.simulated.as_ref().filter(|_| thread::panicking()) {
+            spawner.leave();
+        }
+    }
 }
 
 #[cfg(test)]
@@ -160,7 +199,7 @@ mod tests {
         let events = thread::scope(|scope| {
             for period in [2, 3] {
                 let sender = sender.clone();
-                clock.spawn(scope, move |clock| {
+                let _ = clock.spawn(scope, move |clock| {
                     for _ in 0..3 {
                         clock.sleep(SECOND * period);
                         sender.send(period).expect("a receiver");
@@ -191,7 +230,7 @@ mod tests {
             });
             let received = clock.poll(start + SECOND * 9, SECOND * 5, || receiver.try_recv().ok());
             assert_eq!((received, clock.now() - start), (Some(7), SECOND * 2));
-            assert_eq!(clock.join(other), SECOND * 2);
+            assert_eq!(other.join().expect("no panic"), SECOND * 2);
         });
         clock.sleep_until(start);
         assert_eq!(clock.now() - start, SECOND * 2);
@@ -205,11 +244,26 @@ mod tests {
                 clock.sleep(SECOND);
                 assert!(clock.left(clock.now()) > SECOND, "on purpose");
             });
-            let waited = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| clock.join(other)));
+            let joined = other.join();
             clock.sleep(SECOND);
-            waited
+            joined
         });
         assert!(panic.is_err());
+    }
+
+    #[test]
+    fn a_panic_of_the_spawner_stops_no_other() {
+        let (clock, (sender, receiver)) = (Clock::simulated(), channel());
+        let panic = std::panic::catch_unwind(|| {
+            thread::scope(|scope| {
+                let _other = clock.spawn(scope, move |clock| {
+                    clock.sleep(SECOND);
+                    sender.send(clock.left(clock.now())).expect("a receiver");
+                });
+                assert!(clock.left(clock.now()) > SECOND, "on purpose");
+            });
+        });
+        assert_eq!((panic.is_err(), receiver.recv()), (true, Ok(Duration::ZERO)));
     }
 
     #[test]

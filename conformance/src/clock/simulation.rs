@@ -4,11 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+use super::LONG;
+
 /// The start of simulated time since 1970.
 const START: Duration = Duration::from_secs(1_790_000_000);
-
-/// A time in which something happens.
-const LONG: Duration = Duration::from_secs(1 << 20);
 
 /// A thread that waits by simulated time. It leaves when dropped.
 #[derive(Debug)]
@@ -112,6 +111,16 @@ impl Participant {
         while self.wait(self.now() + LONG, is_over).is_none() {}
     }
 
+    /// Lets the others go on without this thread.
+    pub(super) fn leave(&self) {
+        let mut state = self.state();
+        state.waiting.remove(&self.id);
+        // What this thread did last may concern the others.
+        state.waiting.values_mut().for_each(|waiting| waiting.is_idle = false);
+        drop(state);
+        self.give_turn(None);
+    }
+
     fn give_turn(&self, waiting: Option<Waiting>) {
         let mut state = self.state();
         state.waiting.extend(waiting.map(|waiting| (self.id, waiting)));
@@ -129,9 +138,6 @@ impl Participant {
 
 impl Drop for Participant {
     fn drop(&mut self) {
-        self.state().waiting.remove(&self.id);
-        // What this thread did last may concern the others.
-        self.state().waiting.values_mut().for_each(|waiting| waiting.is_idle = false);
-        self.give_turn(None);
+        self.leave();
     }
 }
