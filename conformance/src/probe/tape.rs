@@ -5,11 +5,11 @@
 //! protocol, and no rule applies to its data.
 
 use std::io::{self, Write};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
 use crate::check::{CaptureResult, FlockwaveChecker};
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Direction, Trial};
 use crate::json::Tree;
@@ -29,6 +29,7 @@ const MAX_UNKNOWN: usize = 60;
 /// A recording in progress.
 pub(super) struct Tape<'d> {
     definitions: &'d Definitions,
+    clock: Clock,
     checker: FlockwaveChecker<'d>,
     /// False after a panic, which may have left the checker in an invalid state.
     is_checking: bool,
@@ -52,9 +53,10 @@ struct Kept {
 
 impl<'d> Tape<'d> {
     /// Starts a recording, which is also written to `file`.
-    pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
+    pub(super) fn new(definitions: &'d Definitions, clock: Clock, file: Option<Box<dyn Write + 'd>>) -> Self {
         Self {
             definitions,
+            clock,
             checker: FlockwaveChecker::new(definitions),
             is_checking: true,
             kept: Some(Kept::default()),
@@ -133,7 +135,7 @@ impl<'d> Tape<'d> {
     }
 
     fn line(&mut self, connection: &str, direction: &str, content: &str, trial: Option<Trial<'_>>) {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let now = self.clock.since_1970();
         let (seconds, micros) = (now.as_secs(), now.subsec_micros());
         let tried = trial.map_or_else(String::new, |trial| {
             format!(",\"trial\":{},\"how\":{}", quoted(trial.rule.id), quoted(trial.how))
