@@ -122,6 +122,9 @@ fn a_report_never_replaces_a_redirected_stream() {
     let mut writing = command(folder.path(), &["check", "--format", "json", "logs"]);
     writing.stdout(append());
     assert_rejected(folder.path(), writing, "standard output would overwrite the input logs/a.json");
+    let mut watching = command(folder.path(), &["watch", "logs/a.json"]);
+    watching.stdout(append());
+    assert_rejected(folder.path(), watching, "standard output would overwrite the input logs/a.json");
     let mut both = command(folder.path(), &["check", "--report", "json=logs/a.json", "known.toml"]);
     both.stdout(append());
     assert_rejected(folder.path(), both, "--report json=logs/a.json and standard output are the same file");
@@ -170,6 +173,8 @@ fn two_outputs_are_never_the_same_file() {
     for (arguments, wanted) in [
         (&["check", "--report", "json=a,html=./a", "logs"][..], "--report json=a and --report html=./a are"),
         (&["check", "--report", "json=old.html,html=logs/../old.html", "logs"], "are the same file"),
+        (&["check", "--report", "json=a,parquet=./a", "logs"], "are the same file"),
+        (&["lint", "--report", "sarif=a,junit=./a"], "the reports a and ./a are the same file"),
         (
             &["check", "--report", "json=new", "--write-baseline", "new", "logs"],
             "--report json=new and --write-baseline",
