@@ -276,7 +276,12 @@ pub fn main() -> ExitCode {
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     };
-    ExitCode::from(status.code())
+    // A text that is lost is worse than any finding in it.
+    let printed = terminal::finish().map_err(|error| {
+        terminal::error(format_args!("standard output: {error}"), None);
+        Status::Unreadable
+    });
+    ExitCode::from(status.max(printed.err().unwrap_or(status)).code())
 }
 
 /// Runs `uavspec check` without printing. Returns the report and the exit status.

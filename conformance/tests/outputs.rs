@@ -211,3 +211,34 @@ fn writes_reports_to_pipes_devices_and_absent_targets_of_links() {
     assert!(at("pipe").is_symlink() && at("link").is_symlink());
     assert!(at("logs/new.html").is_file());
 }
+
+/// A report that a full disk swallows must not look like one without findings.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_an_error_in_each_command() {
+    let folder = workspace();
+    for arguments in [
+        &["serve", "--list-bugs"][..],
+        &["serve", "--list-bugs", "--format", "json"],
+        &["rules"],
+        &["explain", "FW-ENV-01"],
+        &["completions", "bash"],
+        &["man"],
+        &["check", "logs"],
+        &["check", "--format", "json", "logs"],
+        &["test", "--dump-cases", "-"],
+        &["init", "new"],
+        &["lint"],
+        &["lint", "--rules"],
+        &["inspect"],
+        &["--help"],
+        &["--version"],
+    ] {
+        let full = OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let output = command(folder.path(), arguments).stdout(full).output().expect("it runs");
+        let printed = String::from_utf8(output.stderr).expect("UTF-8");
+        assert!(matches!(output.status.code(), Some(2 | 3)), "{arguments:?}: {:?} {printed}", output.status);
+        let errors = printed.matches("No space left on device").count();
+        assert_eq!(errors, 1, "{arguments:?}: {printed}");
+    }
+}

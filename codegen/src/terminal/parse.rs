@@ -4,7 +4,7 @@ use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Command, Parser};
 
-use super::print::{print, print_error};
+use super::print::{finish, print, print_error};
 use super::shown::shown;
 
 /// Parses the arguments of the process. After `--help` or invalid arguments, prints the text and ends the process.
@@ -23,7 +23,14 @@ pub fn parse_as<P: Parser>(command: Command) -> P {
         } else {
             print(format_args!("{text}"));
         }
-        std::process::exit(error.exit_code())
+        let code = match finish() {
+            Err(error) => {
+                print_error(format_args!("error: standard output: {error}\n"));
+                2
+            }
+            Ok(()) => error.exit_code(),
+        };
+        std::process::exit(code)
     })
 }
 
