@@ -55,7 +55,7 @@ use crate::flockwave::body_schema::Schemas;
 use crate::report::Report;
 use crate::report::{Outcome, OutcomeKind};
 use crate::rules::RULES;
-use crate::text::{command_line, shown_words, similar, terminal};
+use crate::text::{command_line, shown_value, shown_words, similar, terminal};
 
 const PROGRAM: &str = "uavspec";
 
@@ -259,7 +259,7 @@ impl From<&Outcome> for Status {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let status = match terminal::parse_as::<Cli>(interface()).command {
+    let status = match terminal::parse_as::<Cli>(interface(), shown_value).command {
         Command::Definitions(command) => return command.run(),
         Command::Init(args) => init::run(&args),
         Command::Check(args) => check::check(&args),

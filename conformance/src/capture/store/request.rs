@@ -7,7 +7,7 @@ use std::time::Duration;
 use object_store::Error;
 use tokio::runtime::{Builder, Runtime};
 
-use super::without_secrets;
+use crate::text::without_secrets;
 
 /// The number of attempts for a request.
 const ATTEMPTS: u32 = 5;
