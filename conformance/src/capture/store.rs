@@ -5,9 +5,10 @@
 //! ```
 //!
 //! An object is read in ranges, each with the condition that the object is still the same. A request that fails is
-//! repeated. Nothing is stored in files. Errors contain neither credentials nor the queries of URLs, which may be
-//! signatures.
+//! repeated. Answers and lists have a maximum length, and redirects lead to the same host only. Nothing is stored in
+//! files. Errors contain neither credentials nor the queries of URLs, which may be signatures.
 
+mod client;
 mod connect;
 mod object;
 mod reader;
