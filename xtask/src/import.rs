@@ -25,6 +25,11 @@ const EXTENSION: &str = "msg";
 /// The start of a release's file.
 const HEADING: &str = "# Facts of all definitions, written by `cargo xtask import`.\n";
 
+/// Corrections of definitions that the data of real vehicles contradict: a line of a release's file, and its
+/// replacement. `definitions/README.md` gives the reasons.
+const CORRECTIONS: [(&str, &str); 1] =
+    [("uint16 max_error # [%] [@range 1, 100]\n", "uint16 max_error # [%] [@range 1, 100] [@invalid 0]\n")];
+
 /// Arguments of `import`.
 #[derive(Args)]
 pub(crate) struct Arguments {
@@ -108,9 +113,10 @@ fn definitions(family: Family, inputs: &[PathBuf]) -> Result<Schema, String> {
     ))
 }
 
-/// The file of a release.
+/// The file of a release, with corrections.
 fn text_of(schema: &Schema) -> String {
-    format!("{HEADING}{}", release::write(schema))
+    let text = format!("{HEADING}{}", release::write(schema));
+    CORRECTIONS.iter().fold(text, |text, (line, corrected)| text.replace(line, corrected))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
@@ -205,6 +211,23 @@ mod tests {
                 let path = repository().join(FOLDER).join(format!("px4/{name}.{EXTENSION}"));
                 assert!(fs::read_to_string(path).expect("a release") == text_of(&schema), "{name} differs");
             }
+        }
+    }
+
+    #[test]
+    fn each_correction_applies_to_a_stored_release() {
+        let folder = repository().join(FOLDER);
+        let stored: Vec<String> = releases(&folder)
+            .expect("releases")
+            .into_iter()
+            .map(|(family, name)| {
+                let path = folder.join(family.dialect().name()).join(format!("{name}.{EXTENSION}"));
+                fs::read_to_string(path).expect("a release")
+            })
+            .collect();
+        for (line, corrected) in CORRECTIONS {
+            assert!(stored.iter().any(|text| text.contains(corrected)), "unused: {corrected}");
+            assert!(!stored.iter().any(|text| text.contains(line)), "not corrected: {line}");
         }
     }
 

@@ -15,7 +15,8 @@ use self::channel::Channel;
 use super::websocket::{
     CONNECT_LIMIT, Link, MAX_MESSAGE, Protocol, Service, check_name, excerpt, list, receive, step, string,
 };
-use super::{Bus, Event, MAX_ENDPOINTS, Publisher, Received, Topic, now};
+use super::{Bus, Event, MAX_ENDPOINTS, Publisher, Received, Topic, nanoseconds};
+use crate::clock::Clock;
 use crate::json::Tree;
 use crate::model::Qos;
 use crate::net::Address;
@@ -212,7 +213,7 @@ impl Foxglove {
             topic,
             schema,
             encoding,
-            time: now(),
+            time: nanoseconds(&Clock::real()),
             payload: payload.to_vec(),
             is_own: false,
         }));

@@ -11,7 +11,8 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 
 use super::websocket::{CONNECT_LIMIT, Link, Protocol, Service, check_name, excerpt, list, receive, string};
-use super::{Bus, Encoding, Event, MAX_ENDPOINTS, Publisher, Received, Topic, now};
+use super::{Bus, Encoding, Event, MAX_ENDPOINTS, Publisher, Received, Topic, nanoseconds};
+use crate::clock::Clock;
 use crate::json::Tree;
 use crate::model::{Endpoint, EndpointKind, Qos};
 use crate::net::Address;
@@ -86,8 +87,14 @@ impl Rosbridge {
             topic.type_name = Arc::clone(listed);
         }
         let (topic, payload) = (topic.clone(), payload.as_bytes().to_vec());
-        let message =
-            Received { topic, schema: None, encoding: Encoding::Json, time: now(), payload, is_own: false };
+        let message = Received {
+            topic,
+            schema: None,
+            encoding: Encoding::Json,
+            time: nanoseconds(&Clock::real()),
+            payload,
+            is_own: false,
+        };
         self.link.push(Event::Message(message));
         Ok(())
     }
