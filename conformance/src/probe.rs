@@ -67,6 +67,7 @@ use crate::definitions::Definitions;
 use crate::flockwave::record::Trial;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::Endpoint;
+use crate::flockwave::transport::secrets::Secrets;
 use crate::json::base64;
 use crate::model::Rule;
 use crate::rules::flockwave::trial::{Attempt, Request};
@@ -128,13 +129,16 @@ pub fn probe<'d>(
     on_progress: &dyn Fn(usize, usize),
 ) -> Probed {
     let attempts = trials::selected(endpoint, &options.selection);
+    let access = Access::new(options.login.clone(), options.trust.clone());
+    let secrets = access.secrets(endpoint.path());
     let commands = if options.uavs.is_empty() { 0 } else { commands::STEPS };
     let mut probe = Probe {
         endpoint,
         options,
         stop: options.stop.clone(),
-        access: Access::new(options.login.clone(), options.trust.clone()),
-        tape: Tape::new(definitions, record),
+        access,
+        tape: Tape::new(definitions, record).without(secrets.clone()),
+        secrets,
         coverage: Coverage::new(definitions),
         session: None,
         witness: None,
@@ -185,6 +189,7 @@ struct Probe<'p, 'd> {
     options: &'p Options,
     stop: Stop,
     access: Access,
+    secrets: Secrets,
     tape: Tape<'d>,
     coverage: Coverage,
     /// The connection used for the survey.
@@ -336,12 +341,14 @@ impl Probe<'_, '_> {
         } else if self.stop.is_requested() {
             self.cut_short.get_or_insert(reason.to_owned());
         }
-        let danger = self.danger();
+        let hidden = |text: String| self.secrets.hide(&text).into_owned();
+        let danger = self.danger().map(hidden);
         let (mut result, unrecorded) = self.tape.finish();
         result.findings.retain(|rule| self.options.selection.has_rule(rule));
         let rest = self.cut_short.as_deref().or(self.failure.as_deref()).unwrap_or("not selected");
-        let requests = self.coverage.finish(rest);
-        let (notes, failure, cut_short) = (self.notes, self.failure, self.cut_short);
+        let requests = self.coverage.finish(&self.secrets.hide(rest));
+        let notes = self.notes.into_iter().map(hidden).collect();
+        let (failure, cut_short) = (self.failure.map(hidden), self.cut_short.map(hidden));
         Probed { result, requests, notes, failure, cut_short, unrecorded, danger }
     }
 

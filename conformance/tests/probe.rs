@@ -6,6 +6,7 @@
 mod flight;
 mod landing;
 mod proxied;
+mod secrets;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};

@@ -62,6 +62,7 @@ impl Probe<'_, '_> {
             }
             if let Some(danger) = self.danger().filter(|_| self.danger != before) {
                 let left = until.saturating_duration_since(Instant::now()).as_secs();
+                let danger = self.secrets.hide(&danger);
                 (self.options.warn)(&format!("{danger}. The probe tries to change that for {left} s."));
             }
             self.stop.sleep(RETRY_INTERVAL);
