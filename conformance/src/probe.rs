@@ -70,6 +70,7 @@ use crate::flockwave::record::Trial;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::client::Network;
 use crate::flockwave::transport::endpoint::Endpoint;
+use crate::flockwave::transport::secrets::Secrets;
 use crate::json::base64;
 use crate::model::Rule;
 use crate::rules::flockwave::trial::{Attempt, Request};
@@ -155,15 +156,18 @@ fn probe_through<'d>(
     on_progress: &dyn Fn(usize, usize),
 ) -> Probed {
     let attempts = trials::selected(endpoint, &options.selection);
+    let access = Access::new(options.login.clone(), options.trust.clone());
+    let secrets = access.secrets(endpoint.path());
     let commands = if options.uavs.is_empty() { 0 } else { commands::STEPS };
     let mut probe = Probe {
         endpoint,
         options,
         stop: options.stop.clone(),
-        access: Access::new(options.login.clone(), options.trust.clone()),
+        access,
         network,
         clock: options.clock.clone(),
-        tape: Tape::new(definitions, options.clock.clone(), record),
+        tape: Tape::new(definitions, options.clock.clone(), record).without(secrets.clone()),
+        secrets,
         coverage: Coverage::new(definitions),
         session: None,
         witness: None,
@@ -219,6 +223,7 @@ struct Probe<'p, 'd> {
     /// A network in memory; `None` for the network of the system.
     network: Option<&'p dyn Network>,
     clock: Clock,
+    secrets: Secrets,
     tape: Tape<'d>,
     coverage: Coverage,
     /// The connection used for the survey.
@@ -374,12 +379,14 @@ impl Probe<'_, '_> {
         } else if self.stop.is_requested() {
             self.cut_short.get_or_insert(reason.to_owned());
         }
-        let danger = self.danger();
+        let hidden = |text: String| self.secrets.hide(&text).into_owned();
+        let danger = self.danger().map(hidden);
         let (mut result, unrecorded) = self.tape.finish();
         result.findings.retain(|rule| self.options.selection.has_rule(rule));
-        let requests = self.coverage.finish(&rest);
-        let (notes, failure) = (self.notes, self.failure);
-        let (cut_short, left_out) = (self.cut_short, self.left_out);
+        let requests = self.coverage.finish(&self.secrets.hide(&rest));
+        let notes = self.notes.into_iter().map(hidden).collect();
+        let (failure, cut_short) = (self.failure.map(hidden), self.cut_short.map(hidden));
+        let left_out = self.left_out.map(hidden);
         Probed { result, requests, notes, failure, cut_short, left_out, unrecorded, danger }
     }
 

@@ -49,13 +49,14 @@ use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use self::hub::{Hub, RequestHandler};
 pub(crate) use self::listen::limits::raise_open_files;
 pub use self::listen::statistics::{Reason, Statistics};
 use self::listen::{Bound, Control, Reactor};
 pub use self::memory::InMemory;
+use crate::clock::Clock;
 use crate::rules::flockwave::FlockwaveRule;
 
 /// The transports, named as in the protocol's reference server.
@@ -127,11 +128,13 @@ pub struct Options {
     pub bug: Option<&'static FlockwaveRule>,
     /// The initial time of the server, in milliseconds since 1970.
     pub start: u64,
+    /// The clock of the server. The server only reads it, so another thread must move simulated time.
+    pub clock: Clock,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let now = Clock::real().since_1970();
         Self {
             uavs: 5,
             seed: 0,
@@ -146,6 +149,7 @@ impl Default for Options {
             login: None,
             bug: None,
             start: u64::try_from(now.as_millis()).unwrap_or_default(),
+            clock: Clock::real(),
         }
     }
 }

@@ -5,6 +5,7 @@
 mod flight;
 mod landing;
 mod proxied;
+mod secrets;
 
 use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};

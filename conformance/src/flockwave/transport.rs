@@ -33,6 +33,7 @@ pub(crate) mod endpoint;
 pub(crate) mod engine;
 pub(crate) mod http;
 pub(crate) mod lines;
+pub(crate) mod secrets;
 pub(crate) mod socketio;
 
 pub use self::access::Access;

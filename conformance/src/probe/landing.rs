@@ -53,6 +53,7 @@ impl Probe<'_, '_> {
             let is_usual = !attempts.is_empty() && attempts.values().all(|attempt| attempt.commands() == 1);
             if let Some(danger) = self.danger().filter(|_| !is_usual && now >= next_warning) {
                 let left = until.saturating_duration_since(now).as_secs();
+                let danger = self.secrets.hide(&danger);
                 (self.options.warn)(&format!("{danger}. The probe tries to change that for {left} s."));
                 next_warning = now + WARNING_INTERVAL;
             }
