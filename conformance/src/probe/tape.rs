@@ -69,6 +69,11 @@ impl<'d> Tape<'d> {
         }
     }
 
+    /// Replaces secrets in all lines by placeholders.
+    pub(super) fn without(self, secrets: Secrets) -> Self {
+        Self { secrets, ..self }
+    }
+
     /// Drops all findings, and only records from now on.
     pub(super) fn stop_checking(&mut self) {
         (self.is_checking, self.checker) = (false, FlockwaveChecker::new(self.definitions));
@@ -76,11 +81,6 @@ impl<'d> Tape<'d> {
 
     /// Records a message.
     pub(super) fn message(
-    /// Replaces secrets in all lines by placeholders.
-    pub(super) fn without(self, secrets: Secrets) -> Self {
-        Self { secrets, ..self }
-    }
-
         &mut self,
         connection: &str,
         direction: Direction,
