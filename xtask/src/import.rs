@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -10,7 +11,7 @@ use uavspec_codegen::load::{self, Definitions};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::release::{self, Fingerprint};
 use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::stage::replace;
+use uavspec_codegen::stage::write_file;
 use uavspec_codegen::{SourceMap, read};
 
 use crate::paths::{repository, shown};
@@ -121,7 +122,7 @@ fn text_of(schema: &Schema) -> String {
 fn write(path: &Path, text: &str) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", path.display());
     path.parent().map_or(Ok(()), fs::create_dir_all).map_err(failed)?;
-    replace(path, |staged| fs::write(staged, text)).map_err(failed)
+    write_file(path, |file| file.write_all(text.as_bytes())).map_err(failed)
 }
 
 /// A release's family and name.

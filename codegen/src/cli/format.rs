@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -94,9 +93,7 @@ fn change(sources: &SourceMap, id: SourceId, path: PathBuf, formatted: Formatted
 
 /// Prints the differences as a patch.
 fn print(changes: &[Change]) {
-    let mut stdout = terminal::stdout();
     for Change { shown, old, new, .. } in changes {
-        // It is not an error if the reader closes the pipe early.
-        let _ = stdout.write_all(difference::patch(shown, old, new).as_bytes());
+        terminal::print(format_args!("{}", difference::patch(shown, old, new)));
     }
 }

@@ -176,6 +176,8 @@ fn try_check(args: &CheckArgs) -> Result<Status, Status> {
         terminal::error(problem, None);
         return Err(Status::Usage);
     }
+    // A folder of tables exists from now on, and would hide that it is also a file.
+    outputs::check(&Inputs::default(), &outputs_of(args))?;
     let mut outputs = args.report.start(Action::Check, &args.baseline, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
     let checked = run(args, done.as_ref(), |item| match item {
@@ -355,14 +357,18 @@ fn check_all(
 
 /// Checks that no output replaces an input. Errors are printed.
 fn check_outputs(args: &CheckArgs, captures: &[Input]) -> Result<(), Status> {
-    let outputs: Vec<Output<'_>> = args.report.outputs().chain(args.baseline.outputs()).collect();
     let captures = captures.iter().filter_map(Input::path);
     let inputs = Inputs {
         files: captures.chain(args.baseline.inputs()).collect(),
         definitions: args.definitions.as_deref().into_iter().collect(),
         schemas: &args.schemas,
     };
-    outputs::check(&inputs, &outputs)
+    outputs::check(&inputs, &outputs_of(args))
+}
+
+/// The files that a run writes.
+fn outputs_of(args: &CheckArgs) -> Vec<Output<'_>> {
+    args.report.outputs().chain(args.baseline.outputs()).collect()
 }
 
 /// The type of all JSON messages, if it is given. Errors are printed.

@@ -15,6 +15,7 @@ use ratatui::crossterm::event;
 use self::vehicle::VehicleArgs;
 use super::Status;
 use super::access::AccessArgs;
+use super::outputs::{self, Inputs};
 use super::report::print_result;
 use super::target::Target;
 use super::test::seconds;
@@ -141,7 +142,12 @@ pub(super) fn watch(args: &WatchArgs) -> Status {
         Source::Target(Target::Vehicle(address)) => {
             vehicle::watch_vehicle(args, address).unwrap_or_else(|status| status)
         }
-        Source::Capture(path) => vehicle::watch_capture(args, path).unwrap_or_else(|status| status),
+        Source::Capture(path) => {
+            // A capture that grows by its own state would never end.
+            let inputs = Inputs { files: vec![path], ..Inputs::default() };
+            let checked = outputs::check(&inputs, &[]);
+            checked.and_then(|()| vehicle::watch_capture(args, path)).unwrap_or_else(|status| status)
+        }
     }
 }
 

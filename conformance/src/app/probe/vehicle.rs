@@ -9,7 +9,7 @@ use globset::{Glob, GlobSet, GlobSetBuilder};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::application::Application;
-use super::{ProbeArgs, check_outputs, report};
+use super::{ProbeArgs, report, start_reports};
 use crate::app::progress::Progress;
 use crate::app::test::seconds;
 use crate::app::{Status, interrupt, library};
@@ -116,7 +116,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let application = args.vehicle.application.as_deref().map(Application::load).transpose()?;
     let (application, note) = application.map(|found| (found.types, found.note)).unzip();
     let required = args.require.rules()?;
-    check_outputs(args)?;
+    let outputs = start_reports(args)?;
     let baselines = args.baseline.read()?;
     let interruptible = probe::Options::new(Duration::ZERO, None, Vec::new());
     interrupt::install(&interruptible)?;
@@ -161,5 +161,6 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     };
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !stop.is_requested();
-    Ok(report(args, Some(checked), Vec::new(), &definitions, &required, baselines, settings))
+    settings.is_unrecorded = args.record.is_none();
+    Ok(report(outputs, Some(checked), Vec::new(), &definitions, &required, baselines, settings))
 }
