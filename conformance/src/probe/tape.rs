@@ -5,11 +5,11 @@
 //! protocol, and no rule applies to its data.
 
 use std::io::{self, Write};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
 use crate::check::{CaptureResult, FlockwaveChecker};
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::secrets::Secrets;
@@ -30,6 +30,7 @@ const MAX_UNKNOWN: usize = 60;
 /// A recording in progress.
 pub(super) struct Tape<'d> {
     definitions: &'d Definitions,
+    clock: Clock,
     checker: FlockwaveChecker<'d>,
     /// False after a panic, which may have left the checker in an invalid state.
     is_checking: bool,
@@ -55,9 +56,10 @@ struct Kept {
 
 impl<'d> Tape<'d> {
     /// Starts a recording, which is also written to `file`.
-    pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
+    pub(super) fn new(definitions: &'d Definitions, clock: Clock, file: Option<Box<dyn Write + 'd>>) -> Self {
         Self {
             definitions,
+            clock,
             checker: FlockwaveChecker::new(definitions),
             is_checking: true,
             kept: Some(Kept::default()),
@@ -69,14 +71,14 @@ impl<'d> Tape<'d> {
         }
     }
 
-    /// Replaces secrets in all lines by placeholders.
-    pub(super) fn without(self, secrets: Secrets) -> Self {
-        Self { secrets, ..self }
-    }
-
     /// Drops all findings, and only records from now on.
     pub(super) fn stop_checking(&mut self) {
         (self.is_checking, self.checker) = (false, FlockwaveChecker::new(self.definitions));
+    }
+
+    /// Replaces secrets in all lines by placeholders.
+    pub(super) fn without(self, secrets: Secrets) -> Self {
+        Self { secrets, ..self }
     }
 
     /// Records a message.
@@ -142,7 +144,7 @@ impl<'d> Tape<'d> {
     }
 
     fn line(&mut self, connection: &str, direction: &str, content: &str, trial: Option<Trial<'_>>) {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let now = self.clock.since_1970();
         let (seconds, micros) = (now.as_secs(), now.subsec_micros());
         let tried = trial.map_or_else(String::new, |trial| {
             format!(",\"trial\":{},\"how\":{}", quoted(trial.rule.id), quoted(trial.how))

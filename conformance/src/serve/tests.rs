@@ -146,6 +146,8 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
     // Cancels the barometer's calibration. The receipt is fixed, since a bug may have changed it in the response.
     session.send_request("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "missing-1"] }));
     session.wait(7);
+    session.send_request("land", &json!({ "type": "UAV-LAND", "ids": ["glider-1"] }));
+    session.wait(1);
     session.send_request("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
     session.send_request("list", &json!({ "type": "UAV-LIST" }));
     session.raw(r#"{"$fw.version":"1.0","id":"broken"}"#);

@@ -123,7 +123,7 @@ impl GoodClient {
     }
 
     /// Sends a request and waits for the answer. Returns false if the connection fails.
-    fn ping(&self, connection: &mut Option<Box<dyn Client>>, end: Instant) -> bool {
+    fn ping(&self, connection: &mut Option<Box<dyn Client + Send>>, end: Instant) -> bool {
         let is_udp = self.url.starts_with("udp");
         if connection.is_none() {
             *connection = connect(&self.url.parse().expect("an endpoint"), end).ok();

@@ -1,5 +1,6 @@
 //! Shared helpers of tests: the corpus, and a writer of logs.
 
+pub(crate) mod memory;
 pub(crate) mod proxy;
 pub(crate) mod python;
 pub(crate) mod server;
