@@ -13,6 +13,11 @@ use uavspec_conformance::transport::{Received, connect};
 use super::super::support::{LIMIT, deadline, wait_for};
 use super::{ENDPOINTS, READING_TIME, address, client, request, request_body, serve, settle, until};
 
+/// A server whose time stands still, so that no time limit depends on how fast the computer is.
+fn frozen(options: Options) -> Server {
+    serve(Options { rate: 0.0, clock: Clock::simulated(), ..options })
+}
+
 #[test]
 fn disconnects_clients_that_never_read() {
     // Each notification is about half a megabyte.
@@ -27,7 +32,7 @@ fn disconnects_clients_that_never_read() {
 
 #[test]
 fn stops_reading_requests_of_clients_that_read_no_answers() {
-    let server = serve(Options { uavs: 100, rate: 0.0, ..Options::default() });
+    let server = frozen(Options { uavs: 100, ..Options::default() });
     let mut idle = TcpStream::connect(address(&server, Transport::Tcp)).expect("a connection");
     idle.set_nonblocking(true).expect("a socket");
     let ids: Vec<String> = (1..=100).map(|number| format!("glider-{number}")).collect();
@@ -44,7 +49,7 @@ fn stops_reading_requests_of_clients_that_read_no_answers() {
 
 #[test]
 fn serves_newcomers_over_udp_after_datagrams_from_many_ports() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let server = frozen(Options::default());
     let text = request("a", &json!({ "type": "SYS-PING" }));
     for _ in 0..1100 {
         let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
@@ -70,7 +75,7 @@ fn datagrams_that_are_no_requests_register_no_client() {
 
 #[test]
 fn idle_connections_lock_nobody_out() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let server = frozen(Options::default());
     for transport in [Transport::Tcp, Transport::Http, Transport::SocketIo] {
         let location = address(&server, transport);
         let mut active = client(&server, ENDPOINTS[0]);
@@ -142,7 +147,7 @@ impl HttpConnection {
 
 #[test]
 fn abandoned_polling_sessions_give_way_to_newcomers() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let server = frozen(Options::default());
     for _ in 0..525 {
         open_sessions(&server, 4);
     }
@@ -154,7 +159,7 @@ fn abandoned_polling_sessions_give_way_to_newcomers() {
 
 #[test]
 fn a_connection_that_only_opens_sessions_replaces_its_own() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let server = frozen(Options::default());
     let waiting = open_sessions(&server, 1);
     let mut connection = HttpConnection::new(&server);
     let used = connection.open_session();
@@ -166,6 +171,7 @@ fn a_connection_that_only_opens_sessions_replaces_its_own() {
     for sid in &opened[..6] {
         assert_eq!(connection.send(sid, "40"), "400", "{sid} of {opened:?}");
     }
+    drop(connection);
     assert_eq!(server.end().disconnected(Reason::Replaced), 6);
 }
 
@@ -188,7 +194,7 @@ fn a_session_that_is_not_used_ends_soon() {
 
 #[test]
 fn limits_operations_of_all_clients() {
-    let server = serve(Options { uavs: 1000, rate: 0.0, speed: 0.01, ..Options::default() });
+    let server = frozen(Options { uavs: 1000, ..Options::default() });
     let ids: Vec<String> = (1..=1000).map(|number| format!("glider-{number}")).collect();
     let start = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
     let mut clients: Vec<_> = (0..6).map(|_| client(&server, ENDPOINTS[0])).collect();

@@ -84,6 +84,7 @@ pub(crate) struct Reactor {
     waiting: BTreeSet<Token>,
     seats: Seats<Token>,
     next_token: usize,
+    /// The real time at which the end was requested, because simulated time may stand still.
     ending: Option<Instant>,
 }
 
@@ -165,26 +166,27 @@ impl Reactor {
             self.end_if_requested(control);
             if self.shared.now() >= next_tick {
                 next_tick = self.shared.now() + TICK;
-                self.tick(control);
+                self.tick();
             }
             if self.shared.now() >= next_sweep {
                 next_sweep = self.shared.now() + SWEEP;
                 self.sweep();
             }
+            self.publish(control);
         }
         self.publish(control);
     }
 
     /// True if the server is ending, and all connections have ended or exceeded the time limit.
     fn is_done(&self) -> bool {
-        let is_over = |ending: Instant| self.shared.now() >= ending + SHUTDOWN_TIMEOUT;
+        let is_over = |ending: Instant| Clock::real().now() >= ending + SHUTDOWN_TIMEOUT;
         self.ending.is_some_and(|ending| self.connections.is_empty() || is_over(ending))
     }
 
     /// Closes all connections if the end is requested, at any time.
     fn end_if_requested(&mut self, control: &Control) {
         if self.ending.is_none() && control.is_ending.load(Ordering::Acquire) {
-            self.ending = Some(self.shared.now());
+            self.ending = Some(Clock::real().now());
             self.shared.hub.end();
             self.shared.sessions.end();
             self.wake_all();
@@ -192,12 +194,11 @@ impl Reactor {
     }
 
     /// Advances the simulation.
-    fn tick(&mut self, control: &Control) {
+    fn tick(&mut self) {
         if self.ending.is_none() {
             let elapsed = self.shared.elapsed();
             self.shared.hub.advance(elapsed);
         }
-        self.publish(control);
     }
 
     /// Publishes the counts of clients.
@@ -215,7 +216,7 @@ impl Reactor {
         for datagrams in self.datagrams.values_mut() {
             datagrams.close_expired(&mut self.shared);
         }
-        let is_drained = self.ending.is_some_and(|ending| now.saturating_duration_since(ending) >= LAST_POLL);
+        let is_drained = self.ending.is_some_and(|ending| Clock::real().now() >= ending + LAST_POLL);
         let overdue: Vec<(Token, Reason)> = self
             .connections
             .iter()
