@@ -3,6 +3,8 @@
 
 #[cfg(feature = "db3")]
 pub(crate) mod bag_file;
+#[cfg(feature = "db3")]
+mod bag_metadata;
 mod captures;
 mod conversions;
 mod lists;
@@ -37,6 +39,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "sqlite-bag", check: captures::sqlite_bag, seeds: captures::sqlite_bag_seeds },
     #[cfg(feature = "db3")]
     Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
+    #[cfg(feature = "db3")]
+    Target { name: "bag-metadata-grammar", check: bag_metadata::grammar, seeds: bag_metadata::seeds },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
     Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },
