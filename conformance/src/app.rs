@@ -333,6 +333,9 @@ fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -
     for file in library.left_out() {
         terminal::eprintln!("warning: {file} is left out: it refers to a package that isn't in the folder");
     }
+    if library.has_built_in_packages() {
+        terminal::eprintln!("note: the built-in definitions of ROS 2 fill the packages that {} lacks", library.name());
+    }
     Ok(library.with_schemas(Arc::new(load_schemas(schemas)?)))
 }
 

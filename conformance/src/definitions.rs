@@ -20,7 +20,7 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::load::{self, read_definitions_as};
+use uavspec_codegen::load::{self, read_definitions_for_captures};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::release;
 use uavspec_codegen::schema::fingerprint::ros_name;
@@ -61,6 +61,8 @@ pub struct Definitions {
     pub schema: Schema,
     /// The paths of definitions that were left out, because they refer to other packages.
     pub(crate) left_out: Vec<String>,
+    /// The built-in packages that fill what the path lacks.
+    pub(crate) built_in: Vec<String>,
     /// True if the user gave the definitions. False for the built-in ones and for those of releases.
     pub(crate) is_given: bool,
     by_topic: HashMap<String, MessageId>,
@@ -136,9 +138,10 @@ impl Definitions {
 
     /// Like `load`, but with a given dialect.
     fn load_as(path: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
-        let load::Definitions { sources, schema, left_out } = read_definitions_as(path, dialect)?;
+        let load::Definitions { sources, schema, left_out, built_in } =
+            read_definitions_for_captures(path, dialect)?;
         let loaded = Self::new(path.to_string_lossy().into_owned(), sources, schema);
-        Ok(Self { left_out, is_given: true, ..loaded })
+        Ok(Self { left_out, built_in, is_given: true, ..loaded })
     }
 
     /// Like [`Self::built_in`], with the translations of the texts.
@@ -167,6 +170,7 @@ impl Definitions {
             sources,
             schema,
             left_out: Vec::new(),
+            built_in: Vec::new(),
             is_given: false,
             by_topic,
             replaced: HashMap::new(),

@@ -153,6 +153,11 @@ impl Library {
         self.base.get().map_or(&[], |base| &base.left_out)
     }
 
+    /// True if built-in packages fill what the definitions at a path lack.
+    pub(crate) fn has_built_in_packages(&self) -> bool {
+        self.base.get().is_some_and(|base| !base.built_in.is_empty())
+    }
+
     /// A name for the definitions: their path, the release that the user demands, or the built-in definitions.
     pub(crate) fn name(&self) -> &str {
         &self.name
