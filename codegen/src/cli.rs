@@ -24,10 +24,12 @@ mod print;
 mod report;
 mod revision;
 mod status;
+mod stopwatch;
 mod translate;
 
 use std::process::ExitCode;
 
+use crate::failure::Failure;
 use crate::terminal;
 use clap::{Parser, Subcommand};
 
@@ -100,7 +102,9 @@ impl Command {
             Self::Translate(args) => translate::run(&args).map(Status::from),
             Self::Breaking(args) => breaking::run(&args),
         };
-        match result {
+        // A text that is lost is worse than any finding in it.
+        let printed = |error| Failure::new(format!("standard output: {error}"));
+        match result.and_then(|status| terminal::finish().map(|()| status).map_err(printed)) {
             Ok(status) => ExitCode::from(status as u8),
             Err(failure) => {
                 terminal::eprintln!("{failure}");

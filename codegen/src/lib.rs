@@ -103,6 +103,8 @@ pub mod fuzzing;
 #[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 mod generate;
 #[doc(hidden)]
+#[cfg(feature = "files")]
+pub mod identity;
 pub mod json_text;
 pub mod lint;
 #[cfg(feature = "files")]

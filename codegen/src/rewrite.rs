@@ -13,9 +13,12 @@
 //! ```
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
+
+use tempfile::TempPath;
 
 use crate::failure::Failure;
 use crate::stage::Stage;
@@ -37,33 +40,29 @@ pub struct Change {
 pub fn write(changes: &[Change]) -> Result<(), Failure> {
     let mut stages = BTreeMap::new();
     let mut files = Vec::with_capacity(changes.len());
-    for (index, change) in changes.iter().enumerate() {
-        files.push(stage(change, index, &mut stages).map_err(|error| unwritable(change, &error))?);
+    for change in changes {
+        files.push(stage(change, &mut stages).map_err(|error| unwritable(change, &error))?);
     }
     for (change, file) in changes.iter().zip(files) {
-        fs::rename(file, &change.path).map_err(|error| unwritable(change, &error))?;
+        file.persist(&change.path).map_err(|error| unwritable(change, &error.error))?;
     }
     Ok(())
 }
 
 /// Writes the new content to a temporary folder in the same folder, with the same permissions.
-fn stage<'c>(
-    change: &'c Change,
-    index: usize,
-    stages: &mut BTreeMap<&'c Path, Stage>,
-) -> io::Result<PathBuf> {
+fn stage<'c>(change: &'c Change, stages: &mut BTreeMap<&'c Path, Stage>) -> io::Result<TempPath> {
     let permissions = fs::metadata(&change.path)?.permissions();
     if permissions.readonly() {
         return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"));
     }
     let folder = change.path.parent().unwrap_or(Path::new(""));
-    if !stages.contains_key(folder) {
-        stages.insert(folder, Stage::new(folder)?);
-    }
-    let file = stages.get(folder).map(|stage| stage.path().join(index.to_string())).unwrap_or_default();
-    fs::write(&file, &change.new)?;
-    fs::set_permissions(&file, permissions)?;
-    Ok(file)
+    let stage = match stages.entry(folder) {
+        Entry::Occupied(stage) => stage.into_mut(),
+        Entry::Vacant(entry) => entry.insert(Stage::new(folder)?),
+    };
+    let mut file = stage.file(Some(permissions))?;
+    file.write_all(change.new.as_bytes())?;
+    Ok(file.into_temp_path())
 }
 
 fn unwritable(change: &Change, error: &io::Error) -> Failure {

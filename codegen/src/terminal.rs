@@ -21,7 +21,9 @@ pub use self::parse::{parse, parse_as};
 #[cfg(feature = "cli")]
 pub(crate) use self::print::print_lines;
 #[cfg(feature = "print")]
-pub use self::print::{error, error_with_details, print, print_error, stderr, stdout};
+pub use self::print::{
+    error, error_with_details, finish, print, print_error, print_unguarded, stderr, stdout,
+};
 pub use self::shown::{MAX_SHOWN, path, shown};
 
 /// Like `std::println`, with a guarded output.

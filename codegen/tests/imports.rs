@@ -27,6 +27,7 @@ const LAYERS: &[&[&str]] = &[
         "difference",
         "directive",
         "finding",
+        "identity",
         "json_text",
         "name",
         "parallel",

@@ -54,7 +54,7 @@ use crate::flockwave::body_schema::SchemaError;
 use crate::report::Report;
 use crate::report::{Outcome, OutcomeKind};
 use crate::rules::RULES;
-use crate::text::{command_line, shown_words, similar, terminal};
+use crate::text::{command_line, shown_value, shown_words, similar, terminal};
 
 const PROGRAM: &str = "uavspec";
 
@@ -258,7 +258,7 @@ impl From<&Outcome> for Status {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let status = match terminal::parse_as::<Cli>(interface()).command {
+    let status = match terminal::parse_as::<Cli>(interface(), shown_value).command {
         Command::Definitions(command) => return command.run(),
         Command::Init(args) => init::run(&args),
         Command::Check(args) => check::check(&args),
@@ -275,7 +275,12 @@ pub fn main() -> ExitCode {
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     };
-    ExitCode::from(status.code())
+    // A text that is lost is worse than any finding in it.
+    let printed = terminal::finish().map_err(|error| {
+        terminal::error(format_args!("standard output: {error}"), None);
+        Status::Unreadable
+    });
+    ExitCode::from(status.max(printed.err().unwrap_or(status)).code())
 }
 
 /// Runs `uavspec check` without printing. Returns the report and the exit status.

@@ -28,9 +28,10 @@ mod zenoh;
 use std::hash::{Hash, Hasher};
 use std::net::IpAddr;
 use std::sync::Arc;
-use std::time::{Instant, SystemTime, UNIX_EPOCH};
+use std::time::Instant;
 
 pub(crate) use self::address::{Address, Scheme};
+use crate::clock::Clock;
 use crate::model::{Endpoint, Qos};
 
 /// The maximum length of the name of a topic, a type or a node, in bytes.
@@ -90,6 +91,11 @@ pub(crate) trait Bus {
 
     /// Publishes a message in CDR, including the encapsulation header. An error describes the problem.
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String>;
+
+    /// The clock of deadlines and messages.
+    fn clock(&self) -> Clock {
+        Clock::real()
+    }
 
     /// The losses that [`receive`](Self::receive) didn't return before the caller stopped receiving.
     fn remaining_losses(&mut self) -> Vec<Event> {
@@ -185,7 +191,6 @@ pub(crate) struct Received {
 }
 
 /// The time in ns since 1970.
-pub(crate) fn now() -> u64 {
-    let time = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+pub(crate) fn nanoseconds(clock: &Clock) -> u64 {
+    u64::try_from(clock.since_1970().as_nanos()).unwrap_or(u64::MAX)
 }

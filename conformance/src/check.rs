@@ -97,6 +97,8 @@ struct Source<'s> {
     bytes: &'s mut dyn Read,
     /// The file that consists of these bytes, if there is one. Some formats aren't read from start to end.
     file: Option<&'s Path>,
+    /// The copy at this path. It needs no name while it is open.
+    copy: Option<&'s bag::CopiedFile>,
 }
 
 impl Read for Source<'_> {
@@ -264,7 +266,7 @@ pub fn check_capture(
     message_id: Option<MessageId>,
     definitions: &Definitions,
 ) -> io::Result<CaptureResult> {
-    let source = Source { bytes: &mut input, file: None };
+    let source = Source { bytes: &mut input, file: None, copy: None };
     let check =
         &mut |kind: &Kind, source: Source<'_>| (kind.check)(source, message_id, CheckRun::new(definitions));
     check_source(source, message_id, check)
@@ -277,7 +279,7 @@ pub(crate) fn observe_capture(
     definitions: &Definitions,
     observer: &mut dyn Observer,
 ) -> io::Result<CaptureResult> {
-    let source = Source { bytes: &mut input, file: None };
+    let source = Source { bytes: &mut input, file: None, copy: None };
     let check = &mut |kind: &Kind, source: Source<'_>| {
         (kind.check)(source, None, CheckRun::observed_by(definitions, Some(observer)))
     };
@@ -367,8 +369,9 @@ fn check_copy(
 ) -> io::Result<Checked> {
     let (copy, problem) = bag::copy(bytes);
     let mut checked = match &copy {
-        Some(path) => {
-            let source = Source { bytes: &mut File::open(path)?, file: Some(path) };
+        Some(copy) => {
+            let path = copy.path();
+            let source = Source { bytes: &mut File::open(path)?, file: Some(path), copy: Some(copy) };
             check_with(source, None, library, observer)?
         }
         None => Checked { result: CaptureResult::unknown(""), definitions: Arc::clone(library.base()) },
@@ -393,7 +396,12 @@ fn check_stream(
 ) -> Checked {
     let checked = input::decompressed(input).and_then(|(mut bytes, is_plain)| {
         if let Some(file) = file.filter(|_| is_plain) {
-            return check_with(Source { bytes: &mut bytes, file: Some(file) }, message_id, library, observer);
+            return check_with(
+                Source { bytes: &mut bytes, file: Some(file), copy: None },
+                message_id,
+                library,
+                observer,
+            );
         }
         let start = read_start(&mut bytes)?;
         let is_sqlite = (bag::SQLITE.detect)(&start);
@@ -401,7 +409,7 @@ fn check_stream(
         if is_sqlite {
             return check_copy(whole, library, observer);
         }
-        check_with(Source { bytes: whole, file: None }, message_id, library, observer)
+        check_with(Source { bytes: whole, file: None, copy: None }, message_id, library, observer)
     });
     checked.unwrap_or_else(|error| {
         let result = CaptureResult::unknown(format!("the file can't be read: {error}"));
@@ -412,7 +420,7 @@ fn check_stream(
 /// Like [`check_capture`], with the definitions that the library chooses.
 #[cfg(any(fuzzing, test))]
 pub(crate) fn check_bytes(mut bytes: &[u8], library: &Library) -> io::Result<Checked> {
-    check_with(Source { bytes: &mut bytes, file: None }, None, library, None)
+    check_with(Source { bytes: &mut bytes, file: None, copy: None }, None, library, None)
 }
 
 /// Chooses the definitions of a capture from its start, and checks the readable part.
@@ -427,7 +435,7 @@ fn check_with(
         let (chosen, start) = choose(kind, source.bytes, source.file, library);
         let whole = &mut io::Cursor::new(start).chain(source.bytes);
         let run = CheckRun::observed_by(definitions.insert(chosen), observer.as_deref_mut());
-        (kind.check)(Source { bytes: whole, file: source.file }, message_id, run)
+        (kind.check)(Source { bytes: whole, file: source.file, copy: source.copy }, message_id, run)
     })?;
     let definitions = definitions.unwrap_or_else(|| Arc::clone(library.base()));
     Ok(Checked { result, definitions })
@@ -444,7 +452,7 @@ fn choose(
         return (library.choose(&Clues::default()), Vec::new());
     }
     let mut ahead = Ahead::new(bytes);
-    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file }, library);
+    let clues = (kind.clues)(&mut Source { bytes: &mut ahead, file, copy: None }, library);
     (library.choose(&clues), ahead.bytes)
 }
 
@@ -461,7 +469,8 @@ fn check_source(
     let Some(kind) = KINDS.iter().find(|kind| (kind.detect)(&start)) else {
         return Ok(CaptureResult::unknown(unknown_type(&start)));
     };
-    let source = Source { bytes: &mut io::Cursor::new(&start).chain(input.bytes), file: input.file };
+    let bytes = &mut io::Cursor::new(&start).chain(input.bytes);
+    let source = Source { bytes, file: input.file, copy: input.copy };
     let result = check(kind, source);
     // Other text looks like corrupt JSON until the end.
     let is_text = matches!(&result.summary, Summary::Json(summary) if !summary.has_objects)

@@ -21,6 +21,7 @@ pub mod app;
 mod bus;
 pub mod capture;
 pub mod check;
+pub mod clock;
 mod convert;
 pub mod definitions;
 mod explain;

@@ -9,11 +9,9 @@ use std::borrow::Cow;
 use std::fmt;
 
 pub(crate) use self::command_line::command_line;
-#[cfg(feature = "stores")]
-pub(crate) use self::secrets::is_object_url;
-#[cfg(any(feature = "stores", feature = "tables"))]
-pub(crate) use self::secrets::shown_url;
-pub(crate) use self::secrets::shown_words;
+pub(crate) use self::secrets::{
+    HIDDEN, is_object_url, shown_url, shown_value, shown_words, without_login, without_query, without_secrets,
+};
 pub(crate) use self::similar::similar;
 pub(crate) use self::wrap::wrapped;
 // All text from captures, servers, testees, files and arguments passes through this function before it is shown.

@@ -48,6 +48,7 @@ use crate::capture::mcap::Reader;
 use crate::check::{
     CaptureResult, Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording,
 };
+use crate::clock::Clock;
 use crate::definitions::{Definitions, Library};
 use crate::model::{ApplicationType, Endpoint, EndpointKind, Qos};
 use crate::rules::px4::Side;
@@ -142,9 +143,8 @@ pub(crate) fn observe(
     let (path, temporary) = recording(options)?;
     let mut probe = Probe::new(bus, options, Recorder::create(&path)?, &|_| {});
     // Without messages, nothing shows the release.
-    while probe.progress.messages == 0 && probe.cut_short.is_none() && probe.started.elapsed() < options.time
-    {
-        probe.listen(options.time.min(probe.started.elapsed() + START), None)?;
+    while probe.progress.messages == 0 && probe.cut_short.is_none() && probe.elapsed() < options.time {
+        probe.listen(options.time.min(probe.elapsed() + START), None)?;
     }
     probe.recorder.flush()?;
     let definitions = choose_for_recording(probe.recorder.path(), library)?;
@@ -198,6 +198,7 @@ struct Probe<'p> {
     actors: Vec<Actor>,
     /// The endpoints that exist before the roles join, by id. `None` if no role joins any more.
     endpoints: Option<BTreeMap<String, Endpoint>>,
+    clock: Clock,
     started: Instant,
     subscribed: HashSet<Topic>,
     progress: Progress,
@@ -221,6 +222,7 @@ impl<'p> Probe<'p> {
         recorder: Recorder,
         on_progress: &'p dyn Fn(&Progress),
     ) -> Self {
+        let clock = bus.clock();
         let has_roles = options.role.is_some() || options.application.is_some();
         Self {
             bus,
@@ -228,7 +230,8 @@ impl<'p> Probe<'p> {
             recorder,
             actors: Vec::new(),
             endpoints: has_roles.then(BTreeMap::new),
-            started: Instant::now(),
+            started: clock.now(),
+            clock,
             subscribed: HashSet::new(),
             progress: Progress::default(),
             on_progress,
@@ -239,6 +242,10 @@ impl<'p> Probe<'p> {
             recorded: 0,
             cut_short: None,
         }
+    }
+
+    fn elapsed(&self) -> Duration {
+        self.clock.now() - self.started
     }
 
     /// Joins the bus in all roles of the probe.
@@ -304,14 +311,14 @@ impl<'p> Probe<'p> {
     /// Records events until a time after the start.
     fn listen(&mut self, until: Duration, mut live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
         let end = self.started + until;
-        let mut shown = Instant::now();
-        while self.cut_short.is_none() && Instant::now() < end {
+        let mut shown = self.clock.now();
+        while self.cut_short.is_none() && self.clock.now() < end {
             if (self.options.is_stopped)() {
                 self.cut_short = Some("interrupted".to_owned());
             } else if self.recorder.size() > MAX_SIZE {
                 self.cut_short = Some(format!("the recording reached {} GiB", MAX_SIZE >> 30));
             }
-            let deadline = end.min(Instant::now() + NOTICE_TIME);
+            let deadline = end.min(self.clock.now() + NOTICE_TIME);
             let Step { received, sent } = step(&mut self.actors, self.bus, deadline);
             for event in received.iter().chain(&sent) {
                 self.recorder.record(event, live.as_deref_mut())?;
@@ -320,8 +327,8 @@ impl<'p> Probe<'p> {
                 self.follow(event);
             }
             self.record_notes(live.as_deref_mut())?;
-            if shown.elapsed() > NOTICE_TIME {
-                shown = Instant::now();
+            if self.clock.now() > shown + NOTICE_TIME {
+                shown = self.clock.now();
                 self.show(live.as_deref());
             }
         }
@@ -418,7 +425,7 @@ impl<'p> Probe<'p> {
     }
 
     fn show(&mut self, live: Option<&LiveBag<'_>>) {
-        self.progress.elapsed = self.started.elapsed();
+        self.progress.elapsed = self.elapsed();
         self.progress.findings = live.map_or(0, |live| live.findings().groups().count());
         (self.on_progress)(&self.progress);
     }

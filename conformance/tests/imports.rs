@@ -22,7 +22,7 @@ const LAYERS: &[&[&str]] = &[
     &["capture"],
     &["json", "net"],
     &["model"],
-    &["text"],
+    &["clock", "text"],
 ];
 
 #[test]

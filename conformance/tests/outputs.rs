@@ -122,6 +122,9 @@ fn a_report_never_replaces_a_redirected_stream() {
     let mut writing = command(folder.path(), &["check", "--format", "json", "logs"]);
     writing.stdout(append());
     assert_rejected(folder.path(), writing, "standard output would overwrite the input logs/a.json");
+    let mut watching = command(folder.path(), &["watch", "logs/a.json"]);
+    watching.stdout(append());
+    assert_rejected(folder.path(), watching, "standard output would overwrite the input logs/a.json");
     let mut both = command(folder.path(), &["check", "--report", "json=logs/a.json", "known.toml"]);
     both.stdout(append());
     assert_rejected(folder.path(), both, "--report json=logs/a.json and standard output are the same file");
@@ -170,6 +173,8 @@ fn two_outputs_are_never_the_same_file() {
     for (arguments, wanted) in [
         (&["check", "--report", "json=a,html=./a", "logs"][..], "--report json=a and --report html=./a are"),
         (&["check", "--report", "json=old.html,html=logs/../old.html", "logs"], "are the same file"),
+        (&["check", "--report", "json=a,parquet=./a", "logs"], "are the same file"),
+        (&["lint", "--report", "sarif=a,junit=./a"], "the reports a and ./a are the same file"),
         (
             &["check", "--report", "json=new", "--write-baseline", "new", "logs"],
             "--report json=new and --write-baseline",
@@ -205,4 +210,35 @@ fn writes_reports_to_pipes_devices_and_absent_targets_of_links() {
     assert!(output.stderr.is_empty() && printed.contains("\n  \"outcome\": {"), "{printed}");
     assert!(at("pipe").is_symlink() && at("link").is_symlink());
     assert!(at("logs/new.html").is_file());
+}
+
+/// A report that a full disk swallows must not look like one without findings.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_standard_output_is_an_error_in_each_command() {
+    let folder = workspace();
+    for arguments in [
+        &["serve", "--list-bugs"][..],
+        &["serve", "--list-bugs", "--format", "json"],
+        &["rules"],
+        &["explain", "FW-ENV-01"],
+        &["completions", "bash"],
+        &["man"],
+        &["check", "logs"],
+        &["check", "--format", "json", "logs"],
+        &["test", "--dump-cases", "-"],
+        &["init", "new"],
+        &["lint"],
+        &["lint", "--rules"],
+        &["inspect"],
+        &["--help"],
+        &["--version"],
+    ] {
+        let full = OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let output = command(folder.path(), arguments).stdout(full).output().expect("it runs");
+        let printed = String::from_utf8(output.stderr).expect("UTF-8");
+        assert!(matches!(output.status.code(), Some(2 | 3)), "{arguments:?}: {:?} {printed}", output.status);
+        let errors = printed.matches("No space left on device").count();
+        assert_eq!(errors, 1, "{arguments:?}: {printed}");
+    }
 }

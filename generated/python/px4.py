@@ -376,9 +376,9 @@ class BatteryStatus(TypedDict):
     """
 
     max_error: int
-    """Expected error of the state of charge; some sources report 0
+    """Expected error of the state of charge
 
-    Type: uint16; group: Pack; unit: % (percent); range: 1 to 100.
+    Type: uint16; group: Pack; unit: % (percent); range: 1 to 100; no data: 0.
     """
 
     id: int

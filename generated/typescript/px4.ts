@@ -331,9 +331,9 @@ export interface BatteryStatus {
    */
   state_of_health: number;
   /**
-   * Expected error of the state of charge; some sources report 0
+   * Expected error of the state of charge
    *
-   * Type: uint16; group: Pack; unit: % (percent); range: 1 to 100.
+   * Type: uint16; group: Pack; unit: % (percent); range: 1 to 100; no data: 0.
    */
   max_error: number;
   /**

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -10,7 +11,7 @@ use uavspec_codegen::load::{self, Definitions};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::release::{self, Fingerprint};
 use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::stage::replace;
+use uavspec_codegen::stage::write_file;
 use uavspec_codegen::{SourceMap, read};
 
 use crate::paths::{repository, shown};
@@ -23,6 +24,11 @@ const EXTENSION: &str = "msg";
 
 /// The start of a release's file.
 const HEADING: &str = "# Facts of all definitions, written by `cargo xtask import`.\n";
+
+/// Corrections of definitions that the data of real vehicles contradict: a line of a release's file, and its
+/// replacement. `definitions/README.md` gives the reasons.
+const CORRECTIONS: [(&str, &str); 1] =
+    [("uint16 max_error # [%] [@range 1, 100]\n", "uint16 max_error # [%] [@range 1, 100] [@invalid 0]\n")];
 
 /// Arguments of `import`.
 #[derive(Args)]
@@ -107,15 +113,16 @@ fn definitions(family: Family, inputs: &[PathBuf]) -> Result<Schema, String> {
     ))
 }
 
-/// The file of a release.
+/// The file of a release, with corrections.
 fn text_of(schema: &Schema) -> String {
-    format!("{HEADING}{}", release::write(schema))
+    let text = format!("{HEADING}{}", release::write(schema));
+    CORRECTIONS.iter().fold(text, |text, (line, corrected)| text.replace(line, corrected))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", path.display());
     path.parent().map_or(Ok(()), fs::create_dir_all).map_err(failed)?;
-    replace(path, |staged| fs::write(staged, text)).map_err(failed)
+    write_file(path, |file| file.write_all(text.as_bytes())).map_err(failed)
 }
 
 /// A release's family and name.
@@ -204,6 +211,23 @@ mod tests {
                 let path = repository().join(FOLDER).join(format!("px4/{name}.{EXTENSION}"));
                 assert!(fs::read_to_string(path).expect("a release") == text_of(&schema), "{name} differs");
             }
+        }
+    }
+
+    #[test]
+    fn each_correction_applies_to_a_stored_release() {
+        let folder = repository().join(FOLDER);
+        let stored: Vec<String> = releases(&folder)
+            .expect("releases")
+            .into_iter()
+            .map(|(family, name)| {
+                let path = folder.join(family.dialect().name()).join(format!("{name}.{EXTENSION}"));
+                fs::read_to_string(path).expect("a release")
+            })
+            .collect();
+        for (line, corrected) in CORRECTIONS {
+            assert!(stored.iter().any(|text| text.contains(corrected)), "unused: {corrected}");
+            assert!(!stored.iter().any(|text| text.contains(line)), "not corrected: {line}");
         }
     }
 

@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::arguments::PackageArgs;
 use super::print::{plural, report};
+use super::stopwatch::Stopwatch;
 use crate::diagnostic::has_errors;
 use crate::emit::{EMITTERS, Emitter, emitter};
 use crate::failure::Failure;
@@ -68,7 +68,7 @@ fn after_help() -> String {
 }
 
 pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let plan = match &args.package {
         Some(package) => {
             let Some(out) = &args.out else {
@@ -108,7 +108,7 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
     Ok(true)
 }
 
-fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Instant) {
+fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Stopwatch) {
     let messages: usize =
         schema.packages.iter().map(|package| package.messages.len() + package.json_messages.len()).sum();
     let codes: usize =
@@ -120,6 +120,6 @@ fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str,
         plural(messages, "message"),
         plural(codes, "error code"),
         plural(outputs, "output"),
-        started.elapsed().as_millis(),
+        started.milliseconds(),
     );
 }

@@ -1,6 +1,6 @@
 //! Output to the terminal: results to standard output, messages to standard error.
 
-use std::io::{self, Write as _};
+use std::io;
 
 use crate::diagnostic::{Diagnostic, Level};
 use crate::load::Loaded;
@@ -15,8 +15,7 @@ pub(super) fn print_results(render: impl FnOnce(bool) -> Vec<GuardedLines>) {
 
 /// Prints a machine-readable report, whose format escapes all text.
 pub(super) fn print_report(text: &str) {
-    // It is not an error if the reader closes the pipe early.
-    let _ = io::stdout().write_all(text.as_bytes());
+    terminal::print_unguarded(text);
 }
 
 /// Prints a text to standard error, with colours if enabled. Removing the colours while writing would take longer.

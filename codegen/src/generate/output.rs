@@ -9,8 +9,8 @@
 
 use std::collections::BTreeSet;
 use std::fmt;
-use std::fs;
-use std::io::{self, ErrorKind};
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write as _};
 use std::path::{Component, Path, PathBuf};
 
 use super::guard::check_paths;
@@ -268,14 +268,19 @@ fn reject_links(folder: &Path, relative: &Path) -> Result<(), Failure> {
 /// Writes all files to a temporary folder inside the output folder. Afterwards, the files only have to be renamed.
 fn stage_files(change: &Changes<'_>, stage: &Path) -> io::Result<()> {
     for (index, (_, text, _)) in change.write.iter().enumerate() {
-        fs::write(stage.join(index.to_string()), text)?;
+        write_new(&stage.join(index.to_string()), text)?;
     }
-    fs::write(stage.join(MANIFEST), &change.manifest)?;
+    write_new(&stage.join(MANIFEST), &change.manifest)?;
     let parents: BTreeSet<&Path> = change.write.iter().filter_map(|(path, ..)| path.parent()).collect();
     for parent in parents {
         fs::create_dir_all(change.folder.join(parent))?;
     }
     Ok(())
+}
+
+/// Writes a new file. It follows no link.
+fn write_new(path: &Path, text: &str) -> io::Result<()> {
+    File::create_new(path)?.write_all(text.as_bytes())
 }
 
 fn commit(change: &Changes<'_>, stage: &Path) -> io::Result<()> {

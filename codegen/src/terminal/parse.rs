@@ -4,34 +4,49 @@ use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Command, Parser};
 
-use super::print::{print, print_error};
+use super::print::{finish, print, print_error};
 use super::shown::shown;
 
 /// Parses the arguments of the process. After `--help` or invalid arguments, prints the text and ends the process.
 pub fn parse<P: Parser>() -> P {
-    parse_as(P::command())
+    parse_as(P::command(), |_, value| value.to_owned())
 }
 
-/// Like [`parse`], for a command whose texts were changed.
-pub fn parse_as<P: Parser>(command: Command) -> P {
+/// Like [`parse`], for a command whose texts were changed. `redact` receives an argument and its invalid value, and
+/// returns the value without secrets.
+pub fn parse_as<P: Parser>(command: Command, redact: fn(&str, &str) -> String) -> P {
     let parsed = command.try_get_matches().and_then(|mut matches| P::from_arg_matches_mut(&mut matches));
     parsed.unwrap_or_else(|error| {
-        let error = escaped(error);
+        let error = escaped(error, redact);
         let text = error.render().ansi().to_string();
         if error.use_stderr() {
             print_error(format_args!("{text}"));
         } else {
             print(format_args!("{text}"));
         }
-        std::process::exit(error.exit_code())
+        let code = match finish() {
+            Err(error) => {
+                print_error(format_args!("error: standard output: {error}\n"));
+                2
+            }
+            Ok(()) => error.exit_code(),
+        };
+        std::process::exit(code)
     })
 }
 
-/// Escapes the arguments that an error message quotes.
-fn escaped(mut error: clap::Error) -> clap::Error {
+/// Escapes the arguments that an error message quotes, and removes secrets from invalid values.
+fn escaped(mut error: clap::Error, redact: fn(&str, &str) -> String) -> clap::Error {
+    let argument = match error.get(ContextKind::InvalidArg) {
+        Some(ContextValue::String(argument)) => argument.clone(),
+        _ => String::new(),
+    };
     let quoted: Vec<(ContextKind, ContextValue)> = error
         .context()
         .filter_map(|(kind, value)| match value {
+            ContextValue::String(text) if kind == ContextKind::InvalidValue => {
+                Some((kind, ContextValue::String(shown(&redact(&argument, text)))))
+            }
             ContextValue::String(text) => Some((kind, ContextValue::String(shown(text)))),
             ContextValue::Strings(texts) => {
                 Some((kind, ContextValue::Strings(texts.iter().map(|text| shown(text)).collect())))
@@ -61,7 +76,7 @@ mod tests {
             let error = command().try_get_matches_from(["uavspec", argument]).expect_err("an error");
             let raw = error.render().ansi().to_string();
             assert!(raw.contains(argument), "the library doesn't escape: {raw:?}");
-            let text = escaped(error).render().ansi().to_string();
+            let text = escaped(error, |_, value| value.to_owned()).render().ansi().to_string();
             assert!(
                 !text.contains(['\u{202e}'])
                     && !text.contains("\u{1b}[2J")

@@ -1,7 +1,8 @@
 //! Printing to the terminal. All output of the programs passes through these functions.
 
 use std::fmt::{self, Display, Write as _};
-use std::io::{self, Write as _};
+use std::io::{self, Write};
+use std::sync::{Mutex, PoisonError};
 
 #[cfg(feature = "cli")]
 use super::guard::GuardedLines;
@@ -10,6 +11,9 @@ use super::shown::shown_up_to;
 
 /// The maximum length of an error message, in characters. It may contain several paths.
 const MAX_PROBLEM: usize = 20_000;
+
+/// The first error of printing to standard output.
+static UNPRINTED: Mutex<Option<io::Error>> = Mutex::new(None);
 
 /// Standard output, with colours if the terminal supports them.
 #[allow(clippy::disallowed_methods, reason = "it is guarded here")]
@@ -23,29 +27,54 @@ pub fn stderr() -> Guard<anstream::AutoStream<io::Stderr>> {
     Guard::new(anstream::stderr())
 }
 
-/// Prints to standard output. It is not an error if the reader closes the pipe early.
+/// Prints to standard output. It is not an error if the reader closes the pipe early. [`finish`] returns other errors.
 pub fn print(text: fmt::Arguments<'_>) {
     let text = text.to_string();
     // Only styles must be removed.
-    let _ = if text.contains(ESCAPE) {
-        stdout().write_all(text.as_bytes())
+    if text.contains(ESCAPE) {
+        print_to(stdout(), &[&text]);
     } else {
-        Guard::new(io::stdout()).write_all(text.as_bytes())
-    };
+        print_to(Guard::new(io::stdout()), &[&text]);
+    }
+}
+
+/// Prints a machine-readable text to standard output, like [`print`]. The text isn't guarded.
+pub fn print_unguarded(text: &str) {
+    print_to(io::stdout(), &[text]);
+}
+
+fn print_to(mut output: impl Write, parts: &[&str]) {
+    let written = parts.iter().try_for_each(|part| output.write_all(part.as_bytes()));
+    remember(written.and_then(|()| output.flush()));
+}
+
+fn remember(written: io::Result<()>) {
+    if let Err(error) = written
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        UNPRINTED.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+}
+
+/// Ends printing. A program that returns success has printed everything.
+///
+/// # Errors
+/// Fails if a text could not be printed to standard output, for example because a disk is full.
+pub fn finish() -> io::Result<()> {
+    UNPRINTED.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
 }
 
 /// Prints guarded lines to standard output, like [`print`].
 #[cfg(feature = "cli")]
 #[allow(clippy::disallowed_methods, reason = "the lines are guarded")]
 pub(crate) fn print_lines(parts: &[GuardedLines]) {
-    let write =
-        |to: &mut dyn io::Write| parts.iter().try_for_each(|part| to.write_all(part.text().as_bytes()));
+    let parts: Vec<&str> = parts.iter().map(GuardedLines::text).collect();
     // Only styles must be removed.
-    let _ = if parts.iter().any(|part| part.text().contains(ESCAPE)) {
-        write(&mut anstream::stdout())
+    if parts.iter().any(|part| part.contains(ESCAPE)) {
+        print_to(anstream::stdout(), &parts);
     } else {
-        write(&mut io::stdout())
-    };
+        print_to(io::stdout(), &parts);
+    }
 }
 
 /// Prints to standard error. A message that can't be printed is lost.

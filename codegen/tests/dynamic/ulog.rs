@@ -5,6 +5,7 @@ use std::fs;
 
 use serde_json::Value as Json;
 use uavspec_codegen::dynamic::{Defect, DynamicView, FormatProblem, MessageType, Types, ULOG_PACKAGE, Value};
+use uavspec_runtime::Number;
 
 use crate::support::{files_below, px4, shared};
 
@@ -13,21 +14,22 @@ fn reads_the_same_values_from_real_logs_as_another_tool() {
     let (Some(logs), Some(oracles)) = (shared("corpus/ulog"), shared("oracle/ulog")) else { return };
     let mut checked = 0;
     for path in files_below(&logs, &["ulg"]) {
-        let name = path.file_stem().expect("a name").to_string_lossy().into_owned();
-        let oracle = fs::read_to_string(oracles.join(format!("{name}.json"))).expect("an oracle");
+        let oracle = oracles.join(path.file_name().expect("a name")).with_extension("json");
+        // The other tool did not read all logs.
+        let Ok(oracle) = fs::read_to_string(oracle) else { continue };
         let oracle: Json = serde_json::from_str(&oracle).expect("JSON");
         checked += check_log(&fs::read(&path).expect("a log"), &oracle);
     }
-    assert_eq!(checked, 15 + 70 + 96);
+    assert!(checked >= 15 + 70 + 96, "only {checked} topics were compared");
 }
 
 /// In a healthy log, each field satisfies the definitions of all releases that contain the field. The only violations
-/// are known anomalies.
+/// are known anomalies: since 1.17, PX4 states a range for `max_error` that excludes the 0 of unknown errors.
 #[test]
 fn finds_only_known_violations_in_real_logs() {
     let (Some(logs), Some(corpus)) = (shared("corpus/ulog"), shared("corpus/px4")) else { return };
     let schemas = ["main", "1.16", "1.15"].map(|release| px4(&corpus.join(release).join("msg")).1);
-    let mut checked = 0;
+    let (mut checked, mut zeros) = (0, 0);
     let mut found: BTreeMap<String, usize> = BTreeMap::new();
     for path in files_below(&logs, &["ulg"]) {
         let bytes = fs::read(&path).expect("a log");
@@ -51,6 +53,8 @@ fn finds_only_known_violations_in_real_logs() {
                         };
                         let Some(restriction) = schema.restriction(message, field) else { continue };
                         checked += 1;
+                        let is_known = (topic.as_str(), name) == ("battery_status", "max_error");
+                        zeros += usize::from(is_known && number == Number::Int(0));
                         if let Some(rule) = restriction.constraint().violated_by(number) {
                             *found.entry(format!("{topic}.{name} {rule}")).or_default() += 1;
                         }
@@ -60,7 +64,8 @@ fn finds_only_known_violations_in_real_logs() {
         }
     }
     assert!(checked > 1_000, "only {checked} values are restricted in a release");
-    assert_eq!(found, BTreeMap::from([("battery_status.max_error PX-RANGE-01".to_owned(), 94)]));
+    let known = BTreeMap::from([("battery_status.max_error PX-RANGE-01".to_owned(), zeros)]);
+    assert_eq!(found, known);
 }
 
 /// Checks all topics of a log, and counts them.

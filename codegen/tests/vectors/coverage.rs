@@ -166,6 +166,10 @@ fn check_values(
 fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &FieldCases, name: &str) {
     const CLOSE: f64 = 1e-6;
     let number = |value: &Option<Value>| value.as_ref().and_then(Value::as_f64);
+    let specials = || {
+        let found = [&INVALID, &UNCONTROLLED].into_iter().filter_map(|kind| field.constraint(kind));
+        found.filter_map(|special| special.stated.value().and_then(Value::as_f64))
+    };
     if let Some(Stated::Range(range)) = field.constraint(&RANGE).map(|found| &found.stated) {
         let is_integer = !matches!(field.ty.element, Element::Scalar(scalar) if scalar.is_float());
         let reach = if is_integer { 1.0 } else { CLOSE };
@@ -180,7 +184,8 @@ fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &F
             assert!(tried.number(None, is_at), "{name}: the end {end}");
             let is_refused =
                 tried.number(Some("PX-RANGE-01"), is_beyond) || tried.number(Some("PX-LEN-01"), is_beyond);
-            assert!(is_refused || is_end_of_type, "{name}: beyond {end}");
+            let is_special = is_integer && specials().any(|value| value == end + outwards);
+            assert!(is_refused || is_end_of_type || is_special, "{name}: beyond {end}");
         }
     }
     for special in [&INVALID, &UNCONTROLLED].into_iter().filter_map(|kind| field.constraint(kind)) {

@@ -2,12 +2,10 @@
 
 use std::collections::BTreeSet;
 use std::error::Error;
-use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use tempfile::TempPath;
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::stage::{Stage, folder_of};
@@ -146,9 +144,10 @@ impl NewBaseline {
 /// Writes a new file completely or not at all. Fails if the file exists.
 fn create_new(path: &Path, text: &str) -> io::Result<()> {
     let stage = Stage::new(folder_of(path))?;
-    let file = stage.path().join("baseline");
-    fs::write(&file, text)?;
-    Ok(TempPath::try_from_path(file)?.persist_noclobber(path)?)
+    let mut file = stage.file(None)?;
+    file.write_all(text.as_bytes())?;
+    file.persist_noclobber(path)?;
+    Ok(())
 }
 
 impl Baselines {

@@ -5,7 +5,6 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use uavspec_codegen::msg::Dialect;
@@ -23,6 +22,7 @@ use super::{Status, outcome_statuses, print_unknown};
 use crate::capture::input::Input;
 use crate::check::known::Scope;
 use crate::check::{Checked, parallel};
+use crate::clock::Clock;
 use crate::definitions::{Definitions, Library};
 use crate::model::{Reason, Rule};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
@@ -176,6 +176,8 @@ fn try_check(args: &CheckArgs) -> Result<Status, Status> {
         terminal::error(problem, None);
         return Err(Status::Usage);
     }
+    // A folder of tables exists from now on, and would hide that it is also a file.
+    outputs::check(&Inputs::default(), &outputs_of(args))?;
     let mut outputs = args.report.start(Action::Check, &args.baseline, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
     let checked = run(args, done.as_ref(), |item| match item {
@@ -355,14 +357,18 @@ fn check_all(
 
 /// Checks that no output replaces an input. Errors are printed.
 fn check_outputs(args: &CheckArgs, captures: &[Input]) -> Result<(), Status> {
-    let outputs: Vec<Output<'_>> = args.report.outputs().chain(args.baseline.outputs()).collect();
     let captures = captures.iter().filter_map(Input::path);
     let inputs = Inputs {
         files: captures.chain(args.baseline.inputs()).collect(),
         definitions: args.definitions.as_deref().into_iter().collect(),
         schemas: &args.schemas,
     };
-    outputs::check(&inputs, &outputs)
+    outputs::check(&inputs, &outputs_of(args))
+}
+
+/// The files that a run writes.
+fn outputs_of(args: &CheckArgs) -> Vec<Output<'_>> {
+    args.report.outputs().chain(args.baseline.outputs()).collect()
 }
 
 /// The type of all JSON messages, if it is given. Errors are printed.
@@ -415,9 +421,9 @@ fn check_input(
     texts: Option<&Texts>,
     progress: &Progress,
 ) -> io::Result<CheckedFile> {
-    let (started, reading) = (Instant::now(), &|input| progress.reading(input));
+    let (started, reading) = (Clock::real().now(), &|input| progress.reading(input));
     let (checked, story) = Story::check_with(texts, input, message_id, library, reading)?;
     let Checked { result, definitions } = checked;
-    let capture = CheckedCapture::new(input.name(), result, started.elapsed());
+    let capture = CheckedCapture::new(input.name(), result, Clock::real().now() - started);
     Ok(CheckedFile { capture, definitions, story })
 }

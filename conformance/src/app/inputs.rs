@@ -10,9 +10,9 @@ use crate::capture::names::NOT_A_CAPTURE;
 use crate::capture::store::{self, Listed};
 use crate::report::Unreadable;
 use crate::tables::{Done, Origin};
-#[cfg(feature = "stores")]
-use crate::text::shown_url;
-use crate::text::terminal;
+#[cfg(not(feature = "stores"))]
+use crate::text::is_object_url;
+use crate::text::{shown_url, terminal};
 
 /// The help for a URL that can't be listed.
 #[cfg(feature = "stores")]
@@ -57,6 +57,12 @@ impl Found {
         #[cfg(feature = "stores")]
         if let Some(url) = input.to_str().filter(|_| store::is_url(input)) {
             return self.add_url(url);
+        }
+        #[cfg(not(feature = "stores"))]
+        if let Some(url) = input.to_str().filter(|text| is_object_url(text) && !input.exists()) {
+            let problem = "this program was built without object stores: build it with `--features stores`";
+            terminal::error(format_args!("{}: {problem}", terminal::shown(&shown_url(url))), None);
+            return Err(Status::Usage);
         }
         self.add_path(input)
     }

@@ -3,12 +3,9 @@
 //! Files are compared by identity, so other spellings of a path, symbolic links and hard links make no difference.
 //! Pipes and devices are not compared, because writing to them replaces nothing.
 
-use std::env;
-use std::fs::{self, File};
-use std::io;
 use std::path::{Path, PathBuf};
 
-use same_file::Handle;
+use uavspec_codegen::identity::Identity;
 use uavspec_codegen::load::definition_files;
 use walkdir::WalkDir;
 
@@ -18,9 +15,6 @@ use crate::text::terminal;
 
 /// The path that means standard input or standard output.
 const STANDARD: &str = "-";
-
-/// The maximum number of symbolic links to follow, as on Linux.
-const MAX_LINKS: usize = 40;
 
 /// The files that a run reads.
 #[derive(Default)]
@@ -51,10 +45,7 @@ impl<'a> Output<'a> {
 /// An output with its identity.
 struct Target {
     name: String,
-    /// The path with all links resolved.
-    path: PathBuf,
-    /// The file, if it exists.
-    handle: Option<Handle>,
+    identity: Identity,
 }
 
 /// Returns an error if an output is an input, or the same file as another output. Errors are printed.
@@ -74,7 +65,7 @@ fn problem(inputs: &Inputs<'_>, outputs: &[Output<'_>]) -> Option<String> {
 /// The error for two outputs that are the same file.
 fn shared(targets: &[Target]) -> Option<String> {
     targets.iter().enumerate().find_map(|(at, target)| {
-        let other = targets[..at].iter().find(|other| target.is_same(other))?;
+        let other = targets[..at].iter().find(|other| target.identity.is_same(&other.identity))?;
         Some(format!("{} and {} are the same file", other.name, target.name))
     })
 }
@@ -90,7 +81,8 @@ fn overwritten(inputs: &Inputs<'_>, targets: &[Target]) -> Option<String> {
     let found = definitions.chain(schemas);
     let mut files = inputs.files.iter().flat_map(|path| files_of(path)).chain(found);
     files.find_map(|path| {
-        let target = targets.iter().find(|target| target.is_input(&path))?;
+        let input = identity_of(&path)?;
+        let target = targets.iter().find(|target| target.identity.is_same(&input))?;
         let path = terminal::path(&path);
         Some(format!("{} would overwrite the input {path}", target.name))
     })
@@ -105,66 +97,16 @@ fn schema_files(folder: &Path) -> impl Iterator<Item = PathBuf> {
 impl Target {
     /// The target of an output; `None` for pipes, devices and folders.
     fn of(output: &Output<'_>) -> Option<Self> {
-        let Output { name, path } = output;
-        let is_replaceable = fs::metadata(path).map_or(true, |metadata| metadata.is_file());
-        let handle = || Handle::from_path(path).ok();
-        is_replaceable.then(|| Self { name: name.clone(), path: real_path(path), handle: handle() })
+        Some(Self { name: output.name.clone(), identity: Identity::of(output.path)? })
     }
 
     /// Standard output, if it is redirected to a file.
     fn standard_output() -> Option<Self> {
-        let handle = Handle::stdout().ok().filter(|handle| is_file(handle.as_file()))?;
-        Some(Self { name: "standard output".to_owned(), path: PathBuf::new(), handle: Some(handle) })
-    }
-
-    fn is_same(&self, other: &Self) -> bool {
-        match (&self.handle, &other.handle) {
-            (Some(handle), Some(other)) => handle == other,
-            _ => is_same_path(&self.path, &other.path),
-        }
-    }
-
-    fn is_input(&self, path: &Path) -> bool {
-        if path == Path::new(STANDARD) {
-            let handle = Handle::stdin().ok().filter(|handle| is_file(handle.as_file()));
-            return handle.is_some() && handle == self.handle;
-        }
-        // Opening a pipe would take data from its reader.
-        let is_other = fs::metadata(path).is_ok_and(|metadata| !metadata.is_file());
-        let input = if is_other { None } else { Handle::from_path(path).ok() };
-        match (input, &self.handle) {
-            _ if is_other => false,
-            (Some(input), Some(handle)) => input == *handle,
-            _ => is_same_path(&real_path(path), &self.path),
-        }
+        Some(Self { name: "standard output".to_owned(), identity: Identity::standard_output()? })
     }
 }
 
-fn is_file(file: &File) -> bool {
-    file.metadata().is_ok_and(|metadata| metadata.is_file())
-}
-
-/// Compares the real paths of files that don't exist yet.
-fn is_same_path(left: &Path, right: &Path) -> bool {
-    if cfg!(any(windows, target_os = "macos")) {
-        // The file systems usually ignore case.
-        return left.to_string_lossy().to_lowercase() == right.to_string_lossy().to_lowercase();
-    }
-    left == right
-}
-
-/// The path of a file, with all links resolved. The file may be absent.
-fn real_path(path: &Path) -> PathBuf {
-    let mut path = path.to_path_buf();
-    for _ in 0..MAX_LINKS {
-        let Ok(target) = fs::read_link(&path) else { break };
-        path = path.parent().map_or_else(|| target.clone(), |parent| parent.join(&target));
-    }
-    fs::canonicalize(&path).or_else(|_| real_path_of_absent(&path)).unwrap_or(path)
-}
-
-fn real_path_of_absent(path: &Path) -> io::Result<PathBuf> {
-    let absolute = env::current_dir()?.join(path);
-    let (Some(parent), Some(name)) = (absolute.parent(), absolute.file_name()) else { return Ok(absolute) };
-    Ok(fs::canonicalize(parent)?.join(name))
+/// The identity of an input.
+fn identity_of(input: &Path) -> Option<Identity> {
+    if input == Path::new(STANDARD) { Identity::standard_input() } else { Identity::of(input) }
 }

@@ -17,7 +17,7 @@ use super::interrupt::{self, Danger};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
-use super::report::ReportArgs;
+use super::report::{Outputs, ReportArgs};
 use super::required::{RequireArgs, uncovered};
 use super::target::Target;
 use super::test::seconds;
@@ -104,6 +104,11 @@ pub(super) struct ProbeArgs {
     /// The probe goes on with other requests meanwhile.
     #[arg(long, value_name = "SECONDS", value_parser = timeout)]
     timeout: Option<Duration>,
+    /// Time to wait for the UAVs of --uav to appear (default: 30).
+    ///
+    /// If one of them doesn't appear, the probe is incomplete.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]
+    uav_timeout: Option<Duration>,
     /// Time to land the UAVs, stop their motors and wake them after everything else (default: 120).
     ///
     /// The probe does this even if it is interrupted, the time limit is reached or the connection is lost. It connects
@@ -184,7 +189,7 @@ impl ProbeArgs {
 fn probe_server(args: &ProbeArgs, endpoint: &Endpoint) -> Result<Status, Status> {
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
-    check_outputs(args)?;
+    let outputs = start_reports(args)?;
     let baselines = args.baseline.read()?;
     let options = options(args, endpoint, &definitions)?;
     let record = recording(args)?;
@@ -199,18 +204,18 @@ fn probe_server(args: &ProbeArgs, endpoint: &Endpoint) -> Result<Status, Status>
     danger.known = probed.danger.take();
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !options.stop.is_requested() && danger.known.is_none();
-    Ok(report_server(args, probed, &definitions, &required, baselines, settings, elapsed))
+    Ok(report_server(args, outputs, probed, &definitions, &required, baselines, (settings, elapsed)))
 }
 
 /// Prints and writes the reports about a server.
 fn report_server(
     args: &ProbeArgs,
+    outputs: Outputs<'_>,
     probed: Probed,
     definitions: &Definitions,
     required: &[&'static Rule],
     baselines: Baselines,
-    settings: Settings,
-    elapsed: u128,
+    (settings, elapsed): (Settings, u128),
 ) -> Status {
     let path = args.target.to_string();
     let unreadable: Vec<Unreadable> =
@@ -218,13 +223,14 @@ fn report_server(
     for unreadable in &unreadable {
         terminal::error(format_args!("{path}: {}", unreadable.message), None);
     }
-    let cut_short = probed.cut_short.into_iter().collect();
+    let cut_short = probed.cut_short.into_iter().chain(probed.left_out).collect();
     let (result, notes, requests) = (probed.result, probed.notes, probed.requests);
     // If nothing came from the server, the failure says everything.
     let is_silent = !unreadable.is_empty() && result.records == 0;
     let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed };
     let checked = (!is_silent).then_some(checked);
-    let status = report(args, checked, unreadable, definitions, required, baselines, settings);
+    let settings = Settings { is_unrecorded: args.record.is_none(), ..settings };
+    let status = report(outputs, checked, unreadable, definitions, required, baselines, settings);
     match (probed.unrecorded, &args.record) {
         (Some(error), Some(path)) => {
             terminal::error(
@@ -239,7 +245,7 @@ fn report_server(
 
 /// Prints and writes the reports.
 fn report(
-    args: &ProbeArgs,
+    mut outputs: Outputs<'_>,
     mut checked: Option<CheckedCapture>,
     unreadable: Vec<Unreadable>,
     definitions: &Definitions,
@@ -258,12 +264,7 @@ fn report(
     if let Some(checked) = &mut checked {
         baselines.excuse(checked);
     }
-    let settings =
-        Settings { is_unrecorded: args.record.is_none(), command: Some(super::command()), ..settings };
-    let mut outputs = match args.report.start(Action::Probe, &args.baseline, false) {
-        Ok(outputs) => outputs,
-        Err(status) => return status,
-    };
+    let settings = Settings { command: Some(super::command()), ..settings };
     if let Some(checked) = checked {
         outputs.add(Subject::from_capture(checked, definitions, &settings), &Origin::default(), None);
     }
@@ -273,8 +274,8 @@ fn report(
     outputs.deliver(&report.with_stale(baselines.stale)).max(baseline_status)
 }
 
-/// Checks that no output replaces an input. Errors are printed.
-fn check_outputs(args: &ProbeArgs) -> Result<(), Status> {
+/// Starts the reports, and checks that no output replaces an input. Errors are printed.
+fn start_reports(args: &ProbeArgs) -> Result<Outputs<'_>, Status> {
     let record = args.record.iter().map(|path| Output::new("--record", path));
     let outputs: Vec<Output<'_>> =
         record.chain(args.report.outputs()).chain(args.baseline.outputs()).collect();
@@ -284,7 +285,7 @@ fn check_outputs(args: &ProbeArgs) -> Result<(), Status> {
         schemas: &args.schemas,
     };
     outputs::check(&inputs, &outputs)?;
-    args.report.check_tables()
+    args.report.start(Action::Probe, &args.baseline, false)
 }
 
 /// The options of the probe. Unknown names are printed as errors.
@@ -301,6 +302,7 @@ fn options(args: &ProbeArgs, endpoint: &Endpoint, definitions: &Definitions) -> 
     Ok(Options {
         limit: args.limit.unwrap_or(options.limit),
         timeout: args.timeout.unwrap_or(options.timeout),
+        uav_timeout: args.uav_timeout.unwrap_or(options.uav_timeout),
         landing_limit: args.landing_limit.unwrap_or(options.landing_limit),
         trust,
         selection,

@@ -169,13 +169,8 @@ impl ReportArgs {
         created.collect()
     }
 
-    /// Checks that the tables can be written, before a long run. Errors are printed.
-    pub(super) fn check_tables(&self) -> Result<(), Status> {
-        self.tables(false).map(drop)
-    }
-
-    /// Starts the reports of a run, and the new baseline. Errors are printed.
-    /// `has_timeline` adds the table of the stories.
+    /// Starts the reports of a run, and the new baseline. From now on, no other run writes to the folders of the tables.
+    /// Errors are printed. `has_timeline` adds the table of the stories.
     pub(super) fn start(
         &self,
         action: Action,

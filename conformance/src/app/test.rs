@@ -2,7 +2,7 @@
 
 use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, BufReader, BufWriter};
+use std::io::{self, BufReader, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ use uavspec_codegen::stage::write_file;
 use super::baseline::BaselineArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
-use super::report::ReportArgs;
+use super::report::{Outputs, ReportArgs};
 use super::{Status, outcome_statuses};
 use crate::check::known::Scope;
 use crate::net::Address;
@@ -146,9 +146,10 @@ pub(super) fn test(args: &TestArgs) -> Status {
         terminal::error(problem, None);
         return Status::Usage;
     }
-    if let Err(status) = check_outputs(args) {
-        return status;
-    }
+    let mut outputs = match start_reports(args) {
+        Ok(outputs) => outputs,
+        Err(status) => return status,
+    };
     let definitions = match super::definitions(args.definitions.as_deref()) {
         Ok(definitions) => definitions,
         Err(status) => return status,
@@ -191,18 +192,14 @@ pub(super) fn test(args: &TestArgs) -> Status {
     });
     excuse_cases(&baselines.lists, &mut outcome);
     let subject = Subject::from_testee(&outcome, &definitions, &|case| rerun_command(args, case));
-    let mut outputs = match args.report.start(Action::Test, &args.baseline, false) {
-        Ok(outputs) => outputs,
-        Err(status) => return status,
-    };
     outputs.add(subject, &Origin::default(), None);
     let (totals, command) = (outputs.finish(), super::command());
     let report = Report::of_totals(Action::Test, command, &definitions.name, totals, Vec::new(), Vec::new());
     outputs.deliver(&report.with_stale(baselines.stale)).max(baseline_status)
 }
 
-/// Checks that no output replaces an input. Errors are printed.
-fn check_outputs(args: &TestArgs) -> Result<(), Status> {
+/// Starts the reports, and checks that no output replaces an input. Errors are printed.
+fn start_reports(args: &TestArgs) -> Result<Outputs<'_>, Status> {
     let cases = args.dump_cases.iter().map(|path| Output::new("--dump-cases", path));
     let outputs: Vec<Output<'_>> =
         cases.chain(args.report.outputs()).chain(args.baseline.outputs()).collect();
@@ -214,7 +211,7 @@ fn check_outputs(args: &TestArgs) -> Result<(), Status> {
         ..Inputs::default()
     };
     outputs::check(&inputs, &outputs)?;
-    args.report.check_tables()
+    args.report.start(Action::Test, &args.baseline, false)
 }
 
 /// The command that runs one case.
@@ -278,7 +275,8 @@ fn run_cases<'c>(
 
 fn write_cases(path: &Path, cases: &[Case], selected: &[usize], types: &Types) -> io::Result<()> {
     if path == Path::new("-") {
-        return match dump(cases, selected, types, &mut BufWriter::new(io::stdout().lock())) {
+        let mut stdout = BufWriter::new(io::stdout().lock());
+        return match dump(cases, selected, types, &mut stdout).and_then(|()| stdout.flush()) {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
             other => other,
         };

@@ -1,7 +1,6 @@
 //! `uavspec testee`.
 
 use std::ffi::OsString;
-use std::io::{self, Write as _};
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -111,10 +110,9 @@ fn lint_testee(args: &LintArgs) -> Status {
             return Status::Unreadable;
         }
     };
-    // A closed pipe is not an error. The stream removes colours if needed.
-    let _ = match args.format {
-        Format::Text => terminal::stdout().write_all(to_text(&found).as_bytes()),
-        Format::Json => io::stdout().write_all(to_json(&found).as_bytes()),
-    };
+    match args.format {
+        Format::Text => terminal::print(format_args!("{}", to_text(&found))),
+        Format::Json => terminal::print_unguarded(&to_json(&found)),
+    }
     if found.is_ok() { Status::Conforms } else { Status::DoesNotConform }
 }

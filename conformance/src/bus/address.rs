@@ -94,6 +94,9 @@ impl FromStr for Address {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
+        if text.contains('@') {
+            return Err("an address must not contain a login".to_owned());
+        }
         let (scheme, rest) = text.split_once("://").ok_or("expected an address such as dds://0")?;
         if scheme == "dds" {
             let domain = rest.parse().ok().filter(|domain| *domain <= MAX_DOMAIN);

@@ -15,7 +15,8 @@ use self::channel::Channel;
 use super::websocket::{
     CONNECT_LIMIT, Link, MAX_MESSAGE, Protocol, Service, check_name, excerpt, list, receive, step, string,
 };
-use super::{Bus, Event, MAX_ENDPOINTS, Publisher, Received, Topic, now};
+use super::{Bus, Event, MAX_ENDPOINTS, Publisher, Received, Topic, nanoseconds};
+use crate::clock::Clock;
 use crate::json::Tree;
 use crate::model::Qos;
 use crate::net::Address;
@@ -68,7 +69,7 @@ struct Server {
 impl Foxglove {
     /// Connects, and waits for the description of the server. An error describes the problem.
     pub(super) fn connect(address: &Address) -> Result<Self, String> {
-        Self::connect_until(address, Instant::now() + CONNECT_LIMIT)
+        Self::connect_until(address, Clock::real().now() + CONNECT_LIMIT)
     }
 
     fn connect_until(address: &Address, until: Instant) -> Result<Self, String> {
@@ -212,7 +213,7 @@ impl Foxglove {
             topic,
             schema,
             encoding,
-            time: now(),
+            time: nanoseconds(&Clock::real()),
             payload: payload.to_vec(),
             is_own: false,
         }));

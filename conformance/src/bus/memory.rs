@@ -1,22 +1,20 @@
 //! A bus within a process, for the self-test and for tests. Like DDS, it compares the quality of service, and like Zenoh,
-//! it announces type hashes.
+//! it announces type hashes. Its threads wait by simulated time.
 
 use std::collections::{HashMap, VecDeque};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
-use super::{Bus, Encoding, Event, Publisher, Received, Topic, now};
+use super::{Bus, Encoding, Event, Publisher, Received, Topic, nanoseconds};
+use crate::clock::Clock;
 use crate::model::{Endpoint, EndpointKind, Qos};
+
+/// The interval of looking for events in real time, which no user of the bus needs.
+const INTERVAL: Duration = Duration::from_millis(1);
 
 /// A network that connects buses.
 #[derive(Clone, Default)]
-pub(crate) struct Network(Arc<Shared>);
-
-#[derive(Default)]
-struct Shared {
-    members: Mutex<Vec<Member>>,
-    changed: Condvar,
-}
+pub(crate) struct Network(Arc<Mutex<Vec<Member>>>);
 
 /// The state of a bus.
 #[derive(Default)]
@@ -32,18 +30,20 @@ struct Member {
 /// A connection to a network.
 pub(crate) struct MemoryBus {
     network: Network,
+    clock: Clock,
     index: usize,
     published: Vec<(Topic, Qos)>,
 }
 
 impl Network {
     /// Connects a node. It learns about the endpoints of all other nodes.
-    pub(crate) fn connect(&self, node: &str) -> MemoryBus {
+    pub(crate) fn connect(&self, node: &str, clock: &Clock) -> MemoryBus {
         let mut members = self.members();
         let known = members.iter().flat_map(|member| member.endpoints.iter().cloned().map(Event::Endpoint));
         let events = known.collect();
         members.push(Member { is_connected: true, node: node.to_owned(), events, ..Member::default() });
-        MemoryBus { network: self.clone(), index: members.len() - 1, published: Vec::new() }
+        let index = members.len() - 1;
+        MemoryBus { network: self.clone(), clock: clock.clone(), index, published: Vec::new() }
     }
 
     /// Sends an event to all nodes except one.
@@ -58,11 +58,10 @@ impl Network {
                 member.events.push_back(event.clone());
             }
         }
-        self.0.changed.notify_all();
     }
 
     fn members(&self) -> MutexGuard<'_, Vec<Member>> {
-        self.0.members.lock().unwrap_or_else(PoisonError::into_inner)
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -89,15 +88,7 @@ impl MemoryBus {
 
 impl Bus for MemoryBus {
     fn receive(&mut self, deadline: Instant) -> Option<Event> {
-        let mut members = self.network.members();
-        loop {
-            if let Some(event) = members[self.index].events.pop_front() {
-                return Some(event);
-            }
-            let time = deadline.checked_duration_since(Instant::now()).filter(|time| !time.is_zero())?;
-            let waited = self.network.0.changed.wait_timeout(members, time);
-            members = waited.unwrap_or_else(PoisonError::into_inner).0;
-        }
+        self.clock.poll(deadline, INTERVAL, || self.network.members()[self.index].events.pop_front())
     }
 
     fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
@@ -122,12 +113,16 @@ impl Bus for MemoryBus {
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
         let (topic, offered) = self.published.get(publisher.0).ok_or("an unknown publisher")?.clone();
         let name = Arc::clone(&topic.name);
-        let (time, payload) = (now(), payload.to_vec());
+        let (time, payload) = (nanoseconds(&self.clock), payload.to_vec());
         let message = Received { topic, schema: None, encoding: Encoding::Cdr, time, payload, is_own: false };
         self.network.send_if(&Event::Message(message), self.index, |member| {
             member.subscribed.get(&name).is_some_and(|requested| is_compatible(&offered, requested))
         });
         Ok(())
+    }
+
+    fn clock(&self) -> Clock {
+        self.clock.clone()
     }
 
     fn is_matched_by_qos(&self) -> bool {
@@ -156,16 +151,17 @@ mod tests {
 
     #[test]
     fn reliable_subscribers_of_best_effort_publishers_receive_nothing() {
-        let network = Network::default();
+        let (network, clock) = (Network::default(), Clock::simulated());
         let topic = Topic { name: "/wind".into(), type_name: "sky_msgs/msg/Wind".into(), type_hash: None };
-        let [mut sender, mut receiver, mut reliable] = ["/a", "/b", "/c"].map(|node| network.connect(node));
+        let [mut sender, mut receiver, mut reliable] =
+            ["/a", "/b", "/c"].map(|node| network.connect(node, &clock));
         receiver.subscribe(&topic, &Qos::WEAKEST).expect("a subscriber");
         let qos = Qos { reliability: Reliability::Reliable, ..Qos::WEAKEST };
         reliable.subscribe(&topic, &qos).expect("a subscriber");
         let publisher = sender.advertise(&topic, &Qos::PX4).expect("a publisher");
         sender.publish(publisher, b"wind").expect("published");
         let events =
-            |bus: &mut MemoryBus| std::iter::from_fn(|| bus.receive(Instant::now())).collect::<Vec<_>>();
+            |bus: &mut MemoryBus| std::iter::from_fn(|| bus.receive(clock.now())).collect::<Vec<_>>();
         let announced = events(&mut receiver);
         assert!(announced.iter().any(|event| matches!(event, Event::Message(_))));
         let is_announced =

@@ -39,7 +39,7 @@ pub use self::network::{BusEndpoint, BusTopic};
 pub use self::open::{BagChannel, Basis, CheckStatus};
 use self::open::{Identity, Open, Reading};
 use self::schemas::{ComparedSchema, Schemas};
-pub(super) use self::sqlite::{ROS1, SQLITE, copy};
+pub(super) use self::sqlite::{CopiedFile, ROS1, SQLITE, copy};
 use self::stated::Stated;
 pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Unit};

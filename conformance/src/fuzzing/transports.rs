@@ -121,12 +121,13 @@ fn packet(text: &str) {
     }
 }
 
-/// Parses a URL. The printed form must lead to the same endpoint.
+/// Parses a URL. The printed form must lead to the same endpoint, except for the query.
 pub(super) fn endpoint(data: &[u8]) {
     let Some(endpoint) = std::str::from_utf8(data).ok().and_then(|text| text.parse::<Endpoint>().ok()) else {
         return;
     };
-    assert_eq!(endpoint.to_string().parse(), Ok(endpoint));
+    let printed = endpoint.to_string();
+    assert_eq!(printed.parse::<Endpoint>().map(|again| again.to_string()), Ok(printed));
 }
 
 pub(super) fn http_seeds() -> Vec<Vec<u8>> {

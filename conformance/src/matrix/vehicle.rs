@@ -1,7 +1,7 @@
 //! Probes the reference autopilot and the reference component without bugs, and with each bug.
 //!
-//! By default, the participants communicate within this process. They can also use real buses, one pair of participants
-//! on each bus at a time.
+//! By default, the participants communicate within this process, in simulated time. They can also use real buses, one pair
+//! of participants on each bus at a time.
 
 use std::collections::BTreeSet;
 use std::io;
@@ -11,18 +11,19 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::Found;
 use crate::bus::memory::Network;
 use crate::bus::{self, Address, Bus, Event};
 use crate::check::{Checked, check_path, parallel};
+use crate::clock::Clock;
 use crate::definitions::Library;
 use crate::model::{ApplicationType, Findings};
 use crate::rules::px4::{Bug, Px4Rule, RULES, Side};
 use crate::vehicle::{Namespace, Options, probe, serve};
 
-/// The time of each probe within the process.
+/// The simulated time of each probe within the process.
 const TIME: Duration = Duration::from_millis(6_500);
 
 /// The time of each probe over a bus, including discovery.
@@ -30,9 +31,6 @@ const BUS_TIME: Duration = Duration::from_secs(10);
 
 /// The time between the starts of two participants.
 const PAUSE: Duration = Duration::from_millis(150);
-
-/// The number of concurrent probes within the process. Most of the time is spent waiting.
-const JOBS: usize = 8;
 
 /// The time in which the participants of a bus are discovered.
 const DISCOVERY_TIME: Duration = Duration::from_secs(3);
@@ -68,11 +66,12 @@ pub(crate) struct Row {
 }
 
 /// Connects a node to a bus.
-type Connect<'c> = dyn Fn(&str) -> Result<Box<dyn Bus>, String> + Sync + 'c;
+type Connect<'c> = dyn Fn(&str, &Clock) -> Result<Box<dyn Bus>, String> + Sync + 'c;
 
-/// The bus of a pair.
+/// The bus of a pair, and its clock.
 struct Place<'p> {
     connect: &'p Connect<'p>,
+    clock: Clock,
     time: Duration,
 }
 
@@ -157,17 +156,17 @@ impl Case {
             record: Some(record.to_path_buf()),
             is_stopped: Box::new(|| false),
         };
-        let mut bus = (place.connect)("/probe").map_err(io::Error::other)?;
         thread::scope(|scope| {
             let references = (1..).zip(self.references).map(|(index, side)| {
                 let is_over = &is_over;
-                scope.spawn(move || {
-                    thread::sleep(PAUSE * index);
-                    self.serve(*side, place, library, is_over)
+                place.clock.spawn(scope, move |clock| {
+                    clock.sleep(PAUSE * index);
+                    self.serve(*side, place.connect, clock, library, is_over)
                 })
             });
             let references: Vec<_> = references.collect();
-            let probed = probe(&mut *bus, library, &options, &|_| {});
+            let bus = (place.connect)("/probe", &place.clock).map_err(io::Error::other);
+            let probed = bus.and_then(|mut bus| probe(&mut *bus, library, &options, &|_| {}));
             is_over.store(true, Ordering::Relaxed);
             let results = references
                 .into_iter()
@@ -182,11 +181,12 @@ impl Case {
     fn serve(
         self,
         side: Side,
-        place: &Place<'_>,
+        connect: &Connect<'_>,
+        clock: &Clock,
         library: &Library,
         is_over: &AtomicBool,
     ) -> Result<(), String> {
-        let mut bus = (place.connect)(&format!("/{side:?}"))?;
+        let mut bus = connect(&format!("/{side:?}"), clock)?;
         let is_over = || is_over.load(Ordering::Relaxed);
         serve(&mut *bus, library, &Namespace::default(), side, self.bug(), &is_over)
     }
@@ -225,7 +225,7 @@ impl Row {
 /// The text describes the problem.
 pub(crate) fn check_bus(address: &Address) -> Result<(), String> {
     let mut bus = bus::connect(address, &PEERS, &[])?;
-    let end = Instant::now() + DISCOVERY_TIME;
+    let end = bus.clock().now() + DISCOVERY_TIME;
     while let Some(event) = bus.receive(end) {
         match event {
             Event::Endpoint(endpoint) if endpoint.topic.starts_with("/fmu/") => {
@@ -245,7 +245,6 @@ pub(crate) fn check_bus(address: &Address) -> Result<(), String> {
 /// communicate within this process.
 pub(crate) fn pairs(cases: &[Case], buses: &[Address], mut take: impl FnMut(io::Result<Row>)) {
     let (library, free) = (Library::built_in(), Mutex::new(buses.to_vec()));
-    let jobs = if buses.is_empty() { JOBS } else { buses.len() };
     let work = |case: &Case| {
         let address = free.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let row = match &address {
@@ -255,20 +254,22 @@ pub(crate) fn pairs(cases: &[Case], buses: &[Address], mut take: impl FnMut(io::
         free.lock().unwrap_or_else(PoisonError::into_inner).extend(address);
         row
     };
-    parallel::each(cases, NonZeroUsize::new(jobs), work, |_, row| take(row));
+    parallel::each(cases, NonZeroUsize::new(buses.len()), work, |_, row| take(row));
 }
 
 /// Runs a case over a bus.
 fn over(case: Case, address: &Address, library: &Library) -> io::Result<Row> {
-    let connect = |_: &str| bus::connect(address, &PEERS, &[]);
-    case.run(&Place { connect: &connect, time: BUS_TIME }, library)
+    let connect = |_: &str, _: &Clock| bus::connect(address, &PEERS, &[]);
+    case.run(&Place { connect: &connect, clock: Clock::real(), time: BUS_TIME }, library)
 }
 
 /// Runs a case within this process.
 fn within(case: Case, library: &Library) -> io::Result<Row> {
     let network = Network::default();
-    let connect = |node: &str| -> Result<Box<dyn Bus>, String> { Ok(Box::new(network.connect(node))) };
-    case.run(&Place { connect: &connect, time: TIME }, library)
+    let connect = |node: &str, clock: &Clock| -> Result<Box<dyn Bus>, String> {
+        Ok(Box::new(network.connect(node, clock)))
+    };
+    case.run(&Place { connect: &connect, clock: Clock::simulated(), time: TIME }, library)
 }
 
 fn details(findings: &Findings) -> Vec<String> {

@@ -2,7 +2,8 @@
 
 use std::env;
 use std::fmt;
-use std::time::{SystemTime, UNIX_EPOCH};
+
+use crate::clock::Clock;
 
 /// The environment variable that sets the current time, in seconds since 1970. See reproducible-builds.org.
 const EPOCH_VARIABLE: &str = "SOURCE_DATE_EPOCH";
@@ -44,7 +45,7 @@ impl Date {
             });
         }
         // A clock that shows a time before 1970 was never set, so nothing counts as expired.
-        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let since = Clock::real().since_1970();
         Self::at(since.as_secs()).ok_or_else(|| "the system clock is after the year 9999".to_owned())
     }
 

@@ -5,13 +5,14 @@
 //! protocol, and no rule applies to its data.
 
 use std::io::{self, Write};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
 use crate::check::{CaptureResult, FlockwaveChecker};
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Direction, Trial};
+use crate::flockwave::transport::secrets::Secrets;
 use crate::json::Tree;
 
 /// The text recorded for a message over the length limit.
@@ -29,9 +30,12 @@ const MAX_UNKNOWN: usize = 60;
 /// A recording in progress.
 pub(super) struct Tape<'d> {
     definitions: &'d Definitions,
+    clock: Clock,
     checker: FlockwaveChecker<'d>,
     /// False after a panic, which may have left the checker in an invalid state.
     is_checking: bool,
+    /// Replaced by placeholders in all lines.
+    secrets: Secrets,
     /// The lines before the first Flockwave message; `None` after it.
     kept: Option<Kept>,
     file: Option<Box<dyn Write + 'd>>,
@@ -52,14 +56,16 @@ struct Kept {
 
 impl<'d> Tape<'d> {
     /// Starts a recording, which is also written to `file`.
-    pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
+    pub(super) fn new(definitions: &'d Definitions, clock: Clock, file: Option<Box<dyn Write + 'd>>) -> Self {
         Self {
             definitions,
+            clock,
             checker: FlockwaveChecker::new(definitions),
             is_checking: true,
             kept: Some(Kept::default()),
             file,
             failure: None,
+            secrets: Secrets::default(),
             lines: 0,
             bytes: 0,
         }
@@ -68,6 +74,11 @@ impl<'d> Tape<'d> {
     /// Drops all findings, and only records from now on.
     pub(super) fn stop_checking(&mut self) {
         (self.is_checking, self.checker) = (false, FlockwaveChecker::new(self.definitions));
+    }
+
+    /// Replaces secrets in all lines by placeholders.
+    pub(super) fn without(self, secrets: Secrets) -> Self {
+        Self { secrets, ..self }
     }
 
     /// Records a message.
@@ -133,14 +144,15 @@ impl<'d> Tape<'d> {
     }
 
     fn line(&mut self, connection: &str, direction: &str, content: &str, trial: Option<Trial<'_>>) {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let now = self.clock.since_1970();
         let (seconds, micros) = (now.as_secs(), now.subsec_micros());
         let tried = trial.map_or_else(String::new, |trial| {
             format!(",\"trial\":{},\"how\":{}", quoted(trial.rule.id), quoted(trial.how))
         });
         let line = format!(
-            "{{\"t\":{seconds}.{micros:06},\"conn\":{},\"dir\":\"{direction}\",{content}{tried}}}",
-            quoted(connection)
+            "{{\"t\":{seconds}.{micros:06},\"conn\":{},\"dir\":\"{direction}\",{}{tried}}}",
+            quoted(connection),
+            self.secrets.hide(content)
         );
         match &mut self.kept {
             None => self.write(&line),
@@ -169,8 +181,9 @@ impl<'d> Tape<'d> {
     fn identify(&mut self, bytes: &[u8]) {
         let Some(kept) = &mut self.kept else { return };
         if !serde_json::from_slice(bytes).is_ok_and(|value| is_flockwave(&value)) {
-            kept.unknown
-                .get_or_insert_with(|| String::from_utf8_lossy(bytes).chars().take(MAX_UNKNOWN).collect());
+            kept.unknown.get_or_insert_with(|| {
+                self.secrets.hide(&String::from_utf8_lossy(bytes)).chars().take(MAX_UNKNOWN).collect()
+            });
             return;
         }
         for (_, line) in self.kept.take().unwrap_or_default().lines {

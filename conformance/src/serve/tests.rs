@@ -4,8 +4,7 @@ use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::rc::Rc;
 use std::sync::{Mutex, PoisonError};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -19,6 +18,7 @@ use crate::rules::flockwave::{
     FlockwaveRule, RULES, ack_06, env_25, env_27, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04,
     udp_01, udp_02, udp_03,
 };
+use crate::tests::support::wait_for;
 
 /// Rules whose bug can't be observed by a single client that sends one request at a time. `tests/live_matrix.rs` covers
 /// the bugs of transports and concurrent requests. Another test in this file covers the login bug.
@@ -146,6 +146,8 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
     // Cancels the barometer's calibration. The receipt is fixed, since a bug may have changed it in the response.
     session.send_request("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "missing-1"] }));
     session.wait(7);
+    session.send_request("land", &json!({ "type": "UAV-LAND", "ids": ["glider-1"] }));
+    session.wait(1);
     session.send_request("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
     session.send_request("list", &json!({ "type": "UAV-LIST" }));
     session.raw(r#"{"$fw.version":"1.0","id":"broken"}"#);
@@ -511,11 +513,7 @@ fn reports_a_server_that_stopped_because_of_an_internal_error() {
         .expect("a request");
     // The connection ends with the thread.
     let _ = stream.read_to_end(&mut Vec::new());
-    let started = Instant::now();
-    while !server.has_failed() {
-        assert!(started.elapsed() < Duration::from_secs(30), "the failure is reported");
-        thread::sleep(Duration::from_millis(5));
-    }
+    wait_for("the failure is reported", || server.has_failed().then_some(()));
 }
 
 #[test]

@@ -16,6 +16,8 @@ use super::uav::Uav;
 /// All objects of the simulated world.
 pub(super) struct World {
     pub(super) uavs: Vec<Uav>,
+    /// The UAVs that haven't appeared yet.
+    hidden: Vec<Uav>,
     /// The most recently reported error code of each UAV.
     reported: BTreeMap<String, ErrorCode>,
     /// The RTK preset in use.
@@ -115,9 +117,12 @@ impl World {
                 uav.set_errors(&[ErrorCode((*code).into())]);
             }
         }
+        let is_late = |uav: &mut Uav| options.appearances.iter().any(|(id, _)| *id == uav.id);
+        let hidden: Vec<Uav> = uavs.extract_if(.., is_late).collect();
         let extension = |is_loaded, name| Extension { is_loaded, name, configuration: BTreeMap::new() };
         Self {
             uavs,
+            hidden,
             reported: BTreeMap::new(),
             preset: None,
             survey: RTKSurveySettings { duration: 60.0, accuracy: 1.0, ..RTKSurveySettings::default() },
@@ -129,6 +134,11 @@ impl World {
             ]),
             parameters: BTreeMap::new(),
         }
+    }
+
+    /// Makes a UAV appear.
+    pub(super) fn appear(&mut self, id: &str) {
+        self.uavs.extend(self.hidden.extract_if(.., |uav| uav.id == id));
     }
 
     /// All objects, with their types.

@@ -4,7 +4,6 @@ use std::fmt;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 use arrow_array::RecordBatch;
 use uavspec_codegen::Failure;
@@ -15,6 +14,7 @@ use super::rows::{Rows, TABLES};
 use super::timeline;
 use crate::capture::input::Input;
 use crate::check::{Checked as CheckedInput, parallel};
+use crate::clock::Clock;
 use crate::definitions::Library;
 use crate::report::story::{to_json, to_text};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
@@ -228,11 +228,11 @@ impl Checker {
 
     /// The results of a capture, or the reason why it can't be read.
     fn subject(&self, capture: &Capture) -> Result<(Input, Subject, Option<CaptureStory>), String> {
-        let (input, started) = (capture.input()?, Instant::now());
+        let (input, started) = (capture.input()?, Clock::real().now());
         let checked =
             CaptureStory::check_with(self.texts.as_ref(), &input, None, &self.library, &|bytes| bytes);
         let (CheckedInput { result, definitions }, story) = checked.map_err(|error| error.to_string())?;
-        let found = CheckedCapture::new(input.name(), result, started.elapsed());
+        let found = CheckedCapture::new(input.name(), result, Clock::real().now() - started);
         Ok((input, Subject::from_capture(found, &definitions, &self.settings), story))
     }
 }

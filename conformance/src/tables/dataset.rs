@@ -21,7 +21,7 @@ use arrow_ipc::writer::FileWriter;
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
-use uavspec_codegen::stage::write_file;
+use uavspec_codegen::stage::{Stage, write_file};
 
 use super::done::Done;
 use super::rows::{Rows, TABLES};
@@ -42,9 +42,20 @@ const ROW_GROUP: usize = 8_192;
 /// The file in the folder of the captures that an engine writes last.
 const SUCCESS: &str = "_SUCCESS";
 
+/// The right to write to a folder. No other run has it at the same time.
+struct Claim {
+    /// Dropped first: the folder must be empty before it can be removed.
+    stage: Stage,
+    _new: Option<NewFolder>,
+}
+
+/// A folder that is removed if nothing was written to it.
+struct NewFolder(PathBuf);
+
 /// The tables of a run.
 pub(crate) struct Dataset {
     folder: PathBuf,
+    _claim: Claim,
     format: TableFormat,
     /// True if the folder contains the timeline.
     has_timeline: bool,
@@ -87,15 +98,13 @@ impl Dataset {
     /// Starts the tables in a folder.
     ///
     /// # Errors
-    /// Fails if the folder contains tables already.
+    /// Fails if the folder contains anything, or if another run writes to it.
     pub(crate) fn create(folder: &Path, format: TableFormat, has_timeline: bool) -> io::Result<Self> {
-        for table in TABLES {
-            if !files(&folder.join(table))?.is_empty() {
-                let problem = format!("the folder `{table}` already contains files");
-                return Err(io::Error::new(io::ErrorKind::AlreadyExists, problem));
-            }
+        let claim = Claim::of(folder)?;
+        if let Some(other) = claim.others(folder)?.next() {
+            return Err(not_empty(&other));
         }
-        Ok(Self::new(folder, format, has_timeline, 0))
+        Ok(Self::new(folder, claim, format, has_timeline, 0))
     }
 
     /// Continues the Parquet files of an earlier run. Also returns the captures that they contain. If there are no files
@@ -104,9 +113,17 @@ impl Dataset {
     /// An engine such as Spark may have written them.
     ///
     /// # Errors
-    /// Fails if the files can't be read, if an engine didn't complete them, or if only one of the runs has a timeline.
+    /// Fails if the files can't be read, if an engine didn't complete them, or if only one of the runs has a timeline. Also
+    /// fails if the folder contains other files but no tables, or if another run writes to it.
     pub(crate) fn resume(folder: &Path, has_timeline: bool) -> io::Result<(Self, Done)> {
         let (format, mut done) = (TableFormat::Parquet, Done::default());
+        let claim = Claim::of(folder)?;
+        let is_table = |path: &PathBuf| TABLES.iter().any(|table| *path == folder.join(table));
+        if !claim.others(folder)?.any(|path| is_table(&path))
+            && let Some(other) = claim.others(folder)?.next()
+        {
+            return Err(not_empty(&other));
+        }
         let captures = files(&folder.join(captures::TABLE.name))?;
         if !folder.join(captures::TABLE.name).join(SUCCESS).exists() {
             for table in TABLES {
@@ -141,12 +158,12 @@ impl Dataset {
         for file in files(&folder.join(failures::TABLE.name))? {
             fs::remove_file(file)?;
         }
-        Ok((Self::new(folder, format, has_timeline, parts), done))
+        Ok((Self::new(folder, claim, format, has_timeline, parts), done))
     }
 
-    fn new(folder: &Path, format: TableFormat, has_timeline: bool, parts: usize) -> Self {
+    fn new(folder: &Path, claim: Claim, format: TableFormat, has_timeline: bool, parts: usize) -> Self {
         let (folder, rows, failures) = (folder.to_owned(), Rows::default(), Vec::new());
-        Self { folder, format, has_timeline, rows, parts, failures, error: None }
+        Self { folder, _claim: claim, format, has_timeline, rows, parts, failures, error: None }
     }
 
     pub(crate) fn folder(&self) -> &Path {
@@ -209,6 +226,36 @@ impl Dataset {
             file.write_all(&bytes)
         })
     }
+}
+
+impl Claim {
+    /// Claims a folder, which is created if it is absent.
+    fn of(folder: &Path) -> io::Result<Self> {
+        let is_new = !folder.exists();
+        fs::create_dir_all(folder)?;
+        let _new = is_new.then(|| NewFolder(folder.to_owned()));
+        Ok(Self { stage: Stage::claim(folder)?, _new })
+    }
+
+    /// The files and folders that others created.
+    fn others(&self, folder: &Path) -> io::Result<impl Iterator<Item = PathBuf>> {
+        let entries = fs::read_dir(folder)?.filter_map(Result::ok).map(|entry| entry.path());
+        Ok(entries.filter(|path| path != self.stage.path()))
+    }
+}
+
+impl Drop for NewFolder {
+    fn drop(&mut self) {
+        // Only an empty folder can be removed.
+        let _ = fs::remove_dir(&self.0);
+    }
+}
+
+/// The error of a folder that contains other files.
+fn not_empty(other: &Path) -> io::Error {
+    let name = other.file_name().unwrap_or_default();
+    let problem = format!("the folder already contains `{}`", terminal::path(name));
+    io::Error::new(io::ErrorKind::AlreadyExists, problem)
 }
 
 /// The files of a table, in order.

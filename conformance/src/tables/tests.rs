@@ -124,7 +124,32 @@ fn used_folders_stay_unchanged() {
     write(folder.path(), &[]);
     assert_eq!(texts(folder.path(), "captures", "capture"), Vec::<String>::new());
     let again = Dataset::create(folder.path(), TableFormat::Arrow, false).err().expect("an error");
-    assert!(again.to_string().contains("already contains files"), "{again}");
+    assert!(again.to_string().contains("already contains `"), "{again}");
+    let other = TempDir::new().expect("a folder");
+    std::fs::write(other.path().join("notes.txt"), "mine").expect("a file");
+    let create = Dataset::create(other.path(), TableFormat::Arrow, false).err();
+    for problem in [create, Dataset::resume(other.path(), false).err()] {
+        assert_eq!(problem.expect("an error").to_string(), "the folder already contains `notes.txt`");
+    }
+    assert_eq!(std::fs::read_dir(other.path()).expect("a folder").count(), 1);
+}
+
+/// Two runs would write parts with the same names.
+#[test]
+fn only_one_run_at_a_time_writes_to_a_folder() {
+    let parent = TempDir::new().expect("a folder");
+    let folder = parent.path().join("tables");
+    let create = || Dataset::create(&folder, TableFormat::Parquet, false);
+    let first = create().expect("a new folder");
+    for second in [create().err(), Dataset::resume(&folder, false).err()] {
+        assert_eq!(second.expect("an error").to_string(), "another run is writing to this folder");
+    }
+    drop(first);
+    assert!(!folder.exists(), "nothing was written");
+    let (first, _) = resume(&folder);
+    assert!(create().is_err() && Dataset::resume(&folder, false).is_err());
+    first.finish().expect("written");
+    resume(&folder);
 }
 
 #[test]

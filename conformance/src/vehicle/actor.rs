@@ -10,7 +10,8 @@ use super::autopilot::Autopilot;
 use super::component::Component;
 use super::release::Release;
 use super::role::{Purpose, Role};
-use crate::bus::{self, Bus, Encoding, Event, Publisher, Received, Topic};
+use crate::bus::{Bus, Encoding, Event, Publisher, Received, Topic, nanoseconds};
+use crate::clock::Clock;
 use crate::model::{Endpoint, EndpointKind, Qos, Reliability};
 use crate::rules::px4::{Bug, Sent, Side};
 
@@ -32,6 +33,7 @@ pub(super) struct Actor {
     role: Box<dyn Role>,
     release: Arc<Release>,
     bug: Option<&'static Bug>,
+    clock: Clock,
     started: Instant,
     /// For each published type, its publisher, topic, and number of messages.
     outputs: HashMap<&'static str, Output>,
@@ -73,9 +75,10 @@ impl Actor {
         release: Arc<Release>,
         bug: Option<&'static Bug>,
     ) -> Result<(Self, Vec<Event>), String> {
-        let (started, outputs, inputs) = (Instant::now(), HashMap::new(), HashMap::new());
+        let clock = bus.clock();
+        let (started, outputs, inputs) = (clock.now(), HashMap::new(), HashMap::new());
         let (problems, remarks) = (Vec::new(), Vec::new());
-        let mut actor = Self { role, release, bug, started, outputs, inputs, problems, remarks };
+        let mut actor = Self { role, release, bug, clock, started, outputs, inputs, problems, remarks };
         let (sending, receiving) = if actor.role.folder() == "in" { ("in", "out") } else { ("out", "in") };
         let mut endpoints = Vec::new();
         for (index, name) in actor.role.received().iter().enumerate() {
@@ -124,7 +127,7 @@ impl Actor {
             _ => Vec::new(),
         };
         let margin = if received.is_some() { MAX_POSTPONED } else { Duration::ZERO };
-        if due.is_some_and(|due| due + margin <= Instant::now()) {
+        if due.is_some_and(|due| due + margin <= self.clock.now()) {
             let messages = self.role.tick(self.now());
             sent.extend(self.send(bus, messages));
         }
@@ -176,7 +179,7 @@ impl Actor {
                     Ok(payload)
                 });
                 match published {
-                    Ok(payload) => sent.push(recorded(&output.topic, payload)),
+                    Ok(payload) => sent.push(recorded(&output.topic, payload, &self.clock)),
                     Err(problem) => note(&mut self.problems, format!("{}: {problem}", output.topic.name)),
                 }
             }
@@ -186,7 +189,8 @@ impl Actor {
 
     /// The time in µs since boot.
     fn now(&self) -> u64 {
-        BOOT.saturating_add(u64::try_from(self.started.elapsed().as_micros()).unwrap_or(u64::MAX))
+        let elapsed = self.clock.now() - self.started;
+        BOOT.saturating_add(u64::try_from(elapsed.as_micros()).unwrap_or(u64::MAX))
     }
 
     fn time_of(&self, time: u64) -> Instant {
@@ -202,8 +206,8 @@ fn requested(index: usize, bug: Option<&Bug>) -> Qos {
 }
 
 /// A message of this program, for the recording.
-fn recorded(topic: &Topic, payload: Vec<u8>) -> Event {
-    let (topic, time) = (topic.clone(), bus::now());
+fn recorded(topic: &Topic, payload: Vec<u8>, clock: &Clock) -> Event {
+    let (topic, time) = (topic.clone(), nanoseconds(clock));
     Event::Message(Received { topic, schema: None, encoding: Encoding::Cdr, time, payload, is_own: true })
 }
 

@@ -2,7 +2,7 @@
 
 use std::slice;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::actor::{Actor, role, step};
 use super::namespace::Namespace;
@@ -31,8 +31,9 @@ pub(crate) fn serve(
     let release = Arc::new(Release::new(library.base(), library, namespace.clone()));
     let role = role(side, Purpose::Reference, &release);
     let (mut actor, _) = Actor::join(bus, role, release, bug)?;
+    let clock = bus.clock();
     while !is_over() {
-        let step = step(slice::from_mut(&mut actor), bus, Instant::now() + NOTICE_TIME);
+        let step = step(slice::from_mut(&mut actor), bus, clock.now() + NOTICE_TIME);
         if let Some(Event::Closed(reason)) = step.received {
             return Err(reason);
         }

@@ -18,7 +18,7 @@ use crate::rules::sample::Flight;
 /// The time for which these tests listen.
 const TIME: Duration = Duration::from_millis(2_200);
 
-/// The time for messages after the release was chosen, even on a slow machine.
+/// The time for messages after the release was chosen.
 const LONG: Duration = Duration::from_secs(5);
 
 /// Publishes the messages of a flight on these topics, which announce their type hashes.
@@ -42,7 +42,7 @@ fn fly_as(bus: &mut MemoryBus, flight: &Flight<'_>, has_hashes: bool, is_flown: 
         })
         .collect();
     // The probe subscribes when it has discovered the publishers.
-    thread::sleep(Duration::from_millis(200));
+    bus.clock().sleep(Duration::from_millis(200));
     for sent in &flight.messages {
         let Some(publisher) = publishers[sent.topic] else { continue };
         let payload = flight.message(sent).expect("a message").to_cdr(ByteOrder::LittleEndian);
@@ -69,19 +69,17 @@ fn counts(findings: &Findings) -> BTreeMap<(&'static str, String), u64> {
 }
 
 /// Probes while `act` uses the network. Also checks the recording, which must have the same findings.
-fn probed(time: Duration, act: impl FnOnce(&Network) + Send) -> Checked {
+fn probed(time: Duration, act: impl FnOnce(&Network, &Clock) + Send) -> Checked {
     probed_with(options(time, None), act)
 }
 
-fn probed_with(options: Options, act: impl FnOnce(&Network) + Send) -> Checked {
+fn probed_with(options: Options, act: impl FnOnce(&Network, &Clock) + Send) -> Checked {
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("run.mcap");
-    let (network, library) = (Network::default(), Library::built_in());
-    let mut bus = network.connect("/probe");
-    let found = thread::scope(|scope| {
-        scope.spawn(|| act(&network));
+    let library = Library::built_in();
+    let found = simulated(act, |bus| {
         let options = Options { record: Some(file.clone()), ..options };
-        probe(&mut bus, &library, &options, &|_| {}).expect("a result")
+        probe(bus, &library, &options, &|_| {}).expect("a result")
     });
     let recorded = check_path(&file, None, &library, &|input| input).expect("a recording");
     let [live, later] = [&found, &recorded];
@@ -101,6 +99,17 @@ fn probed_with(options: Options, act: impl FnOnce(&Network) + Send) -> Checked {
     found
 }
 
+/// Probes in simulated time while `act` uses the network in another thread.
+fn simulated<T>(act: impl FnOnce(&Network, &Clock) + Send, probe: impl FnOnce(&mut MemoryBus) -> T) -> T {
+    let (network, clock) = (Network::default(), Clock::simulated());
+    thread::scope(|scope| {
+        let acting = clock.spawn(scope, |clock| act(&network, clock));
+        let found = probe(&mut network.connect("/probe", &clock));
+        acting.join().expect("no panic");
+        found
+    })
+}
+
 fn outcome(checked: Checked) -> OutcomeKind {
     let Checked { result, definitions } = checked;
     let capture = CheckedCapture {
@@ -116,10 +125,10 @@ fn outcome(checked: Checked) -> OutcomeKind {
 
 #[test]
 fn a_healthy_vehicle_conforms() {
-    let found = probed(TIME, |network| {
+    let found = probed(TIME, |network, clock| {
         let definitions = Definitions::built_in();
-        fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
-        thread::sleep(TIME);
+        fly(&mut network.connect("/px4", clock), &Flight::new(&definitions), |_| true);
+        clock.sleep(TIME);
     });
     assert_eq!(counts(&found.result.findings), BTreeMap::new());
     assert!(found.result.records > 100, "{}", found.result.records);
@@ -129,9 +138,9 @@ fn a_healthy_vehicle_conforms() {
 
 #[test]
 fn a_reliable_subscriber_of_a_best_effort_publisher_is_found() {
-    let found = probed(TIME, |network| {
+    let found = probed(TIME, |network, clock| {
         let definitions = Definitions::built_in();
-        let mut application = network.connect("/ground_station");
+        let mut application = network.connect("/ground_station", clock);
         let topic = Topic {
             name: "/fmu/out/arming_check_request_v1".into(),
             type_name: "px4_msgs/msg/ArmingCheckRequest".into(),
@@ -146,8 +155,8 @@ fn a_reliable_subscriber_of_a_best_effort_publisher_is_found() {
                 topic.name += "_v1";
             }
         }
-        fly(&mut network.connect("/px4"), &flight, |name| name == "ArmingCheckRequest");
-        thread::sleep(TIME);
+        fly(&mut network.connect("/px4", clock), &flight, |name| name == "ArmingCheckRequest");
+        clock.sleep(TIME);
     });
     let groups: Vec<_> = found.result.findings.groups().collect();
     assert_eq!(groups.len(), 1, "{groups:?}");
@@ -162,12 +171,12 @@ fn a_reliable_subscriber_of_a_best_effort_publisher_is_found() {
 
 #[test]
 fn topics_that_appear_late_choose_the_release_again() {
-    let found = probed(LONG, |network| {
+    let found = probed(LONG, |network, clock| {
         let library = Library::release("px4@1.15").expect("a release");
         let flight = Flight::new(library.base());
-        let mut px4 = network.connect("/px4");
+        let mut px4 = network.connect("/px4", clock);
         fly(&mut px4, &flight, |name| name == "ArmingCheckRequest");
-        thread::sleep(START);
+        clock.sleep(START);
         fly(&mut px4, &flight, |name| name == "VehicleStatus" || name == "BatteryStatus");
     });
     assert_eq!(found.definitions.name, "PX4 1.15");
@@ -177,10 +186,10 @@ fn topics_that_appear_late_choose_the_release_again() {
 #[test]
 fn names_of_topics_show_the_release_of_a_vehicle_without_type_hashes() {
     let options = Options { role: Some(Side::Component), ..options(LONG, None) };
-    let found = probed_with(options, |network| {
+    let found = probed_with(options, |network, clock| {
         let library = Library::release("px4@1.15").expect("a release");
-        fly_as(&mut network.connect("/px4"), &Flight::new(library.base()), false, |_| true);
-        thread::sleep(LONG);
+        fly_as(&mut network.connect("/px4", clock), &Flight::new(library.base()), false, |_| true);
+        clock.sleep(LONG);
     });
     // Newer releases have other messages of the same size, on topics with a version.
     assert_eq!(found.definitions.name, "PX4 1.15");
@@ -190,18 +199,20 @@ fn names_of_topics_show_the_release_of_a_vehicle_without_type_hashes() {
 #[test]
 fn several_components_answer_the_same_requests() {
     let options = Options { role: Some(Side::Component), ..options(LONG, None) };
-    let found = probed_with(options, |network| {
-        let end = Instant::now() + LONG;
-        let is_over = || Instant::now() > end;
+    let found = probed_with(options, |network, clock| {
+        let end = clock.now() + LONG;
+        let is_over = || clock.now() > end;
         let library = Library::built_in();
         thread::scope(|scope| {
-            for side in [Side::Autopilot, Side::Component] {
+            let serving = [Side::Autopilot, Side::Component].map(|side| {
                 let (is_over, library) = (&is_over, &library);
-                let serve = move || {
-                    let mut bus = network.connect(&format!("/{side:?}"));
-                    serve(&mut bus, library, &Namespace::default(), side, None, is_over)
-                };
-                scope.spawn(move || serve().expect("served"));
+                clock.spawn(scope, move |clock| {
+                    let mut bus = network.connect(&format!("/{side:?}"), clock);
+                    serve(&mut bus, library, &Namespace::default(), side, None, is_over).expect("served");
+                })
+            });
+            for task in serving {
+                task.join().expect("no panic");
             }
         });
     });
@@ -212,19 +223,16 @@ fn several_components_answer_the_same_requests() {
 
 #[test]
 fn only_selected_topics_are_received() {
-    let network = Network::default();
-    let mut bus = network.connect("/probe");
-    let definitions = Definitions::built_in();
-    let library = Library::built_in();
+    let (definitions, library) = (Definitions::built_in(), Library::built_in());
     let topics = globset::GlobSetBuilder::new()
         .add(globset::Glob::new("/fmu/out/failsafe*").expect("a pattern"))
         .build()
         .expect("patterns");
-    let found = thread::scope(|scope| {
-        scope.spawn(|| fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true));
-        probe(&mut bus, &library, &Options { topics: Some(topics), ..options(TIME, None) }, &|_| {})
-            .expect("a result")
-    });
+    let options = Options { topics: Some(topics), ..options(TIME, None) };
+    let flying = |network: &Network, clock: &Clock| {
+        fly(&mut network.connect("/px4", clock), &Flight::new(&definitions), |_| true);
+    };
+    let found = simulated(flying, |bus| probe(bus, &library, &options, &|_| {}).expect("a result"));
     let flights = Flight::new(&definitions);
     assert_eq!(found.result.records, flights.counts()["failsafe_flags"]);
 }
@@ -234,12 +242,19 @@ fn compared_with(release: &str) -> Checked {
     let library = Library::release(release).expect("a release");
     let application = ApplicationType::all(&library.base().schema);
     let options = Options { application: Some(application), ..options(LONG, None) };
-    probed_with(options, |network| {
-        let end = Instant::now() + LONG;
-        let is_over = || Instant::now() > end;
+    probed_with(options, |network, clock| {
+        let end = clock.now() + LONG;
+        let is_over = || clock.now() > end;
         let library = Library::release("px4@1.18").expect("a release");
-        serve(&mut network.connect("/px4"), &library, &Namespace::default(), Side::Autopilot, None, &is_over)
-            .expect("served");
+        serve(
+            &mut network.connect("/px4", clock),
+            &library,
+            &Namespace::default(),
+            Side::Autopilot,
+            None,
+            &is_over,
+        )
+        .expect("served");
     })
 }
 
@@ -255,31 +270,29 @@ fn an_application_with_the_definitions_of_the_vehicle_conforms() {
 /// Probes a reference participant of a release as the other one.
 fn probed_reference(release: &str, namespace: &str, side: Side) -> Checked {
     let role = if side == Side::Autopilot { Side::Component } else { Side::Autopilot };
-    probed_with(Options { role: Some(role), ..options(LONG, None) }, |network| {
-        let end = Instant::now() + LONG;
-        let is_over = || Instant::now() > end;
+    probed_with(Options { role: Some(role), ..options(LONG, None) }, |network, clock| {
+        let end = clock.now() + LONG;
+        let is_over = || clock.now() > end;
         let library = Library::release(release).expect("a release");
         let namespace = namespace.parse().expect("a namespace");
-        serve(&mut network.connect("/px4"), &library, &namespace, side, None, &is_over).expect("served");
+        serve(&mut network.connect("/px4", clock), &library, &namespace, side, None, &is_over)
+            .expect("served");
     })
 }
 
 #[test]
 fn roles_speak_the_release_of_the_vehicle() {
     let releases = ["1.15", "1.16", "1.17", "1.18", "main"];
-    thread::scope(|scope| {
-        for (release, side) in releases.into_iter().flat_map(|release| {
-            [Side::Autopilot, Side::Component].map(|side| (format!("px4@{release}"), side))
-        }) {
-            scope.spawn(move || {
-                let found = probed_reference(&release, "", side);
-                assert_eq!(counts(&found.result.findings), BTreeMap::new(), "{release} {side:?}");
-                assert_eq!(found.result.notes, Vec::<String>::new(), "{release} {side:?}");
-                let replies = rule("PX-EXT-01").expect("a rule");
-                assert!(found.result.findings.covered(replies) > 0, "{release} {side:?}");
-            });
-        }
-    });
+    for (release, side) in releases
+        .into_iter()
+        .flat_map(|release| [Side::Autopilot, Side::Component].map(|side| (format!("px4@{release}"), side)))
+    {
+        let found = probed_reference(&release, "", side);
+        assert_eq!(counts(&found.result.findings), BTreeMap::new(), "{release} {side:?}");
+        assert_eq!(found.result.notes, Vec::<String>::new(), "{release} {side:?}");
+        let replies = rule("PX-EXT-01").expect("a rule");
+        assert!(found.result.findings.covered(replies) > 0, "{release} {side:?}");
+    }
 }
 
 #[test]
@@ -292,19 +305,20 @@ fn roles_use_the_namespace_of_the_vehicle() {
 
 #[test]
 fn several_vehicles_require_a_choice() {
-    let found = probed_with(Options { role: Some(Side::Component), ..options(TIME, None) }, |network| {
-        for topic in ["/a/fmu/out/wind", "/b/fmu/out/wind"] {
-            network.send(&Event::Endpoint(Endpoint::publisher(topic)), usize::MAX);
-        }
-        thread::sleep(TIME);
-    });
+    let found =
+        probed_with(Options { role: Some(Side::Component), ..options(TIME, None) }, |network, clock| {
+            for topic in ["/a/fmu/out/wind", "/b/fmu/out/wind"] {
+                network.send(&Event::Endpoint(Endpoint::publisher(topic)), usize::MAX);
+            }
+            clock.sleep(TIME);
+        });
     let problem = "there are several vehicles: choose one with --namespace /a or /b";
     assert_eq!(found.result.cut_short, [problem]);
 }
 
 #[test]
 fn vehicles_that_left_need_no_choice() {
-    let found = probed_with(Options { role: Some(Side::Component), ..options(TIME, None) }, |network| {
+    let found = probed_with(Options { role: Some(Side::Component), ..options(TIME, None) }, |network, _| {
         let [gone, present] = ["/a/fmu/out/wind", "/b/fmu/out/wind"].map(Endpoint::publisher);
         let ended = Event::Ended(gone.id.clone());
         for event in [Event::Endpoint(gone), ended, Event::Endpoint(present)] {
@@ -330,11 +344,11 @@ fn an_application_of_another_release_is_found() {
 
 #[test]
 fn lost_messages_make_the_outcome_incomplete() {
-    let found = probed(TIME, |network| {
+    let found = probed(TIME, |network, clock| {
         let definitions = Definitions::built_in();
-        fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
+        fly(&mut network.connect("/px4", clock), &Flight::new(&definitions), |_| true);
         network.send(&Event::Lost { topic: "/fmu/out/failsafe_flags".into(), count: 7 }, usize::MAX);
-        thread::sleep(TIME);
+        clock.sleep(TIME);
     });
     assert_eq!(outcome(found), OutcomeKind::Incomplete);
 }
@@ -346,13 +360,13 @@ fn gaps(checked: &Checked) -> Vec<&str> {
 
 #[test]
 fn unreadable_messages_make_the_outcome_incomplete() {
-    let found = probed(TIME, |network| {
+    let found = probed(TIME, |network, clock| {
         let definitions = Definitions::built_in();
-        fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
+        fly(&mut network.connect("/px4", clock), &Flight::new(&definitions), |_| true);
         for _ in 0..2 {
             network.send(&Event::Unreadable("/wind: invalid \u{1b}".to_owned()), usize::MAX);
         }
-        thread::sleep(TIME);
+        clock.sleep(TIME);
     });
     assert_eq!(found.result.notes, Vec::<String>::new());
     assert_eq!(gaps(&found), ["/wind: invalid \\u{1b} (2 times)"]);
@@ -379,6 +393,10 @@ impl Bus for Refusing {
         self.0.publish(publisher, payload)
     }
 
+    fn clock(&self) -> Clock {
+        self.0.clock()
+    }
+
     fn remaining_losses(&mut self) -> Vec<Event> {
         vec![Event::Lost { topic: "/wind".into(), count: 3 }]
     }
@@ -387,7 +405,7 @@ impl Bus for Refusing {
 #[test]
 fn refused_topics_and_late_losses_make_the_outcome_incomplete() {
     let (network, library) = (Network::default(), Library::built_in());
-    let mut bus = Refusing(network.connect("/probe"));
+    let mut bus = Refusing(network.connect("/probe", &Clock::simulated()));
     network.send(&Event::Endpoint(Endpoint::publisher("/wind")), usize::MAX);
     let found = probe(&mut bus, &library, &options(TIME, None), &|_| {}).expect("a result");
     let lost = "3 messages of /wind were lost before they were recorded";
@@ -397,7 +415,7 @@ fn refused_topics_and_late_losses_make_the_outcome_incomplete() {
 
 #[test]
 fn notes_beyond_the_maximum_are_counted() {
-    let found = probed(TIME, |network| {
+    let found = probed(TIME, |network, _| {
         for number in 0..MAX_NOTES + 7 {
             network.send(&Event::Problem(format!("remark {number}")), usize::MAX);
         }
@@ -408,13 +426,13 @@ fn notes_beyond_the_maximum_are_counted() {
 
 #[test]
 fn recordings_contain_problems_and_the_reason_of_an_early_end() {
-    let found = probed(TIME, |network| {
+    let found = probed(TIME, |network, clock| {
         let definitions = Definitions::built_in();
-        fly(&mut network.connect("/px4"), &Flight::new(&definitions), |_| true);
+        fly(&mut network.connect("/px4", clock), &Flight::new(&definitions), |_| true);
         network.send(&Event::Problem("/wind: unreadable \u{1b}".to_owned()), usize::MAX);
         network.send(&Event::Problem("/wind: unreadable \u{1b}".to_owned()), usize::MAX);
         // After the release was chosen.
-        thread::sleep(START);
+        clock.sleep(START);
         network.send(&Event::Problem("a second problem".to_owned()), usize::MAX);
         network.send(&Event::Closed("the server ended".to_owned()), usize::MAX);
     });
@@ -425,11 +443,11 @@ fn recordings_contain_problems_and_the_reason_of_an_early_end() {
 
 #[test]
 fn topics_without_a_ros_name_are_noted() {
-    let found = probed(TIME, |network| {
+    let found = probed(TIME, |network, clock| {
         network.send(&Event::Endpoint(Endpoint::publisher("rq/service")), usize::MAX);
         let wind = Endpoint { is_matched_by_qos: false, ..Endpoint::publisher("wind") };
         network.send(&Event::Endpoint(wind), usize::MAX);
-        thread::sleep(TIME);
+        clock.sleep(TIME);
     });
     assert_eq!(found.result.notes, ["wind: not checked, because the names of ROS topics start with `/`"]);
 }

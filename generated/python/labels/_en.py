@@ -129,7 +129,7 @@ TEXTS: Final[dict[str, str]] = {
     "px4/BatteryStatus.is_required": "True if the vehicle cannot arm without this battery",
     "px4/BatteryStatus.manufacture_date": "Date of manufacture, part of the serial number: day in bits 0 to 4, month in bits 5 to 8, years since 1980 in bits 9 to 15",
     "px4/BatteryStatus.max_cell_voltage_delta": "Difference between the highest and the lowest cell voltage",
-    "px4/BatteryStatus.max_error": "Expected error of the state of charge; some sources report 0",
+    "px4/BatteryStatus.max_error": "Expected error of the state of charge",
     "px4/BatteryStatus.mode": "Special operating mode of the battery",
     "px4/BatteryStatus.nominal_voltage": "Nominal battery voltage",
     "px4/BatteryStatus.over_discharge_count": "Number of overdischarges",

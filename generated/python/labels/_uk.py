@@ -96,7 +96,7 @@ TEXTS: Final[dict[str, str]] = {
     "px4/BatteryStatus.is_required": "Істина, якщо без цієї батареї апарат не може озброїтися",
     "px4/BatteryStatus.manufacture_date": "Дата виготовлення, частина серійного номера: день у бітах 0–4, місяць у бітах 5–8, роки від 1980-го в бітах 9–15",
     "px4/BatteryStatus.max_cell_voltage_delta": "Різниця між найвищою та найнижчою напругою елементів",
-    "px4/BatteryStatus.max_error": "Очікувана похибка рівня заряду; деякі джерела повідомляють 0",
+    "px4/BatteryStatus.max_error": "Очікувана похибка рівня заряду",
     "px4/BatteryStatus.mode": "Особливий режим роботи батареї",
     "px4/BatteryStatus.nominal_voltage": "Номінальна напруга батареї",
     "px4/BatteryStatus.over_discharge_count": "Кількість надмірних розрядів",

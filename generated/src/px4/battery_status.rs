@@ -104,9 +104,9 @@ pub struct BatteryStatus {
     ///
     /// Group: Pack; unit: % (percent); range: 0 to 100.
     pub state_of_health: u16,
-    /// Expected error of the state of charge; some sources report 0
+    /// Expected error of the state of charge
     ///
-    /// Group: Pack; unit: % (percent); range: 1 to 100.
+    /// Group: Pack; unit: % (percent); range: 1 to 100; no data: `0`.
     pub max_error: u16,
     /// Battery number, from 1. It is unique on a vehicle and never changes
     ///
@@ -227,7 +227,7 @@ record! {
     18 serial_number: u16 = uint16("serial_number", 142);
     19 manufacture_date: u16 = uint16("manufacture_date", 144);
     20 state_of_health: u16 = uint16("state_of_health", 146).within(&number().from(int(0)).to(int(100)));
-    21 max_error: u16 = uint16("max_error", 148).within(&number().from(int(1)).to(int(100)));
+    21 max_error: u16 = uint16("max_error", 148).within(&number().from(int(1)).to(int(100)).or(&[int(0)]));
     22 id: u8 = uint8("id", 162);
     23 interface_error: u16 = uint16("interface_error", 150);
     24 voltage_cell_v: Elements<'b, f32, 14> = float32("voltage_cell_v", 48).array(14).within(&number().not_nan());

@@ -4,13 +4,12 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use clap::ValueEnum;
-use same_file::is_same_file;
-
 use crate::failure::Failure;
+use crate::identity::Identity;
 use crate::report::Format;
 use crate::stage::write_file;
 use crate::terminal;
+use clap::ValueEnum;
 
 /// A format of reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -70,14 +69,17 @@ fn formats() -> String {
     values.map(|value| value.get_name().to_owned()).collect::<Vec<_>>().join(", ")
 }
 
-/// Fails if two reports have the same path.
+/// Fails if two reports are the same file.
 pub(super) fn check_distinct(targets: &[Target]) -> Result<(), Failure> {
-    let repeated = targets
-        .iter()
-        .enumerate()
-        .find(|(at, target)| targets[..*at].iter().any(|other| other.path == target.path));
-    repeated.map_or(Ok(()), |(_, target)| {
-        let message = format!("two reports have the path {}", terminal::path(&target.path));
+    let files: Vec<(&Target, Identity)> =
+        targets.iter().filter_map(|target| Some((target, Identity::of(&target.path)?))).collect();
+    let repeated = files.iter().enumerate().find_map(|(at, (target, identity))| {
+        let (other, _) = files[..at].iter().find(|(_, other)| other.is_same(identity))?;
+        Some((other, target))
+    });
+    repeated.map_or(Ok(()), |(other, target)| {
+        let [other, target] = [other, target].map(|target| terminal::path(&target.path));
+        let message = format!("the reports {other} and {target} are the same file");
         Err(Failure::new(message).with_hint("choose another file for one of them"))
     })
 }
@@ -85,7 +87,8 @@ pub(super) fn check_distinct(targets: &[Target]) -> Result<(), Failure> {
 impl Target {
     /// Fails if the report would replace an input.
     pub(super) fn protect(&self, input: &Path) -> Result<(), Failure> {
-        if self.path != input && !is_same_file(&self.path, input).unwrap_or(false) {
+        let is_same = || Identity::of(&self.path)?.is_same(&Identity::of(input)?).then_some(());
+        if is_same().is_none() {
             return Ok(());
         }
         let message = format!("the report would overwrite the input {}", terminal::path(input));
@@ -105,6 +108,23 @@ impl Target {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn two_reports_are_never_the_same_file() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let check = |paths: [&str; 2]| {
+            let target = |path: &str| Target { format: FormatName::Sarif, path: folder.path().join(path) };
+            check_distinct(&paths.map(target))
+        };
+        std::fs::create_dir(folder.path().join("d")).expect("a folder");
+        for paths in [["r", "r"], ["r", "./r"], ["r", "d/../r"]] {
+            assert!(check(paths).is_err(), "{paths:?}");
+        }
+        std::fs::write(folder.path().join("r"), "").expect("a file");
+        std::fs::hard_link(folder.path().join("r"), folder.path().join("s")).expect("a link");
+        assert!(check(["r", "s"]).is_err());
+        assert!(check(["r", "t"]).is_ok());
+    }
 
     #[test]
     fn parses_formats_and_paths_and_lists_the_formats_in_errors() {

@@ -1,10 +1,9 @@
 //! Writes new files: all or none.
 
 use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use tempfile::TempPath;
 use uavspec_codegen::stage::Stage;
 
 use super::files::Files;
@@ -33,10 +32,10 @@ impl Created {
         let stage = Stage::new(folder)?;
         let mut staged = Vec::new();
         // The whole content is on the disk before the first file appears.
-        for (index, (path, text)) in files.iter().enumerate() {
-            let file = stage.path().join(index.to_string());
-            fs::write(&file, text)?;
-            staged.push((TempPath::try_from_path(file)?, folder.join(path)));
+        for (path, text) in files.iter() {
+            let mut file = stage.file(None)?;
+            file.write_all(text.as_bytes())?;
+            staged.push((file.into_temp_path(), folder.join(path)));
         }
         for (file, path) in staged {
             self.create_folder(path.parent().unwrap_or(folder))?;

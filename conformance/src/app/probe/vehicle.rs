@@ -2,19 +2,20 @@
 
 use std::net::IpAddr;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::application::Application;
-use super::{ProbeArgs, check_outputs, report};
+use super::{ProbeArgs, report, start_reports};
 use crate::app::progress::Progress;
 use crate::app::test::seconds;
 use crate::app::{Status, interrupt, library};
 use crate::bus::{self, Address};
 use crate::check::Checked;
+use crate::clock::Clock;
 use crate::probe;
 use crate::report::CheckedCapture;
 use crate::rules::px4::Side;
@@ -115,7 +116,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let application = args.vehicle.application.as_deref().map(Application::load).transpose()?;
     let (application, note) = application.map(|found| (found.types, found.note)).unzip();
     let required = args.require.rules()?;
-    check_outputs(args)?;
+    let outputs = start_reports(args)?;
     let baselines = args.baseline.read()?;
     let interruptible = probe::Options::new(Duration::ZERO, None, Vec::new());
     interrupt::install(&interruptible)?;
@@ -135,7 +136,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         record: args.record.clone(),
         is_stopped: Box::new(move || stopped.is_requested()),
     };
-    let started = Instant::now();
+    let started = Clock::real().now();
     let progress = Progress::time();
     let total = usize::try_from(options.time.as_millis()).unwrap_or(usize::MAX);
     let probed = probe(&mut *bus, &library, &options, &|state| {
@@ -156,9 +157,10 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         notes: note.flatten().into_iter().collect(),
         requests: Vec::new(),
         cut_short: Vec::new(),
-        elapsed: started.elapsed().as_millis(),
+        elapsed: (Clock::real().now() - started).as_millis(),
     };
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !stop.is_requested();
-    Ok(report(args, Some(checked), Vec::new(), &definitions, &required, baselines, settings))
+    settings.is_unrecorded = args.record.is_none();
+    Ok(report(outputs, Some(checked), Vec::new(), &definitions, &required, baselines, settings))
 }

@@ -17,12 +17,13 @@ use super::{forward_terminal_events, has_colours};
 use crate::app::report::print_result;
 use crate::app::{Status, explain, interrupt, library};
 use crate::bus::{self, Address};
+use crate::clock::Clock;
 use crate::definitions::Library;
 use crate::story::Texts;
 use crate::text::terminal;
 use crate::vehicle::remove_recordings;
 use crate::watch::screen::Step;
-use crate::watch::vehicle::playback::{Kind, Playback};
+use crate::watch::vehicle::playback::{Kind, Playback, Watcher};
 use crate::watch::vehicle::screen::{Command, Screen};
 use crate::watch::vehicle::source::{Live, replay, watch_live};
 use crate::watch::view::vehicle::{Scene, draw, text};
@@ -75,33 +76,34 @@ struct Labels {
 pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Result<Status, Status> {
     let (library, texts, labels) = prepare(args, address.to_string())?;
     let (address, peers) = (address.clone(), args.vehicle.peer.clone());
-    let playback = Playback::new(Kind::Live);
+    let playback = Playback::new(Kind::Live, Clock::real());
     let receiving = Arc::clone(&playback);
     let receiver = thread::spawn(move || {
         let connect = || bus::connect(&address, &peers, &[]);
-        let live = Live { connect: &connect, is_stopped: || IS_STOPPED.load(Ordering::Relaxed) };
+        let is_stopped = || IS_STOPPED.load(Ordering::Relaxed);
+        let live = Live { connect: &connect, clock: Clock::real(), is_stopped };
         watch_live(&live, &library, &texts, &receiving);
     });
     let status = show_vehicle(args, &playback, &labels);
     IS_STOPPED.store(true, Ordering::Relaxed);
     // The receiver removes its temporary file, if it stops in time.
-    let end = Instant::now() + STOP_TIME;
-    while !receiver.is_finished() && Instant::now() < end {
-        thread::sleep(Duration::from_millis(5));
-    }
+    let clock = Clock::real();
+    let is_finished = || receiver.is_finished().then_some(());
+    let _ = clock.poll(clock.now() + STOP_TIME, Duration::from_millis(5), is_finished);
     remove_recordings();
     status
 }
 
 /// Shows the state of a live vehicle, or prints it.
 fn show_vehicle(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Result<Status, Status> {
-    let started = Instant::now();
+    let clock = Clock::real();
+    let started = clock.now();
     if is_once(args) {
         remove_on_signal(labels)?;
     }
     playback.wait_for_start().map_err(|problem| failed(labels, &problem))?;
     if is_once(args) {
-        thread::sleep(args.time.unwrap_or(TIME).saturating_sub(started.elapsed()));
+        clock.sleep_until(started + args.time.unwrap_or(TIME));
         return print_once(playback, labels);
     }
     show(playback, labels)
@@ -121,9 +123,12 @@ pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Result<Status, Sta
     let (library, texts, labels) = prepare(args, path.to_string_lossy().into_owned())?;
     let is_once = is_once(args);
     let kind = if is_once { Kind::State(args.time.unwrap_or(Duration::MAX)) } else { Kind::Replay };
-    let playback = Playback::new(kind);
+    let playback = Playback::new(kind, Clock::real());
     let (reading, path) = (Arc::clone(&playback), path.to_owned());
-    thread::spawn(move || replay(&path, &library, &texts, &reading));
+    thread::spawn(move || {
+        let watcher = Watcher { playback: &reading, texts: &texts, clock: Clock::real() };
+        replay(&path, &library, watcher);
+    });
     if is_once {
         playback.wait_for_end().map_err(|problem| failed(&labels, &problem))?;
         return print_once(&playback, &labels);
@@ -157,7 +162,7 @@ fn print_once(playback: &Playback, labels: &Labels) -> Result<Status, Status> {
             source: &labels.source,
             language: &labels.language,
             is_coloured: false,
-            now: Instant::now(),
+            now: Clock::real().now(),
         };
         (text(&scene), !shown.vehicle.has_state())
     });
@@ -190,7 +195,7 @@ fn show_live(playback: &Playback, labels: &Labels) -> io::Result<Result<(), Stri
     let is_coloured = has_colours();
     let mut screen = Screen::default();
     loop {
-        let now = Instant::now();
+        let now = Clock::real().now();
         playback.show(|shown| {
             let Labels { source, language } = labels;
             let scene = Scene { shown, source, language, is_coloured, now };
@@ -214,7 +219,7 @@ fn process_inputs(
 ) -> io::Result<Step> {
     let mut due = drawn + MAX_FRAME_TIME / 2;
     loop {
-        match inputs.recv_timeout(due.saturating_duration_since(Instant::now())) {
+        match Clock::real().receive(inputs, due) {
             Ok(Input::Terminal(event)) => {
                 if let event::Event::Key(key) = event? {
                     let (step, command) = screen.press(key);

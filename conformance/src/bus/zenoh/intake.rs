@@ -8,7 +8,8 @@ use zenoh::sample::{Sample, SampleKind};
 use super::attachment::Attachment;
 use super::sequence::{Delivery, Observation, Sequences};
 use crate::bus::queue::Sender;
-use crate::bus::{Encoding, Event, Received, Topic, now};
+use crate::bus::{Encoding, Event, Received, Topic, nanoseconds};
+use crate::clock::Clock;
 
 /// The receiving end of a subscription.
 pub(super) struct Intake {
@@ -49,7 +50,7 @@ impl Intake {
             topic: self.topic.clone(),
             schema: None,
             encoding: Encoding::Cdr,
-            time: now(),
+            time: nanoseconds(&Clock::real()),
             payload: sample.payload().to_bytes().into_owned(),
             is_own: false,
         }));

@@ -12,7 +12,8 @@ use zenoh::{Session, Wait, pubsub};
 
 use super::attachment::Attachment;
 use super::error::failure;
-use crate::bus::{Topic, now};
+use crate::bus::{Topic, nanoseconds};
+use crate::clock::Clock;
 use crate::model::{Durability, History, Qos, Reliability};
 
 /// The maximum number of messages that a transient local publisher stores.
@@ -80,7 +81,7 @@ impl Publication {
     pub(super) fn publish(&mut self, payload: &[u8]) -> Result<(), String> {
         let stamp = self.session.new_timestamp();
         self.sequence = self.sequence.wrapping_add(1);
-        let time = i64::try_from(now()).unwrap_or(i64::MAX);
+        let time = i64::try_from(nanoseconds(&Clock::real())).unwrap_or(i64::MAX);
         let attachment = Attachment { sequence: self.sequence, time, publisher: self.id }.format();
         if let Some(store) = &self.store {
             store.add(Stored { payload: payload.to_vec(), attachment: attachment.clone(), time: stamp });

@@ -17,6 +17,7 @@ use object_store::{
 };
 use url::{Position, Url};
 
+use super::client::{Budget, Connector};
 use super::object::Object;
 use super::reader::Failure;
 use super::request::{attempts, runtime, text};
@@ -34,8 +35,11 @@ const LIMITS: [(ClientConfigKey, &str); 3] = [
 /// The maximum time for all attempts of a request.
 const RETRIES: Duration = Duration::from_secs(120);
 
-/// The maximum size of a list of URLs, in bytes.
-const MAX_LIST: u64 = 256 << 20;
+/// The maximum size of a list of URLs, in bytes. It also applies to the URLs of the objects in a folder.
+const MAX_LIST: u64 = 32 << 20;
+
+/// The maximum number of servers and buckets in a list.
+const MAX_SERVERS: usize = 100;
 
 /// The objects that a URL denotes, and the others in its folder.
 #[derive(Debug, Default)]
@@ -52,42 +56,60 @@ pub(crate) struct Listed {
 pub(crate) fn list(url: &str) -> Result<Listed, String> {
     let url = Url::parse(url).map_err(|error| format!("not a URL: {error}"))?;
     let (scheme, location) = ObjectStoreScheme::parse(&url).map_err(|error| text(&error.into()))?;
-    let store = connect(&url, &scheme)?;
+    let budget = Budget::of_list();
+    let store = connect(&url, &scheme, &budget)?;
     let is_single = is_capture(Path::new(location.as_ref()));
     if matches!(scheme, ObjectStoreScheme::Http) {
+        budget.end();
         let object = Object::new(&store, location, shown(&url), None);
         return if is_single { Ok(single(object)) } else { read_list(&url, &object) };
     }
     let runtime = runtime().map_err(|error| error.to_string())?;
     if is_single {
         let meta = runtime.block_on(store.head(&location)).map_err(|error| text(&error))?;
+        budget.end();
         return Ok(single(Object::new(&store, location, shown(&url), Some(meta.into()))));
     }
-    let read = || async {
-        let mut listed = Listed::default();
-        let mut objects = store.list(Some(&location));
-        while let Some(meta) = objects.try_next().await? {
-            listed.add(&store, &url, meta);
-        }
-        Ok(listed)
-    };
-    let mut listed = runtime.block_on(attempts(read)).map_err(|error| text(&error))?;
+    let read = || read_folder(&store, &url, &location, MAX_LIST);
+    let mut listed = runtime.block_on(attempts(read)).map_err(|error| text(&error))??;
+    budget.end();
     // Stores have different orders.
     listed.captures.sort_by(|one, other| one.url().cmp(other.url()));
     listed.skipped.sort();
     Ok(listed)
 }
 
+/// Lists the objects in a folder. Fails if the URLs are longer than `limit` bytes.
+async fn read_folder(
+    store: &Arc<dyn ObjectStore>,
+    url: &Url,
+    folder: &Location,
+    limit: u64,
+) -> object_store::Result<Result<Listed, String>> {
+    let (mut listed, mut length) = (Listed::default(), 0);
+    let mut objects = store.list(Some(folder));
+    while let Some(meta) = objects.try_next().await? {
+        length += listed.add(store, url, meta);
+        if length > limit {
+            let problem = format!("the URLs in the folder are longer than {} bytes", Grouped(limit));
+            return Ok(Err(problem + ": name a folder in it"));
+        }
+    }
+    Ok(Ok(listed))
+}
+
 impl Listed {
-    /// Adds an object in the store of a URL.
-    fn add(&mut self, store: &Arc<dyn ObjectStore>, url: &Url, meta: ObjectMeta) {
+    /// Adds an object in the store of a URL. Returns the length of its URL.
+    fn add(&mut self, store: &Arc<dyn ObjectStore>, url: &Url, meta: ObjectMeta) -> u64 {
         let url = url_of(url, &meta.location);
+        let length = url.len() as u64;
         if is_capture(Path::new(meta.location.as_ref())) {
             let location = meta.location.clone();
             self.captures.push(Object::new(store, location, url, Some(meta.into())));
         } else {
             self.skipped.push(url);
         }
+        length
     }
 }
 
@@ -129,7 +151,12 @@ fn read_list(url: &Url, object: &Object) -> Result<Listed, String> {
         let store = if let Some((_, store)) = stores.iter().find(same) {
             Arc::clone(store)
         } else {
-            let store = connect(&url, &scheme).map_err(failed)?;
+            if stores.len() >= MAX_SERVERS {
+                return Err(failed(format!("more than {MAX_SERVERS} servers and buckets")));
+            }
+            let budget = Budget::of_list();
+            budget.end();
+            let store = connect(&url, &scheme, &budget).map_err(failed)?;
             stores.push((url.clone(), Arc::clone(&store)));
             store
         };
@@ -139,8 +166,9 @@ fn read_list(url: &Url, object: &Object) -> Result<Listed, String> {
 }
 
 /// Connects to the store of a URL. Credentials come from the environment, or from the machine in a cloud.
-fn connect(url: &Url, scheme: &ObjectStoreScheme) -> Result<Arc<dyn ObjectStore>, String> {
+fn connect(url: &Url, scheme: &ObjectStoreScheme, budget: &Budget) -> Result<Arc<dyn ObjectStore>, String> {
     prepare_tls();
+    let connector = Connector(budget.clone());
     let retry = RetryConfig { retry_timeout: RETRIES, ..RetryConfig::default() };
     /// Builds a store with the limits.
     macro_rules! build {
@@ -151,6 +179,7 @@ fn connect(url: &Url, scheme: &ObjectStoreScheme) -> Result<Arc<dyn ObjectStore>
                     builder.with_config($key(key), time)
                 })
                 .with_retry(retry)
+                .with_http_connector(connector)
                 .build()
                 .map(|store| Arc::new(store) as Arc<dyn ObjectStore>)
         };
@@ -169,7 +198,7 @@ fn connect(url: &Url, scheme: &ObjectStoreScheme) -> Result<Arc<dyn ObjectStore>
                 LIMITS.into_iter().fold(options, |options, (key, time)| options.with_config(key, time));
             let builder =
                 HttpBuilder::new().with_url(root(url)).with_client_options(options).with_retry(retry);
-            builder.build().map(|store| Arc::new(store) as _)
+            builder.with_http_connector(connector).build().map(|store| Arc::new(store) as _)
         }
         _ => return Err("expected s3://, gs://, az://, or https://".to_owned()),
     };

@@ -4,15 +4,20 @@ use std::io::{self, Read};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use bytes::{Buf as _, Bytes};
+use bytes::{Buf as _, Bytes, BytesMut};
+use futures_util::{Stream, TryStreamExt as _};
 use object_store::path::Path;
 use object_store::{Error, GetOptions, ObjectMeta, ObjectStore, ObjectStoreExt as _};
 use tokio::task::JoinHandle;
 
 use super::request::{attempts, runtime, text};
+use crate::text::Grouped;
 
 /// The size of a range, in bytes. Two ranges are in memory for each reader.
 const RANGE: u64 = 4 << 20;
+
+/// The maximum size of an object, in bytes.
+const MAX_OBJECT: u64 = 1 << 40;
 
 /// The state of an object.
 #[derive(Clone, Debug)]
@@ -71,6 +76,10 @@ impl Reader {
             Some(known) => known,
             None => runtime()?.block_on(store.head(location)).map_err(|error| unreadable(&error))?.into(),
         };
+        if known.size > MAX_OBJECT {
+            let problem = format!("the server states a size of {} bytes", Grouped(known.size));
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem + ", which is more than 1 TiB"));
+        }
         let (store, location) = (Arc::clone(store), location.clone());
         let mut reader =
             Self { store, location, known, current: Bytes::new(), next: 0, pending: None, failure };
@@ -117,19 +126,34 @@ async fn receive(
     etag: Option<String>,
     range: Range<u64>,
 ) -> Result<Bytes, String> {
+    let length = usize::try_from(range.end - range.start).unwrap_or(usize::MAX);
     let request = || async {
         let range = Some(range.clone().into());
         let options = GetOptions { if_match: etag.clone(), range, ..GetOptions::default() };
         let result = store.get_opts(location, options).await?;
         let is_same = etag.is_none() || result.meta.e_tag.clone().map(quoted) == etag;
-        Ok((is_same, result.bytes().await?))
+        Ok((is_same, up_to(length, result.into_stream()).await?))
     };
     match attempts(request).await {
-        Ok((true, bytes)) if bytes.len() as u64 == range.end - range.start => Ok(bytes),
+        Ok((true, bytes)) if bytes.len() == length => Ok(bytes),
         Ok(_) | Err(Error::Precondition { .. }) => Err(CHANGED.to_owned()),
         Err(Error::NotFound { .. }) => Err("the object was deleted while it was read".to_owned()),
         Err(error) => Err(text(&error)),
     }
+}
+
+/// The bytes of a stream, up to a length. A longer stream isn't read to its end: the last part may exceed the length.
+async fn up_to(
+    length: usize,
+    mut stream: impl Stream<Item = object_store::Result<Bytes>> + Unpin,
+) -> object_store::Result<Bytes> {
+    let mut bytes = BytesMut::new();
+    while bytes.len() <= length
+        && let Some(part) = stream.try_next().await?
+    {
+        bytes.extend_from_slice(&part);
+    }
+    Ok(bytes.freeze())
 }
 
 /// The problem of an object with a new version.
@@ -143,4 +167,24 @@ fn unreadable(error: &Error) -> io::Error {
         _ => io::ErrorKind::Other,
     };
     io::Error::new(kind, text(error))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use futures_util::stream;
+
+    use super::*;
+
+    #[test]
+    fn a_stream_without_end_is_read_up_to_the_length() {
+        let taken = Cell::new(0);
+        let endless = stream::repeat_with(|| {
+            taken.set(taken.get() + 1);
+            Ok(Bytes::from_static(&[0; 10]))
+        });
+        let read = runtime().expect("a runtime").block_on(up_to(25, endless)).expect("bytes");
+        assert_eq!((read.len(), taken.get()), (30, 3));
+    }
 }

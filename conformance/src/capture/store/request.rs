@@ -7,7 +7,8 @@ use std::time::Duration;
 use object_store::Error;
 use tokio::runtime::{Builder, Runtime};
 
-use super::without_secrets;
+use super::client::Refused;
+use crate::text::without_secrets;
 
 /// The number of attempts for a request.
 const ATTEMPTS: u32 = 5;
@@ -31,7 +32,7 @@ pub(super) async fn attempts<T, F: Future<Output = Result<T, Error>>>(
     let mut pause = PAUSE;
     for _ in 1..ATTEMPTS {
         match request().await {
-            Err(Error::Generic { .. }) => {}
+            Err(error) if matches!(error, Error::Generic { .. }) && Refused::cause_of(&error).is_none() => {}
             result => return result,
         }
         tokio::time::sleep(pause).await;
@@ -42,5 +43,5 @@ pub(super) async fn attempts<T, F: Future<Output = Result<T, Error>>>(
 
 /// An error without credentials.
 pub(super) fn text(error: &Error) -> String {
-    without_secrets(&error.to_string())
+    Refused::cause_of(error).map_or_else(|| without_secrets(&error.to_string()), ToString::to_string)
 }

@@ -50,16 +50,17 @@ fn file_clues(path: &Path) -> io::Result<Clues> {
     let FileBytes { start, mut whole, file } = open(path, &|file| file)?;
     let whole = &mut whole;
     if (MCAP.detect)(&start) {
-        return Ok(clues::mcap(&mut Source { bytes: &mut whole.take(MAX_AHEAD), file }));
+        return Ok(clues::mcap(&mut Source { bytes: &mut whole.take(MAX_AHEAD), file, copy: None }));
     }
     if !(SQLITE.detect)(&start) {
         return Ok(Clues::default());
     }
     if file.is_some() {
-        return Ok(clues::sqlite(&mut Source { bytes: whole, file }));
+        return Ok(clues::sqlite(&mut Source { bytes: whole, file, copy: None }));
     }
     let (copy, _) = sqlite::copy(whole);
-    Ok(clues::sqlite(&mut Source { bytes: whole, file: copy.as_deref() }))
+    let file = copy.as_ref().map(sqlite::CopiedFile::path);
+    Ok(clues::sqlite(&mut Source { bytes: whole, file, copy: copy.as_ref() }))
 }
 
 /// Checks the readable parts of a bag's files. Fails if `metadata.yaml` can't be read.
@@ -123,7 +124,7 @@ fn check_file(
         return Ok(0);
     }
     let mut distribution = String::new();
-    let mut source = Source { bytes: whole, file: own };
+    let mut source = Source { bytes: whole, file: own, copy: None };
     let read = sqlite::read_source(&mut source, bag, file, &mut distribution);
     if summary.distribution.is_empty() {
         summary.distribution = distribution;

@@ -1,9 +1,11 @@
 //! Reads a `SQLite` file of rosbag2, and names ROS 1 bags.
 
+use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
-use tempfile::{NamedTempFile, TempPath};
+use tempfile::{NamedTempFile, env};
+use uavspec_codegen::stage::Stage;
 
 use super::{BagContent, BagFile, BagSummary, Channels};
 use crate::capture::rosbag::{CONVERT_ROS1, ROS1_MAGIC, SQLITE_MAGIC};
@@ -47,44 +49,80 @@ pub(super) fn read_source(
     distribution: &mut String,
 ) -> u64 {
     if let Some(path) = source.file {
-        return read(path, bag, file, distribution);
+        return read(path, &|| source.copy.iter().for_each(|copy| copy.hide()), bag, file, distribution);
     }
-    let (path, problem) = copy(source);
+    let (copy, problem) = copy(source);
     if let Some((location, text)) = problem {
         bag.corruption(file.name, location, &text, Extent::Unreadable);
     }
-    path.map_or(0, |path| read(&path, bag, file, distribution))
+    copy.map_or(0, |copy| read(copy.path(), &|| copy.hide(), bag, file, distribution))
+}
+
+/// A copy of a file in the folder for temporary files. If the run is killed, the next run removes the copy.
+pub(in crate::check) struct CopiedFile {
+    /// Dropped first: it is in the temporary folder.
+    file: NamedTempFile,
+    _stage: Stage,
+}
+
+impl CopiedFile {
+    fn new() -> io::Result<Self> {
+        let stage = Stage::new(&env::temp_dir())?;
+        Ok(Self { file: stage.file(None)?, _stage: stage })
+    }
+
+    /// The path of the file, until it is dropped.
+    pub(in crate::check) fn path(&self) -> &Path {
+        self.file.path()
+    }
+
+    /// Removes the name of the file, which is open now. Nothing then remains if the run is killed.
+    fn hide(&self) {
+        // On other systems, open files can't be removed. Nobody can react to an error.
+        if cfg!(unix) {
+            let _ = fs::remove_file(self.path());
+        }
+    }
 }
 
 /// Copies a `SQLite` file, which is read in any order, to a temporary file. Also returns the problem that ended the copy.
-pub(in crate::check) fn copy(source: &mut dyn Read) -> (Option<TempPath>, Option<(Location, String)>) {
+pub(in crate::check) fn copy(source: &mut dyn Read) -> (Option<CopiedFile>, Option<(Location, String)>) {
     let unreadable = |error: io::Error| (Location::Byte(0), format!("the rest is unreadable: {error}"));
-    let mut file = match NamedTempFile::new() {
-        Ok(file) => file,
+    let mut copy = match CopiedFile::new() {
+        Ok(copy) => copy,
         Err(error) => return (None, Some(unreadable(error))),
     };
-    if let Err(error) = io::copy(&mut source.take(MAX_UNPACKED), &mut file) {
-        return (Some(file.into_temp_path()), Some(unreadable(error)));
+    if let Err(error) = io::copy(&mut source.take(MAX_UNPACKED), &mut copy.file) {
+        return (Some(copy), Some(unreadable(error)));
     }
     if source.read(&mut [0]).is_ok_and(|read| read > 0) {
         let text = format!("the bag has more than {MAX_UNPACKED} bytes: decompress it first");
         return (None, Some((Location::Byte(MAX_UNPACKED), text)));
     }
-    (Some(file.into_temp_path()), None)
+    (Some(copy), None)
 }
 
 #[cfg(not(feature = "db3"))]
-fn read(_: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, _: &mut String) -> u64 {
+fn read(_: &Path, _: &dyn Fn(), bag: &mut Channels<'_>, file: BagFile<'_>, _: &mut String) -> u64 {
     let text = "this build of uavspec can't read SQLite files: build it with the feature `db3`";
     bag.corruption(file.name, Location::Byte(0), text, Extent::Unreadable);
     0
 }
 
+/// Reads a file, and calls `on_open` when it is open. Returns the size of the file.
 #[cfg(feature = "db3")]
-fn read(path: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, distribution: &mut String) -> u64 {
+fn read(
+    path: &Path,
+    on_open: &dyn Fn(),
+    bag: &mut Channels<'_>,
+    file: BagFile<'_>,
+    distribution: &mut String,
+) -> u64 {
+    let size = fs::metadata(path).map_or(0, |metadata| metadata.len());
     let mut reading = reading::SqliteFile::new(bag, file);
     match crate::capture::rosbag::sqlite::Bag::open(path) {
         Ok((database, problems)) => {
+            on_open();
             for problem in problems {
                 reading.report(Err(problem));
             }
@@ -93,7 +131,7 @@ fn read(path: &Path, bag: &mut Channels<'_>, file: BagFile<'_>, distribution: &m
         }
         Err(problem) => reading.report(Err(problem)),
     }
-    std::fs::metadata(path).map_or(0, |metadata| metadata.len())
+    size
 }
 
 #[cfg(feature = "db3")]
@@ -230,5 +268,28 @@ mod reading {
         fn gap(&mut self, location: Location, text: &str) {
             self.bag.corruption(self.file.name, location, text, Extent::WithGaps);
         }
+    }
+}
+
+#[cfg(all(test, unix, feature = "db3"))]
+mod tests {
+    use super::*;
+    use crate::capture::rosbag::sqlite::Bag;
+    use crate::fuzzing::bag_file::Content;
+
+    /// A run that is killed would leave up to 16 GiB.
+    #[test]
+    fn a_copy_has_no_name_while_it_is_read() {
+        let bytes = Content::default().to_bytes();
+        let (copy, problem) = copy(&mut &bytes[..]);
+        assert_eq!(problem, None);
+        let copy = copy.expect("a copy");
+        let (bag, _) = Bag::open(copy.path()).expect("a bag");
+        copy.hide();
+        assert!(!copy.path().exists());
+        assert_eq!(bag.topics(|_| {}), Ok(()));
+        let folder = copy.path().parent().expect("a folder").to_owned();
+        drop(copy);
+        assert!(!folder.exists());
     }
 }

@@ -158,7 +158,7 @@ mod tests {
             r#"{"op":"publish","topic":"/robot/kite_v3","msg":{"pull":3}}"#,
         ]
         .join("\n");
-        let found = clues(&mut Source { bytes: &mut text.as_bytes(), file: None });
+        let found = clues(&mut Source { bytes: &mut text.as_bytes(), file: None, copy: None });
         let message = |topic: &str| match &found.formats[topic] {
             FormatClue::Json(JsonClue { text, version, .. }) => (text.as_str(), *version),
             FormatClue::Layout(_) => panic!("expected JSON"),
@@ -178,7 +178,7 @@ mod tests {
             r#"{"type":"px4/Kite","message":{}}"#,
         ]
         .join("\n");
-        let found = clues(&mut Source { bytes: &mut text.as_bytes(), file: None });
+        let found = clues(&mut Source { bytes: &mut text.as_bytes(), file: None, copy: None });
         let message = |ty: &str| found.types[ty].json.as_ref().map(|json| json.text.as_str());
         assert_eq!(message("std_msgs/msg/Empty"), Some("{}"));
         assert_eq!(message("px4_msgs/msg/Kite"), Some(r#"{"pull":3}"#));

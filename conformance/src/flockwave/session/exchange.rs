@@ -9,6 +9,7 @@ use crate::flockwave::body_schema::{BodySchemas, Deviation};
 use crate::flockwave::record::{self, SessionRecord};
 use crate::json::Tree;
 use crate::model::Rule;
+use crate::text::{start_of, without_login};
 
 /// The maximum length of an excerpt, in characters.
 const MAX_EXCERPT: usize = 160;
@@ -269,13 +270,9 @@ impl<'t> Exchange<'t> {
         }
     }
 
-    /// The start of the message text.
+    /// The start of the message text. The password of a login is not shown.
     pub(crate) fn excerpt(&self) -> String {
-        let mut text: String = self.record.text.chars().take(MAX_EXCERPT).collect();
-        if text.len() < self.record.text.len() {
-            text.push('…');
-        }
-        text
+        start_of(&without_login(self.record.text), MAX_EXCERPT).into_owned()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::secrets::Secrets;
 use crate::json::base64;
 use crate::net::tls::Trust;
 
@@ -22,6 +23,11 @@ impl Access {
     /// The trusted certificates, if the connection uses TLS.
     pub(super) fn trust(&self, is_encrypted: bool) -> Option<&Trust> {
         is_encrypted.then_some(&self.trust)
+    }
+
+    /// The secrets of a connection to a path with an optional query.
+    pub(crate) fn secrets(&self, path: &str) -> Secrets {
+        Secrets::new(self.login.as_ref(), path)
     }
 
     /// The value of the header `Authorization`.

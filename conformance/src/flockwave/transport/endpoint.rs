@@ -6,6 +6,7 @@ use std::str::FromStr;
 use super::engine::Revision;
 use super::{ONE_SHOT_PATH, SOCKET_IO_PATH};
 use crate::net::Address;
+use crate::text::without_query;
 
 /// A transport and an address, in the form of a URL. With TLS, the scheme ends in `s`: `tcps`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,7 +19,7 @@ pub enum Endpoint {
     Http {
         /// The host and port.
         address: ServerAddress,
-        /// The path, with a leading slash.
+        /// The path and the query, with a leading slash.
         path: String,
     },
     /// `socketio://localhost:5000?protocol=5&transport=websocket`
@@ -100,6 +101,11 @@ impl Endpoint {
         }
     }
 
+    /// The path and the query of a URL that has them.
+    pub(crate) fn path(&self) -> &str {
+        if let Self::Http { path, .. } = self { path } else { "" }
+    }
+
     /// Sets the carrier of Socket.IO packets.
     #[must_use]
     pub(crate) fn by(&self, carrier: Carrier) -> Self {
@@ -141,13 +147,14 @@ impl FromStr for Endpoint {
 }
 
 impl fmt::Display for Endpoint {
+    /// Writes the URL without the query of a path, which may be a secret.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let scheme = self.scheme();
         let suffix = if self.address().is_encrypted { "s" } else { "" };
         write!(f, "{scheme}{suffix}://{}", self.address())?;
         match self {
             Self::Tcp(_) | Self::Udp(_) => Ok(()),
-            Self::Http { path, .. } => f.write_str(path),
+            Self::Http { path, .. } => f.write_str(without_query(path)),
             Self::SocketIo { revision, carrier, .. } => {
                 let transport = match carrier {
                     Carrier::WebSocket => "websocket",
@@ -185,8 +192,9 @@ fn socket_io(text: &str, is_encrypted: bool, default_port: Option<u16>) -> Resul
             "transport=websocket" => carrier = Carrier::WebSocket,
             "transport=polling" => carrier = Carrier::Polling,
             other => {
+                let name = other.split('=').next().unwrap_or(other);
                 return Err(format!(
-                    "unknown option {other}: expected protocol=4, protocol=5, transport=websocket or transport=polling"
+                    "unknown option {name}: expected protocol=4, protocol=5, transport=websocket or transport=polling"
                 ));
             }
         }
@@ -227,6 +235,13 @@ mod tests {
     }
 
     #[test]
+    fn printed_endpoints_contain_no_queries() {
+        let endpoint: Endpoint = "http://localhost:5000/fleet?token=secret".parse().expect("a URL");
+        assert_eq!(endpoint.to_string(), "http://localhost:5000/fleet");
+        assert!(matches!(endpoint, Endpoint::Http { path, .. } if path == "/fleet?token=secret"));
+    }
+
+    #[test]
     fn reports_why_an_endpoint_is_invalid() {
         for (text, expected) in [
             ("localhost:5001", "tcp://localhost:5001"),
@@ -236,7 +251,8 @@ mod tests {
             ("socketios://localhost", "no port"),
             ("udps://localhost:5001", "unknown transport udps"),
             ("https://pilot:secret@localhost", "--login"),
-            ("socketio://localhost:5000?protocol=3", "protocol=3"),
+            ("socketio://localhost:5000?protocol=3", "unknown option protocol"),
+            ("socketio://localhost:5000?token=secret", "unknown option token:"),
         ] {
             let text = text.parse::<Endpoint>().expect_err(text);
             assert!(text.contains(expected), "{text}");

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use super::Vehicle;
 use crate::bus;
 use crate::check::Observer;
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::record::SessionRecord;
 use crate::model::{Channel, Message};
@@ -41,11 +42,14 @@ pub(crate) enum Kind {
 /// The state of a vehicle that two threads share.
 pub(crate) struct Playback {
     kind: Kind,
+    clock: Clock,
     inner: Mutex<Inner>,
     changed: Condvar,
 }
 
 struct Inner {
+    /// The number of changes.
+    changes: u64,
     vehicle: Vehicle,
     link: Link,
     notes: VecDeque<String>,
@@ -89,8 +93,10 @@ pub(crate) struct Shown<'p> {
 }
 
 impl Playback {
-    pub(crate) fn new(kind: Kind) -> Arc<Self> {
+    /// The display of a source. `clock` is that of the calling thread.
+    pub(crate) fn new(kind: Kind, clock: Clock) -> Arc<Self> {
         let inner = Inner {
+            changes: 0,
             vehicle: Vehicle::default(),
             link: Link::Connecting,
             notes: VecDeque::new(),
@@ -103,7 +109,7 @@ impl Playback {
             speed: 1.0,
             anchor: None,
         };
-        Arc::new(Self { kind, inner: Mutex::new(inner), changed: Condvar::new() })
+        Arc::new(Self { kind, clock, inner: Mutex::new(inner), changed: Condvar::new() })
     }
 
     fn lock(&self) -> MutexGuard<'_, Inner> {
@@ -112,19 +118,22 @@ impl Playback {
 
     /// Changes the state, and wakes all waiting threads.
     fn change(&self, change: impl FnOnce(&mut Inner)) {
-        change(&mut self.lock());
+        let mut inner = self.lock();
+        inner.changes += 1;
+        change(&mut inner);
+        drop(inner);
         self.changed.notify_all();
     }
 
     /// Passes the current state to a function.
     pub(crate) fn show<T>(&self, show: impl FnOnce(&Shown<'_>) -> T) -> T {
-        let inner = self.lock();
+        let (inner, time) = (self.lock(), self.clock.now());
         let vehicle = inner.frozen.as_ref().unwrap_or(&inner.vehicle);
         let latest = vehicle.latest.unwrap_or_default();
         let now = match (self.kind, inner.anchor) {
             _ if inner.is_paused || inner.end.is_some() => latest,
-            (Kind::Live, _) => (bus::now() / 1_000).max(latest),
-            (_, Some(anchor)) => inner.position(anchor).max(latest),
+            (Kind::Live, _) => (bus::nanoseconds(&self.clock) / 1_000).max(latest),
+            (_, Some(anchor)) => inner.position(anchor, time).max(latest),
             (_, None) => latest,
         };
         show(&Shown {
@@ -170,7 +179,8 @@ impl Playback {
     pub(crate) fn accelerate(&self, is_faster: bool) {
         self.change(|inner| {
             let speed = if is_faster { inner.speed * 2.0 } else { inner.speed / 2.0 };
-            inner.anchor = inner.anchor.map(|anchor| (inner.position(anchor), Instant::now()));
+            let now = self.clock.now();
+            inner.anchor = inner.anchor.map(|anchor| (inner.position(anchor, now), now));
             inner.speed = speed.clamp(SPEEDS.0, SPEEDS.1);
         });
     }
@@ -206,27 +216,22 @@ impl Playback {
 
     /// Waits until a connection exists or can't be made, or until a replay ends. Returns the problem.
     pub(crate) fn wait_for_start(&self) -> Result<(), String> {
-        let mut inner = self.lock();
-        loop {
-            match (&inner.link, &inner.end) {
-                (_, Some(result)) => return result.clone(),
-                (Link::Lost { reason, .. }, _) => return Err(reason.clone()),
-                (Link::Connected, None) => return Ok(()),
-                (Link::Connecting, None) => {}
-            }
-            inner = self.changed.wait(inner).unwrap_or_else(PoisonError::into_inner);
+        let inner = self.wait(|inner| inner.link == Link::Connecting && inner.end.is_none());
+        match (&inner.link, &inner.end) {
+            (_, Some(result)) => result.clone(),
+            (Link::Lost { reason, .. }, None) => Err(reason.clone()),
+            (Link::Connected | Link::Connecting, None) => Ok(()),
         }
     }
 
     /// Waits until a replay ends. Returns the problem.
     pub(crate) fn wait_for_end(&self) -> Result<(), String> {
-        let mut inner = self.lock();
-        loop {
-            if let Some(result) = &inner.end {
-                return result.clone();
-            }
-            inner = self.changed.wait(inner).unwrap_or_else(PoisonError::into_inner);
-        }
+        self.wait(|inner| inner.end.is_none()).end.clone().unwrap_or(Ok(()))
+    }
+
+    /// Waits while a condition holds.
+    fn wait(&self, condition: impl Fn(&Inner) -> bool) -> MutexGuard<'_, Inner> {
+        self.clock.wait_while((&self.inner, &self.changed), None, |inner| condition(inner))
     }
 
     /// The reason why a replay can't be read.
@@ -234,8 +239,8 @@ impl Playback {
         self.lock().end.clone()?.err()
     }
 
-    /// Waits until a replay reaches a time. Returns false if the time is outside the replay.
-    fn reach(&self, time: u64) -> bool {
+    /// Waits by a clock until a replay reaches a time. Returns false if the time is outside the replay.
+    fn reach(&self, time: u64, clock: &Clock) -> bool {
         let mut inner = self.lock();
         if let Kind::State(limit) = self.kind {
             return inner.vehicle.elapsed(time) <= limit;
@@ -244,13 +249,13 @@ impl Playback {
             return true;
         }
         while !(inner.is_paused && inner.is_stepping) {
-            inner = match inner.wait_time(time) {
-                Some(Duration::ZERO) => break,
-                Some(wait) => {
-                    self.changed.wait_timeout(inner, wait).unwrap_or_else(PoisonError::into_inner).0
-                }
-                None => self.changed.wait(inner).unwrap_or_else(PoisonError::into_inner),
-            };
+            let due = inner.due(time, clock.now());
+            if due.is_some_and(|due| due <= clock.now()) {
+                break;
+            }
+            let changes = inner.changes;
+            drop(inner);
+            inner = clock.wait_while((&self.inner, &self.changed), due, |inner| inner.changes == changes);
         }
         true
     }
@@ -259,23 +264,24 @@ impl Playback {
 impl Inner {
     /// The position of a replay, in µs.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)] // a sum saturates
-    fn position(&self, (time, since): (u64, Instant)) -> u64 {
-        time.saturating_add((since.elapsed().as_micros() as f64 * self.speed) as u64)
+    fn position(&self, (time, since): (u64, Instant), now: Instant) -> u64 {
+        let elapsed = now.saturating_duration_since(since);
+        time.saturating_add((elapsed.as_micros() as f64 * self.speed) as u64)
     }
 
-    /// The time until a replay reaches a time. `None` if it is paused.
+    /// The time at which a replay reaches a time of the capture. `None` if it is paused.
     #[allow(clippy::cast_precision_loss)] // the speed is approximate
-    fn wait_time(&mut self, time: u64) -> Option<Duration> {
+    fn due(&mut self, time: u64, now: Instant) -> Option<Instant> {
         if self.is_paused {
             return None;
         }
         let latest = self.vehicle.latest.unwrap_or(time);
         let is_skipped = Duration::from_micros(time.saturating_sub(latest)) > MAX_GAP;
         let start = if is_skipped { time } else { latest };
-        let anchor = self.anchor.filter(|_| !is_skipped).unwrap_or((start, Instant::now()));
+        let anchor = self.anchor.filter(|_| !is_skipped).unwrap_or((start, now));
         self.anchor = Some(anchor);
-        let left = time.saturating_sub(self.position(anchor));
-        Some(Duration::from_secs_f64(left as f64 / 1e6 / self.speed))
+        let left = time.saturating_sub(self.position(anchor, now));
+        Some(now + Duration::from_secs_f64(left as f64 / 1e6 / self.speed))
     }
 }
 
@@ -283,6 +289,8 @@ impl Inner {
 pub(crate) struct Watcher<'w> {
     pub playback: &'w Playback,
     pub texts: &'w Texts,
+    /// The clock of the thread that reads the records.
+    pub clock: Clock,
 }
 
 impl Observer for Watcher<'_> {
@@ -301,7 +309,7 @@ impl Observer for Watcher<'_> {
         time: Option<u64>,
         definitions: &Definitions,
     ) {
-        if !time.is_none_or(|time| self.playback.reach(time)) {
+        if !time.is_none_or(|time| self.playback.reach(time, &self.clock)) {
             return;
         }
         self.playback.change(|inner| {

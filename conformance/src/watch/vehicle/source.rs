@@ -1,7 +1,6 @@
 //! The sources of messages: live vehicles and captures.
 
 use std::path::Path;
-use std::thread;
 use std::time::{Duration, Instant};
 
 use globset::{Glob, GlobSet, GlobSetBuilder};
@@ -12,6 +11,7 @@ use super::playback::{Playback, Watcher};
 use crate::bus::{Bus, Event, Publisher, Topic};
 use crate::capture::input::Input;
 use crate::check::{Checked, Summary, check_input};
+use crate::clock::Clock;
 use crate::definitions::Library;
 use crate::model::Qos;
 use crate::story::Texts;
@@ -28,6 +28,8 @@ const MAX_TIME: Duration = Duration::from_secs(365 * 24 * 60 * 60);
 pub(crate) struct Live<'l> {
     /// Connects to the vehicle.
     pub connect: &'l dyn Fn() -> Result<Box<dyn Bus>, String>,
+    /// The clock of the vehicle.
+    pub clock: Clock,
     /// Returns true if the display has ended.
     pub is_stopped: fn() -> bool,
 }
@@ -52,18 +54,19 @@ pub(crate) fn watch_live(live: &Live<'_>, library: &Library, texts: &Texts, play
                     is_stopped: Box::new(live.is_stopped),
                 };
                 let mut tap = Tap { bus: &mut *bus, playback };
-                match observe(&mut tap, library, &options, &mut Watcher { playback, texts }) {
+                let mut watcher = Watcher { playback, texts, clock: live.clock.clone() };
+                match observe(&mut tap, library, &options, &mut watcher) {
                     Ok(reason) => reason.unwrap_or_default(),
                     Err(error) => format!("can't write a temporary file: {error}"),
                 }
             }
             Err(problem) => problem,
         };
-        playback.set_link(Link::Lost { reason, again: Instant::now() + PAUSE });
+        playback.set_link(Link::Lost { reason, again: live.clock.now() + PAUSE });
         if is_first {
             return;
         }
-        thread::sleep(PAUSE);
+        live.clock.sleep(PAUSE);
     }
 }
 
@@ -111,14 +114,18 @@ impl Bus for Tap<'_> {
         self.bus.publish(publisher, payload)
     }
 
+    fn clock(&self) -> Clock {
+        self.bus.clock()
+    }
+
     fn is_matched_by_qos(&self) -> bool {
         self.bus.is_matched_by_qos()
     }
 }
 
-/// Replays a capture.
-pub(crate) fn replay(path: &Path, library: &Library, texts: &Texts, playback: &Playback) {
-    let (input, mut watcher) = (Input::Path(path.to_owned()), Watcher { playback, texts });
+/// Replays a capture. `watcher` waits until a message is due.
+pub(crate) fn replay(path: &Path, library: &Library, mut watcher: Watcher<'_>) {
+    let (input, playback) = (Input::Path(path.to_owned()), watcher.playback);
     let observed = check_input(&input, None, library, Some(&mut watcher), &|input| input);
     let ended = observed.map_err(|error| error.to_string()).and_then(|Checked { result, .. }| {
         if let Summary::Unknown(unknown) = result.summary {

@@ -3,7 +3,7 @@
 use std::io::Write as _;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use uavspec_codegen::schema::fingerprint::ros_name;
@@ -16,6 +16,7 @@ use super::*;
 use crate::bus::memory::Network;
 use crate::bus::{Bus as _, Event, Topic};
 use crate::check::observe_capture;
+use crate::clock::Clock;
 use crate::definitions::Library;
 use crate::model::Qos;
 use crate::rules::sample::{Encoding, Flight, PERIOD, START};
@@ -106,10 +107,10 @@ fn change(message: &str, value: &mut Value) {
 
 /// Passes the state after a flight to a function.
 pub(crate) fn after<T>(flight: &Flight<'_>, show: impl FnOnce(&Shown<'_>) -> T) -> T {
-    let playback = Playback::new(Kind::State(Duration::MAX));
+    let playback = Playback::new(Kind::State(Duration::MAX), Clock::simulated());
     let bytes = Encoding::Mcap.write(flight).expect("an encoded flight");
     let texts = texts();
-    let mut watcher = Watcher { playback: &playback, texts: &texts };
+    let mut watcher = Watcher { playback: &playback, texts: &texts, clock: Clock::simulated() };
     observe_capture(&bytes[..], flight.definitions, &mut watcher).expect("a capture");
     playback.end(Ok(()));
     playback.show(show)
@@ -187,12 +188,10 @@ fn batteries_state_their_charge_and_warning() {
 }
 
 /// Waits until a condition is met.
-fn wait_until(playback: &Playback, condition: impl Fn(&Shown<'_>) -> bool) {
-    let end = Instant::now() + Duration::from_secs(20);
-    while !playback.show(&condition) {
-        assert!(Instant::now() < end, "the condition isn't met");
-        thread::sleep(Duration::from_millis(10));
-    }
+fn wait_until(playback: &Playback, clock: &Clock, condition: impl Fn(&Shown<'_>) -> bool) {
+    let end = clock.now() + Duration::from_secs(1_000);
+    let met = clock.poll(end, Duration::ZERO, || playback.show(&condition).then_some(()));
+    met.expect("the condition is met");
 }
 
 #[test]
@@ -201,24 +200,29 @@ fn replays_pause_step_and_continue() {
     let mut file = tempfile::NamedTempFile::new().expect("a file");
     let bytes = Encoding::Mcap.write(&grounded(&definitions)).expect("an encoded flight");
     file.write_all(&bytes).expect("written");
-    let (playback, texts, library) = (Playback::new(Kind::Replay), texts(), Library::built_in());
+    let (clock, texts, library) = (Clock::simulated(), texts(), Library::built_in());
+    let playback = Playback::new(Kind::Replay, clock.clone());
     playback.pause();
     thread::scope(|scope| {
-        scope.spawn(|| replay(file.path(), &library, &texts, &playback));
+        let replaying = clock.spawn(scope, |clock| {
+            let watcher = Watcher { playback: &playback, texts: &texts, clock: clock.clone() };
+            replay(file.path(), &library, watcher);
+        });
         let messages = || playback.show(|shown| shown.vehicle.messages);
-        thread::sleep(Duration::from_millis(300));
+        clock.sleep(Duration::from_millis(300));
         assert_eq!(messages(), 0, "it is paused");
         playback.step();
-        wait_until(&playback, |shown| shown.vehicle.has_state());
-        thread::sleep(Duration::from_millis(100));
+        wait_until(&playback, &clock, |shown| shown.vehicle.has_state());
+        clock.sleep(Duration::from_millis(100));
         let first = messages();
         playback.step();
-        wait_until(&playback, |shown| shown.vehicle.messages > first);
+        wait_until(&playback, &clock, |shown| shown.vehicle.messages > first);
         assert!(playback.show(|shown| shown.is_paused && !shown.is_ended));
         playback.pause();
         playback.accelerate(true);
-        wait_until(&playback, |shown| shown.is_ended);
+        wait_until(&playback, &clock, |shown| shown.is_ended);
         assert_eq!(playback.wait_for_end(), Ok(()));
+        replaying.join().expect("no panic");
     });
 }
 
@@ -226,8 +230,9 @@ fn replays_pause_step_and_continue() {
 fn replays_report_files_that_are_no_captures() {
     let mut file = tempfile::NamedTempFile::new().expect("a file");
     file.write_all(b"glider").expect("written");
-    let playback = Playback::new(Kind::Replay);
-    replay(file.path(), &Library::built_in(), &texts(), &playback);
+    let (clock, texts) = (Clock::simulated(), texts());
+    let playback = Playback::new(Kind::Replay, clock.clone());
+    replay(file.path(), &Library::built_in(), Watcher { playback: &playback, texts: &texts, clock });
     let problem = playback.wait_for_start().expect_err("a problem");
     assert!(problem.starts_with("unknown file type"), "{problem}");
 }
@@ -248,9 +253,10 @@ impl Drop for Stop {
 fn live_vehicles_are_shown_and_reconnected() {
     let definitions = Definitions::built_in();
     let flight = grounded(&definitions);
-    let (playback, texts, library) = (Playback::new(Kind::Live), texts(), Library::built_in());
+    let (clock, texts, library) = (Clock::simulated(), texts(), Library::built_in());
+    let playback = Playback::new(Kind::Live, clock.clone());
     let network = Network::default();
-    let mut px4 = network.connect("/px4");
+    let mut px4 = network.connect("/px4", &clock);
     let publishers: Vec<_> = flight
         .topics
         .iter()
@@ -271,27 +277,28 @@ fn live_vehicles_are_shown_and_reconnected() {
         }
     };
     thread::scope(|scope| {
-        let _stop = Stop;
-        scope.spawn(|| {
-            let connect = || Ok(Box::new(network.connect("/watch")) as Box<dyn crate::bus::Bus>);
-            let live = Live { connect: &connect, is_stopped: || IS_STOPPED.load(Ordering::Relaxed) };
+        let stop = Stop;
+        let watching = clock.spawn(scope, |clock| {
+            let connect = || Ok(Box::new(network.connect("/watch", clock)) as Box<dyn crate::bus::Bus>);
+            let is_stopped = || IS_STOPPED.load(Ordering::Relaxed);
+            let live = Live { connect: &connect, clock: clock.clone(), is_stopped };
             watch_live(&live, &library, &texts, &playback);
         });
         playback.wait_for_start().expect("a connection");
-        thread::sleep(Duration::from_millis(500));
+        clock.sleep(Duration::from_millis(500));
         fly(usize::MAX);
-        wait_until(&playback, |shown| shown.vehicle.components.all.len() == 2);
+        wait_until(&playback, &clock, |shown| shown.vehicle.components.all.len() == 2);
         playback.show(|shown| {
             assert_eq!(set(shown.vehicle).len(), 4);
             assert!(age(shown.vehicle.latest.expect("a message"), shown.now) < Duration::from_secs(60));
         });
         network.send(&Event::Lost { topic: "/fmu/out/failsafe_flags".into(), count: 7 }, usize::MAX);
         network.send(&Event::Problem("a broken datagram".to_owned()), usize::MAX);
-        wait_until(&playback, |shown| shown.lost == 7 && shown.notes.len() == 1);
+        wait_until(&playback, &clock, |shown| shown.lost == 7 && shown.notes.len() == 1);
         playback.pause();
         let messages = playback.show(|shown| shown.vehicle.messages);
         fly(20);
-        wait_until(&playback, |shown| shown.waiting > 0);
+        wait_until(&playback, &clock, |shown| shown.waiting > 0);
         assert_eq!(playback.show(|shown| shown.vehicle.messages), messages, "the display is paused");
         playback.step();
         assert!(playback.show(|shown| shown.vehicle.messages) > messages);
@@ -299,16 +306,20 @@ fn live_vehicles_are_shown_and_reconnected() {
         network.send(&Event::Closed("the vehicle left".to_owned()), usize::MAX);
         wait_until(
             &playback,
+            &clock,
             |shown| matches!(shown.link, Link::Lost { reason, .. } if reason == "the vehicle left"),
         );
-        wait_until(&playback, |shown| *shown.link == Link::Connected);
+        wait_until(&playback, &clock, |shown| *shown.link == Link::Connected);
+        drop(stop);
+        watching.join().expect("no panic");
     });
 }
 
 #[test]
 fn the_first_connection_must_succeed() {
-    let playback = Playback::new(Kind::Live);
-    let live = Live { connect: &|| Err("nobody listens".to_owned()), is_stopped: || false };
+    let clock = Clock::simulated();
+    let playback = Playback::new(Kind::Live, clock.clone());
+    let live = Live { connect: &|| Err("nobody listens".to_owned()), clock, is_stopped: || false };
     watch_live(&live, &Library::built_in(), &texts(), &playback);
     assert_eq!(playback.wait_for_start(), Err("nobody listens".to_owned()));
 }

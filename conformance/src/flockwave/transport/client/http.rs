@@ -93,7 +93,7 @@ impl HttpClient {
         let (mut target, mut agent) = (self.target.clone(), self.agent.clone());
         let authorization = self.access.authorization();
         for _ in 0..=REDIRECT_LIMIT {
-            let mut request = Request::builder().uri(target.to_string());
+            let mut request = Request::builder().uri(target.url());
             if let Some(authorization) = &authorization {
                 request = request.header(header::AUTHORIZATION, authorization);
             }
@@ -110,8 +110,7 @@ impl HttpClient {
                 return Ok(body);
             }
             let next = redirected(&target, status, headers)?.ok_or_else(|| {
-                let has_login = authorization.is_some();
-                Refusal { target: &target, status, headers, body: &body, has_login }.error()
+                Refusal { target: &target, status, headers, body: &body, access: &self.access }.error()
             })?;
             if next.address.is_encrypted && !target.address.is_encrypted {
                 agent = new_agent(&self.access, true);

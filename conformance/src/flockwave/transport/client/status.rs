@@ -5,9 +5,10 @@ use std::io;
 use ureq::http::{HeaderMap, StatusCode, header};
 
 use super::target::{REDIRECT_LIMIT, Target};
-use crate::text::shown;
+use crate::flockwave::transport::access::Access;
+use crate::text::{shown, shown_url, start_of, without_query};
 
-/// The maximum length of the excerpt of a body, in bytes.
+/// The maximum length of the excerpt of a body, in characters.
 const EXCERPT: usize = 200;
 
 const REFUSED_LOGIN: &str = "the server refused the login: check the name and the password in --login";
@@ -38,7 +39,7 @@ pub(super) struct Refusal<'r> {
     pub(super) status: StatusCode,
     pub(super) headers: &'r HeaderMap,
     pub(super) body: &'r [u8],
-    pub(super) has_login: bool,
+    pub(super) access: &'r Access,
 }
 
 impl Refusal<'_> {
@@ -57,7 +58,7 @@ impl Refusal<'_> {
         match self.status.as_u16() {
             200..=299 => format!("the server doesn't open a WebSocket at {target}"),
             401 => self.unauthorized(),
-            403 if self.has_login => format!("{REFUSED_LOGIN}, and its access to {target}"),
+            403 if self.has_login() => format!("{REFUSED_LOGIN}, and its access to {target}"),
             403 => format!("the server refuses access to {target}"),
             404 => format!("no service at {target}: check the host, the port and the path in the URL"),
             405 => format!("wrong service at {target}: check the path in the URL"),
@@ -79,19 +80,28 @@ impl Refusal<'_> {
                 methods.join(" or ")
             );
         }
-        if self.has_login {
+        if self.has_login() {
             REFUSED_LOGIN.to_owned()
         } else {
             "the server requires a login: use --login NAME:PASSWORD".to_owned()
         }
     }
 
+    fn has_login(&self) -> bool {
+        self.access.authorization().is_some()
+    }
+
     /// The start of the body, on one line.
     fn excerpt(&self) -> String {
-        let is_cut = self.body.len() > EXCERPT;
-        let text = String::from_utf8_lossy(&self.body[..self.body.len().min(EXCERPT)]);
-        let line = shown(&text.split_whitespace().collect::<Vec<_>>().join(" "));
-        if is_cut { format!("{line}…") } else { line }
+        let body = String::from_utf8_lossy(self.body);
+        let line = self
+            .access
+            .secrets(&self.target.path)
+            .hide(&body)
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        shown(&start_of(&line, EXCERPT))
     }
 }
 
@@ -108,9 +118,13 @@ pub(super) fn redirected(
     let location = String::from_utf8_lossy(location.as_bytes());
     match target.redirected(&location) {
         Some(next) => Ok(Some(next)),
-        None => {
-            Err(error(status, &format!("the server redirects to {}: use that URL instead", shown(&location))))
-        }
+        None => Err(error(
+            status,
+            &format!(
+                "the server redirects to {}: use that URL instead",
+                shown(&shown_url(without_query(&location)))
+            ),
+        )),
     }
 }
 

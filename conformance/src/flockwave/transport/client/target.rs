@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::flockwave::transport::endpoint::{ServerAddress, default_port};
+use crate::text::shown_url;
 
 /// The maximum number of redirects of a request.
 pub(super) const REDIRECT_LIMIT: usize = 5;
@@ -18,6 +19,12 @@ pub(super) struct Target {
 impl Target {
     pub(super) fn new(address: &ServerAddress, path: impl Into<String>) -> Self {
         Self { address: address.clone(), path: path.into() }
+    }
+
+    /// The URL of a request.
+    pub(super) fn url(&self) -> String {
+        let scheme = if self.address.is_encrypted { "https" } else { "http" };
+        format!("{scheme}://{}{}", self.address, self.path)
     }
 
     /// The URL of the WebSocket.
@@ -64,9 +71,9 @@ impl Target {
 }
 
 impl fmt::Display for Target {
+    /// Writes the URL without its query.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let scheme = if self.address.is_encrypted { "https" } else { "http" };
-        write!(f, "{scheme}://{}{}", self.address, self.path)
+        f.write_str(&shown_url(&self.url()))
     }
 }
 
@@ -90,13 +97,13 @@ mod tests {
             ("ftp://glider/fleet", None),
             ("/login?from=http://kite/", Some("http://glider:5000/login?from=http://kite/")),
         ] {
-            let found = plain.redirected(location).map(|target| target.to_string());
+            let found = plain.redirected(location).map(|target| target.url());
             assert_eq!(found.as_deref(), expected, "{location}");
         }
         let encrypted = Target::new(&address(true), "/");
         assert_eq!(encrypted.redirected("http://glider:5000/"), None);
         assert_eq!(
-            encrypted.redirected("/x").map(|target| target.to_string()).as_deref(),
+            encrypted.redirected("/x").map(|target| target.url()).as_deref(),
             Some("https://glider:5000/x")
         );
     }

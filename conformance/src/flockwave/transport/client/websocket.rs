@@ -166,8 +166,7 @@ fn open(mut target: Target, access: &Access, until: Instant) -> io::Result<WebSo
         let (status, headers) = (response.status(), response.headers());
         target = redirected(&target, status, headers)?.ok_or_else(|| {
             let body = response.body().as_deref().unwrap_or_default();
-            let has_login = access.authorization().is_some();
-            Refusal { target: &target, status, headers, body, has_login }.error()
+            Refusal { target: &target, status, headers, body, access }.error()
         })?;
     }
     Err(too_many_redirects(&target))
