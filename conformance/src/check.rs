@@ -50,7 +50,7 @@ pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
 #[doc(hidden)]
 pub use self::flockwave::FlockwaveChecker;
 pub(crate) use self::flockwave::is_flockwave;
-pub use self::flockwave::{FlockwaveSummary, TypeCount};
+pub use self::flockwave::{FlockwaveSummary, TypeCount, UnreadTimes};
 pub use self::json::JsonSummary;
 #[doc(hidden)]
 pub use self::json::check_json_thoroughly;

@@ -16,7 +16,7 @@ mod released;
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::dynamic::Types;
@@ -38,7 +38,7 @@ pub use self::library::Library;
 pub(crate) use self::library::ros_package;
 pub(crate) use self::released::{ReleasedType, released_type};
 use crate::capture::ulog::{FormatCache, FormatSet};
-use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
+use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, SchemaError, Schemas};
 use crate::px4::format_plan::{FormatPlans, PlanCache};
 use crate::text::terminal;
 
@@ -220,10 +220,16 @@ impl Definitions {
         self.replaced.get(&id).copied().unwrap_or(id)
     }
 
-    /// Adds body schemas for Flockwave message types without a definition.
-    #[must_use]
-    pub fn with_schemas(self, schemas: Arc<Schemas>) -> Self {
-        Self { schemas, ..self }
+    /// Loads JSON Schemas for Flockwave message types without a definition from these folders.
+    ///
+    /// # Errors
+    /// Fails if a schema can't be read or used.
+    pub fn with_schemas(self, folders: &[PathBuf]) -> Result<Self, SchemaError> {
+        if folders.is_empty() {
+            return Ok(self);
+        }
+        let schemas = Arc::new(Schemas::load(folders, self.defined_schemas())?);
+        Ok(Self { schemas, ..self })
     }
 
     /// The message of a PX4 topic in a log. PX4 appends versions only to names in ROS, so the whole name counts.
