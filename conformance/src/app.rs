@@ -333,7 +333,10 @@ fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -
         terminal::eprintln!("warning: {file} is left out: it refers to a package that isn't in the folder");
     }
     if library.has_built_in_packages() {
-        terminal::eprintln!("note: the built-in definitions of ROS 2 fill the packages that {} lacks", library.name());
+        terminal::eprintln!(
+            "note: the built-in definitions of ROS 2 fill the packages that {} lacks",
+            library.name()
+        );
     }
     library.with_schemas(schemas).map_err(|error| invalid_schemas(&error))
 }

@@ -9,8 +9,10 @@ use std::borrow::Cow;
 use std::fmt;
 
 pub(crate) use self::command_line::command_line;
+#[cfg(feature = "stores")]
+pub(crate) use self::secrets::without_secrets;
 pub(crate) use self::secrets::{
-    HIDDEN, is_object_url, shown_url, shown_value, shown_words, without_login, without_query, without_secrets,
+    HIDDEN, is_object_url, shown_url, shown_value, shown_words, without_login, without_query,
 };
 pub(crate) use self::similar::similar;
 pub(crate) use self::wrap::wrapped;

@@ -272,7 +272,8 @@ mod tests {
     #[test]
     fn a_recording_ends_at_its_limit_but_the_checks_go_on() {
         let (definitions, file) = (Definitions::built_in(), Shared::default());
-        let mut tape = Tape { limit: 1_000, ..Tape::new(&definitions, Clock::real(), Some(Box::new(file.clone()))) };
+        let mut tape =
+            Tape { limit: 1_000, ..Tape::new(&definitions, Clock::real(), Some(Box::new(file.clone()))) };
         for number in 0..100 {
             let message = format!(r#"{{"$fw.version":"1.0","id":"{number}","body":{{"type":"SYS-PING"}}}}"#);
             tape.message("tcp#1", Direction::In, message.as_bytes(), None);
