@@ -63,8 +63,6 @@ pub fn parse(sources: &SourceMap, id: SourceId) -> (Page, Vec<Diagnostic>) {
 
 #[cfg(test)]
 mod tests {
-    use std::time::{Duration, Instant};
-
     use super::*;
 
     /// One table in each of the formats that `Form::of` must distinguish.
