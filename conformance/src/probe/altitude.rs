@@ -63,7 +63,7 @@ impl Flight {
     }
 }
 
-/// The height of a UAV above the ground in mm, if its status and its flight tell it.
+/// The height of a UAV above the ground in mm. `None` if the height is unknown.
 pub(super) fn height(flight: Option<&mut Flight>, status: &Value) -> Option<i64> {
     flight?.see(Altitude::of(status)?)
 }

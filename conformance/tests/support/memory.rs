@@ -63,7 +63,7 @@ impl Client for WatchedClient {
     }
 }
 
-/// What a client of a scripted server receives.
+/// An event at a client of a scripted server.
 #[derive(Clone, Debug)]
 enum Event {
     Bytes(Vec<u8>),
