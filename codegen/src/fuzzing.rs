@@ -1,6 +1,8 @@
 //! The fuzz targets for inputs whose parsers are private. A function reads arbitrary bytes, and panics if a property
 //! does not hold. `cargo xtask fuzz` runs the functions.
 
+mod configuration;
+
 use std::path::Path;
 
 #[cfg(feature = "lsp")]
@@ -17,6 +19,15 @@ use crate::read::{PackageInput, read};
 use crate::schema::{Form, Schema};
 use crate::source::{SourceMap, Span};
 use crate::translation::catalogue;
+
+/// Reads a text that follows the grammar of `uavspec.toml`, like [`configuration`]. A valid file has a plan with all packages.
+pub fn configuration_grammar(data: &[u8]) {
+    let text = configuration::text(data);
+    configuration(text.as_bytes());
+    let planned = Config::parse(Path::new("uavspec.toml"), text.clone()).and_then(Config::plan);
+    let planned = planned.map_or(0, |plan| plan.packages.len());
+    assert!(planned == 0 || planned == text.matches("[[package]]").count(), "{planned} packages: {text}");
+}
 
 /// Reads `uavspec.toml`. An error must name a line of the file.
 pub fn configuration(data: &[u8]) {
@@ -286,6 +297,11 @@ mod tests {
 
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn random_configurations_have_located_errors(data in prop::collection::vec(any::<u8>(), 0..40)) {
+            super::configuration_grammar(&data);
+        }
 
         #[test]
         fn random_hints_cause_no_panic_and_no_invalid_code(lines in prop::collection::vec(line(), 1..6)) {

@@ -3,8 +3,11 @@
 
 #[cfg(feature = "db3")]
 pub(crate) mod bag_file;
+#[cfg(feature = "db3")]
+mod bag_metadata;
 mod captures;
 mod conversions;
+mod grammar;
 mod lists;
 #[cfg(feature = "schemas")]
 mod schemas;
@@ -37,11 +40,16 @@ pub const TARGETS: &[Target] = &[
     Target { name: "sqlite-bag", check: captures::sqlite_bag, seeds: captures::sqlite_bag_seeds },
     #[cfg(feature = "db3")]
     Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
+    #[cfg(feature = "db3")]
+    Target { name: "bag-metadata-grammar", check: bag_metadata::grammar, seeds: bag_metadata::seeds },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
     Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },
     Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
     Target { name: "known-failures", check: lists::known_failures, seeds: lists::known_failure_seeds },
+    Target { name: "known-failure-lists", check: lists::assembled, seeds: grammar::seeds },
+    #[cfg(feature = "schemas")]
+    Target { name: "body-schema-keywords", check: schemas::assembled, seeds: grammar::seeds },
     #[cfg(feature = "schemas")]
     Target { name: "body-schema", check: schemas::body_schema, seeds: schemas::body_schema_seeds },
     Target { name: "http", check: transports::http, seeds: transports::http_seeds },

@@ -39,6 +39,8 @@ mod message;
 mod operation;
 mod random;
 mod request;
+mod show;
+mod skybrush;
 #[cfg(test)]
 mod tests;
 mod uav;
@@ -124,6 +126,8 @@ pub struct Options {
     pub stay: Option<Duration>,
     /// The name and password with which clients must log in.
     pub login: Option<(String, String)>,
+    /// True if the server answers as the client Skybrush Live expects, where this differs from the specification.
+    pub is_for_skybrush: bool,
     /// The rule that the server violates.
     pub bug: Option<&'static FlockwaveRule>,
     /// The initial time of the server, in milliseconds since 1970.
@@ -147,6 +151,7 @@ impl Default for Options {
             null_results: Vec::new(),
             stay: None,
             login: None,
+            is_for_skybrush: false,
             bug: None,
             start: u64::try_from(now.as_millis()).unwrap_or_default(),
             clock: Clock::real(),

@@ -85,6 +85,9 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
     if has_errors(&diagnostics) {
         return Ok(false);
     }
+    if !loaded.built_in.is_empty() {
+        terminal::eprintln!("codegen: the built-in definitions of {}", loaded.built_in.join(", "));
+    }
     let folders = emit_all(&plan, &loaded, &schema, &translations)?;
     let config = plan.config.iter().map(|(path, _)| PathBuf::from(path));
     let inputs: Vec<PathBuf> = loaded.files.iter().cloned().chain(config).collect();

@@ -149,6 +149,12 @@ pub(super) struct ServeArgs {
     /// Require a login with AUTH-REQ, method basic.
     #[arg(long, value_name = "NAME:PASSWORD", value_parser = login)]
     login: Option<(String, String)>,
+    /// Answer as Skybrush Live expects, where this differs from the specification.
+    ///
+    /// The response to UAV-PREFLT also has a field result, which equals status. Types may begin with X-, as in
+    /// X-RTK-SOURCE. An RTK-SURVEY with settings is answered with ACK-ACK.
+    #[arg(long)]
+    skybrush: bool,
     /// Violate this rule on purpose.
     ///
     /// --list-bugs shows which other rules each bug violates.
@@ -254,6 +260,7 @@ fn options(args: &ServeArgs) -> Options {
         null_results: args.null_results.clone(),
         stay: args.stay,
         login: args.login.clone(),
+        is_for_skybrush: args.skybrush,
         bug: args.bug.and_then(ServedBug::of_server),
         ..Options::default()
     }

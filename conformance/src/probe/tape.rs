@@ -14,9 +14,13 @@ use crate::definitions::Definitions;
 use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::secrets::Secrets;
 use crate::json::Tree;
+use crate::text::Grouped;
 
 /// The text recorded for a message over the length limit.
 const TOO_LONG: &[u8] = b"(more than 16 MiB)";
+
+/// The maximum size of a recording, in bytes. A server can send without end.
+const MAX_RECORDED: u64 = 1 << 30;
 
 /// The maximum size of the lines that are kept back, in bytes.
 const MAX_KEPT: usize = 4 << 20;
@@ -29,19 +33,21 @@ const MAX_UNKNOWN: usize = 60;
 
 /// A recording in progress.
 pub(super) struct Tape<'d> {
+    /// Replaced by placeholders in all lines.
+    secrets: Secrets,
     definitions: &'d Definitions,
     clock: Clock,
     checker: FlockwaveChecker<'d>,
     /// False after a panic, which may have left the checker in an invalid state.
     is_checking: bool,
-    /// Replaced by placeholders in all lines.
-    secrets: Secrets,
     /// The lines before the first Flockwave message; `None` after it.
     kept: Option<Kept>,
     file: Option<Box<dyn Write + 'd>>,
     failure: Option<io::Error>,
     lines: u64,
     bytes: u64,
+    /// The maximum size of the file, in bytes.
+    limit: u64,
 }
 
 /// The lines before the first Flockwave message.
@@ -58,6 +64,7 @@ impl<'d> Tape<'d> {
     /// Starts a recording, which is also written to `file`.
     pub(super) fn new(definitions: &'d Definitions, clock: Clock, file: Option<Box<dyn Write + 'd>>) -> Self {
         Self {
+            secrets: Secrets::default(),
             definitions,
             clock,
             checker: FlockwaveChecker::new(definitions),
@@ -65,20 +72,20 @@ impl<'d> Tape<'d> {
             kept: Some(Kept::default()),
             file,
             failure: None,
-            secrets: Secrets::default(),
             lines: 0,
             bytes: 0,
+            limit: MAX_RECORDED,
         }
-    }
-
-    /// Drops all findings, and only records from now on.
-    pub(super) fn stop_checking(&mut self) {
-        (self.is_checking, self.checker) = (false, FlockwaveChecker::new(self.definitions));
     }
 
     /// Replaces secrets in all lines by placeholders.
     pub(super) fn without(self, secrets: Secrets) -> Self {
         Self { secrets, ..self }
+    }
+
+    /// Drops all findings, and only records from now on.
+    pub(super) fn stop_checking(&mut self) {
+        (self.is_checking, self.checker) = (false, FlockwaveChecker::new(self.definitions));
     }
 
     /// Records a message.
@@ -171,7 +178,7 @@ impl<'d> Tape<'d> {
             self.checker.line(line.as_bytes(), self.lines, false);
         }
         if let Some(file) = &mut self.file
-            && let Err(error) = writeln!(file, "{line}")
+            && let Err(error) = within(self.bytes, self.limit).and_then(|()| writeln!(file, "{line}"))
         {
             (self.file, self.failure) = (None, Some(error));
         }
@@ -225,6 +232,12 @@ impl<'d> Tape<'d> {
     }
 }
 
+/// Fails if a recording of this size is too long. Later messages are checked all the same.
+fn within(size: u64, limit: u64) -> io::Result<()> {
+    let problem = || format!("it would exceed {} bytes; the rest is missing", Grouped(limit));
+    if size > limit { Err(io::Error::new(io::ErrorKind::FileTooLarge, problem())) } else { Ok(()) }
+}
+
 /// True for a Flockwave message, even if it violates some rules.
 fn is_flockwave(value: &Value) -> bool {
     match value {
@@ -236,4 +249,39 @@ fn is_flockwave(value: &Value) -> bool {
 
 fn quoted(text: &str) -> String {
     Value::from(text).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file whose content outlives the tape.
+    #[derive(Clone, Default)]
+    struct Shared(std::rc::Rc<std::cell::RefCell<Vec<u8>>>);
+
+    impl Write for Shared {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.borrow_mut().write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_recording_ends_at_its_limit_but_the_checks_go_on() {
+        let (definitions, file) = (Definitions::built_in(), Shared::default());
+        let mut tape = Tape { limit: 1_000, ..Tape::new(&definitions, Clock::real(), Some(Box::new(file.clone()))) };
+        for number in 0..100 {
+            let message = format!(r#"{{"$fw.version":"1.0","id":"{number}","body":{{"type":"SYS-PING"}}}}"#);
+            tape.message("tcp#1", Direction::In, message.as_bytes(), None);
+        }
+        let (result, failure) = tape.finish();
+        assert_eq!(result.records, 100);
+        let failure = failure.expect("a limit").to_string();
+        assert_eq!(failure, "it would exceed 1,000 bytes; the rest is missing");
+        let written = file.0.take();
+        assert!((900..=1_000).contains(&written.len()) && written.ends_with(b"\n"), "{}", written.len());
+    }
 }

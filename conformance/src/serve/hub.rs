@@ -16,6 +16,7 @@ use super::Options;
 use super::message::{envelope, enveloped, refusal, text, value};
 use super::operation::Operation;
 use super::request::{Incoming, read};
+use super::skybrush;
 use super::uav::Uav;
 use super::world::World;
 use crate::rules::flockwave::{FlockwaveRule, Outgoing};
@@ -242,11 +243,17 @@ impl Hub {
         let is_request = matches!(incoming, Incoming::Request { .. });
         match incoming {
             Incoming::Request { id: request, kind, body } => {
-                let answer = self.answer(id, &request, &body).unwrap_or_else(refusal);
+                if self.options.is_for_skybrush {
+                    let answer = self.answer(id, &request, &skybrush::specified(&body));
+                    let answer = value(&answer.unwrap_or_else(refusal));
+                    self.send(id, Some((&request, &body)), &skybrush::expected(&body, answer));
+                } else {
+                    let answer = self.answer(id, &request, &body).unwrap_or_else(refusal);
+                    self.send(id, Some((&request, &body)), &answer);
+                }
                 if self.has_bug(&env_19::RULE) {
                     self.remember(id, &request);
                 }
-                self.send(id, Some((&request, &body)), &answer);
                 if kind == "AUTH-REQ" && self.is_logged_in(id) {
                     self.greet(id);
                 }

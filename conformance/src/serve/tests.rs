@@ -155,6 +155,98 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
     session.take_received()
 }
 
+/// The bodies of the responses to requests, in order.
+fn responses(options: Options, requests: &[Value]) -> Vec<Value> {
+    let mut session = TestSession::new(None, None);
+    session.hub.options.is_for_skybrush = options.is_for_skybrush;
+    session.take_received();
+    for (number, body) in requests.iter().enumerate() {
+        session.send_request(&number.to_string(), body);
+    }
+    let messages = session.take_received().into_iter();
+    let messages = messages.map(|text| serde_json::from_str::<Value>(&text).expect("JSON"));
+    messages
+        .filter(|message| message.get("refs").is_some())
+        .map(|mut message| message["body"].take())
+        .collect()
+}
+
+#[test]
+fn takes_numbers_that_clients_write_as_text() {
+    let requests = [
+        json!({ "type": "OBJ-CMD", "ids": ["glider-1"], "command": "battery", "args": ["90%"] }),
+        json!({ "type": "OBJ-CMD", "ids": ["glider-1"], "command": "battery", "args": [" 35.5 % "] }),
+        json!({ "type": "OBJ-CMD", "ids": ["glider-1"], "command": "battery", "args": ["full"] }),
+        json!({ "type": "OBJ-CMD", "ids": ["glider-2"], "command": "error", "args": ["193"] }),
+        json!({ "type": "PRM-SET", "ids": ["glider-1"], "name": "CRUISE_SPEED", "value": "7.5" }),
+        json!({ "type": "PRM-GET", "ids": ["glider-1", "glider-2"], "name": "CRUISE_SPEED" }),
+        json!({ "type": "PRM-SET-MANY", "ids": ["glider-1"], "parameters": { "LIGHT_MODE": "red" } }),
+    ];
+    let bodies = responses(Options::default(), &requests);
+    let data = |at: usize| bodies[at]["result"].to_string();
+    assert!(data(0).contains("charged to 90 %") && data(1).contains("charged to 36 %"), "{bodies:?}");
+    assert_eq!(bodies[2]["error"]["glider-1"], "expected the charge in percent");
+    assert!(data(3).contains("193"), "{bodies:?}");
+    assert_eq!(bodies[4]["result"], json!({ "glider-1": true }));
+    assert_eq!(bodies[5]["result"], json!({ "glider-1": 7.5, "glider-2": 8 }));
+    assert_eq!(bodies[6]["result"]["glider-1"], json!({ "success": false, "failed": ["LIGHT_MODE"] }));
+}
+
+#[test]
+fn stores_the_configuration_of_a_show() {
+    let start =
+        json!({ "authorized": true, "clock": null, "time": 5.0, "method": "auto", "uavIds": ["glider-1"] });
+    let lights = json!({ "effect": "solid", "color": [255.0, 0.0, 0.0] });
+    let requests = [
+        json!({ "type": "SHOW-CFG" }),
+        json!({ "type": "SHOW-SETCFG", "configuration": { "start": start } }),
+        json!({ "type": "SHOW-CFG" }),
+        json!({ "type": "SHOW-LIGHTS" }),
+        json!({ "type": "SHOW-SETLIGHTS", "configuration": lights }),
+        json!({ "type": "SHOW-LIGHTS" }),
+        json!({ "type": "SHOW-CRTH-START" }),
+        json!({ "type": "RTK-SURVEY" }),
+    ];
+    let bodies = responses(Options::default(), &requests);
+    assert_eq!(bodies[0]["configuration"]["start"]["authorized"], false);
+    assert_eq!([&bodies[1]["type"], &bodies[4]["type"]], ["ACK-ACK", "ACK-ACK"]);
+    assert_eq!(bodies[2]["configuration"]["start"], start);
+    assert_eq!(bodies[3]["configuration"]["effect"], "off");
+    assert_eq!(bodies[5]["configuration"], lights);
+    let segment = &bodies[6]["schedule"][0];
+    assert!(
+        segment["type"] == "rth" && segment["startMs"].is_i64() && segment["endMs"].is_i64(),
+        "{segment}"
+    );
+    assert_eq!(bodies[7]["settings"]["duration"], 60.0);
+}
+
+/// Skybrush Live reads other fields and types than the specification states.
+#[test]
+fn answers_as_skybrush_live_expects() {
+    let requests = [
+        json!({ "type": "UAV-PREFLT", "ids": ["glider-1"] }),
+        json!({ "type": "X-RTK-SOURCE" }),
+        json!({ "type": "X-RTK-SOURCE", "id": "base" }),
+        json!({ "type": "RTK-SURVEY", "settings": { "duration": 30, "accuracy": 2 } }),
+        json!({ "type": "RTK-SURVEY" }),
+        json!({ "type": "X-GLIDE-INF" }),
+        json!({ "type": "X-SHOW-CRTH-START" }),
+    ];
+    let bodies = responses(Options { is_for_skybrush: true, ..Options::default() }, &requests);
+    let types: Vec<&str> = bodies.iter().map(|body| body["type"].as_str().expect("a type")).collect();
+    let expected =
+        ["UAV-PREFLT", "X-RTK-SOURCE", "ACK-ACK", "ACK-ACK", "RTK-SURVEY", "ACK-NAK", "X-SHOW-CRTH-START"];
+    assert_eq!(types, expected);
+    assert_eq!(bodies[0]["result"]["glider-1"]["result"], "pass");
+    assert_eq!(bodies[0]["result"], bodies[0]["status"]);
+    assert_eq!(bodies[4]["settings"]["duration"], 30.0);
+
+    let bodies = responses(Options::default(), &requests);
+    assert!(bodies[0].get("result").is_none());
+    assert_eq!([&bodies[1]["type"], &bodies[3]["type"]], ["ACK-NAK", "RTK-SURVEY"]);
+}
+
 /// The bodies with this type.
 fn bodies(transcript: &[String], kind: &str) -> Vec<Value> {
     let messages = transcript.iter().filter_map(|text| serde_json::from_str::<Value>(text).ok());
@@ -244,7 +336,7 @@ fn rejects_other_requests_before_the_login() {
 }
 
 /// Types of requests, including invalid ones.
-const KINDS: [&str; 56] = [
+const KINDS: [&str; 61] = [
     "",
     "-",
     "ACK-ACK",
@@ -284,6 +376,11 @@ const KINDS: [&str; 56] = [
     "RTK-SOURCE",
     "RTK-STAT",
     "RTK-SURVEY",
+    "SHOW-CFG",
+    "SHOW-CRTH-START",
+    "SHOW-LIGHTS",
+    "SHOW-SETCFG",
+    "SHOW-SETLIGHTS",
     "SYS-PING",
     "SYS-PORTS",
     "SYS-TIME",

@@ -10,6 +10,7 @@ use uavspec::flockwave::json::{
 use uavspec_runtime::Severity;
 
 use super::Options;
+use super::show::Show;
 use super::uav::Uav;
 
 /// All objects of the simulated world.
@@ -21,8 +22,10 @@ pub(super) struct World {
     reported: BTreeMap<String, ErrorCode>,
     /// The RTK preset in use.
     pub(super) preset: Option<&'static Preset>,
-    /// The base station survey settings, if a client has set them.
-    pub(super) survey: Option<RTKSurveySettings>,
+    /// The base station survey settings.
+    pub(super) survey: RTKSurveySettings,
+    /// The configurations of the show.
+    pub(super) show: Show,
     /// Extensions by id.
     pub(super) extensions: BTreeMap<&'static str, Extension>,
     /// Changed parameters of UAVs, by UAV and name.
@@ -122,7 +125,8 @@ impl World {
             hidden,
             reported: BTreeMap::new(),
             preset: None,
-            survey: None,
+            survey: RTKSurveySettings { duration: 60.0, accuracy: 1.0, ..RTKSurveySettings::default() },
+            show: Show::default(),
             extensions: BTreeMap::from([
                 ("simulation", extension(true, "Simulated fleet")),
                 ("weather", extension(true, "Windsock")),

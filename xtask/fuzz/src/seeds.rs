@@ -73,6 +73,11 @@ pub(crate) fn configurations() -> Vec<Vec<u8>> {
     vec![own, lint.to_vec()]
 }
 
+/// Bytes that select from a grammar: all values, and others.
+pub(crate) fn choices() -> Vec<Vec<u8>> {
+    vec![(0..=255).collect(), vec![100; 64], vec![65, 66, 69, 72, 251, 3]]
+}
+
 /// Hints for conversions.
 pub(crate) fn hints() -> Vec<Vec<u8>> {
     let constants = "[[hint]]\nmessage = \"Glider\"\nversions = [0, 1]\nnew.mode = { MODE_B = \"MODE_C\" }\n\
