@@ -4,6 +4,7 @@ mod api;
 mod baseline;
 mod breaking;
 mod cli;
+mod clocks;
 mod compile;
 mod conversions;
 mod dependencies;

@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use anstyle::AnsiColor;
 
 use super::Status;
+use crate::clock::Clock;
 use crate::probe::{Options, Stop};
 use crate::text::terminal;
 use crate::vehicle::remove_recordings;
@@ -40,9 +41,9 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
 
 /// Asks the probe to stop. At the second time, ends the program.
 fn end(stop: &Stop, limit: u64) {
-    let first = *FIRST.get_or_init(Instant::now);
+    let first = *FIRST.get_or_init(|| Clock::real().now());
     if !request(stop, limit) {
-        if first.elapsed() < REPEAT_TIME {
+        if Clock::real().now() < first + REPEAT_TIME {
             return;
         }
         drop(Danger::new(stop));

@@ -6,7 +6,7 @@ mod vehicle;
 use std::fs::File;
 use std::io::{LineWriter, Write};
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::Args;
 
@@ -23,6 +23,7 @@ use super::target::Target;
 use super::test::seconds;
 use super::{Status, outcome_statuses};
 use crate::check::known::Scope;
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::model::Rule;
@@ -197,9 +198,9 @@ fn probe_server(args: &ProbeArgs, endpoint: &Endpoint) -> Result<Status, Status>
     // The last line, even if reporting fails.
     let mut danger = Danger::new(&options.stop);
     let progress = Progress::steps("steps");
-    let started = Instant::now();
+    let started = Clock::real().now();
     let mut probed = probe(endpoint, &options, &definitions, record, &|done, all| progress.set(done, all));
-    let elapsed = started.elapsed().as_millis();
+    let elapsed = (Clock::real().now() - started).as_millis();
     drop(progress);
     danger.known = probed.danger.take();
     let mut settings = args.outcome.settings();

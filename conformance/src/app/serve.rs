@@ -8,7 +8,7 @@ use std::net::{IpAddr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::Args;
 use serde_json::json;
@@ -17,6 +17,7 @@ use self::bug::ServedBug;
 use super::Status;
 use super::test::seconds;
 use crate::bus::Address;
+use crate::clock::Clock;
 use crate::serve::{Options, Server, Transport, error, loss, raise_open_files};
 use crate::text::terminal;
 use crate::vehicle::Namespace;
@@ -237,9 +238,9 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
 
 /// Waits until the end is requested, the time has passed or the server fails.
 fn wait(server: &Server, ending: &Receiver<()>, time: Option<Duration>) {
-    let started = Instant::now();
+    let started = Clock::real().now();
     while !server.has_failed() {
-        let left = time.map_or(Duration::MAX, |time| time.saturating_sub(started.elapsed()));
+        let left = time.map_or(Duration::MAX, |time| time.saturating_sub(Clock::real().now() - started));
         let is_requested = ending.recv_timeout(left.min(FAILURE_CHECK)) != Err(RecvTimeoutError::Timeout);
         if is_requested || left <= FAILURE_CHECK {
             return;

@@ -49,7 +49,6 @@ use self::reader::{DEPTH, RawAdapter};
 use self::worker::Worker;
 use super::queue::{Queue, queue};
 use super::{Bus, Event, Publisher, Topic};
-use crate::clock::Clock;
 use crate::model::{History, Qos, Reliability};
 use crate::net::raise_open_files;
 
@@ -179,6 +178,7 @@ mod tests {
 
     use super::*;
     use crate::bus::Encoding;
+    use crate::clock::Clock;
     use crate::model::EndpointKind;
 
     /// A message in CDR.

@@ -13,14 +13,15 @@
 //! All waits have a time limit, and no more than [`MESSAGE_LIMIT`] bytes of received data are stored.
 //!
 //! ```
-//! use std::time::{Duration, Instant};
+//! use std::time::Duration;
 //!
+//! use uavspec_conformance::clock::Clock;
 //! use uavspec_conformance::serve::{Options, Server, Transport};
 //! use uavspec_conformance::transport::{Endpoint, Received, connect};
 //!
 //! let server = Server::start(Options::default(), &[(Transport::SocketIo, "127.0.0.1:0".parse().unwrap())])?;
 //! let endpoint: Endpoint = server.listening()[0].to_string().parse().unwrap();
-//! let until = Instant::now() + Duration::from_secs(60);
+//! let until = Clock::real().now() + Duration::from_secs(60);
 //! let mut client = connect(&endpoint, until)?;
 //! client.send(br#"{"$fw.version": "1.0", "id": "42", "body": {"type": "SYS-VER"}}"#)?;
 //! assert!(matches!(client.receive(until)?, Received::Message(_)));

@@ -152,10 +152,11 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::clock::Clock;
 
     /// The states of a UAV whose altitude at takeoff was 3 m: seconds, altitude in mm, and timestamp.
     fn last(states: &[(u64, Value, u64)]) -> Result<(), String> {
-        let (mut touchdown, start) = (Touchdown::default(), Instant::now());
+        let (mut touchdown, start) = (Touchdown::default(), Clock::simulated().now());
         let mut flight = Flight::new(Altitude::AboveHome(3_000));
         let mut result = Err("no state".to_owned());
         for (seconds, altitude, timestamp) in states {
@@ -196,7 +197,7 @@ mod tests {
         // The other altitude has another reference.
         let unknown = last(&[(0, json!(3_000), 1), (9, Value::Null, 9)]).expect_err("unknown");
         assert_eq!(unknown, "its altitude is unknown");
-        let (mut touchdown, now) = (Touchdown::default(), Instant::now());
+        let (mut touchdown, now) = (Touchdown::default(), Clock::simulated().now());
         let status = json!({ "timestamp": 1, "position": [1, 2, 900_000, 0] });
         assert_eq!(touchdown.see(None, &status, now).expect_err("unknown"), "its altitude is unknown");
         let mut flight = Flight::new(Altitude::AboveSea(0));
@@ -207,7 +208,7 @@ mod tests {
     fn a_uav_that_waits_for_its_takeoff_has_not_landed() {
         let mut flight = Flight::new(Altitude::AboveSea(0));
         for (codes, is_safe) in [(vec![5], false), (vec![8], false), (vec![63], false), (vec![1], true)] {
-            let (mut touchdown, now) = (Touchdown::default(), Instant::now());
+            let (mut touchdown, now) = (Touchdown::default(), Clock::simulated().now());
             let mut see = |seconds: u64| {
                 let status = json!({ "timestamp": seconds, "position": [1, 2, 0], "errors": codes });
                 touchdown.see(Some(&mut flight), &status, now + Duration::from_secs(seconds))
@@ -219,7 +220,7 @@ mod tests {
 
     #[test]
     fn a_uav_descends_if_it_drops_below_its_greatest_height() {
-        let (mut descent, now) = (Descent::default(), Instant::now());
+        let (mut descent, now) = (Descent::default(), Clock::simulated().now());
         let mut at = |seconds: u64, height: i64| {
             let now = now + Duration::from_secs(seconds);
             descent.see(height, now);

@@ -214,6 +214,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
+    use crate::clock::Clock;
     use crate::probe::altitude::Altitude;
 
     fn evidence<'e>(now: Instant, status: &'e Value, flight: Option<&'e mut Flight>) -> Evidence<'e> {
@@ -222,7 +223,7 @@ mod tests {
 
     /// A reply to the command, and the seconds, codes and timestamp of each status that follows.
     fn on_ground(effect: Effect, reply: Option<Reply>, states: &[(u64, Value, u64)]) -> Result<(), String> {
-        let start = Instant::now();
+        let start = Clock::simulated().now();
         let mut undoing = Undoing::new(effect, Duration::from_secs(10));
         undoing.sent("tcp#1", start, reply);
         let mut result = Err("no state".to_owned());
@@ -283,7 +284,7 @@ mod tests {
 
     /// The seconds at which commands to land are sent to a UAV with these heights in m, one for each second.
     fn commands(heights: &[i64]) -> Vec<usize> {
-        let start = Instant::now();
+        let start = Clock::simulated().now();
         let mut undoing = Undoing::new(Effect::Airborne, Duration::from_secs(10));
         let mut flight = Flight::new(Altitude::AboveHome(0));
         let mut sent = Vec::new();
@@ -305,14 +306,14 @@ mod tests {
         assert_eq!(commands(&[2, 4, 6, 8, 8, 8, 8]), [0, 3, 6], "it climbs and then hovers");
         assert_eq!(commands(&[9, 8, 8, 8, 8, 8, 7, 6, 5]), [0, 4], "it pauses");
         let mut undoing = Undoing::new(Effect::Airborne, Duration::from_secs(10));
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         undoing.sent("tcp#1", now, None);
         assert!(undoing.is_due("tcp#2", now, None) && !undoing.is_due("tcp#1", now, None));
     }
 
     /// True if a UAV that refuses to land is made to return: its height in m and its codes each second.
     fn returns(states: &[(i64, Value)]) -> bool {
-        let start = Instant::now();
+        let start = Clock::simulated().now();
         let mut undoing = Undoing::new(Effect::Airborne, Duration::from_secs(10));
         let mut flight = Flight::new(Altitude::AboveHome(0));
         let mut has_returned = false;

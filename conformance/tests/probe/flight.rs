@@ -5,11 +5,11 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::sync::Condvar;
 use std::sync::atomic::AtomicUsize;
-use std::time::Instant;
 
 use uavspec_conformance::transport::{Received, connect};
 
 use super::*;
+use crate::support::deadline;
 use crate::support::proxy::{Pass, Proxy, Watch};
 #[cfg(unix)]
 use crate::support::send_signal;
@@ -17,7 +17,7 @@ use crate::support::send_signal;
 pub(super) const UAV: &str = "glider-2";
 
 /// The time limit of events that certainly happen.
-const PATIENCE: Duration = Duration::from_secs(60);
+const PATIENCE: Duration = Duration::from_secs(600);
 
 /// The error codes of a UAV on the ground, with running motors, and asleep.
 pub(super) const GROUND: u64 = 1;
@@ -89,12 +89,12 @@ fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + Sync + 'sta
 pub(super) fn state(server: &Server) -> (i64, Vec<u64>) {
     let url = server.listening()[0].to_string();
     let endpoint: Endpoint = url.parse().expect("an endpoint");
-    let mut client = connect(&endpoint, Instant::now() + PATIENCE).expect("a connection");
+    let mut client = connect(&endpoint, deadline()).expect("a connection");
     let body = json!({ "type": "UAV-INF", "ids": [UAV] });
     let request = json!({ "$fw.version": "1.0", "id": "state", "body": body });
     client.send(request.to_string().as_bytes()).expect("sent");
     loop {
-        let received = client.receive(Instant::now() + PATIENCE).expect("an open connection");
+        let received = client.receive(deadline()).expect("an open connection");
         let Received::Message(text) = received else { panic!("{received:?}") };
         let message: Value = serde_json::from_slice(&text).expect("JSON");
         if message["refs"] == "state" {

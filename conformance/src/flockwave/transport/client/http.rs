@@ -15,6 +15,7 @@ use ureq::{Agent, AsSendBody, Timeout};
 use super::status::{Refusal, redirected, too_many_redirects};
 use super::target::{REDIRECT_LIMIT, Target};
 use super::{Client, Received, invalid, timed_out};
+use crate::clock::Clock;
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::flockwave::transport::access::Access;
 use crate::net::{self, Stream, tls};
@@ -29,14 +30,14 @@ pub(super) struct OneShot {
 impl OneShot {
     /// Creates a client that waits for each answer as long as for the connection.
     pub(super) fn connect(target: Target, access: &Access, until: Instant) -> io::Result<Self> {
-        let limit = until.saturating_duration_since(Instant::now());
+        let limit = Clock::real().left(until);
         Ok(Self { client: HttpClient::connect(target, access, until)?, limit, answers: VecDeque::new() })
     }
 }
 
 impl Client for OneShot {
     fn send(&mut self, message: &[u8]) -> io::Result<()> {
-        let answer = self.client.post("application/json", message, Instant::now() + self.limit)?;
+        let answer = self.client.post("application/json", message, Clock::real().now() + self.limit)?;
         self.answers.push_back(answer);
         Ok(())
     }
@@ -46,7 +47,7 @@ impl Client for OneShot {
             return Ok(Received::Message(answer));
         }
         // Nothing arrives without a request. Sleep, so that callers don't loop without a pause.
-        std::thread::sleep(until.saturating_duration_since(Instant::now()));
+        Clock::real().sleep_until(until);
         Ok(Received::Silence)
     }
 }
@@ -127,7 +128,7 @@ fn send(
     request: Result<Request<impl AsSendBody>, ureq::http::Error>,
     until: Instant,
 ) -> Result<(Parts, Vec<u8>), ureq::Error> {
-    let limit = until.saturating_duration_since(Instant::now());
+    let limit = Clock::real().left(until);
     if limit.is_zero() {
         return Err(ureq::Error::Timeout(Timeout::Global));
     }

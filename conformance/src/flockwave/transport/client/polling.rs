@@ -11,6 +11,7 @@ use serde::Deserialize;
 use super::http::HttpClient;
 use super::target::Target;
 use super::{Client, Received, invalid, text_of, timed_out};
+use crate::clock::Clock;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::ServerAddress;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
@@ -52,7 +53,7 @@ pub(super) struct Heartbeat {
 
 impl Heartbeat {
     pub(super) fn new(revision: Revision) -> Self {
-        Self { revision, interval: USUAL_INTERVAL, next: Instant::now() + USUAL_INTERVAL }
+        Self { revision, interval: USUAL_INTERVAL, next: Clock::real().now() + USUAL_INTERVAL }
     }
 
     /// The time of the next action.
@@ -62,10 +63,10 @@ impl Heartbeat {
 
     /// The ping to send now, if it is due.
     pub(super) fn due(&mut self) -> Option<Packet> {
-        if Instant::now() < self.next {
+        if Clock::real().now() < self.next {
             return None;
         }
-        self.next = Instant::now() + self.interval;
+        self.next = Clock::real().now() + self.interval;
         (self.revision == Revision::Three).then(|| Packet::new(Kind::Ping, ""))
     }
 
@@ -73,7 +74,7 @@ impl Heartbeat {
         if let Some(interval) = interval {
             // Intervals below one second are implausible, and intervals longer than usual aren't necessary.
             self.interval = Duration::from_millis(interval).clamp(Duration::from_secs(1), USUAL_INTERVAL);
-            self.next = Instant::now() + self.interval;
+            self.next = Clock::real().now() + self.interval;
         }
     }
 }
@@ -216,7 +217,7 @@ impl Polling {
             if let Some(packet) = self.packets.pop_front() {
                 return Ok(Some(packet));
             }
-            match self.polled.recv_timeout(until.saturating_duration_since(Instant::now())) {
+            match Clock::real().receive(&self.polled, until) {
                 Ok(payload) => self.packets = decode(self.revision, &payload?).map_err(invalid)?.into(),
                 Err(RecvTimeoutError::Timeout) => return Ok(None),
                 Err(RecvTimeoutError::Disconnected) => return Ok(Some(Packet::new(Kind::Close, ""))),
@@ -236,7 +237,7 @@ impl Client for Polling {
     }
 
     fn send_raw(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.send_packets(&[Packet::new(Kind::Message, text_of(bytes)?)], Instant::now() + POLL_LIMIT)
+        self.send_packets(&[Packet::new(Kind::Message, text_of(bytes)?)], Clock::real().now() + POLL_LIMIT)
     }
 
     fn receive(&mut self, until: Instant) -> io::Result<Received> {
@@ -245,7 +246,7 @@ impl Client for Polling {
                 self.ping(ping);
             }
             let Some(packet) = self.packet(self.heartbeat.next().min(until))? else {
-                if Instant::now() >= until {
+                if Clock::real().now() >= until {
                     return Ok(Received::Silence);
                 }
                 continue;
@@ -262,7 +263,7 @@ impl Client for Polling {
 impl Drop for Polling {
     fn drop(&mut self) {
         // This makes the server end the open poll. Errors don't matter, since the connection is closed anyway.
-        let _ = self.send_packets(&[Packet::new(Kind::Close, "")], Instant::now() + CLOSE_LIMIT);
+        let _ = self.send_packets(&[Packet::new(Kind::Close, "")], Clock::real().now() + CLOSE_LIMIT);
     }
 }
 
@@ -279,7 +280,7 @@ fn start_threads(
     thread::spawn(move || {
         for ping in waiting {
             // If the connection is lost, the poll fails as well.
-            let _ = post(&thread_client, revision, &[ping], Instant::now() + POLL_LIMIT);
+            let _ = post(&thread_client, revision, &[ping], Clock::real().now() + POLL_LIMIT);
         }
     });
     (polled, pings)
@@ -293,7 +294,7 @@ fn post(client: &HttpClient, revision: Revision, packets: &[Packet], until: Inst
 /// Polls until the receiver is gone or the session ends.
 fn poll(client: &HttpClient, payloads: &SyncSender<io::Result<Vec<u8>>>) {
     loop {
-        let payload = client.get(Instant::now() + POLL_LIMIT);
+        let payload = client.get(Clock::real().now() + POLL_LIMIT);
         let is_end = payload.is_err();
         if payloads.send(payload).is_err() || is_end {
             return;
@@ -349,9 +350,9 @@ mod tests {
         for (revision, pings_server) in [(Revision::Three, true), (Revision::Four, false)] {
             let mut heartbeat = Heartbeat::new(revision);
             assert_eq!(heartbeat.due(), None);
-            heartbeat.next = Instant::now();
+            heartbeat.next = Clock::real().now();
             assert_eq!(heartbeat.due().is_some(), pings_server);
-            assert!(heartbeat.next() > Instant::now());
+            assert!(heartbeat.next() > Clock::real().now());
         }
     }
 }

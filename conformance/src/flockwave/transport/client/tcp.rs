@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use serde::de::IgnoredAny;
 
 use super::{Client, Received, invalid};
+use crate::clock::Clock;
 use crate::flockwave::transport::MESSAGE_LIMIT;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::ServerAddress;
@@ -47,13 +48,13 @@ impl Client for Tcp {
     }
 
     fn send_raw(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.stream.set_deadline(Instant::now() + SEND_LIMIT);
+        self.stream.set_deadline(Clock::real().now() + SEND_LIMIT);
         self.stream.write_all(bytes)?;
         self.stream.flush()
     }
 
     fn finish(&mut self) -> io::Result<()> {
-        self.stream.set_deadline(Instant::now() + SEND_LIMIT);
+        self.stream.set_deadline(Clock::real().now() + SEND_LIMIT);
         self.stream.finish()
     }
 
@@ -65,7 +66,7 @@ impl Client for Tcp {
                 Some(Line::TooLong) => return Ok(Received::TooLong),
                 None => {}
             }
-            if Instant::now() >= until {
+            if Clock::real().now() >= until {
                 return Ok(Received::Silence);
             }
             self.stream.set_deadline(until);

@@ -5,6 +5,7 @@ use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::time::Instant;
 
 use super::{Client, Received};
+use crate::clock::Clock;
 use crate::flockwave::transport::endpoint::ServerAddress;
 use crate::net::{Address, explain, is_silence, resolve};
 
@@ -69,7 +70,7 @@ impl Client for Udp {
             if std::mem::take(&mut self.is_refused) && !self.try_next()? {
                 return Err(self.refused());
             }
-            let left = until.saturating_duration_since(Instant::now());
+            let left = Clock::real().left(until);
             if left.is_zero() {
                 return Ok(Received::Silence);
             }
@@ -129,14 +130,14 @@ mod tests {
         // The system reports the refusal at the next attempt to receive.
         while !client.others.is_empty() {
             client
-                .receive(Instant::now() + std::time::Duration::from_millis(10))
+                .receive(Clock::real().now() + std::time::Duration::from_millis(10))
                 .expect("no error while there are other addresses");
         }
         let mut datagram = [0; 10];
         let (length, from) = server.recv_from(&mut datagram).expect("a datagram");
         assert_eq!(&datagram[..length], b"wind");
         server.send_to(b"calm", from).expect("sent");
-        let until = Instant::now() + std::time::Duration::from_secs(60);
+        let until = crate::tests::support::deadline();
         assert_eq!(client.receive(until).expect("a datagram"), Received::Message(b"calm".to_vec()));
     }
 }

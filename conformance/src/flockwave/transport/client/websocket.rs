@@ -15,6 +15,7 @@ use super::http::{not_http, tls_hint};
 use super::status::{Refusal, redirected, too_many_redirects};
 use super::target::{REDIRECT_LIMIT, Target};
 use super::{Client, Received, invalid, text_of, timed_out};
+use crate::clock::Clock;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::client::polling::{Heartbeat, Opening, Step, step};
 use crate::flockwave::transport::endpoint::ServerAddress;
@@ -65,7 +66,7 @@ impl WebSocketClient {
     }
 
     fn send_packet(&mut self, packet: &Packet, limit: Duration) -> io::Result<()> {
-        self.socket.get_mut().set_deadline(Instant::now() + limit);
+        self.socket.get_mut().set_deadline(Clock::real().now() + limit);
         self.socket.send(Message::text(packet.to_text())).map_err(to_io)
     }
 
@@ -124,7 +125,7 @@ impl Client for WebSocketClient {
                 Ok(Some(packet)) => packet,
                 Ok(None) => return Ok(Received::End),
                 Err(error) if error.kind() == io::ErrorKind::TimedOut => {
-                    if Instant::now() >= until {
+                    if Clock::real().now() >= until {
                         return Ok(Received::Silence);
                     }
                     continue;
@@ -189,7 +190,7 @@ fn config() -> WebSocketConfig {
 }
 
 fn left(until: Instant) -> io::Result<Duration> {
-    let left = until.saturating_duration_since(Instant::now());
+    let left = Clock::real().left(until);
     if left.is_zero() { Err(timed_out("timed out: no packet")) } else { Ok(left) }
 }
 
