@@ -1,7 +1,7 @@
 //! Renders reports with one line for each finding, as compilers do, so that editors and grep can read them:
 //!
 //! ```text
-//! flight.ulg:byte 86,347: warning: PX-RANGE-01: battery_status.max_error: 0 is outside the range 1 to 100 (42 times)
+//! flight.ulg:byte 86,347: warning: PX-RANGE-01: battery_status.remaining: 1.4 is outside the range 0 to 1 (42 times)
 //! run.jsonl:7: error: FW-UST-MODE: UAV-INF: /body/status/a/mode: expected a string, found 7
 //! run.jsonl: error: does not conform: 1 MUST, 0 SHOULD
 //! ```
