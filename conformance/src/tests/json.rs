@@ -173,8 +173,8 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         ),
         (
             "PX-JSON-02",
-            value("/mode", json!(7.0)),
-            "Glider.mode: expected an integer from 0 to 255, found 7.0",
+            value("/mode", json!(7.5)),
+            "Glider.mode: expected an integer from 0 to 255, found 7.5",
         ),
         (
             "PX-JSON-02",

@@ -3,9 +3,12 @@
 use crate::json::Tree;
 use crate::model::Date;
 
-/// The units of numbers since 1970, with the first number that is too large for the unit: the year 5138. Before 1973,
-/// a unit would be ambiguous.
-const UNITS: [(f64, f64); 4] = [(1e11, 1.0), (1e14, 1e3), (1e17, 1e6), (1e20, 1e9)];
+/// The first time that is too late, in seconds since 1970: the year 5138. Later times are in smaller units, and lie after
+/// 1973.
+const TOO_LATE: f64 = 1e11;
+
+/// The smaller units, as parts of a second.
+const UNITS: [f64; 3] = [1e3, 1e6, 1e9];
 
 /// A time in seconds since 1970. `None` if the value isn't a time, or isn't unambiguous: a date without a time zone.
 pub(super) fn seconds(value: &Tree<'_>) -> Option<f64> {
@@ -20,8 +23,10 @@ pub(super) fn seconds(value: &Tree<'_>) -> Option<f64> {
 
 /// A time in seconds since 1970, from a number of seconds, milliseconds, microseconds or nanoseconds.
 pub(super) fn of_number(value: f64) -> Option<f64> {
-    let (_, unit) = UNITS.into_iter().find(|(limit, _)| (0.0..*limit).contains(&value))?;
-    Some(value / unit)
+    let is_plausible = |seconds: &f64| (0.0..TOO_LATE).contains(seconds);
+    // A float can't hold nanoseconds since 1970, but microseconds.
+    let smaller = UNITS.into_iter().map(|unit| (value / unit * 1e6).round() / 1e6);
+    std::iter::once(value).chain(smaller).find(is_plausible)
 }
 
 fn of_text(text: &str) -> Option<f64> {
