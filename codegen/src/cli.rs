@@ -24,6 +24,7 @@ mod print;
 mod report;
 mod revision;
 mod status;
+mod stopwatch;
 mod translate;
 
 use std::process::ExitCode;

@@ -199,7 +199,7 @@ problems! {
     NameStyle { name: String, style: &'static str } = Warning "name-style"
         "`{name}` is not in {style}", "rename it; other tools reject or change it";
     NameStyleRos { name: String, style: &'static str } = Error "name-refused"
-        "`{name}` is not in {style}, which ROS 2 requires", "choose a name without `__` that does not end with `_`";
+        "`{name}` is not in {style}, which ROS 2 requires", "choose another name";
     UnexpectedText { text: String } = Error "unexpected-text"
         "unexpected `{text}` after the declaration", "start a comment with `#`, or remove the text";
     MissingValue { name: String } = Error "missing-value"
@@ -221,8 +221,13 @@ problems! {
             none";
     MissingSeparator { found: usize, expected: usize } = Error "missing-separator"
         "expected {expected} parts, found {found}", "separate the parts with a `---` line, even if a part is empty";
-    NotPortable { text: String, instead: Option<String> } = Warning "not-portable"
-        "PX4's generator does not accept `{text}`", "use the form that PX4 accepts";
+    InvalidSeparator { text: String } = Error "invalid-separator"
+        "`{text}` does not separate parts", "write three dashes at the start of the line: `---`";
+    UnsupportedAnnotation { text: String } = Error "unsupported-annotation"
+        "uavspec does not support the annotation `{text}`", "remove it; write annotations for uavspec in comments, \
+            such as `# [m/s] text`";
+    NotPortable { tool: &'static str, text: String, instead: Option<String> } = Warning "not-portable"
+        "{tool} does not accept `{text}`", "use the form that {tool} accepts";
 
     // Annotations in comments
     UnknownAnnotation { name: String, known: String } = Warning "unknown-annotation"

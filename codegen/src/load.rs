@@ -8,10 +8,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod built_in;
 mod config;
 mod dialect;
 mod discovery;
 mod files;
+mod folder;
 mod lint;
 mod located;
 
@@ -20,15 +22,18 @@ use std::path::{Path, PathBuf};
 
 #[cfg(feature = "lsp")]
 pub(crate) use self::config::PlannedPackage;
+use self::built_in::BuiltIn;
 pub(crate) use self::config::{Config, Inputs, Plan};
 pub(crate) use self::dialect::detected;
 pub use self::discovery::{FoundPackage, find_packages, package_name};
 #[cfg(feature = "lsp")]
-pub(crate) use self::discovery::{by_package, entries, is_msg_file, manifest_name, msg_file};
+pub(crate) use self::discovery::{by_package, entries, is_msg_file, msg_file};
 use self::files::definitions_at;
 pub(crate) use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,
 };
+#[cfg(feature = "lsp")]
+pub(crate) use self::folder::manifest_name;
 pub(crate) use self::lint::PresetName;
 use crate::diagnostic::{Diagnostic, Problem, has_errors};
 use crate::failure::Failure;
@@ -48,6 +53,8 @@ pub struct Definitions {
     pub schema: Schema,
     /// The paths of definitions that refer to a package outside the path. They aren't part of the schema.
     pub left_out: Vec<String>,
+    /// The names of the built-in packages that fill what the path lacks.
+    pub built_in: Vec<String>,
 }
 
 /// Reads definitions from a configuration file, a folder that contains one, or files and folders of PX4 messages or ROS 2
@@ -61,15 +68,25 @@ pub fn read_definitions(path: impl AsRef<Path>) -> Result<(SourceMap, Schema), F
 
 /// Like [`read_definitions`], but with a given dialect unless the path has a configuration file.
 pub fn read_definitions_as(path: &Path, dialect: Option<Dialect>) -> Result<Definitions, Failure> {
-    let plan = plan_at(path, dialect)?;
-    let loaded = load(&plan)?;
+    read_plan(&plan_at(path, dialect)?)
+}
+
+/// Like [`read_definitions_as`], but ROS 2 definitions also include the built-in packages that the path lacks, because
+/// captures contain their messages. Messages that differ between distributions of ROS 2 are left out.
+pub fn read_definitions_for_captures(path: &Path, dialect: Option<Dialect>) -> Result<Definitions, Failure> {
+    read_plan(&Plan { built_in: BuiltIn::All, ..plan_at(path, dialect)? })
+}
+
+fn read_plan(plan: &Plan) -> Result<Definitions, Failure> {
+    let loaded = load(plan)?;
     if plan.config.is_none() {
         return complete(loaded);
     }
     let (schema, mut diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
     diagnostics.extend(loaded.diagnostics);
     fail_on_errors(&diagnostics, &loaded.sources)?;
-    Ok(Definitions { sources: loaded.sources, schema, left_out: Vec::new() })
+    let built_in = loaded.built_in;
+    Ok(Definitions { sources: loaded.sources, schema, left_out: Vec::new(), built_in })
 }
 
 /// Like [`read_definitions`], but also reads the translations. Fails if the translations contain errors.
@@ -105,7 +122,8 @@ fn complete(mut loaded: Loaded) -> Result<Definitions, Failure> {
         // The definitions that were left out are unknown types of the remaining ones.
         if incomplete.is_empty() || left_out.is_empty() && !refers_to_package(&diagnostics) {
             fail_on_errors(&diagnostics, &loaded.sources)?;
-            return Ok(Definitions { sources: loaded.sources, schema, left_out });
+            let built_in = loaded.built_in;
+            return Ok(Definitions { sources: loaded.sources, schema, left_out, built_in });
         }
         left_out.extend(incomplete.iter().map(|id| loaded.sources.path(*id).to_owned()));
         for package in &mut loaded.packages {

@@ -16,7 +16,7 @@ pub(crate) mod ast;
 pub mod attribute;
 pub mod constraint;
 mod kind;
-mod literal;
+pub(crate) mod literal;
 mod parser;
 pub(crate) mod statement;
 pub(crate) mod words;

@@ -473,7 +473,7 @@ fn folders_without_a_configuration_are_searched() {
     editor.open_with("msg/New.msg", "# New\n\nuint64 timestamp  # [us] Time\nMark first  # Mark\n");
     assert!(editor.hover("msg/New.msg", "Ma^rk first").contains("px4/Mark"));
     // A package that isn't in the workspace is no mistake of the definition.
-    let mut ros = Editor::new(&[("one_msgs/msg/A.msg", "# A\n\nnav_msgs/Odometry odometry  # Where\n")]);
+    let mut ros = Editor::new(&[("one_msgs/msg/A.msg", "# A\n\nrope_msgs/Rope rope  # Where\n")]);
     ros.expect_codes("one_msgs/msg/A.msg", &["unknown-package"]);
     assert_eq!(ros.diagnostics("one_msgs/msg/A.msg")[0]["severity"], json!(3));
 }
@@ -665,8 +665,13 @@ fn a_package_is_read_as_soon_as_a_text_refers_to_it() {
     assert!(editor.hover(path, "sky_msgs/Ma^rk").contains("sky_msgs/Mark"));
     editor.edit(path, "uint8 phase", "Header header  # Header\nuint8 phase");
     assert!(editor.hover(path, "Hea^der header").contains("std_msgs/Header"));
-    editor.edit(path, "uint8 phase", "nav_msgs/Odometry odometry  # Odometry\nuint8 phase");
+    editor.expect_codes(path, &["not-portable"]);
+    editor.edit(path, "Header header", "std_msgs/Header header");
+    editor.edit(path, "uint8 phase", "rope_msgs/Rope rope  # Rope\nuint8 phase");
     editor.expect_codes(path, &["unknown-package"]);
-    editor.edit(path, "nav_msgs/Odometry", "sky_msgs/Mark");
+    editor.edit(path, "rope_msgs/Rope", "sky_msgs/Mark");
+    editor.expect_codes(path, &[]);
+    // A built-in package.
+    editor.edit(path, "uint8 phase", "nav_msgs/Odometry odometry  # Odometry\nuint8 phase");
     editor.expect_codes(path, &[]);
 }

@@ -23,6 +23,7 @@ mod oracle;
 mod origin;
 mod properties;
 mod releases;
+mod ros_packages;
 mod support;
 mod type_pages;
 mod vectors;

@@ -43,14 +43,13 @@ mod watch;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::sync::Arc;
 
 use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
 use uavspec_codegen::cli;
 use uavspec_codegen::msg::Dialect;
 
 use crate::definitions::{Definitions, Library};
-use crate::flockwave::body_schema::Schemas;
+use crate::flockwave::body_schema::SchemaError;
 #[cfg(test)]
 use crate::report::Report;
 use crate::report::{Outcome, OutcomeKind};
@@ -333,18 +332,18 @@ fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -
     for file in library.left_out() {
         terminal::eprintln!("warning: {file} is left out: it refers to a package that isn't in the folder");
     }
-    Ok(library.with_schemas(Arc::new(load_schemas(schemas)?)))
+    if library.has_built_in_packages() {
+        terminal::eprintln!("note: the built-in definitions of ROS 2 fill the packages that {} lacks", library.name());
+    }
+    library.with_schemas(schemas).map_err(|error| invalid_schemas(&error))
 }
 
 /// Loads definitions, and adds JSON Schemas for Flockwave types without a definition. Errors are printed.
 fn definitions_with(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Definitions, Status> {
-    let definitions = definitions(path)?;
-    Ok(definitions.with_schemas(Arc::new(load_schemas(schemas)?)))
+    definitions(path)?.with_schemas(schemas).map_err(|error| invalid_schemas(&error))
 }
 
-fn load_schemas(folders: &[PathBuf]) -> Result<Schemas, Status> {
-    Schemas::load(folders).map_err(|error| {
-        terminal::error(error, None);
-        Status::Usage
-    })
+fn invalid_schemas(error: &SchemaError) -> Status {
+    terminal::error_with_details(error);
+    Status::Usage
 }

@@ -1,5 +1,6 @@
 //! Reads captures (logs, MCAP and JSON) as streams, in bounded memory.
 
+pub(crate) mod foreign;
 pub(crate) mod input;
 pub(crate) mod json;
 pub(crate) mod mcap;

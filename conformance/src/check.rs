@@ -50,7 +50,7 @@ pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
 #[doc(hidden)]
 pub use self::flockwave::FlockwaveChecker;
 pub(crate) use self::flockwave::is_flockwave;
-pub use self::flockwave::{FlockwaveSummary, TypeCount};
+pub use self::flockwave::{FlockwaveSummary, TypeCount, UnreadTimes};
 pub use self::json::JsonSummary;
 #[doc(hidden)]
 pub use self::json::check_json_thoroughly;
@@ -64,15 +64,16 @@ pub(crate) use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 pub(crate) use self::topic::{confirms, definition_of, definition_of_json, is_guess, shows_type, topic_of};
 #[cfg(test)]
 pub(crate) use self::{json::check_json, log::check_ulog};
+use crate::capture::foreign;
 use crate::capture::input::{self, FileState, Input};
-use crate::capture::rosbag::{SQLITE_MAGIC, metadata};
+use crate::capture::rosbag::metadata;
 #[cfg(feature = "stores")]
 use crate::capture::store::{Failure, Object};
 use crate::definitions::{Clues, Definitions, Library};
 use crate::model::{Extent, Findings, Location};
 
-/// The number of bytes used to detect the kind of a capture.
-const START: usize = SQLITE_MAGIC.len();
+/// The number of bytes used to detect the kind of a capture. The file is named by them if it is none.
+const START: usize = foreign::START;
 
 /// The number of bytes that messages about unknown files contain.
 const SHOWN: usize = 8;
@@ -487,6 +488,9 @@ fn read_start(input: &mut impl Read) -> io::Result<Vec<u8>> {
 
 /// The error for a file of an unknown type that starts with these bytes.
 fn unknown_type(start: &[u8]) -> String {
+    if let Some(text) = foreign::describe(start) {
+        return text.to_owned();
+    }
     let start = &start[..start.len().min(SHOWN)];
     let mut names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
     names.dedup();

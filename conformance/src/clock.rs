@@ -28,6 +28,7 @@ const LONG: Duration = Duration::from_secs(1 << 25);
 #[derive(Clone, Debug, Default)]
 pub struct Clock(Option<Arc<Participant>>);
 
+#[allow(clippy::disallowed_methods, reason = "this is the only place that uses the real clock")]
 impl Clock {
     /// The clock of the system.
     #[must_use]
@@ -42,7 +43,7 @@ impl Clock {
         Self(Some(Arc::new(Participant::first())))
     }
 
-    /// The time.
+    /// The time. Any thread may ask for it.
     #[must_use]
     pub fn now(&self) -> Instant {
         self.0.as_ref().map_or_else(Instant::now, |participant| participant.now())

@@ -16,11 +16,11 @@ mod released;
 
 use std::collections::{BTreeSet, HashMap};
 use std::fmt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::load::{self, read_definitions_as};
+use uavspec_codegen::load::{self, read_definitions_for_captures};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::release;
 use uavspec_codegen::schema::fingerprint::ros_name;
@@ -38,7 +38,7 @@ pub use self::library::Library;
 pub(crate) use self::library::ros_package;
 pub(crate) use self::released::{ReleasedType, released_type};
 use crate::capture::ulog::{FormatCache, FormatSet};
-use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, Schemas};
+use crate::flockwave::body_schema::{BodySchemas, DefinedSchemas, SchemaError, Schemas};
 use crate::px4::format_plan::{FormatPlans, PlanCache};
 use crate::text::terminal;
 
@@ -61,6 +61,8 @@ pub struct Definitions {
     pub schema: Schema,
     /// The paths of definitions that were left out, because they refer to other packages.
     pub(crate) left_out: Vec<String>,
+    /// The built-in packages that fill what the path lacks.
+    pub(crate) built_in: Vec<String>,
     /// True if the user gave the definitions. False for the built-in ones and for those of releases.
     pub(crate) is_given: bool,
     by_topic: HashMap<String, MessageId>,
@@ -136,9 +138,10 @@ impl Definitions {
 
     /// Like `load`, but with a given dialect.
     fn load_as(path: &Path, dialect: Option<Dialect>) -> Result<Self, Failure> {
-        let load::Definitions { sources, schema, left_out } = read_definitions_as(path, dialect)?;
+        let load::Definitions { sources, schema, left_out, built_in } =
+            read_definitions_for_captures(path, dialect)?;
         let loaded = Self::new(path.to_string_lossy().into_owned(), sources, schema);
-        Ok(Self { left_out, is_given: true, ..loaded })
+        Ok(Self { left_out, built_in, is_given: true, ..loaded })
     }
 
     /// Like [`Self::built_in`], with the translations of the texts.
@@ -167,6 +170,7 @@ impl Definitions {
             sources,
             schema,
             left_out: Vec::new(),
+            built_in: Vec::new(),
             is_given: false,
             by_topic,
             replaced: HashMap::new(),
@@ -216,10 +220,16 @@ impl Definitions {
         self.replaced.get(&id).copied().unwrap_or(id)
     }
 
-    /// Adds body schemas for Flockwave message types without a definition.
-    #[must_use]
-    pub fn with_schemas(self, schemas: Arc<Schemas>) -> Self {
-        Self { schemas, ..self }
+    /// Loads JSON Schemas for Flockwave message types without a definition from these folders.
+    ///
+    /// # Errors
+    /// Fails if a schema can't be read or used.
+    pub fn with_schemas(self, folders: &[PathBuf]) -> Result<Self, SchemaError> {
+        if folders.is_empty() {
+            return Ok(self);
+        }
+        let schemas = Arc::new(Schemas::load(folders, self.defined_schemas())?);
+        Ok(Self { schemas, ..self })
     }
 
     /// The message of a PX4 topic in a log. PX4 appends versions only to names in ROS, so the whole name counts.

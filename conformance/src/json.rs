@@ -24,4 +24,4 @@ pub(crate) use self::frame::Frame;
 pub(crate) use self::pointer::pointer;
 pub(crate) use self::tokens::{TRUNCATED, Token, Tokens, Unclear, leading_integer};
 pub use self::tree::Tree;
-pub(crate) use self::tree::shortened;
+pub(crate) use self::tree::{shortened, whole};

@@ -44,6 +44,7 @@ mod stop;
 mod survey;
 mod tape;
 mod trials;
+mod undoing;
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -63,9 +64,11 @@ use self::session::Session;
 pub use self::stop::Stop;
 use self::tape::Tape;
 use crate::check::CaptureResult;
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::record::Trial;
 use crate::flockwave::transport::access::Access;
+use crate::flockwave::transport::client::Network;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::flockwave::transport::secrets::Secrets;
 use crate::json::base64;
@@ -113,6 +116,8 @@ pub struct Probed {
     pub failure: Option<String>,
     /// The reason why the probe ended early.
     pub cut_short: Option<String>,
+    /// The reason why the probe left out a part.
+    pub left_out: Option<String>,
     /// The reason why the recording is incomplete.
     pub unrecorded: Option<io::Error>,
     /// The UAVs that received commands and may be unsafe, with the reason.
@@ -128,6 +133,28 @@ pub fn probe<'d>(
     record: Option<Box<dyn Write + 'd>>,
     on_progress: &dyn Fn(usize, usize),
 ) -> Probed {
+    probe_through(None, endpoint, options, definitions, record, on_progress)
+}
+
+/// Like [`probe`], over a network in memory. In simulated time, the probe then takes no real time.
+pub fn probe_on<'d>(
+    network: &dyn Network,
+    endpoint: &Endpoint,
+    options: &Options,
+    definitions: &'d Definitions,
+    record: Option<Box<dyn Write + 'd>>,
+) -> Probed {
+    probe_through(Some(network), endpoint, options, definitions, record, &|_, _| {})
+}
+
+fn probe_through<'d>(
+    network: Option<&dyn Network>,
+    endpoint: &Endpoint,
+    options: &Options,
+    definitions: &'d Definitions,
+    record: Option<Box<dyn Write + 'd>>,
+    on_progress: &dyn Fn(usize, usize),
+) -> Probed {
     let attempts = trials::selected(endpoint, &options.selection);
     let access = Access::new(options.login.clone(), options.trust.clone());
     let secrets = access.secrets(endpoint.path());
@@ -137,7 +164,9 @@ pub fn probe<'d>(
         options,
         stop: options.stop.clone(),
         access,
-        tape: Tape::new(definitions, record).without(secrets.clone()),
+        network,
+        clock: options.clock.clone(),
+        tape: Tape::new(definitions, options.clock.clone(), record).without(secrets.clone()),
         secrets,
         coverage: Coverage::new(definitions),
         session: None,
@@ -149,13 +178,14 @@ pub fn probe<'d>(
         silences: 0,
         stops: 0,
         slowest: Duration::ZERO,
-        end: Instant::now() + options.limit + options.observe,
+        end: options.clock.now() + options.limit + options.observe,
         flights: BTreeMap::new(),
         danger: None,
         landing_end: None,
         notes: Vec::new(),
         failure: None,
         cut_short: None,
+        left_out: None,
         unsent: (0, 0),
         unknown_type: None,
         has_login: options.login.is_some(),
@@ -166,6 +196,7 @@ pub fn probe<'d>(
         steps: (0, survey::STEPS + commands + attempts.len()),
         on_progress,
     };
+    probe.coverage.exclude(options);
     probe.guard(|probe| {
         if probe.begin() {
             probe.survey();
@@ -189,6 +220,9 @@ struct Probe<'p, 'd> {
     options: &'p Options,
     stop: Stop,
     access: Access,
+    /// A network in memory; `None` for the network of the system.
+    network: Option<&'p dyn Network>,
+    clock: Clock,
     secrets: Secrets,
     tape: Tape<'d>,
     coverage: Coverage,
@@ -217,6 +251,7 @@ struct Probe<'p, 'd> {
     notes: Vec<String>,
     failure: Option<String>,
     cut_short: Option<String>,
+    left_out: Option<String>,
     /// The numbers of requests and trials that were not sent because the time limit was reached.
     unsent: (u64, usize),
     /// The reason with which the server refuses a request of an unknown type.
@@ -271,7 +306,7 @@ impl Probe<'_, '_> {
             Endpoint::Tcp(_) | Endpoint::Http { .. } => &env_07::RULE,
         };
         let trial = Some(Trial { rule: &tested.rule, how: BEFORE_LOGIN });
-        let until = Instant::now() + CONNECT_TIMEOUT;
+        let until = self.clock.now() + CONNECT_TIMEOUT;
         loop {
             match self.connect(None) {
                 Ok(session) => self.session = Some(session),
@@ -291,12 +326,12 @@ impl Probe<'_, '_> {
                 return false;
             }
             let is_over = self.session.as_ref().is_none_or(Session::is_over);
-            if !is_over || self.tape.is_heard() || Instant::now() + PAUSE >= until {
+            if !is_over || self.tape.is_heard() || self.clock.now() + PAUSE >= until {
                 break;
             }
             self.leave();
             self.tape.forget();
-            self.stop.sleep(PAUSE);
+            self.sleep(PAUSE);
         }
         self.failure = Some(if self.tape.is_identified() {
             "the server doesn't answer".to_owned()
@@ -334,6 +369,9 @@ impl Probe<'_, '_> {
             session.close(&mut self.tape);
         }
         let reason = if self.stop.is_requested() { INTERRUPTED } else { OUT_OF_TIME };
+        let is_over = self.stop.is_requested() || self.unsent != (0, 0);
+        let rest = self.cut_short.as_deref().or(is_over.then_some(reason)).or(self.failure.as_deref());
+        let rest = rest.unwrap_or("not selected").to_owned();
         if self.unsent != (0, 0) {
             let (requests, trials) = self.unsent;
             let unsent = format!("{} and {}", plural(requests, "request"), plural(trials as u64, "trial"));
@@ -345,11 +383,11 @@ impl Probe<'_, '_> {
         let danger = self.danger().map(hidden);
         let (mut result, unrecorded) = self.tape.finish();
         result.findings.retain(|rule| self.options.selection.has_rule(rule));
-        let rest = self.cut_short.as_deref().or(self.failure.as_deref()).unwrap_or("not selected");
-        let requests = self.coverage.finish(&self.secrets.hide(rest));
+        let requests = self.coverage.finish(&self.secrets.hide(&rest));
         let notes = self.notes.into_iter().map(hidden).collect();
         let (failure, cut_short) = (self.failure.map(hidden), self.cut_short.map(hidden));
-        Probed { result, requests, notes, failure, cut_short, unrecorded, danger }
+        let left_out = self.left_out.map(hidden);
+        Probed { result, requests, notes, failure, cut_short, left_out, unrecorded, danger }
     }
 
     /// Sends a request on the survey's connection, and waits for the answer. A missing answer violates a rule.
@@ -436,18 +474,18 @@ impl Probe<'_, '_> {
         let body = &message["body"];
         self.stop.commanded().sent(body, self.flights.keys());
         let session = self.session.as_mut()?;
-        let (text, end) = (message.to_string(), Instant::now() + patience);
+        let (text, end) = (message.to_string(), self.clock.now() + patience);
         // A command that arrives twice, or late, may have an effect twice.
         let is_command = body["type"].as_str().is_some_and(|name| commands::COMMANDS.contains(&name));
         let is_resent = matches!(self.endpoint, Endpoint::Udp(_)) && !is_command;
         let resends = if is_resent { MAX_RESENDS } else { 0 };
         for left in (0..=resends).rev() {
-            let sent_at = Instant::now();
+            let sent_at = self.clock.now();
             session.send(&mut self.tape, text.as_bytes(), Some(id), trial);
             let until =
                 if left == 0 { end } else { end.min(sent_at + RESEND_INTERVAL.max(self.slowest * 3)) };
             if let Some(answer) = session.answer(&mut self.tape, id, until) {
-                self.slowest = self.slowest.max(sent_at.elapsed());
+                self.slowest = self.slowest.max(self.clock.now().saturating_duration_since(sent_at));
                 self.stop.commanded().answered(body, &answer);
                 return Some(answer);
             }
@@ -498,7 +536,12 @@ impl Probe<'_, '_> {
     }
 
     fn is_late(&self) -> bool {
-        Instant::now() >= self.end
+        self.clock.now() >= self.end
+    }
+
+    /// Waits until the time has passed or the probe must stop.
+    fn sleep(&self, time: Duration) {
+        self.stop.sleep(&self.clock, time);
     }
 
     fn step(&mut self) {

@@ -34,10 +34,13 @@ mod error_code;
 mod family;
 mod hub;
 mod listen;
+mod memory;
 mod message;
 mod operation;
 mod random;
 mod request;
+mod show;
+mod skybrush;
 #[cfg(test)]
 mod tests;
 mod uav;
@@ -48,12 +51,14 @@ use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use self::hub::{Hub, RequestHandler};
 pub(crate) use self::listen::limits::raise_open_files;
 pub use self::listen::statistics::{Reason, Statistics};
 use self::listen::{Bound, Control, Reactor};
+pub use self::memory::InMemory;
+use crate::clock::Clock;
 use crate::rules::flockwave::FlockwaveRule;
 
 /// The transports, named as in the protocol's reference server.
@@ -113,19 +118,27 @@ pub struct Options {
     pub errors: Vec<(String, u16)>,
     /// UAVs that get lost, each with the time of its loss, measured from the first connection (see [`loss`]).
     pub losses: Vec<(String, Duration)>,
+    /// UAVs that appear late, each with the time of its appearance, measured from the first connection (see [`loss`]).
+    pub appearances: Vec<(String, Duration)>,
+    /// The commands whose results are null instead of true.
+    pub null_results: Vec<String>,
     /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
     pub stay: Option<Duration>,
     /// The name and password with which clients must log in.
     pub login: Option<(String, String)>,
+    /// True if the server answers as the client Skybrush Live expects, where this differs from the specification.
+    pub is_for_skybrush: bool,
     /// The rule that the server violates.
     pub bug: Option<&'static FlockwaveRule>,
     /// The initial time of the server, in milliseconds since 1970.
     pub start: u64,
+    /// The clock of the server. The server only reads it, so another thread must move simulated time.
+    pub clock: Clock,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let now = Clock::real().since_1970();
         Self {
             uavs: 5,
             seed: 0,
@@ -134,10 +147,14 @@ impl Default for Options {
             charge: 100.0,
             errors: Vec::new(),
             losses: Vec::new(),
+            appearances: Vec::new(),
+            null_results: Vec::new(),
             stay: None,
             login: None,
+            is_for_skybrush: false,
             bug: None,
             start: u64::try_from(now.as_millis()).unwrap_or_default(),
+            clock: Clock::real(),
         }
     }
 }
@@ -150,7 +167,7 @@ pub fn error(text: &str) -> Result<(String, u16), String> {
     Ok((id.to_owned(), code))
 }
 
-/// Parses a UAV and the time in seconds at which it gets lost, such as `glider-2@30`.
+/// Parses a UAV and the time in seconds at which it gets lost or appears, such as `glider-2@30`.
 pub fn loss(text: &str) -> Result<(String, Duration), String> {
     let (id, time) = text.split_once('@').ok_or("expected UAV@SECONDS, such as glider-2@30")?;
     let seconds = time.parse().map_err(|_| "expected a number of seconds".to_owned())?;

@@ -31,5 +31,6 @@ mod tables;
 mod texts;
 mod trials;
 mod ulog;
+mod unread;
 mod untrusted;
 mod vehicle_matrix;

@@ -7,8 +7,6 @@ use std::io::Cursor;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-#[cfg(unix)]
-use std::time::{Duration, Instant};
 
 use mcap::records::MessageHeader;
 use mcap::{MessageStream, WriteOptions};
@@ -16,7 +14,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 #[cfg(unix)]
-use crate::support::send_signal;
+use crate::support::{send_signal, wait_for};
 
 /// The definition of `ArmingCheckRequest` in PX4 1.16.
 const DEFINITION: &str = "uint32 MESSAGE_VERSION=0\nuint64 timestamp\nuint8 request_id\n";
@@ -233,16 +231,6 @@ fn unreadable_messages_are_counted() {
     assert!(text(&output.stdout).contains("1 unreadable message left out"), "{}", text(&output.stdout));
 }
 
-/// Waits until `is_over` returns true.
-#[cfg(unix)]
-fn wait(mut is_over: impl FnMut() -> bool) {
-    let began = Instant::now();
-    while !is_over() {
-        assert!(began.elapsed() < Duration::from_secs(60), "it never ends");
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
-
 #[cfg(unix)]
 #[test]
 fn an_interrupted_conversion_leaves_no_output() {
@@ -264,12 +252,12 @@ fn an_interrupted_conversion_leaves_no_output() {
         let mut child = command.stderr(Stdio::piped()).spawn().expect("it runs");
         let mut pipe = fs::OpenOptions::new().write(true).open(path("pipe")).expect("a pipe");
         pipe.write_all(&long).expect("it reads");
-        wait(|| names(folder.path()) != before);
+        wait_for("the output is being written", || (names(folder.path()) != before).then_some(()));
         send_signal(child.id(), SIGINT);
         // The next read fails.
-        wait(|| {
+        wait_for("the program ends", || {
             let _ = pipe.write_all(&[0]);
-            child.try_wait().expect("a child").is_some()
+            child.try_wait().expect("a child")
         });
         let ended = child.wait_with_output().expect("it ends");
         assert_eq!(ended.status.code(), Some(3));

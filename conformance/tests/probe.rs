@@ -1,6 +1,5 @@
-//! Tests of the probe, with conforming servers and with faulty ones.
-//!
-//! No test depends on speed, but a probe may have a time limit.
+//! Tests of the probe, with conforming servers and with faulty ones. Most servers are in memory and in simulated time, so the
+//! speed of the computer changes nothing.
 
 #[cfg_attr(not(unix), allow(dead_code, unused_imports, reason = "only tests with signals use them"))]
 mod flight;
@@ -8,26 +7,34 @@ mod landing;
 mod proxied;
 mod secrets;
 
+use std::cell::{Cell, RefCell};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
-use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::process::Command;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 use uavspec_conformance::check::check_capture;
+use uavspec_conformance::clock::Clock;
 use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::probe::{Options, Probed, RequestType, Selection, Stop, probe};
+use uavspec_conformance::probe::{Options, Probed, RequestType, Selection, Stop, probe, probe_on};
 use uavspec_conformance::rules::flockwave;
-use uavspec_conformance::serve::{self, Server, Transport};
-use uavspec_conformance::transport::Endpoint;
+use uavspec_conformance::serve::{self, InMemory, Server, Transport};
+use uavspec_conformance::transport::{Endpoint, Network};
+
+use crate::support::memory::{Line, Scripted};
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
-/// The additional time that a probe may take beyond its time limit, to finish its last request and its report.
-const SLACK: Duration = Duration::from_secs(20);
+/// The URL of all servers in memory.
+static ENDPOINT: LazyLock<Endpoint> = LazyLock::new(|| "tcp://memory:5001".parse().expect("an endpoint"));
+
+/// The additional time that a probe may take beyond its time limit, to finish its last requests.
+const SLACK: Duration = Duration::from_secs(15);
 
 /// Options of a short probe.
 fn short_options() -> Options {
@@ -55,10 +62,39 @@ impl std::io::Write for Shared {
 /// Probes a server, and asserts that a check of the recording has the same findings.
 fn probed(url: &str, options: &Options) -> Probed {
     let endpoint: Endpoint = url.parse().expect("an endpoint");
+    compared(|tape| probe(&endpoint, options, &DEFINITIONS, Some(tape), &|_, _| {}))
+}
+
+/// Probes a server in simulated time, and asserts that the probe ends in time.
+fn simulated<N: Network>(options: Options, network: impl FnOnce(&Clock) -> N) -> Probed {
+    let clock = Clock::simulated();
+    let (network, began) = (network(&clock), clock.now());
+    let options = Options { clock: clock.clone(), ..options };
+    let probed = compared(|tape| probe_on(&network, &ENDPOINT, &options, &DEFINITIONS, Some(tape)));
+    assert!(
+        clock.now() - began < options.limit + options.observe + SLACK,
+        "the probe exceeds its time limit"
+    );
+    probed
+}
+
+/// Probes a server that serves clients with a script.
+fn scripted(options: Options, script: impl Fn(&mut Line, &[u8]) + 'static) -> Probed {
+    simulated(options, |clock| Scripted::new(clock, script))
+}
+
+/// Probes a reference server. The recording is copied.
+fn referenced(options: Options, served: serve::Options, copy: &Shared) -> Probed {
+    let clock = Clock::simulated();
+    let server = InMemory::new(served, &clock);
+    let copy: Box<dyn std::io::Write> = Box::new(copy.clone());
+    probe_on(&server, &ENDPOINT, &Options { clock, ..options }, &DEFINITIONS, Some(copy))
+}
+
+/// Asserts that a check of the recording has the same findings.
+fn compared(probe: impl FnOnce(Box<dyn std::io::Write>) -> Probed) -> Probed {
     let tape = Shared::default();
-    let began = Instant::now();
-    let probed = probe(&endpoint, options, &DEFINITIONS, Some(Box::new(tape.clone())), &|_, _| {});
-    assert!(began.elapsed() < options.limit + options.observe + SLACK, "the probe exceeds its time limit");
+    let probed = probe(Box::new(tape.clone()));
     assert!(probed.unrecorded.is_none());
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
@@ -114,14 +150,18 @@ fn answer(line: &[u8], number: &mut u64) -> Option<String> {
     Some(format!("{answer}\n"))
 }
 
-/// Passes received segments to a function until it returns false.
-fn segments(stream: &TcpStream, mut take: impl FnMut(&[u8]) -> bool) {
-    let (mut stream, mut piece) = (stream, vec![0; 1 << 16]);
-    while let Ok(length) = stream.read(&mut piece) {
-        if length == 0 || !take(&piece[..length]) {
-            return;
-        }
+/// Answers each line of a segment.
+fn answer_all(line: &Line, segment: &[u8]) {
+    for answer in answers(segment) {
+        line.send(answer);
     }
+}
+
+/// The answers to the lines of a segment.
+fn answers(segment: &[u8]) -> Vec<String> {
+    static NUMBER: AtomicU64 = AtomicU64::new(0);
+    let mut number = NUMBER.fetch_add(100, Ordering::Relaxed);
+    segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut number)).collect()
 }
 
 /// Answers HTTP POST requests with bare message bodies, without an envelope. A malformed message is taken for a ping.
@@ -164,15 +204,14 @@ fn matches_http_answers_without_envelopes_to_their_requests() {
 
 #[test]
 fn reports_a_refused_connection() {
-    let free = TcpListener::bind("127.0.0.1:0").expect("a free port").local_addr().expect("an address");
-    let probed = probed(&format!("tcp://{free}"), &short_options());
+    let probed = simulated(short_options(), |clock| Scripted::new(clock, |_, _| {}).accepting(0));
     assert!(probed.failure.expect("a reason").starts_with("can't connect"));
     assert_eq!(probed.result.checked, 0);
 }
 
 #[test]
 fn ends_in_time_with_a_silent_server() {
-    let probed = probed(&serve(|stream, _| segments(&stream, |_| true)), &short_options());
+    let probed = scripted(short_options(), |_, _| {});
     let failure = probed.failure.as_deref().expect("a reason");
     assert_eq!(failure, "this is not a Flockwave server: no answer to SYS-VER within 2 s");
     assert_eq!(violations(&probed), BTreeMap::new());
@@ -181,22 +220,13 @@ fn ends_in_time_with_a_silent_server() {
 /// A proxy may close connections until the server behind it has started. The early requests then have no answer.
 #[test]
 fn waits_until_a_starting_server_answers() {
-    let url = serve(|mut stream, number| {
-        let mut reader = BufReader::new(stream.try_clone().expect("a stream"));
-        let mut count = 0;
-        if number < 3 {
-            let _ = reader.read_line(&mut String::new());
-            return;
-        }
-        for line in reader.lines().map_while(Result::ok) {
-            let Some(answer) = answer(line.as_bytes(), &mut count) else { continue };
-            if stream.write_all(answer.as_bytes()).is_err() {
-                return;
-            }
-        }
-    });
     let selection = Selection::default().without_trials();
-    let probed = probed(&url, &Options { limit: Duration::from_secs(20), selection, ..short_options() });
+    let options = Options { limit: Duration::from_secs(20), selection, ..short_options() };
+    let probed = scripted(options, |line, segment| match segment {
+        b"" => {}
+        _ if line.number < 3 => line.end(line.number),
+        _ => answer_all(line, segment),
+    });
     assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
     assert!(!rules(&probed).contains("FW-ENV-07"), "{:?}", trials(&probed));
 }
@@ -211,13 +241,11 @@ fn recognises_servers_of_other_protocols() {
         (b"SSH-2.0-OpenSSH_9.6\r\n", "SSH-2.0"),
         (b"{\"jsonrpc\":\"2.0\",\"id\":\"probe-1\"}\n", "jsonrpc"),
     ] {
-        let probed = probed(
-            &serve(move |mut stream, _| {
-                let _ = stream.write_all(greeting);
-                segments(&stream, |_| true);
-            }),
-            &short_options(),
-        );
+        let probed = scripted(short_options(), move |line, segment| {
+            if segment.is_empty() {
+                line.send(greeting);
+            }
+        });
         let failure = probed.failure.as_deref().expect("a reason");
         assert!(failure.starts_with("this is not a Flockwave server: "), "{failure}");
         assert!(failure.contains(expected), "{failure}");
@@ -225,77 +253,57 @@ fn recognises_servers_of_other_protocols() {
     }
 }
 
+/// Sends the same bytes again and again, with pauses.
+fn repeated(bytes: &'static [u8], pause: Duration, count: usize) -> impl Fn(&mut Line, &[u8]) {
+    move |line, segment| {
+        for _ in 0..if segment.is_empty() { count } else { 0 } {
+            line.send_after(pause, bytes);
+        }
+    }
+}
+
 #[test]
 fn reports_garbage_and_ends_in_time() {
-    let probed = probed(
-        &serve(|mut stream, _| {
-            while stream.write_all(b"\xff\xfe wind \x00\n{\"half\n[[[[\n").is_ok() {
-                thread::sleep(Duration::from_millis(20));
-            }
-        }),
-        &short_options(),
-    );
+    let garbage = b"\xff\xfe wind \x00\n{\"half\n[[[[\n";
+    let probed = scripted(short_options(), repeated(garbage, Duration::from_millis(20), 3_000));
     let failure = probed.failure.as_deref().expect("a reason");
     assert!(failure.starts_with("this is not a Flockwave server: it sent "), "{failure}");
     assert_eq!(rules(&probed), BTreeSet::new());
 }
 
 #[test]
-fn ends_in_time_with_slow_bytes_and_an_endless_line() {
-    for pause in [1_000, 0] {
-        let probed = probed(
-            &serve(move |mut stream, _| {
-                let piece = if pause == 0 { vec![b'x'; 1 << 16] } else { vec![b'x'] };
-                while stream.write_all(&piece).is_ok() {
-                    thread::sleep(Duration::from_millis(pause));
-                }
-            }),
-            &short_options(),
-        );
-        let failure = probed.failure.as_deref().expect("a reason");
-        assert!(failure.starts_with("this is not a Flockwave server: "), "{failure}");
-        assert_eq!(rules(&probed), BTreeSet::new());
-    }
+fn ends_in_time_with_slow_bytes() {
+    let probed = scripted(short_options(), repeated(b"x", Duration::from_secs(1), 60));
+    let failure = probed.failure.as_deref().expect("a reason");
+    assert!(failure.starts_with("this is not a Flockwave server: "), "{failure}");
+    assert_eq!(rules(&probed), BTreeSet::new());
 }
 
 #[test]
-fn ends_in_time_with_a_million_notifications() {
-    let probed = probed(
-        &serve(|mut stream, _| {
-            let one = json!({
-                "$fw.version": "1.0", "id": "same", "body": { "type": "SYS-MSG", "items": [{ "message": "gust" }] },
-            });
-            let many = format!("{one}\n").repeat(100);
-            for _ in 0..10_000 {
-                if stream.write_all(many.as_bytes()).is_err() {
-                    return;
-                }
-            }
-        }),
-        &short_options(),
-    );
-    assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-04", "FW-ENV-07"]));
+fn ends_in_time_with_an_endless_line() {
+    let url = serve(|mut stream, _| while stream.write_all(&[b'x'; 1 << 16]).is_ok() {});
+    let probed = probed(&url, &short_options());
+    let failure = probed.failure.as_deref().expect("a reason");
+    assert!(failure.starts_with("this is not a Flockwave server: "), "{failure}");
+    assert_eq!(rules(&probed), BTreeSet::new());
 }
 
-/// Answers each line after a delay.
-fn serve_slowly(delay: impl Fn(u64) -> Duration + Clone + Send + 'static) -> String {
-    serve(move |mut stream, _| {
-        let reader = BufReader::new(stream.try_clone().expect("a stream"));
-        let mut number = 0;
-        for line in reader.lines().map_while(Result::ok) {
-            let Some(answer) = answer(line.as_bytes(), &mut number) else { continue };
-            thread::sleep(delay(number));
-            if stream.write_all(answer.as_bytes()).is_err() {
-                return;
-            }
-        }
-    })
+#[test]
+fn ends_in_time_with_many_notifications() {
+    let one = br#"{"$fw.version":"1.0","id":"same","body":{"type":"SYS-MSG","items":[{"message":"gust"}]}}
+"#;
+    let probed = scripted(short_options(), repeated(one, Duration::from_millis(2), 30_000));
+    assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-04", "FW-ENV-07"]));
 }
 
 #[test]
 fn a_slow_server_runs_out_of_time_without_a_finding() {
-    let slow = serve_slowly(|_| Duration::from_millis(900));
-    let probed = probed(&slow, &Options { limit: Duration::from_secs(4), ..short_options() });
+    let options = Options { limit: Duration::from_secs(4), ..short_options() };
+    let probed = scripted(options, |line, segment| {
+        for answer in answers(segment) {
+            line.send_after(Duration::from_millis(900), answer);
+        }
+    });
     assert_eq!(probed.failure, None);
     let reason = probed.cut_short.as_deref().expect("a reason");
     assert!(reason.starts_with("out of time: "), "{reason}");
@@ -306,171 +314,138 @@ fn a_slow_server_runs_out_of_time_without_a_finding() {
 
 #[test]
 fn waits_for_late_answers() {
-    // The tenth answer of each connection takes longer than the probe waits before its next request.
-    let late = serve_slowly(|number| Duration::from_millis(if number == 10 { 3_000 } else { 0 }));
     let selection = Selection::default().without_trials();
     let (limit, timeout) = (Duration::from_secs(30), Duration::from_secs(5));
-    let probed = probed(&late, &Options { limit, timeout, selection, ..short_options() });
+    let count = Cell::new(0);
+    // One answer takes longer than the probe waits before its next request.
+    let probed = scripted(Options { limit, timeout, selection, ..short_options() }, move |line, segment| {
+        for answer in answers(segment) {
+            let number = count.replace(count.get() + 1);
+            line.send_after(Duration::from_secs(if number == 10 { 3 } else { 0 }), answer);
+        }
+    });
     assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
     assert!(!rules(&probed).contains("FW-ENV-07"), "{:?}", trials(&probed));
 }
 
-/// Probes a server, but uses only these rules.
-fn tried(url: &str, rules: &[&str]) -> Probed {
-    let endpoint: Endpoint = url.parse().expect("an endpoint");
-    let only = rules.iter().map(|rule| (*rule).to_owned()).collect();
-    let selection = Selection::new(only, Vec::new(), &DEFINITIONS, &endpoint).expect("known rules");
-    let options = Options { limit: Duration::from_secs(45), selection, ..short_options() };
-    let probed = probe(&endpoint, &options, &DEFINITIONS, None, &|_, _| {});
+/// Probes a scripted server, but uses only these rules.
+fn tried(rules: &[&str], script: impl Fn(&mut Line, &[u8]) + 'static) -> Probed {
+    let probed = scripted(trying(rules), script);
     assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
     probed
+}
+
+/// Options that use only these rules.
+fn trying(rules: &[&str]) -> Options {
+    let only = rules.iter().map(|rule| (*rule).to_owned()).collect();
+    let selection = Selection::new(only, Vec::new(), &DEFINITIONS, &ENDPOINT).expect("known rules");
+    Options { limit: Duration::from_secs(45), selection, ..short_options() }
 }
 
 /// A server may handle one request after the other. Each answer is in time, but not all answers are.
 #[test]
 fn waits_for_the_answers_to_requests_that_were_sent_together() {
-    let url = serve(|mut stream, _| {
-        let reader = BufReader::new(stream.try_clone().expect("a stream"));
-        let mut number = 0;
-        for line in reader.lines().map_while(Result::ok) {
-            let Some(answer) = answer(line.as_bytes(), &mut number) else { continue };
-            // The requests of trials have other ids.
-            if !line.contains("\"probe-") {
-                thread::sleep(Duration::from_millis(1_300));
-            }
-            if stream.write_all(answer.as_bytes()).is_err() {
-                return;
-            }
+    let probed = tried(&["FW-TCP-02", "FW-ENV-27"], |line, segment| {
+        // The requests of trials have other ids.
+        let is_trial = !String::from_utf8_lossy(segment).contains("\"probe-");
+        for answer in answers(&line.lines(segment)) {
+            line.send_after(Duration::from_millis(if is_trial { 1_300 } else { 0 }), answer);
         }
     });
-    let probed = tried(&url, &["FW-TCP-02", "FW-ENV-27"]);
     assert_eq!(rules(&probed), BTreeSet::new());
 }
 
-/// Answers each request until a line is not JSON. Afterwards, it answers nothing on the connection, and keeps the
-/// connection open.
-fn serve_until_confused(stream: &TcpStream) {
-    let (mut number, mut is_confused) = (0, false);
-    segments(stream, |segment| {
-        if segment.starts_with(b"not a message") {
-            is_confused = true;
-            stream.set_read_timeout(None).expect("a timeout");
-        }
-        let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut number));
-        let answers: String = answers.collect();
-        let mut stream = stream;
-        is_confused || stream.write_all(answers.as_bytes()).is_ok()
-    });
+/// True if a segment is the first one of the trials with lines that aren't JSON.
+fn is_confusing(segment: &[u8]) -> bool {
+    segment.starts_with(b"not a message")
+}
+
+/// Answers each request until a line is not JSON. Afterwards, nothing is answered on the connection, and it stays open.
+fn answer_until_confused(line: &mut Line, confused: &RefCell<BTreeSet<usize>>, segment: &[u8]) {
+    if is_confusing(segment) {
+        confused.borrow_mut().insert(line.number);
+        line.idle_limit = None;
+    }
+    if !confused.borrow().contains(&line.number) {
+        answer_all(line, segment);
+    }
 }
 
 /// A server may close idle connections, also while a trial waits for its answer.
 #[test]
 fn the_end_of_an_idle_connection_is_no_effect_of_a_trial() {
-    let url = serve(|stream, _| {
-        stream.set_read_timeout(Some(Duration::from_secs(1))).expect("a timeout");
-        serve_until_confused(&stream);
+    let confused = RefCell::default();
+    let probed = tried(&["FW-TCP-03", "FW-ENV-27"], move |line, segment| {
+        if segment.is_empty() {
+            line.idle_limit = Some(Duration::from_secs(1));
+        }
+        answer_until_confused(line, &confused, segment);
     });
-    assert_eq!(rules(&tried(&url, &["FW-TCP-03", "FW-ENV-27"])), BTreeSet::from(["FW-TCP-03"]));
+    assert_eq!(rules(&probed), BTreeSet::from(["FW-TCP-03"]));
 }
 
 /// A server may serve only the latest connection.
 #[test]
 fn the_end_of_an_older_connection_is_no_effect_of_a_trial() {
-    let latest: Arc<Mutex<Option<(usize, TcpStream)>>> = Arc::default();
-    let url = serve(move |stream, number| {
-        let mut latest = latest.lock().unwrap_or_else(PoisonError::into_inner);
-        if latest.as_ref().is_some_and(|(later, _)| *later > number) {
-            return;
+    let confused = RefCell::default();
+    let probed = tried(&["FW-TCP-03", "FW-ENV-27"], move |line, segment| {
+        if segment.is_empty() {
+            (0..line.number).for_each(|older| line.end(older));
         }
-        let copy = stream.try_clone().expect("a stream");
-        if let Some((_, older)) = latest.replace((number, copy)) {
-            // The client may have closed it.
-            let _ = older.shutdown(Shutdown::Both);
-        }
-        drop(latest);
-        serve_until_confused(&stream);
+        answer_until_confused(line, &confused, segment);
     });
-    assert_eq!(rules(&tried(&url, &["FW-TCP-03", "FW-ENV-27"])), BTreeSet::from(["FW-TCP-03"]));
+    assert_eq!(rules(&probed), BTreeSet::from(["FW-TCP-03"]));
 }
 
 /// The end of a connection closes all older connections. This looks neither like a server for one client nor like the
 /// end of an idle connection.
 #[test]
 fn reports_a_server_that_closes_the_connections_of_other_clients() {
-    let clients: Arc<Mutex<BTreeMap<usize, TcpStream>>> = Arc::default();
-    let url = serve(move |stream, number| {
-        let copy = stream.try_clone().expect("a stream");
-        clients.lock().unwrap_or_else(PoisonError::into_inner).insert(number, copy);
-        let mut count = 0;
-        segments(&stream, |segment| {
-            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut count));
-            let answers: String = answers.collect();
-            !segment.starts_with(b"not a message") && (&stream).write_all(answers.as_bytes()).is_ok()
-        });
-        let mut clients = clients.lock().unwrap_or_else(PoisonError::into_inner);
-        let later = clients.split_off(&(number + 1));
-        for client in std::mem::replace(&mut *clients, later).values() {
-            // The client may have closed it.
-            let _ = client.shutdown(Shutdown::Both);
+    let found = rules(&tried(&["FW-TCP-03", "FW-ENV-27"], |line, segment| {
+        if is_confusing(segment) {
+            (0..=line.number).for_each(|older| line.end(older));
         }
-    });
-    let found = rules(&tried(&url, &["FW-TCP-03", "FW-ENV-27"]));
+        answer_all(line, segment);
+    }));
     assert_eq!(found, BTreeSet::from(["FW-ENV-27", "FW-TCP-03"]));
 }
 
 /// If the probe is interrupted, it can't find out whether the server closes idle connections.
 #[test]
 fn an_interrupted_probe_reports_no_effect_of_a_trial() {
-    let confused: Arc<Mutex<Option<usize>>> = Arc::default();
     let stop = Stop::default();
     let requested = stop.clone();
-    let url = serve(move |stream, number| {
-        let confused = || confused.lock().unwrap_or_else(PoisonError::into_inner);
-        stream.set_read_timeout(Some(Duration::from_secs(1))).expect("a timeout");
-        // The second connection after the trial is open while the probe waits for the end of the first one.
-        if confused().is_some_and(|trial| number >= trial + 2) {
-            requested.request();
-        }
-        let mut count = 0;
-        segments(&stream, |segment| {
-            if segment.starts_with(b"not a message") {
-                confused().get_or_insert(number);
-                stream.set_read_timeout(None).expect("a timeout");
+    let confused: RefCell<BTreeSet<usize>> = RefCell::default();
+    let options = Options { stop: stop.clone(), ..trying(&["FW-TCP-03", "FW-ENV-27"]) };
+    let probed = scripted(options, move |line, segment| {
+        if segment.is_empty() {
+            line.idle_limit = Some(Duration::from_secs(1));
+            // The second connection after the trial is open while the probe waits for the end of the first one.
+            if confused.borrow().first().is_some_and(|trial| line.number >= trial + 2) {
+                requested.request();
             }
-            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut count));
-            let answers: String = answers.collect();
-            *confused() == Some(number) || (&stream).write_all(answers.as_bytes()).is_ok()
-        });
+        }
+        answer_until_confused(line, &confused, segment);
     });
-    let endpoint: Endpoint = url.parse().expect("an endpoint");
-    let only = vec!["FW-TCP-03".to_owned(), "FW-ENV-27".to_owned()];
-    let selection = Selection::new(only, Vec::new(), &DEFINITIONS, &endpoint).expect("known rules");
-    let limit = Duration::from_secs(45);
-    let options = Options { limit, selection, stop: stop.clone(), ..short_options() };
-    let probed = probe(&endpoint, &options, &DEFINITIONS, None, &|_, _| {});
     assert!(stop.is_requested() && probed.cut_short.is_some());
     assert!(!rules(&probed).contains("FW-ENV-27"), "{:?}", trials(&probed));
 }
 
-/// Serves a server that refuses all requests before the login, even AUTH-INF.
-fn serve_after_login(is_accepted: bool) -> String {
-    serve(move |mut stream, _| {
-        let reader = BufReader::new(stream.try_clone().expect("a stream"));
-        let (mut number, mut is_logged_in) = (0, false);
-        for line in reader.lines().map_while(Result::ok) {
-            let Some(text) = answer(line.as_bytes(), &mut number) else { continue };
+/// A server that refuses all requests before the login, even AUTH-INF.
+fn answer_after_login(is_accepted: bool) -> impl Fn(&mut Line, &[u8]) {
+    let logged_in: RefCell<BTreeSet<usize>> = RefCell::default();
+    move |line, segment| {
+        for text in answers(segment) {
             let mut message: Value = serde_json::from_str(&text).expect("JSON");
-            if line.contains("AUTH-REQ") {
-                is_logged_in = is_accepted;
+            if String::from_utf8_lossy(segment).contains("AUTH-REQ") {
+                logged_in.borrow_mut().extend(is_accepted.then_some(line.number));
                 message["body"] = json!({ "type": "AUTH-RESP", "result": is_accepted, "user": "pilot" });
-            } else if !is_logged_in {
+            } else if !logged_in.borrow().contains(&line.number) {
                 message["body"] = json!({ "type": "ACK-NAK", "reason": "log in first" });
             }
-            if writeln!(stream, "{message}").is_err() {
-                return;
-            }
+            line.send(format!("{message}\n"));
         }
-    })
+    }
 }
 
 #[test]
@@ -478,10 +453,10 @@ fn logs_in_to_a_server_that_refuses_everything_else_before_the_login() {
     let login = Some(("pilot".to_owned(), "soar".to_owned()));
     let selection = Selection::default().without_trials();
     let options = Options { limit: Duration::from_secs(30), login, selection, ..short_options() };
-    let accepted = probed(&serve_after_login(true), &options);
+    let accepted = scripted(options.clone(), answer_after_login(true));
     assert_eq!((accepted.failure.as_deref(), accepted.cut_short.as_deref()), (None, None));
     assert!(!rules(&accepted).contains("FW-SYS-PING-01"), "{:?}", trials(&accepted));
-    let refused = probed(&serve_after_login(false), &options);
+    let refused = scripted(options, answer_after_login(false));
     let failure = refused.failure.as_deref().expect("a reason");
     assert!(failure.starts_with("the server refused the login"), "{failure}");
     assert!(!rules(&refused).contains("FW-SYS-PING-01"), "{:?}", trials(&refused));
@@ -489,23 +464,14 @@ fn logs_in_to_a_server_that_refuses_everything_else_before_the_login() {
 
 #[test]
 fn reports_a_server_that_dies_during_the_probe() {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
-    let url = format!("tcp://{}", listener.local_addr().expect("an address"));
-    thread::spawn(move || {
-        let (mut stream, _) = listener.accept().expect("a client");
-        // No further connection is accepted.
-        drop(listener);
-        let reader = BufReader::new(stream.try_clone().expect("a stream"));
-        let mut number = 0;
-        for line in reader.lines().map_while(Result::ok) {
-            let answer = answer(line.as_bytes(), &mut number).expect("a request");
-            if number > 10 {
-                return;
-            }
-            stream.write_all(answer.as_bytes()).expect("it is written");
+    let count = Cell::new(0);
+    let script = move |line: &mut Line, segment: &[u8]| {
+        if count.replace(count.get() + 1) > 10 {
+            line.end(line.number);
         }
-    });
-    let probed = probed(&url, &short_options());
+        answer_all(line, segment);
+    };
+    let probed = simulated(short_options(), |clock| Scripted::new(clock, script).accepting(1));
     assert!(probed.cut_short.expect("a reason").starts_with("can't reconnect"));
     let reported = probed.result.findings.groups().flat_map(|group| &group.examples);
     let lost = reported.filter(|(_, detail)| detail.message.ends_with("; the server closed the connection"));
@@ -514,20 +480,18 @@ fn reports_a_server_that_dies_during_the_probe() {
 
 #[test]
 fn probes_a_server_that_closes_connections_to_the_end() {
-    let probed = probed(
-        &serve(|mut stream, number| {
-            let reader = BufReader::new(stream.try_clone().expect("a stream"));
-            let mut count = 0;
+    let counts: RefCell<BTreeMap<usize, usize>> = RefCell::default();
+    let probed =
+        scripted(Options { limit: Duration::from_secs(30), ..short_options() }, move |line, segment| {
+            answer_all(line, segment);
+            let mut counts = counts.borrow_mut();
+            let count = counts.entry(line.number).or_default();
+            *count += 1;
             // The first connections end early, between an answer and the next request.
-            for line in reader.lines().map_while(Result::ok).take(if number < 3 { 12 } else { 1_000 }) {
-                let Some(answer) = answer(line.as_bytes(), &mut count) else { continue };
-                if stream.write_all(answer.as_bytes()).is_err() {
-                    return;
-                }
+            if *count > 12 && line.number < 3 {
+                line.end(line.number);
             }
-        }),
-        &Options { limit: Duration::from_secs(30), ..short_options() },
-    );
+        });
     assert_eq!(probed.failure, None);
     let again = probed.notes.iter().filter(|note| note.contains("connected again")).count();
     assert_eq!(again, 3, "{:?}", probed.notes);
@@ -543,25 +507,24 @@ fn trials(probed: &Probed) -> Vec<(&'static str, String, u64)> {
 fn reports_each_weakness_of_a_tcp_server_once() {
     // This server answers all lines of a segment together, in reverse order. If a line isn't JSON, it closes the
     // connection without an answer.
-    let probed = probed(
-        &serve(|stream, _| {
-            let (mut rest, mut number) = (Vec::new(), 0);
-            segments(&stream, |segment| {
-                rest.extend_from_slice(segment);
-                let Some(end) = rest.iter().rposition(|byte| *byte == b'\n') else { return true };
-                let whole: Vec<u8> = rest.drain(..=end).collect();
-                let lines: Vec<&[u8]> = whole[..end].split(|byte| *byte == b'\n').collect();
-                if lines.iter().any(|line| serde_json::from_slice::<Value>(line).is_err()) {
-                    return false;
-                }
-                let answers: Vec<String> =
-                    lines.iter().filter_map(|line| answer(line, &mut number)).collect();
-                let answers: String = answers.into_iter().rev().collect();
-                (&stream).write_all(answers.as_bytes()).is_ok()
-            });
-        }),
-        &Options { limit: Duration::from_secs(45), ..short_options() },
-    );
+    let rest: RefCell<BTreeMap<usize, Vec<u8>>> = RefCell::default();
+    let probed =
+        scripted(Options { limit: Duration::from_secs(45), ..short_options() }, move |line, segment| {
+            let mut rest = rest.borrow_mut();
+            let rest = rest.entry(line.number).or_default();
+            rest.extend_from_slice(segment);
+            let Some(end) = rest.iter().rposition(|byte| *byte == b'\n') else { return };
+            let whole: Vec<u8> = rest.drain(..=end).collect();
+            if whole[..end]
+                .split(|byte| *byte == b'\n')
+                .any(|line| serde_json::from_slice::<Value>(line).is_err())
+            {
+                return line.end(line.number);
+            }
+            for answer in answers(&whole).into_iter().rev() {
+                line.send(answer);
+            }
+        });
     assert_eq!(probed.failure, None);
     let found = trials(&probed);
     let findings_of = |rule: &str| -> Vec<(&str, u64)> {
@@ -577,18 +540,15 @@ fn reports_each_weakness_of_a_tcp_server_once() {
 
 #[test]
 fn reports_only_the_trial_that_stops_the_server() {
-    let is_dead = Arc::new(Mutex::new(false));
-    let url = serve(move |stream, _| {
-        let mut number = 0;
-        segments(&stream, |segment| {
-            let mut is_dead = is_dead.lock().unwrap_or_else(PoisonError::into_inner);
-            *is_dead |= segment.starts_with(b"not a message");
-            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut number));
-            let answers: String = answers.collect();
-            *is_dead || (&stream).write_all(answers.as_bytes()).is_ok()
+    let is_dead = Cell::new(false);
+    let probed =
+        scripted(Options { limit: Duration::from_secs(45), ..short_options() }, move |line, segment| {
+            is_dead.set(is_dead.get() || is_confusing(segment));
+            if is_dead.get() && !segment.is_empty() {
+                return;
+            }
+            answer_all(line, segment);
         });
-    });
-    let probed = probed(&url, &Options { limit: Duration::from_secs(45), ..short_options() });
     let reason = probed.cut_short.as_deref().expect("a reason");
     assert_eq!(
         reason,
@@ -604,27 +564,20 @@ fn reports_only_the_trial_that_stops_the_server() {
 /// The server serves new connections, but forgets the connections that were open before a trial.
 #[test]
 fn reports_a_trial_that_affects_other_clients() {
-    let forgotten = Arc::new(Mutex::new(0));
-    let url = serve(move |stream, number| {
-        let mut count = 0;
-        segments(&stream, |segment| {
-            let mut forgotten = forgotten.lock().unwrap_or_else(PoisonError::into_inner);
-            if segment.starts_with(b"not a message") {
-                *forgotten = number + 1;
-            }
-            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut count));
-            let answers: String = answers.collect();
-            number < *forgotten || (&stream).write_all(answers.as_bytes()).is_ok()
-        });
+    let forgotten = Cell::new(0);
+    let clock = Clock::simulated();
+    let server = Scripted::new(&clock, move |line: &mut Line, segment: &[u8]| {
+        if is_confusing(segment) {
+            forgotten.set(line.number + 1);
+        }
+        if line.number >= forgotten.get() {
+            answer_all(line, segment);
+        }
     });
-    let selection =
-        Selection::new(vec!["FW-TCP-03".to_owned()], Vec::new(), &DEFINITIONS, &url.parse().expect("a URL"));
-    let selection = selection.expect("a known rule");
-    let options = Options { limit: Duration::from_secs(45), selection, ..short_options() };
     // The selection also selects the findings of the rule.
-    let endpoint: Endpoint = url.parse().expect("an endpoint");
+    let options = Options { clock, ..trying(&["FW-TCP-03"]) };
     let tape = Shared::default();
-    let probed = probe(&endpoint, &options, &DEFINITIONS, Some(Box::new(tape.clone())), &|_, _| {});
+    let probed = probe_on(&server, &ENDPOINT, &options, &DEFINITIONS, Some(Box::new(tape.clone())));
     assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None));
     assert!(probed.notes.iter().any(|note| note.contains("other connections")), "{:?}", probed.notes);
     assert_eq!(rules(&probed), BTreeSet::from(["FW-TCP-03"]));
@@ -635,8 +588,8 @@ fn reports_a_trial_that_affects_other_clients() {
 }
 
 /// A reference server whose UAVs move fast, and its URL.
-fn reference_server(login: Option<(String, String)>) -> (Server, String) {
-    let options = serve::Options { speed: 10.0, login, ..serve::Options::default() };
+fn reference_server() -> (Server, String) {
+    let options = serve::Options { speed: 10.0, ..serve::Options::default() };
     let free = SocketAddr::from(([127, 0, 0, 1], 0));
     let server = Server::start(options, &[(Transport::Tcp, free)]).expect("it starts");
     let url = server.listening()[0].to_string();
@@ -658,12 +611,9 @@ fn requests(tape: &Shared) -> Vec<(String, Value)> {
 
 #[test]
 fn commands_follow_the_order_of_a_flight_and_concern_only_named_uavs() {
-    let (server, url) = reference_server(None);
     let options = Options::new(Duration::ZERO, None, vec!["glider-2".to_owned()]);
     let tape = Shared::default();
-    let endpoint: Endpoint = url.parse().expect("an endpoint");
-    let probed = probe(&endpoint, &options, &DEFINITIONS, Some(Box::new(tape.clone())), &|_, _| {});
-    drop(server);
+    let probed = referenced(options, serve::Options::default(), &tape);
     assert_eq!((probed.failure, probed.cut_short), (None, None));
     assert_eq!(probed.result.findings.groups().count(), 0);
     let requests = requests(&tape);
@@ -678,8 +628,8 @@ fn commands_follow_the_order_of_a_flight_and_concern_only_named_uavs() {
         "UAV-FLY",
         "UAV-RTH",
         "UAV-LAND",
-        "UAV-HALT",
         "UAV-RST",
+        "UAV-HALT",
     ];
     assert!(flight.is_sorted_by_key(|name| at(name)), "{requests:?}");
     let queries = ["UAV-INF", "UAV-LIST", "UAV-PREFLT", "UAV-VER"];
@@ -700,16 +650,12 @@ fn commands_follow_the_order_of_a_flight_and_concern_only_named_uavs() {
 
 #[test]
 fn lands_uavs_whatever_is_selected() {
-    let (server, url) = reference_server(None);
-    let endpoint: Endpoint = url.parse().expect("an endpoint");
     let only = vec!["UAV-TAKEOFF".to_owned()];
-    let selection = Selection::new(only, vec!["UAV-LAND".to_owned()], &DEFINITIONS, &endpoint);
+    let selection = Selection::new(only, vec!["UAV-LAND".to_owned()], &DEFINITIONS, &ENDPOINT);
     let selection = selection.expect("known types").without_trials();
     let options = Options::new(Duration::ZERO, None, vec!["glider-2".to_owned()]);
     let tape = Shared::default();
-    let record = Some(Box::new(tape.clone()) as Box<dyn std::io::Write>);
-    let probed = probe(&endpoint, &Options { selection, ..options }, &DEFINITIONS, record, &|_, _| {});
-    drop(server);
+    let probed = referenced(Options { selection, ..options }, serve::Options::default(), &tape);
     assert_eq!((probed.failure, probed.cut_short), (None, None));
     let sent: Vec<String> = requests(&tape).into_iter().map(|(name, _)| name).collect();
     let at = |name: &str| sent.iter().position(|sent| sent == name);
@@ -720,14 +666,14 @@ fn lands_uavs_whatever_is_selected() {
 #[test]
 fn sends_every_request_type_or_says_why_not() {
     let login = ("pilot".to_owned(), "secret".to_owned());
-    let (server, url) = reference_server(Some(login.clone()));
+    let served = serve::Options { login: Some(login.clone()), ..serve::Options::default() };
+    let probed = |options| simulated(options, |clock| InMemory::new(served.clone(), clock));
     let uavs = (1..=5).map(|number| format!("glider-{number}")).collect();
-    let all = probed(&url, &Options::new(Duration::ZERO, Some(login.clone()), uavs));
+    let all = probed(Options::new(Duration::ZERO, Some(login.clone()), uavs));
     let not_sent: Vec<&RequestType> = all.requests.iter().filter(|entry| entry.not_sent.is_some()).collect();
     assert!(not_sent.is_empty(), "{not_sent:?}");
     assert!(all.requests.len() >= 72 && all.requests.iter().all(|entry| entry.sent > 0));
-    let without = probed(&url, &Options::new(Duration::ZERO, Some(login), Vec::new()));
-    drop(server);
+    let without = probed(Options::new(Duration::ZERO, Some(login), Vec::new()));
     let reasons: BTreeSet<&str> =
         without.requests.iter().filter_map(|entry| entry.not_sent.as_deref()).collect();
     assert_eq!(reasons, BTreeSet::from(["needs --allow-commands"]));
@@ -735,10 +681,11 @@ fn sends_every_request_type_or_says_why_not() {
 
 #[test]
 fn stops_after_a_refused_login() {
-    let (server, url) = reference_server(Some(("pilot".to_owned(), "secret".to_owned())));
+    let login = Some(("pilot".to_owned(), "secret".to_owned()));
+    let served = serve::Options { login, ..serve::Options::default() };
     let wrong = ("pilot".to_owned(), "wrong".to_owned());
-    let probed = probed(&url, &Options::new(Duration::ZERO, Some(wrong), Vec::new()));
-    drop(server);
+    let options = Options::new(Duration::ZERO, Some(wrong), Vec::new());
+    let probed = simulated(options, |clock| InMemory::new(served, clock));
     let failure = probed.failure.as_deref().expect("a reason");
     assert!(failure.starts_with("the server refused the login"), "{failure}");
     let logins = probed.requests.iter().find(|entry| entry.name == "AUTH-REQ").expect("a type");

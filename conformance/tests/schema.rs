@@ -218,15 +218,150 @@ fn ignores_bodies_that_schemas_cannot_represent() {
     assert_eq!(["7", "NaN", "1e400"].map(of_schema), [1, 0, 0]);
 }
 
+/// An `$id` that no reference uses changes nothing.
 #[test]
-fn an_inner_id_hides_no_references() {
-    let inner = json!({ "$id": "https://example.org/b/", "$ref": "#/$defs/c", "$defs": { "c": {} } });
-    let schema = json!({ "$ref": "#/$defs/a", "$defs": { "a": inner } });
-    let folder = folder(&[("schemas/SOAR-INF.json", schema)]);
-    recording(folder.path(), &[], &[json!({ "type": "SOAR-INF" })]);
-    let (status, _, output) = check(folder.path(), &["--schema", "schemas", "hill.jsonl"]);
+fn takes_inner_ids() {
+    let shared = json!({
+        "glider": { "$id": "Glider", "enum": ["wood", "glass"] },
+        "pilot": { "$id": "Pilot", "properties": { "glider": { "$ref": "Glider" }, "name": { "$ref": "#/name" } } },
+        "name": { "type": "string" },
+        "label": { "$ref": "#/name" },
+    });
+    let schema = json!({ "properties": {
+        "label": { "$ref": "shared.json#/label" },
+        "pilot": { "$ref": "shared.json#/pilot" },
+        "glider": { "$ref": "shared.json#/glider" },
+    } });
+    let folder = folder(&[("s/shared.json", shared), ("s/SOAR-INF.json", schema)]);
+    let body = json!({
+        "type": "SOAR-INF", "label": 5, "glider": "lead", "pilot": { "glider": "glass", "name": 7 },
+    });
+    recording(folder.path(), &[body], &[]);
+    let found = findings(folder.path(), &["--schema", "s"]);
+    let mut found: Vec<&str> = found.iter().map(|[_, _, path, ..]| path.as_str()).collect();
+    found.sort_unstable();
+    assert_eq!(found, ["/body/glider", "/body/label", "/body/pilot/name"]);
+}
+
+/// The problem is reported in the file that contains it, which may differ from the file that refers to it.
+#[test]
+fn refuses_references_with_two_meanings() {
+    let inner =
+        json!({ "$id": "https://example.org/b/", "$ref": "#/$defs/c", "$defs": { "c": { "maxLength": 1 } } });
+    let mut shared = json!({ "$defs": { "a": inner } });
+    let schema = json!({ "properties": { "lift": { "$ref": "shared.json#/$defs/a" } } });
+    let folder = folder(&[("s/shared.json", shared.clone()), ("s/SOAR-INF.json", schema)]);
+    recording(folder.path(), &[json!({ "type": "SOAR-INF", "lift": "much" })], &[]);
+    let found = findings(folder.path(), &["--schema", "s"]);
+    assert_eq!(found.len(), 1, "{found:?}");
+
+    shared["$defs"]["c"] = json!({ "minLength": 1 });
+    write(folder.path(), "s/shared.json", &shared.to_string());
+    let (status, _, output) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
     assert_eq!(status, Some(2), "{output}");
-    assert!(output.contains("SOAR-INF.json: references and an inner schema with the `$id`"), "{output}");
+    let expected = "shared.json:/$defs/a: the reference `#/$defs/c` has two meanings";
+    assert!(output.contains(expected) && output.contains("`https://example.org/b/`"), "{output}");
+}
+
+/// Definitions have priority, so schemas of defined types needn't be valid, unique, or usable. Folders may also contain
+/// examples of messages.
+#[test]
+fn ignores_schemas_of_defined_types() {
+    let missing = json!({ "$ref": "none.json#/version" });
+    let folder = folder(&[
+        ("s/response_SYS-VER.json", json!({ "anyOf": [{ "$ref": "response_SYS-VER_Short.json#" }] })),
+        ("s/response_SYS-VER_Short.json", json!({ "properties": { "type": { "const": "SYS-VER" } } })),
+        ("s/SYS-TIME.json", json!({ "minimum": 0, "exclusiveMinimum": true })),
+        ("s/SYS-PORTS.json", missing),
+        ("s/SOAR-INF.json", lift("SOAR-INF", &json!({ "type": "number" }))),
+        ("s/examples/response_SOAR-INF.json", json!({ "type": "SOAR-INF", "lift": 5 })),
+    ]);
+    recording(folder.path(), &[json!({ "type": "SOAR-INF", "lift": "much" })], &[]);
+    let found = findings(folder.path(), &["--schema", "s"]);
+    assert_eq!(found.len(), 1, "{found:?}");
+}
+
+/// Keywords of draft 4 are errors in later drafts, but only where they are used.
+#[test]
+fn checks_only_the_schemas_that_are_used() {
+    let old = json!({ "minimum": 0, "exclusiveMinimum": true });
+    let shared = json!({ "old": old, "new": { "exclusiveMinimum": 0 }, "broken": { "$ref": "#/none" } });
+    let mut schema = json!({
+        "$schema": "http://json-schema.org/draft-07/schema#",
+        "definitions": { "old": old, "broken": { "$ref": "none.json" } },
+        "properties": { "lift": { "$ref": "shared.json#/new" } },
+    });
+    let folder = folder(&[("s/shared.json", shared), ("s/SOAR-INF.json", schema.clone())]);
+    recording(folder.path(), &[json!({ "type": "SOAR-INF", "lift": 0 })], &[]);
+    let found = findings(folder.path(), &["--schema", "s"]);
+    let file = Path::new("s").join("shared.json");
+    let expected = format!("a value that matches {} at /new/exclusiveMinimum: 0", file.display());
+    assert_eq!(found.iter().map(|one| one[3].clone()).collect::<Vec<_>>(), [expected]);
+
+    schema["properties"]["lift"] = json!({ "allOf": [
+        { "$ref": "shared.json#/old" },
+        { "$ref": "shared.json#/broken" },
+    ] });
+    write(folder.path(), "s/SOAR-INF.json", &schema.to_string());
+    write(folder.path(), "s/SOAR-LIST.json", r##"{"$ref": "#/none"}"##);
+    let (status, _, output) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
+    assert_eq!(status, Some(2), "{output}");
+    let broken = "shared.json:/broken: unknown reference: nothing in the file has the location `/none`";
+    assert!(output.contains(broken), "{output}");
+    assert!(output.contains("SOAR-LIST.json: unknown reference"), "all problems are reported: {output}");
+
+    schema["properties"]["lift"] = json!({ "$ref": "shared.json#/old" });
+    write(folder.path(), "s/SOAR-INF.json", &schema.to_string());
+    let (_, _, output) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
+    assert!(output.contains("shared.json:/old/exclusiveMinimum: invalid JSON Schema"), "{output}");
+}
+
+/// Files may describe the alternatives of a body. One file refers to the others.
+#[test]
+fn takes_several_files_for_a_type_if_one_refers_to_the_others() {
+    let alternative =
+        |field: &str| json!({ "properties": { "type": { "const": "SOAR-INF" } }, "required": [field] });
+    let both = json!({ "anyOf": [
+        { "$ref": "response_SOAR-INF_Short.json#" },
+        { "$ref": "response_SOAR-INF_Long.json" },
+    ] });
+    let folder = folder(&[
+        ("s/response_SOAR-INF_Long.json", alternative("text")),
+        ("s/response_SOAR-INF_Short.json", alternative("lift")),
+        ("s/response_SOAR-INF.json", both),
+    ]);
+    let responses = [json!({ "type": "SOAR-INF", "lift": 1 }), json!({ "type": "SOAR-INF" })];
+    recording(folder.path(), &responses, &[]);
+    let found = findings(folder.path(), &["--schema", "s"]);
+    assert_eq!(found.len(), 1, "{found:?}");
+}
+
+/// Each file has its own draft.
+#[test]
+fn takes_files_of_different_drafts() {
+    let old = json!({
+        "$schema": "http://json-schema.org/draft-04/schema#", "id": "old", "minimum": 0, "exclusiveMinimum": true,
+    });
+    let schema = json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "properties": { "lift": { "$ref": "old.json", "maximum": 9 } },
+    });
+    let folder = folder(&[("s/old.json", old), ("s/SOAR-INF.json", schema)]);
+    let responses = [0, 1, 10].map(|lift| json!({ "type": "SOAR-INF", "lift": lift }));
+    recording(folder.path(), &responses, &[]);
+    let found = findings(folder.path(), &["--schema", "s"]);
+    let found: Vec<&str> = found.iter().map(|one| one[3].rsplit(' ').nth(1).unwrap_or_default()).collect();
+    assert_eq!(found, ["/exclusiveMinimum:", "/properties/lift/maximum:"]);
+}
+
+#[test]
+fn bounds_the_size_of_schemas() {
+    let values: Vec<u32> = (0..300_000).collect();
+    let folder = folder(&[("s/SOAR-INF.json", json!({ "enum": values }))]);
+    recording(folder.path(), &[], &[json!({ "type": "SOAR-INF" })]);
+    let (status, _, output) = check(folder.path(), &["--schema", "s", "hill.jsonl"]);
+    assert_eq!(status, Some(2), "{output}");
+    assert!(output.contains("contain more than 200000 values"), "{output}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Tests with correct, buggy and misbehaving testees.
 //!
-//! The testees are modes of the example program `testee`. No test depends on speed: tests of timeouts use testees that
-//! hang forever, and all others have generous time limits.
+//! The testees are modes of the example program `testee`. No test depends on speed: the time of tests with testees that
+//! hang passes only while other testees answer, and all others have generous time limits.
 
 mod attach;
 mod lint;
@@ -9,18 +9,20 @@ mod lint;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
+use std::thread;
 use std::time::Duration;
 
 use serde_json::Value;
 use uavspec_codegen::dynamic::{PlacedElement, Types};
+use uavspec_conformance::clock::Clock;
 use uavspec_conformance::definitions::Definitions;
 use uavspec_conformance::testee::{
     Case, ExpectedResponse, Format, Op, Options, Outcome, Target, Verdict, cases, run,
 };
 use uavspec_runtime::Scalar;
 
-use crate::support::cargo;
+use crate::support::{cargo, wait_for};
 
 struct Suite {
     types: Types,
@@ -65,9 +67,31 @@ fn options(arguments: &[&str]) -> Options {
     }
 }
 
-/// Options for testees that hang. The timeout is short, but long enough for the testees that are started afterwards.
-fn short_timeout(arguments: &[&str]) -> Options {
-    Options { timeout: Duration::from_secs(4), ..options(arguments) }
+/// The number of testees that start and answer while another one may be silent.
+const PATIENCE: u32 = 6;
+
+/// Options for testees that hang.
+fn impatient(arguments: &[&str], clock: &Clock) -> Options {
+    let clock = clock.clone();
+    Options { timeout: Duration::from_secs(4), clock, ..options(arguments) }
+}
+
+/// Runs a function with a clock that a good testee moves. So a testee that hangs is always told from a slow one, however
+/// busy the computer is.
+fn patiently<T>(run: impl FnOnce(&Clock) -> T) -> T {
+    let (clock, running) = (Clock::simulated(), Arc::new(()));
+    let (case, is_running) = (&some_cases()[..1], Arc::downgrade(&running));
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            while is_running.strong_count() > 0 {
+                run_cases(case, &options(&[]));
+                clock.sleep(Duration::from_secs(4) / PATIENCE);
+            }
+        });
+        // Dropped at the end, also after a panic.
+        let _running = running;
+        run(&clock)
+    })
 }
 
 fn run_cases(selected: &[usize], options: &Options) -> Outcome<'static> {
@@ -200,17 +224,12 @@ fn a_crash_leaves_no_processes_behind() {
         let state = std::fs::read_to_string(format!("/proc/{stderr}/stat")).unwrap_or_default();
         state.is_empty() || state.contains(") Z ")
     };
-    let mut waits = 0;
-    while !is_over() {
-        waits += 1;
-        assert!(waits < 200, "{stderr} still runs");
-        std::thread::sleep(Duration::from_millis(50));
-    }
+    wait_for("the process ends", || is_over().then_some(()));
 }
 
 #[test]
 fn reports_the_case_that_hangs() {
-    let (verdict, _) = culprit("hang", short_timeout);
+    let (verdict, _) = patiently(|clock| culprit("hang", |mode| impatient(mode, clock)));
     assert!(matches!(verdict, Verdict::TimedOut { .. }), "{verdict:?}");
 }
 
@@ -225,7 +244,7 @@ fn reports_the_case_with_an_endless_line() {
 
 #[test]
 fn reports_the_case_without_a_response() {
-    let (verdict, outcome) = culprit("wrong-id", short_timeout);
+    let (verdict, outcome) = patiently(|clock| culprit("wrong-id", |mode| impatient(mode, clock)));
     assert!(matches!(verdict, Verdict::TimedOut { .. }), "{verdict:?}");
     let remark = &outcome.protocol_remarks.remarks[0].0;
     assert!(remark.starts_with("unexpected response with id 1000000"), "{remark}");
@@ -233,7 +252,7 @@ fn reports_the_case_without_a_response() {
 
 #[test]
 fn reports_the_case_with_endless_wrong_responses() {
-    let (verdict, outcome) = culprit("babble", short_timeout);
+    let (verdict, outcome) = patiently(|clock| culprit("babble", |mode| impatient(mode, clock)));
     assert!(matches!(verdict, Verdict::TimedOut { .. }), "{verdict:?}");
     let remark = &outcome.protocol_remarks.remarks[0].0;
     assert!(remark.starts_with("unexpected response with id 1000000"), "{remark}");

@@ -8,9 +8,10 @@ mod tls;
 
 use std::io::{self, ErrorKind, Read as _, Write as _};
 use std::net::{SocketAddr, TcpListener, UdpSocket};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
+use uavspec_conformance::clock::Clock;
 use uavspec_conformance::serve::{Options, Server, Transport};
 use uavspec_conformance::transport::{
     Access, Client, Endpoint, Received, Trust, connect, connect_with, http_status, is_temporary,
@@ -18,9 +19,10 @@ use uavspec_conformance::transport::{
 
 use crate::support::proxy::Proxy;
 use crate::support::server::{custom_server, location, serve};
+use crate::support::{deadline, wait_for};
 
-/// The time limit of expected events.
-const TIMEOUT: Duration = Duration::from_secs(60);
+/// The time for reading messages that have already arrived.
+const SHORT_TIME: Duration = Duration::from_millis(20);
 
 /// The URLs of all clients, without host and port.
 const URLS: [(&str, &str); 6] = [
@@ -51,10 +53,6 @@ fn start(scheme: &str) -> (Server, SocketAddr) {
     serve(Options::default(), transport)
 }
 
-fn until() -> Instant {
-    Instant::now() + TIMEOUT
-}
-
 fn ping(id: &str) -> Vec<u8> {
     json!({ "$fw.version": "1.0", "id": id, "body": { "type": "SYS-PING" } }).to_string().into_bytes()
 }
@@ -63,7 +61,7 @@ fn ping(id: &str) -> Vec<u8> {
 fn ping_server(client: &mut dyn Client) -> io::Result<String> {
     client.send(&ping("calm"))?;
     loop {
-        match client.receive(until())? {
+        match client.receive(deadline())? {
             Received::Message(text) => {
                 let message: Value = serde_json::from_slice(&text).expect("JSON");
                 if message["refs"] == "calm" {
@@ -77,7 +75,7 @@ fn ping_server(client: &mut dyn Client) -> io::Result<String> {
 
 /// The result of a ping over a new connection.
 fn ping_at(endpoint: &Endpoint, access: &Access) -> io::Result<String> {
-    ping_server(&mut *connect_with(endpoint, access, until())?)
+    ping_server(&mut *connect_with(endpoint, access, deadline())?)
 }
 
 /// The error of a ping over a new connection.
@@ -135,7 +133,7 @@ fn ends_handshakes_with_silent_servers_in_time() {
     let plain = URLS.iter().filter(|(scheme, _)| *scheme == "socketio");
     for parts in plain.chain(tls).copied() {
         let endpoint = url(parts, address);
-        let until = Instant::now() + Duration::from_millis(300);
+        let until = Clock::real().now() + Duration::from_millis(20);
         let Err(error) = connect(&endpoint, until) else { panic!("{endpoint}: connected") };
         assert_eq!(error.kind(), ErrorKind::TimedOut, "{endpoint}: {error}");
         assert!(error.to_string().starts_with("timed out: "), "{endpoint}: {error}");
@@ -145,48 +143,55 @@ fn ends_handshakes_with_silent_servers_in_time() {
 #[test]
 fn waits_for_slow_servers() {
     let (_server, address) = start("http");
-    let slow = Proxy { delays: [Duration::from_millis(50); 2], ..Proxy::default() }.start(address);
+    let slow = Proxy { delays: [Duration::from_millis(5); 2], ..Proxy::default() }.start(address);
     for parts in http_urls() {
         let endpoint = url(parts, slow);
-        let mut client = connect(&endpoint, until()).expect("a connection");
+        let mut client = connect(&endpoint, deadline()).expect("a connection");
         assert_eq!(ping_server(&mut *client).expect("a response"), "ACK-ACK", "{endpoint}");
     }
     let (_server, address) = start("tcp");
-    let slow = Proxy { delays: [Duration::from_millis(200); 2], ..Proxy::default() }.start(address);
-    let mut client = connect(&url(("tcp", ""), slow), until()).expect("a connection");
+    let clock = Clock::simulated();
+    let delays = [Duration::from_secs(60); 2];
+    let slow = Proxy { delays, clock: clock.clone(), ..Proxy::default() }.start(address);
+    let mut client = connect(&url(("tcp", ""), slow), deadline()).expect("a connection");
     client.send(&ping("late")).expect("sent");
-    let silence = client.receive(Instant::now() + Duration::from_millis(50)).expect("an open connection");
-    assert_eq!(silence, Received::Silence);
-    assert_eq!(ping_server(&mut *client).expect("a response"), "ACK-ACK");
+    let mut receive = || client.receive(Clock::real().now() + SHORT_TIME).expect("an open connection");
+    assert_eq!(receive(), Received::Silence);
+    let received = wait_for("the answer arrives", || {
+        clock.sleep(delays[0]);
+        Some(receive()).filter(|received| *received != Received::Silence)
+    });
+    assert!(matches!(received, Received::Message(_)), "{received:?}");
 }
 
 #[test]
 fn survives_the_loss_of_datagrams() {
     let (_server, address) = start("udp");
     let lossy = Proxy { loss: 30, ..Proxy::default() }.start_udp(address);
-    let mut client = connect(&url(("udp", ""), lossy), until()).expect("a socket");
-    let (mut answered, mut lost) = (0, 0);
+    let mut client = connect(&url(("udp", ""), lossy), deadline()).expect("a socket");
     for number in 0..40 {
-        let id = format!("lull-{number}");
-        client.send(&ping(&id)).expect("a loss is not an error");
-        let wait = Instant::now() + Duration::from_millis(if lost == 0 { 500 } else { 100 });
+        client.send(&ping(&format!("lull-{number}"))).expect("a loss is not an error");
+    }
+    let mut answered = 0;
+    wait_for("a datagram arrives", || {
+        client.send(&ping("last")).expect("a loss is not an error");
         loop {
-            match client.receive(wait).expect("a loss is not an error") {
-                Received::Message(text) if String::from_utf8_lossy(&text).contains(&id) => answered += 1,
-                Received::Message(_) => continue,
-                Received::Silence => lost += 1,
+            match client.receive(Clock::real().now() + SHORT_TIME).expect("a loss is not an error") {
+                Received::Message(text) if String::from_utf8_lossy(&text).contains("last") => return Some(()),
+                Received::Message(_) => answered += 1,
+                Received::Silence => return None,
                 other => panic!("{other:?}"),
             }
-            break;
         }
-    }
+    });
+    let lost = 40 - answered;
     assert!(answered > 0 && lost > 0, "{answered} answered, {lost} lost");
 }
 
 #[test]
 fn uses_a_socket_again_after_a_refusal() {
     let address = UdpSocket::bind(location()).expect("a port").local_addr().expect("an address");
-    let mut client = connect(&url(("udp", ""), address), until()).expect("a socket");
+    let mut client = connect(&url(("udp", ""), address), deadline()).expect("a socket");
     let error = ping_server(&mut *client).expect_err("no server");
     assert_eq!(error.kind(), ErrorKind::ConnectionRefused);
     // The server starts.
@@ -195,7 +200,7 @@ fn uses_a_socket_again_after_a_refusal() {
     let (length, from) = socket.recv_from(&mut [0; 10]).expect("a datagram");
     assert_eq!(length, 2);
     socket.send_to(b"{\"id\":1}", from).expect("sent");
-    assert_eq!(client.receive(until()).expect("a datagram"), Received::Message(b"{\"id\":1}".to_vec()));
+    assert_eq!(client.receive(deadline()).expect("a datagram"), Received::Message(b"{\"id\":1}".to_vec()));
 }
 
 #[test]
@@ -204,8 +209,8 @@ fn reports_a_closed_connection_as_the_end() {
         let _ = stream.read(&mut [0; 10]);
         let _ = stream.write_all(b"{\"id\":1}\n");
     });
-    let mut client = connect(&url(("tcp", ""), address), until()).expect("a connection");
+    let mut client = connect(&url(("tcp", ""), address), deadline()).expect("a connection");
     client.send(b"{}").expect("sent");
-    assert_eq!(client.receive(until()).expect("a line"), Received::Message(b"{\"id\":1}".to_vec()));
-    assert_eq!(client.receive(until()).expect("the end"), Received::End);
+    assert_eq!(client.receive(deadline()).expect("a line"), Received::Message(b"{\"id\":1}".to_vec()));
+    assert_eq!(client.receive(deadline()).expect("the end"), Received::End);
 }

@@ -17,6 +17,7 @@ mod sbom;
 
 use std::env;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::process::{self, ExitCode};
 
 use clap::{Parser, Subcommand};
@@ -146,20 +147,46 @@ fn message_of(failure: &Failure) -> String {
 
 /// Runs `uavspec` in a separate process, because this program must work even if generated code doesn't compile.
 fn conformance(arguments: Vec<OsString>) -> ExitCode {
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let run = |package: &str| ["run", "--quiet", "--package", package, "--"].map(OsString::from);
-    let self_test = || {
-        let testee = [cargo.clone()].into_iter().chain(run("uavspec-testee"));
-        ["self-test".into(), "--".into()].into_iter().chain(testee).collect()
+    let is_self_test = arguments.is_empty();
+    let built = build("uavspec-conformance")
+        .and_then(|program| Ok((program, if is_self_test { Some(build("uavspec-testee")?) } else { None })));
+    let (program, testee) = match built {
+        Ok(built) => built,
+        Err(problem) => {
+            terminal::error(problem, None);
+            return ExitCode::from(2);
+        }
     };
-    let arguments: Vec<OsString> = if arguments.is_empty() { self_test() } else { arguments };
-    let mut command = process::Command::new(&cargo);
-    command.args(run("uavspec-conformance")).args(arguments);
+    let mut command = process::Command::new(program);
+    command.args(arguments);
+    if let Some(testee) = testee {
+        command.args(["self-test", "--"]).arg(testee);
+    }
     match command.status().map(|status| status.code().and_then(|code| u8::try_from(code).ok())) {
         Ok(code) => code.map_or(ExitCode::FAILURE, ExitCode::from),
         Err(error) => {
-            terminal::error(format_args!("cannot run cargo: {error}"), None);
+            terminal::error(format_args!("cannot run uavspec: {error}"), None);
             ExitCode::from(2)
         }
     }
+}
+
+/// Builds the program of a package. Returns its path, so that building takes no time of a program's time limits.
+fn build(package: &str) -> Result<PathBuf, String> {
+    let mut cargo = process::Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.args([
+        "build",
+        "--quiet",
+        "--bins",
+        "--message-format",
+        "json-render-diagnostics",
+        "--package",
+        package,
+    ]);
+    let built = cargo.stderr(process::Stdio::inherit()).output();
+    let built = built.map_err(|error| format!("cannot run cargo: {error}"))?;
+    let printed = String::from_utf8_lossy(&built.stdout);
+    let messages = printed.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+    let programs = messages.filter_map(|message| Some(PathBuf::from(message["executable"].as_str()?)));
+    programs.last().filter(|_| built.status.success()).ok_or_else(|| format!("{package} doesn't build"))
 }

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use std::thread;
-use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
@@ -12,6 +11,7 @@ use super::print::plural;
 use super::report::{ReportArgs, Results, Selection, rule_ids};
 use super::revision::Checkout;
 use super::status::Status;
+use super::stopwatch::Stopwatch;
 use crate::breaking::{Between, Category, RULES, Rule, breaking, rule};
 use crate::diagnostic::{Diagnostic, Level, has_errors};
 use crate::failure::Failure;
@@ -102,7 +102,7 @@ impl From<BetweenName> for Between {
 
 pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     args.report.check()?;
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let new_plan = args.definitions.plan()?;
     // Keep the files of the old revision until both versions are read.
     let (old_plan, _checkout) = old_plan(args, &new_plan)?;
@@ -143,7 +143,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     let rules = RULES.iter().filter(|rule| selection.has_rule(rule.id)).map(|rule| rule_info(rule)).collect();
     args.report.show(&Results { rules, findings: &findings, totals: &totals }, &new.sources_from_here())?;
     let files = plural(new.files.len(), "file");
-    let elapsed = started.elapsed().as_millis();
+    let elapsed = started.milliseconds();
     terminal::eprintln!("breaking: {files} compared with {} ({elapsed} ms)", old.files.len());
     Ok(Status::new(args.report.is_success(&findings), compared.is_outdated))
 }

@@ -2,13 +2,13 @@
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::arguments::PackageArgs;
 use super::print::{plural, report};
+use super::stopwatch::Stopwatch;
 use crate::diagnostic::has_errors;
 use crate::emit::{EMITTERS, Emitter, emitter};
 use crate::failure::Failure;
@@ -68,7 +68,7 @@ fn after_help() -> String {
 }
 
 pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let plan = match &args.package {
         Some(package) => {
             let Some(out) = &args.out else {
@@ -84,6 +84,9 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
     report("codegen", &loaded, &diagnostics, "nothing written");
     if has_errors(&diagnostics) {
         return Ok(false);
+    }
+    if !loaded.built_in.is_empty() {
+        terminal::eprintln!("codegen: the built-in definitions of {}", loaded.built_in.join(", "));
     }
     let folders = emit_all(&plan, &loaded, &schema, &translations)?;
     let config = plan.config.iter().map(|(path, _)| PathBuf::from(path));
@@ -108,7 +111,7 @@ pub(super) fn run(args: &CodegenArgs) -> Result<bool, Failure> {
     Ok(true)
 }
 
-fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Instant) {
+fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str, started: Stopwatch) {
     let messages: usize =
         schema.packages.iter().map(|package| package.messages.len() + package.json_messages.len()).sum();
     let codes: usize =
@@ -120,6 +123,6 @@ fn summarise(loaded: &Loaded, schema: &Schema, folders: &[Folder], result: &str,
         plural(messages, "message"),
         plural(codes, "error code"),
         plural(outputs, "output"),
-        started.elapsed().as_millis(),
+        started.milliseconds(),
     );
 }

@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use clap::Args;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
 use super::print::{plural, report};
+use super::stopwatch::Stopwatch;
 use crate::difference;
 use crate::failure::Failure;
 use crate::format::{self, Formatted};
@@ -39,7 +39,7 @@ pub struct FmtArgs {
 }
 
 pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let plan = args.definitions.plan()?;
     let (changes, loaded) = changes(&plan, &args.files)?;
     report("fmt", &loaded, &loaded.diagnostics, "these files stay unchanged");
@@ -52,7 +52,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
         format!("{} formatted", changes.len())
     };
     let read = plural(loaded.files.len(), "file");
-    terminal::eprintln!("fmt: {read} read, {result} ({} ms)", started.elapsed().as_millis());
+    terminal::eprintln!("fmt: {read} read, {result} ({} ms)", started.milliseconds());
     Ok(loaded.diagnostics.is_empty() && (changes.is_empty() || !args.check))
 }
 

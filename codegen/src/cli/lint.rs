@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::time::Instant;
 
 use clap::Args;
 
@@ -11,6 +10,7 @@ use super::baseline::{BaselineArgs, Subjects};
 use super::print::plural;
 use super::report::{LevelName, ReportArgs, Results, Selection, rule_ids};
 use super::status::Status;
+use super::stopwatch::Stopwatch;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::finding::Finding;
@@ -85,7 +85,7 @@ pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
         return Ok(Status::Success);
     }
     args.report.check()?;
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let plan = args.definitions.plan()?;
     let mut loaded = load::load_with_catalogues(&plan)?;
     args.report.protect(loaded.inputs(&plan).chain(args.baseline.file()))?;
@@ -113,7 +113,7 @@ pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
     let results = Results { rules: rules.collect(), findings: &findings, totals: &totals };
     args.report.show(&results, &loaded.sources_from_here())?;
     let read = plural(loaded.files.len(), "file");
-    let elapsed = started.elapsed().as_millis();
+    let elapsed = started.milliseconds();
     terminal::eprintln!("lint: {read} read ({elapsed} ms){}", fix_summary(fixed, totals.fixable()));
     Ok(Status::new(args.report.is_success(&findings), compared.is_outdated))
 }

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use clap::Args;
 
 use super::print::{plural, report};
+use super::stopwatch::Stopwatch;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::load::read_translated;
@@ -51,7 +51,7 @@ pub struct TranslateArgs {
 }
 
 pub(super) fn run(args: &TranslateArgs) -> Result<bool, Failure> {
-    let started = Instant::now();
+    let started = Stopwatch::start();
     let plan = Config::find(args.config.as_deref())?.plan()?;
     let (loaded, schema, _, mut diagnostics) = read_translated(&plan)?;
     // This command updates catalogues, so warnings about them are not reported.
@@ -71,7 +71,7 @@ pub(super) fn run(args: &TranslateArgs) -> Result<bool, Failure> {
     }
     let read = plural(loaded.files.len(), "file");
     let advice = if succeeded { "" } else { "; run `translate`" };
-    let elapsed = started.elapsed().as_millis();
+    let elapsed = started.milliseconds();
     terminal::eprintln!(
         "translate: {read} read, {}{advice} ({elapsed} ms)",
         plural(outcomes.len(), "catalogue")

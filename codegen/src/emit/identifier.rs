@@ -3,6 +3,7 @@
 
 use std::collections::HashSet;
 
+use crate::name::words;
 use crate::schema::ErrorCode;
 
 /// The names already used in a module, type or struct.
@@ -98,34 +99,6 @@ pub(crate) fn error_code_names(codes: &[&ErrorCode]) -> Vec<String> {
             scope.unique(&name)
         })
         .collect()
-}
-
-/// Splits a name at non-alphanumeric characters and at case changes that start a word. An uppercase letter after a digit
-/// starts a word only if a lowercase letter follows, because `2D` and `PX4IO` are words.
-fn words(name: &str) -> Vec<&str> {
-    let bytes = name.as_bytes();
-    let mut words = Vec::new();
-    let mut start = 0;
-    for at in 0..=bytes.len() {
-        let is_break = match bytes.get(at) {
-            None => true,
-            Some(byte) if !byte.is_ascii_alphanumeric() => true,
-            Some(byte) if byte.is_ascii_uppercase() && at > start => {
-                let next_is_lower = bytes.get(at + 1).is_some_and(u8::is_ascii_lowercase);
-                bytes[at - 1].is_ascii_lowercase() || next_is_lower
-            }
-            Some(_) => false,
-        };
-        if !is_break {
-            continue;
-        }
-        if let Some(word) = name.get(start..at).filter(|word| !word.is_empty() && word.is_ascii()) {
-            words.push(word);
-        }
-        let is_letter = bytes.get(at).is_some_and(u8::is_ascii_alphanumeric);
-        start = if is_letter { at } else { at + 1 };
-    }
-    words
 }
 
 #[cfg(test)]

@@ -53,7 +53,7 @@ fn rows(sources: &SourceMap, id: SourceId, definition: &Definition<'_>, dialect:
     // The syntax tree does not contain the separator lines between parts.
     for written in sources.text(id).split_inclusive('\n') {
         if is_separator(written.trim_end_matches(['\n', '\r'])) {
-            rows.push(separator(written));
+            push_separator(written, &mut rows);
             reader.is_after_declaration = false;
             lines = parts.next().map_or(&[][..], |part| &part.lines).iter();
         } else if let Some(line) = lines.next() {
@@ -63,11 +63,14 @@ fn rows(sources: &SourceMap, id: SourceId, definition: &Definition<'_>, dialect:
     rows
 }
 
-fn separator(line: &str) -> Row {
-    Row::Apart(match line.split_once('#') {
-        Some((_, text)) => format!("---  {}", comment::standalone(text.trim_end())),
-        None => "---".to_owned(),
-    })
+/// Adds a separator. Its comment moves to the end of the part above, because rosidl accepts no text after `---`. The
+/// blank line keeps it from becoming the comment of the part.
+fn push_separator(line: &str, rows: &mut Vec<Row>) {
+    if let Some((_, text)) = line.split_once('#') {
+        rows.push(Row::Blank);
+        rows.push(Row::Apart(comment::standalone(text.trim_end())));
+    }
+    rows.push(Row::Apart("---".to_owned()));
 }
 
 /// Formats lines in order, and tracks the state that determines how comments are interpreted.

@@ -8,9 +8,11 @@ use crate::source::SourceMap;
 
 pub(super) const RULE: Rule = Rule {
     id: "not-portable",
-    statement: "Syntax that PX4's generator doesn't support.",
+    statement: "Syntax that PX4's generator or rosidl doesn't support.",
     why: "PX4's generator accepts only decimal integers, `True` and `False`, and needs a space between \
-        type and name. The generator misreads other forms without reporting an error.",
+        type and name. It misreads other forms without reporting an error. rosidl, which reads definitions for ROS 2, \
+        accepts no spaces before a declaration, nothing after `---`, no `#` in a string, no `=` in a default, and \
+        `time`, `duration` and `Header` only with their packages.",
     fix: "Write the portable form.",
     levels: Levels::both(Level::Warning),
     bad: Example {

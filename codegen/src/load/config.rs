@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use toml::Spanned;
 
+use super::built_in::BuiltIn;
 use super::lint::{Lint, PlannedLint};
 use super::located::failure_at;
 use crate::emit::{self, EMITTERS, Emitter, Others, Output, emitter};
@@ -104,6 +105,8 @@ pub(crate) struct Plan {
     pub(crate) revision: Option<String>,
     /// The texts of the files that are open in an editor. They are read instead of the files.
     pub(crate) open: BTreeMap<PathBuf, String>,
+    /// The built-in packages that fill what the inputs lack.
+    pub(crate) built_in: BuiltIn,
 }
 
 /// A pair of packages to convert between.
@@ -273,6 +276,7 @@ impl Config {
             conversions,
             revision: None,
             open: BTreeMap::new(),
+            built_in: BuiltIn::Referenced,
         })
     }
 }
@@ -386,6 +390,7 @@ impl Plan {
             conversions: Vec::new(),
             revision: None,
             open: BTreeMap::new(),
+            built_in: BuiltIn::Referenced,
         }
     }
 }

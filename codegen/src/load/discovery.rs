@@ -8,17 +8,12 @@ use walkdir::{DirEntry, WalkDir};
 
 use super::dialect::detected;
 use super::files::is_definition;
+use super::folder::{MANIFEST, is_skipped, manifest_name};
 use crate::failure::Failure;
 use crate::msg::Dialect;
 use crate::name::package_problem;
 use crate::schema::Form;
 use crate::terminal;
-
-/// The manifest of a ROS package.
-const MANIFEST: &str = "package.xml";
-
-/// The files that mark folders with build output: of colcon, of `CMake`, and of Cargo and other tools.
-const MARKERS: [&str; 3] = ["COLCON_IGNORE", "CMakeCache.txt", "CACHEDIR.TAG"];
 
 /// A name for a package whose folder has no valid name.
 const DEFAULT_NAME: &str = "my_msgs";
@@ -110,12 +105,6 @@ pub fn package_name(folder: &Path) -> String {
     if package_problem(&name).is_none() { name } else { DEFAULT_NAME.to_owned() }
 }
 
-fn is_skipped(entry: &DirEntry) -> bool {
-    let name = entry.file_name().to_string_lossy();
-    let is_output = || MARKERS.iter().any(|marker| entry.path().join(marker).exists());
-    entry.file_type().is_dir() && (name.starts_with('.') || name == "node_modules" || is_output())
-}
-
 /// The folder of the package that contains a file.
 fn root_of(file: &Path, folder: &Path) -> PathBuf {
     let mut inside = file.ancestors().skip(1).take_while(|ancestor| ancestor.starts_with(folder));
@@ -137,15 +126,6 @@ fn package(root: &Path, files: &[PathBuf], folder: &Path) -> Result<FoundPackage
         dialect: detected(files).0,
         include: patterns?.into_iter().collect(),
     })
-}
-
-/// The name in the manifest of a ROS package.
-pub(crate) fn manifest_name(root: &Path) -> Option<String> {
-    let text = fs::read_to_string(root.join(MANIFEST)).ok()?;
-    let (_, rest) = text.split_once("<name>")?;
-    let (name, _) = rest.split_once("</name>")?;
-    let name = name.trim();
-    package_problem(name).is_none().then(|| name.to_owned())
 }
 
 /// The pattern for the files with the same extension in the same folder.

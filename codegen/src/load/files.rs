@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use globset::{GlobBuilder, GlobSetBuilder};
 use walkdir::WalkDir;
 
+use super::built_in::{self, BuiltIn};
 use super::config::{Inputs, Plan, PlannedPackage};
+use super::folder::{is_skipped, manifest_name};
 use super::located::failure_at;
 use crate::conversion::Request;
 use crate::diagnostic::Diagnostic;
@@ -42,6 +44,8 @@ pub(crate) struct Loaded {
     pub(crate) conversions: Vec<Request>,
     /// The releases of each package, if requested.
     pub(crate) releases: Releases,
+    /// The names of built-in packages that definitions refer to.
+    pub(crate) built_in: Vec<String>,
     /// The configuration file, to which findings may point.
     pub(crate) config: Option<Span>,
 }
@@ -123,6 +127,7 @@ fn loader(plan: &Plan, sources: SourceMap) -> Result<Loader<'_>, Failure> {
             catalogues: Vec::new(),
             conversions: Vec::new(),
             releases: Releases::new(),
+            built_in: Vec::new(),
             config: None,
         },
         folders: BTreeMap::new(),
@@ -297,9 +302,33 @@ impl Loader<'_> {
         self.plan.revision.as_ref().map_or_else(|| path.clone(), |revision| format!("{revision}:{path}"))
     }
 
-    /// Reads referenced packages from neighbouring folders, until no more are found. Only the referenced messages of
-    /// these packages appear in the output.
+    /// Reads referenced packages from neighbouring folders, until no more are found, and adds the built-in ones. Only the
+    /// referenced messages of these packages appear in the output.
     fn ros_dependencies(&mut self) -> Result<(), Failure> {
+        self.neighbours()?;
+        let loaded = &self.loaded;
+        let of_package = |package| referenced_packages(&loaded.sources, package);
+        let referenced: BTreeSet<String> = loaded.packages.iter().flat_map(of_package).collect();
+        let known: BTreeSet<String> =
+            loaded.packages.iter().map(|package| package.name.to_ascii_lowercase()).collect();
+        let plan = self.plan;
+        let is_ros = |package: &PlannedPackage| package.form == Form::Msg(Dialect::Ros2);
+        let is_all = plan.built_in == BuiltIn::All && plan.packages.iter().any(is_ros);
+        if referenced.is_subset(&known) && !is_all {
+            return Ok(());
+        }
+        let mut packages = built_in::ros_packages(plan.built_in, &mut self.loaded.sources);
+        packages.retain(|package| !known.contains(&package.name));
+        let is_used = |name: &&String| is_all || referenced.contains(*name);
+        let names = packages.iter().map(|package| &package.name).filter(is_used);
+        self.loaded.built_in = names.cloned().collect();
+        if !self.loaded.built_in.is_empty() {
+            self.loaded.packages.append(&mut packages);
+        }
+        Ok(())
+    }
+
+    fn neighbours(&mut self) -> Result<(), Failure> {
         let mut tried: BTreeSet<String> =
             self.loaded.packages.iter().map(|package| package.name.clone()).collect();
         let mut from = 0;
@@ -367,7 +396,8 @@ pub(super) fn ros_package_of(file: &Path) -> Option<(String, PathBuf)> {
     let folder = kind_folder.parent()?;
     // A relative path such as `msg/A.msg` may have no further parent.
     let absolute = std::path::absolute(folder).ok()?;
-    Some((absolute.file_name()?.to_str()?.to_owned(), absolute))
+    let name = manifest_name(&absolute);
+    Some((name.or_else(|| Some(absolute.file_name()?.to_str()?.to_owned()))?, absolute))
 }
 
 fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
@@ -385,7 +415,22 @@ fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
     };
     files.sort();
     files.dedup();
-    Ok(files)
+    Ok(without_generated(files))
+}
+
+/// Removes messages that ROS 2 generates from services and actions: installed packages contain `Reel_Request.msg` next to
+/// `Reel.srv`.
+fn without_generated(files: Vec<PathBuf>) -> Vec<PathBuf> {
+    let known: BTreeSet<&PathBuf> = files.iter().collect();
+    let is_generated = |path: &PathBuf| {
+        let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+        [Kind::Service, Kind::Action].into_iter().any(|kind| {
+            let mut stems = kind.part_suffixes().iter().filter_map(|suffix| stem.strip_suffix(suffix));
+            stems.any(|stem| known.contains(&path.with_file_name(format!("{stem}.{}", kind.name()))))
+        })
+    };
+    let generated: Vec<bool> = files.iter().map(is_generated).collect();
+    files.into_iter().zip(generated).filter(|(_, is_generated)| !is_generated).map(|(path, _)| path).collect()
 }
 
 /// The `.msg`, `.srv` and `.action` files at a path.
@@ -459,7 +504,8 @@ fn release_name(path: &Path) -> String {
 
 fn search(folder: &Path, is_match: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
-    for entry in WalkDir::new(folder).follow_links(true).sort_by_file_name() {
+    let entries = WalkDir::new(folder).follow_links(true).sort_by_file_name().into_iter();
+    for entry in entries.filter_entry(|entry| entry.depth() == 0 || !is_skipped(entry)) {
         let entry = entry.map_err(|error| Failure::new(error.to_string()))?;
         if entry.file_type().is_file() && is_match(entry.path()) {
             files.push(entry.into_path());

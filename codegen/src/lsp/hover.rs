@@ -79,7 +79,11 @@ fn about_annotation(annotation: &Annotation<'_>) -> Option<String> {
     match &annotation.statement {
         Statement::Unit(symbol) => {
             text = Markup::new(&format!("[{symbol}]"));
-            text.paragraph(unit::lookup(symbol).map_or("a unit that uavspec doesn't know", |unit| unit.name));
+            text.paragraph(match unit::lookup(symbol) {
+                Some(unit) => unit.name,
+                None if unit::is_known(symbol) => "a combination of units",
+                None => "a unit that uavspec doesn't know",
+            });
         }
         Statement::Constraint(kind, ..) => {
             text = Markup::new(kind.form);

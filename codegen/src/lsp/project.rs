@@ -94,7 +94,12 @@ impl Project {
 
     /// Notes the new text of an open document.
     pub(super) fn edit(&mut self, path: &Path, text: &str) {
-        let is_read = self.snapshot.as_ref().is_some_and(|snapshot| snapshot.contains(path));
+        let read = self.snapshot.as_ref().and_then(|snapshot| snapshot.text(path));
+        // Editors open files that the project has read already.
+        if read == Some(text) && self.change == Change::None {
+            return;
+        }
+        let is_read = read.is_some();
         let change = match &self.root {
             Root::Config(file) if file == path => Change::Files,
             // A page without definitions is no page of the project.

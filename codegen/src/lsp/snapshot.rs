@@ -54,6 +54,11 @@ impl Snapshot {
         self.ids.contains_key(path)
     }
 
+    /// The text of a file as it was read.
+    pub(super) fn text(&self, path: &Path) -> Option<&str> {
+        self.ids.get(path).map(|id| self.loaded.sources.text(*id))
+    }
+
     /// True if the file was read only because other packages refer to its package.
     pub(super) fn is_dependency(&self, path: &Path) -> bool {
         let Some(id) = self.ids.get(path) else { return false };

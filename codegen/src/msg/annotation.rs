@@ -120,7 +120,7 @@ impl<'s> Reader<'s, '_> {
             match classify(self.vocabulary, content, self.text.as_bytes()[start] == b'(') {
                 // A Markdown link, or a term that the text explains.
                 Reading::Statement(Statement::Unit(symbol))
-                    if unit::lookup(symbol).is_none() && self.text[end..].starts_with(['(', ':']) =>
+                    if !unit::is_known(symbol) && self.text[end..].starts_with(['(', ':']) =>
                 {
                     return;
                 }
@@ -200,7 +200,7 @@ impl<'s> Reader<'s, '_> {
 
     fn push(&mut self, statement: Statement<'s>, range: std::ops::Range<usize>, is_exact: bool) {
         if let Statement::Unit(symbol) = statement
-            && unit::lookup(symbol).is_none()
+            && !unit::is_known(symbol)
         {
             self.report(Problem::UnknownUnit { unit: symbol.to_owned() }, range.clone());
         }

@@ -36,6 +36,10 @@ pub struct Line<'s> {
 }
 
 impl Line<'_> {
+    pub(super) fn blank(span: Span) -> Self {
+        Self { span, item: None, comment: None, is_invalid: false }
+    }
+
     /// True if the line is empty.
     pub fn is_blank(&self) -> bool {
         self.item.is_none() && self.comment.is_none() && !self.is_invalid

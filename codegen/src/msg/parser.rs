@@ -1,9 +1,12 @@
 //! The parser, with one function for each grammar production.
 
+mod separator;
 mod value;
 
 use uavspec_runtime::Scalar;
 
+pub(crate) use self::separator::is_separator;
+use self::separator::ROSIDL;
 use super::annotation;
 use super::ast::{Comment, Definition, Element, Item, Line, Name, Part, Shape, Type};
 use super::kind::{Dialect, Kind};
@@ -15,6 +18,9 @@ use crate::source::Span;
 
 /// The maximum length of an array or string. The size of the whole message is checked later.
 const MAX_LENGTH: u32 = 16 << 20;
+
+/// The tool that reads the messages of PX4.
+const PX4_GENERATOR: &str = "PX4's generator";
 
 /// The maximum number of invalid lines. A file with more invalid lines is not a definition.
 const MAX_BAD_LINES: usize = 1_000;
@@ -41,7 +47,23 @@ pub(super) fn parse(
         let reported = diagnostics.len();
         characters::check(line, place, &mut diagnostics);
         let has_bad_character = has_errors(&diagnostics[reported..]);
+        if let Some(problem) = separator::invalid(line, place, kind) {
+            diagnostics.truncate(reported);
+            diagnostics.push(problem);
+            bad_lines += 1;
+            if parts.len() < expected {
+                parts.push(Part::default());
+            }
+            continue;
+        }
         if is_separator(line) {
+            separator::check(line, place, &mut diagnostics);
+            if let (Some(at), Some(part)) = (line.find('#'), parts.last_mut()) {
+                let (line, span) = (&line[at..], place.part(at..line.len()));
+                let comment = LineParser { line, span, at: 0, dialect, diagnostics: &mut diagnostics }.line();
+                // Without the blank line, it could become the comment of the part.
+                part.lines.extend([Line::blank(span), comment]);
+            }
             if parts.len() < expected {
                 parts.push(Part::default());
             } else {
@@ -73,13 +95,6 @@ fn padded(mut parts: Vec<Part<'_>>, expected: usize) -> Vec<Part<'_>> {
     parts
 }
 
-pub(crate) fn is_separator(line: &str) -> bool {
-    line.strip_prefix("---").is_some_and(|rest| {
-        let rest = rest.trim_start_matches([' ', '\t']);
-        rest.is_empty() || rest.starts_with('#')
-    })
-}
-
 /// Marks a production that could not be parsed; the diagnostic has been reported.
 struct Invalid;
 
@@ -94,7 +109,8 @@ struct LineParser<'s, 'd> {
 impl<'s> LineParser<'s, '_> {
     fn line(&mut self) -> Line<'s> {
         self.skip_spaces();
-        let mut line = Line { span: self.span, item: None, comment: None, is_invalid: false };
+        self.check_indent();
+        let mut line = Line::blank(self.span);
         if !self.is_at_end() {
             if let Ok(item) = self.item() {
                 line.item = Some(Box::new(item));
@@ -108,10 +124,22 @@ impl<'s> LineParser<'s, '_> {
         line
     }
 
+    /// Reports spaces before a declaration. rosidl takes them for an empty type.
+    fn check_indent(&mut self) {
+        if self.dialect == Dialect::Ros2 && self.at > 0 && !self.is_at_end() {
+            let text = self.line.split('#').next().unwrap_or(self.line).trim_end().to_owned();
+            let problem = Problem::NotPortable { tool: ROSIDL, text, instead: Some(String::new()) };
+            self.report_with(problem, self.span.part(0..self.at), "remove the spaces at the start of the line");
+        }
+    }
+
     fn item(&mut self) -> Result<Item<'s>, Invalid> {
         let start = self.at;
         let type_text = self.word(|c| !is_space(c) && c != '#');
         let type_span = self.span.part(start..self.at);
+        if type_text.starts_with('@') {
+            return Err(self.report(Problem::UnsupportedAnnotation { text: type_text.to_owned() }, type_span));
+        }
         let spaces = self.word(is_space);
         if self.is_at_end() {
             return Err(self.missing_name(type_text, type_span));
@@ -120,7 +148,8 @@ impl<'s> LineParser<'s, '_> {
         let name = self.name(type_text)?;
         if self.dialect == Dialect::Px4 && !spaces.contains(' ') {
             let instead = Some(format!("{type_text} {}", name.text));
-            let problem = Problem::NotPortable { text: format!("{type_text}<tab>{}", name.text), instead };
+            let text = format!("{type_text}<tab>{}", name.text);
+            let problem = Problem::NotPortable { tool: PX4_GENERATOR, text, instead };
             self.report_with(problem, type_span.to(name.span), "put a space between type and name");
         }
         self.skip_spaces();
@@ -187,14 +216,17 @@ impl<'s> LineParser<'s, '_> {
         } else {
             (well_formed(|byte| byte.is_ascii_lowercase()), "lower_snake_case")
         };
-        if !is_well_formed {
-            let name_text = name.text.to_owned();
-            let problem = match self.dialect {
-                Dialect::Px4 => Problem::NameStyle { name: name_text, style },
-                Dialect::Ros2 => Problem::NameStyleRos { name: name_text, style },
-            };
-            self.report(problem, name.span);
+        if is_well_formed {
+            return;
         }
+        let name_text = name.text.to_owned();
+        let problem = match self.dialect {
+            Dialect::Px4 => Problem::NameStyle { name: name_text, style },
+            Dialect::Ros2 => Problem::NameStyleRos { name: name_text, style },
+        };
+        let words = crate::name::words(name.text).join("_");
+        let suggestion = if is_constant { words.to_ascii_uppercase() } else { words.to_ascii_lowercase() };
+        self.report_with(problem, name.span, format!("write `{suggestion}`"));
     }
 
     fn parse_type(&mut self, text: &'s str, span: Span) -> Result<Type<'s>, Invalid> {

@@ -63,13 +63,15 @@ impl<'s> Resolver<'s> {
     }
 
     fn check_message_name(&mut self, stem: &str, form: Form, span: Span) {
-        let is_pascal_case = stem.starts_with(|c: char| c.is_ascii_uppercase()) && !stem.contains('_');
+        let is_ros2 = form == Form::Msg(Dialect::Ros2);
+        let name = if is_ros2 { without_ros_affixes(stem) } else { stem };
+        let is_pascal_case = name.starts_with(|c: char| c.is_ascii_uppercase()) && !name.contains('_');
         let stem_text = stem.to_owned();
         let problem = if !is_identifier(stem) {
             Problem::MessageName { stem: stem_text }
         } else if is_pascal_case {
             return;
-        } else if form == Form::Msg(Dialect::Ros2) {
+        } else if is_ros2 {
             Problem::NameStyleRos { name: stem_text, style: "PascalCase" }
         } else {
             Problem::MessageNameStyle { stem: stem_text }
@@ -77,4 +79,11 @@ impl<'s> Resolver<'s> {
         let diagnostic = Diagnostic::new(problem, span.part(0..0));
         self.report(if is_identifier(stem) { diagnostic.with_hint("rename the file") } else { diagnostic });
     }
+}
+
+/// The name of a message without the affixes that rosidl accepts: those of the parts of services and actions.
+fn without_ros_affixes(stem: &str) -> &str {
+    let name = stem.strip_prefix("Sample_").unwrap_or(stem);
+    let suffixes = [Kind::Service, Kind::Action].into_iter().flat_map(Kind::part_suffixes);
+    suffixes.fold(name, |name, suffix| name.strip_suffix(suffix).unwrap_or(name))
 }

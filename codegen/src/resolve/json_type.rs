@@ -3,6 +3,7 @@
 mod depth;
 mod endless;
 mod kind;
+mod set;
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -13,12 +14,12 @@ use crate::msg::constraint::Argument;
 use crate::msg::statement::Statement;
 use crate::schema::json_type::{
     Definition, ERROR_CODE, ERROR_LIST, Expression, JsonMessage, JsonPart, JsonType, JsonTypeId, Limits,
-    Member, Object, Set, SetValue, SetValues, TYPE_FIELD, Typed,
+    Member, Object, Set, TYPE_FIELD, Typed,
 };
 use crate::schema::{Docs, Stated};
 use crate::source::Span;
 use crate::table::type_table::{
-    self, Body, Definitions, Direction, Entry, ExpressionKind, MessageDefinition, PartDefinition,
+    self, Body, Definitions, Direction, ExpressionKind, MessageDefinition, PartDefinition,
     TypeDefinition,
 };
 use crate::table::{Page, Text, type_table::Expression as Written};
@@ -163,7 +164,8 @@ impl Resolver<'_, '_> {
             Body::Set(entries) => {
                 self.check_has_rows(name, entries.is_empty(), written.span);
                 let is_open = self.is_open(name, &written.paragraphs, written.span);
-                Definition::Set(Set { values: self.values(name, entries, written.span), is_open })
+                let values = set::values(name, entries, written.span, &mut self.diagnostics);
+                Definition::Set(Set { values, is_open })
             }
             Body::Named { ty, notes } => {
                 docs = self::docs(notes.iter().map(|note| note.text.as_ref()));
@@ -283,28 +285,6 @@ impl Resolver<'_, '_> {
         }
     }
 
-    fn values(&mut self, name: &str, entries: &[Entry<'_>], span: Span) -> SetValues {
-        let mut known = BTreeSet::new();
-        for entry in entries {
-            if !known.insert(entry.value) {
-                self.report(Problem::DuplicateValue { value: entry.value.to_owned() }, entry.span);
-            }
-        }
-        let integers: Vec<SetValue<i64>> = entries.iter().filter_map(integer).collect();
-        if !integers.is_empty() && integers.len() < entries.len() {
-            self.report(Problem::MixedSet { name: name.to_owned() }, span);
-        }
-        if !integers.is_empty() {
-            return SetValues::Integers(integers);
-        }
-        let string = |entry: &Entry<'_>| {
-            let quoted = entry.value.strip_prefix('"').and_then(|value| value.strip_suffix('"'));
-            let value = quoted.unwrap_or(entry.value).to_owned();
-            SetValue { value, description: entry.description.to_owned() }
-        };
-        SetValues::Strings(entries.iter().map(string).collect())
-    }
-
     fn expression(&mut self, written: &Written) -> Expression {
         match &written.kind {
             ExpressionKind::Any => Expression::Any,
@@ -422,11 +402,6 @@ impl Resolver<'_, '_> {
             span: written.span,
         }
     }
-}
-
-fn integer(entry: &Entry<'_>) -> Option<SetValue<i64>> {
-    let value = entry.value.parse().ok()?;
-    Some(SetValue { value, description: entry.description.to_owned() })
 }
 
 /// Converts paragraphs to documentation. The first paragraph is the summary.

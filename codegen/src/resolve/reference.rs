@@ -11,7 +11,7 @@ use crate::source::Span;
 /// names.
 const MAX_SUGGESTIONS: usize = 100;
 
-/// Names that ROS 2 accepts without a package, and their definitions.
+/// Names that ROS 1 accepts without a package, and their definitions.
 const WELL_KNOWN: [(&str, &str, &str); 3] = [
     ("Header", "std_msgs", "Header"),
     ("time", "builtin_interfaces", "Time"),
@@ -52,7 +52,10 @@ impl<'s> Resolver<'s> {
                 };
                 (package, self.by_name.get(&(package, name)).copied())
             }
-            None => (own, self.by_name.get(&(own, name)).copied().or_else(|| self.well_known(own, name))),
+            None => {
+                let found = self.by_name.get(&(own, name)).copied();
+                (own, found.or_else(|| self.well_known(own, name, span)))
+            }
         };
         if let (package, None) = found {
             let problem = Problem::UnknownType {
@@ -73,13 +76,19 @@ impl<'s> Resolver<'s> {
         found.1
     }
 
-    /// The message for a name that ROS 2 accepts without a package.
-    fn well_known(&self, package: usize, name: &str) -> Option<MessageId> {
+    /// The message for a name that ROS 1 accepts without a package. rosidl does not.
+    fn well_known(&mut self, package: usize, short: &str, span: Span) -> Option<MessageId> {
         if self.schema.packages[package].form != Form::Msg(Dialect::Ros2) {
             return None;
         }
-        let (_, package, name) = *WELL_KNOWN.iter().find(|(short, ..)| *short == name)?;
-        self.by_name.get(&(*self.package_by_name.get(package)?, name)).copied()
+        let (_, package, name) = *WELL_KNOWN.iter().find(|(known, ..)| *known == short)?;
+        let id = self.by_name.get(&(*self.package_by_name.get(package)?, name)).copied()?;
+        let full = format!("{package}/{name}");
+        let hint = format!("write `{full}`");
+        let problem =
+            Problem::NotPortable { tool: "rosidl", text: short.to_owned(), instead: Some(full) };
+        self.report(Diagnostic::new(problem, span.part(0..short.len())).with_hint(hint));
+        Some(id)
     }
 
     /// A known type with a name similar to `name`.

@@ -1,6 +1,6 @@
 //! Enums and flags, which list the constants for a field.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 use uavspec_runtime::Scalar;
 
@@ -42,12 +42,13 @@ pub struct Member {
 }
 
 impl Enum {
-    /// The first member with the same value, if `member` is its alias.
-    pub fn alias_of(&self, member: &Member) -> Option<&Member> {
-        self.members
-            .iter()
-            .find(|other| other.value == member.value)
-            .filter(|other| other.name != member.name)
+    /// The members, each with the first member with the same value if it is an alias of that member.
+    pub fn with_aliases(&self) -> impl Iterator<Item = (&Member, Option<&Member>)> {
+        let mut first = HashMap::new();
+        self.members.iter().map(move |member| {
+            let leader: &Member = first.entry(member.value).or_insert(member);
+            (member, Some(leader).filter(|leader| leader.name != member.name))
+        })
     }
 }
 

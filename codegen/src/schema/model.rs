@@ -406,6 +406,13 @@ pub struct UorbLayout {
     pub slots: Vec<Slot>,
 }
 
+impl UorbLayout {
+    /// The offset of each field, by the index of the field.
+    pub(crate) fn offsets(&self) -> BTreeMap<usize, usize> {
+        self.slots.iter().filter_map(|slot| Some((slot.field?, slot.offset))).collect()
+    }
+}
+
 /// A member, or padding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Slot {

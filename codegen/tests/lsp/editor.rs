@@ -20,6 +20,9 @@ impl History for Invented {
     }
 }
 
+/// The time limit for a message, however slow the computer is. It ends tests that would hang.
+const LIMIT: Duration = Duration::from_secs(600);
+
 /// An editor with a folder of files.
 pub(super) struct Editor {
     connection: Connection,
@@ -173,7 +176,7 @@ impl Editor {
             if found == codes {
                 return;
             }
-            let message = self.connection.receiver.recv_timeout(Duration::from_secs(20));
+            let message = self.connection.receiver.recv_timeout(LIMIT);
             let message = message.unwrap_or_else(|_| panic!("{path}: {found:?} instead of {codes:?}"));
             self.keep(&message);
         }
@@ -190,7 +193,7 @@ impl Editor {
     }
 
     fn receive(&mut self) -> Message {
-        let message = self.connection.receiver.recv_timeout(Duration::from_secs(20)).expect("a message");
+        let message = self.connection.receiver.recv_timeout(LIMIT).expect("a message");
         self.keep(&message);
         message
     }

@@ -5,7 +5,6 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
-use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use uavspec_codegen::msg::Dialect;
@@ -23,6 +22,7 @@ use super::{Status, outcome_statuses, print_unknown};
 use crate::capture::input::Input;
 use crate::check::known::Scope;
 use crate::check::{Checked, parallel};
+use crate::clock::Clock;
 use crate::definitions::{Definitions, Library};
 use crate::model::{Reason, Rule};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
@@ -421,9 +421,9 @@ fn check_input(
     texts: Option<&Texts>,
     progress: &Progress,
 ) -> io::Result<CheckedFile> {
-    let (started, reading) = (Instant::now(), &|input| progress.reading(input));
+    let (started, reading) = (Clock::real().now(), &|input| progress.reading(input));
     let (checked, story) = Story::check_with(texts, input, message_id, library, reading)?;
     let Checked { result, definitions } = checked;
-    let capture = CheckedCapture::new(input.name(), result, started.elapsed());
+    let capture = CheckedCapture::new(input.name(), result, Clock::real().now() - started);
     Ok(CheckedFile { capture, definitions, story })
 }

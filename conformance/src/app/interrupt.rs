@@ -27,8 +27,10 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
     let (stop, limit) = (options.stop.clone(), options.landing_limit.as_secs());
     // New threads inherit the blocked signals.
     #[cfg(unix)]
-    if !options.uavs.is_empty() {
-        suspension::prevent(&stop, limit);
+    if options.uavs.is_empty() {
+        signals::outlive_full_files();
+    } else {
+        signals::take(&stop, limit);
     }
     ctrlc::set_handler(move || end(&stop, limit)).map_err(|error| {
         terminal::error(format_args!("can't handle signals: {error}"), None);
@@ -39,9 +41,7 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
 /// Asks the probe to stop. At the second time, ends the program.
 fn end(stop: &Stop, limit: u64) {
     let first = *FIRST.get_or_init(Instant::now);
-    let is_first = stop.request();
-    let at_risk = stop.at_risk();
-    if !is_first {
+    if !request(stop, limit) {
         if first.elapsed() < REPEAT_TIME {
             return;
         }
@@ -49,11 +49,20 @@ fn end(stop: &Stop, limit: u64) {
         remove_recordings();
         std::process::exit(INTERRUPTED);
     }
-    let state = at_risk.map_or_else(
+}
+
+/// Asks the probe to stop. Returns false if it was asked before.
+fn request(stop: &Stop, limit: u64) -> bool {
+    let is_first = stop.request();
+    if !is_first {
+        return false;
+    }
+    let state = stop.at_risk().map_or_else(
         || "interrupted: the probe ends".to_owned(),
         |uavs| format!("interrupted: the probe first makes the UAVs safe, for up to {limit} s ({uavs})"),
     );
     print(&format!("{state}. Press Ctrl-C again to leave immediately."));
+    true
 }
 
 /// Prints a line to standard error. The terminal may be gone.
@@ -91,29 +100,47 @@ impl Drop for Danger {
 }
 
 #[cfg(unix)]
-mod suspension {
+mod signals {
     use std::thread;
 
     use nix::sys::signal::{SigSet, Signal};
 
-    use super::{Stop, end, print};
+    use super::{Stop, end, print, request};
 
-    /// Blocks Ctrl-Z, which would suspend the probe while UAVs fly. SIGQUIT ends the probe like Ctrl-C.
-    pub(super) fn prevent(stop: &Stop, limit: u64) {
+    /// Blocks SIGXFSZ, so that a write beyond the size limit of a file fails instead of ending the program.
+    pub(super) fn outlive_full_files() {
         let mut signals = SigSet::empty();
-        signals.add(Signal::SIGTSTP);
-        signals.add(Signal::SIGQUIT);
+        signals.add(Signal::SIGXFSZ);
+        // If it isn't blocked, the program ends as other programs do.
+        let _ = signals.thread_block();
+    }
+
+    /// Blocks all signals, and handles them in a thread. None of them may end or suspend the probe while UAVs fly.
+    pub(super) fn take(stop: &Stop, limit: u64) {
+        let signals = SigSet::all();
         if signals.thread_block().is_err() {
             return;
         }
         let stop = stop.clone();
         thread::spawn(move || {
-            while let Ok(signal) = signals.wait() {
-                match signal {
-                    Signal::SIGTSTP => print("A probe that may send commands can't be suspended."),
-                    _ => end(&stop, limit),
-                }
+            loop {
+                handle(signals.wait().ok(), &stop, limit);
             }
         });
+    }
+
+    /// Handles a signal; `None` is one without a name.
+    fn handle(signal: Option<Signal>, stop: &Stop, limit: u64) {
+        use Signal::{
+            SIGCHLD, SIGCONT, SIGHUP, SIGINT, SIGPIPE, SIGQUIT, SIGTERM, SIGTSTP, SIGTTIN, SIGTTOU, SIGURG,
+            SIGWINCH,
+        };
+        match signal {
+            Some(SIGCHLD | SIGCONT | SIGPIPE | SIGTTIN | SIGTTOU | SIGURG | SIGWINCH) => {}
+            Some(SIGTSTP) => print("A probe that may send commands can't be suspended."),
+            Some(SIGINT | SIGTERM | SIGHUP | SIGQUIT) => end(stop, limit),
+            // Limits and timers repeat their signals, so the second one must not end the program.
+            _ => _ = request(stop, limit),
+        }
     }
 }

@@ -104,6 +104,11 @@ pub(super) struct ProbeArgs {
     /// The probe goes on with other requests meanwhile.
     #[arg(long, value_name = "SECONDS", value_parser = timeout)]
     timeout: Option<Duration>,
+    /// Time to wait for the UAVs of --uav to appear (default: 30).
+    ///
+    /// If one of them doesn't appear, the probe is incomplete.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "allow_commands")]
+    uav_timeout: Option<Duration>,
     /// Time to land the UAVs, stop their motors and wake them after everything else (default: 120).
     ///
     /// The probe does this even if it is interrupted, the time limit is reached or the connection is lost. It connects
@@ -218,7 +223,7 @@ fn report_server(
     for unreadable in &unreadable {
         terminal::error(format_args!("{path}: {}", unreadable.message), None);
     }
-    let cut_short = probed.cut_short.into_iter().collect();
+    let cut_short = probed.cut_short.into_iter().chain(probed.left_out).collect();
     let (result, notes, requests) = (probed.result, probed.notes, probed.requests);
     // If nothing came from the server, the failure says everything.
     let is_silent = !unreadable.is_empty() && result.records == 0;
@@ -297,6 +302,7 @@ fn options(args: &ProbeArgs, endpoint: &Endpoint, definitions: &Definitions) -> 
     Ok(Options {
         limit: args.limit.unwrap_or(options.limit),
         timeout: args.timeout.unwrap_or(options.timeout),
+        uav_timeout: args.uav_timeout.unwrap_or(options.uav_timeout),
         landing_limit: args.landing_limit.unwrap_or(options.landing_limit),
         trust,
         selection,

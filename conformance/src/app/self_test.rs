@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use anstyle::{AnsiColor, Style};
 use clap::Args;
@@ -26,6 +27,12 @@ use crate::text::{Grouped, terminal};
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
+
+/// The time limit for a response of the testee, however busy the computer is.
+const TIMEOUT: Duration = Duration::from_secs(60);
+
+/// The time limit for the start of the testee. The command may build it first.
+const START_TIMEOUT: Duration = Duration::from_secs(600);
 
 const EXAMPLES: &str = "Examples:
   uavspec self-test
@@ -239,7 +246,11 @@ fn run_cases(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Str
     let cases = cases(definitions, definitions.types());
     let all: Vec<usize> = (0..cases.len()).collect();
     let progress = Progress::steps("cases");
-    let options = Options::new(Target::Command(testee.to_vec()));
+    let options = Options {
+        timeout: TIMEOUT,
+        start_timeout: START_TIMEOUT,
+        ..Options::new(Target::Command(testee.to_vec()))
+    };
     let on_progress = |done, total| progress.set(done, total);
     let outcome = run(&cases, &all, definitions.types(), &options, &on_progress)?;
     drop(progress);

@@ -34,6 +34,7 @@ const EXAMPLES: &str = "Examples:
   uavspec serve --uavs 20 --battery 35 --speed 10
   uavspec serve --error glider-2=193 --login pilot:secret
   uavspec serve --lose glider-3@20 --stay 60
+  uavspec serve --appear glider-2@9 --null-result UAV-LAND
   uavspec serve --tcp 127.0.0.1:0 --for 60 --format json
   uavspec serve --bug FW-UST-HEADING
   uavspec serve --px4 dds://0
@@ -132,6 +133,14 @@ pub(super) struct ServeArgs {
     /// SECONDS is the time since the first connection.
     #[arg(long = "lose", value_name = "UAV@SECONDS", value_parser = loss)]
     losses: Vec<(String, Duration)>,
+    /// Let a UAV appear late (repeatable).
+    ///
+    /// SECONDS is the time since the first connection.
+    #[arg(long = "appear", value_name = "UAV@SECONDS", value_parser = loss)]
+    appearances: Vec<(String, Duration)>,
+    /// Answer a command with null instead of true (repeatable).
+    #[arg(long = "null-result", value_name = "TYPE")]
+    null_results: Vec<String>,
     /// Disconnect clients after this time.
     ///
     /// The server first sends SYS-CLOSE.
@@ -140,6 +149,12 @@ pub(super) struct ServeArgs {
     /// Require a login with AUTH-REQ, method basic.
     #[arg(long, value_name = "NAME:PASSWORD", value_parser = login)]
     login: Option<(String, String)>,
+    /// Answer as Skybrush Live expects, where this differs from the specification.
+    ///
+    /// The response to UAV-PREFLT also has a field result, which equals status. Types may begin with X-, as in
+    /// X-RTK-SOURCE. An RTK-SURVEY with settings is answered with ACK-ACK.
+    #[arg(long)]
+    skybrush: bool,
     /// Violate this rule on purpose.
     ///
     /// --list-bugs shows which other rules each bug violates.
@@ -174,6 +189,7 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     }
     let named = args.errors.iter().map(|(id, _)| ("error", id));
     let named = named.chain(args.losses.iter().map(|(id, _)| ("lose", id)));
+    let named = named.chain(args.appearances.iter().map(|(id, _)| ("appear", id)));
     if let Some((option, id)) = named.into_iter().find(|(_, id)| !has_uav(args.uavs, id)) {
         terminal::error(
             format_args!("--{option} {id}: the fleet consists of glider-1 to glider-{}", args.uavs),
@@ -240,8 +256,11 @@ fn options(args: &ServeArgs) -> Options {
         charge: args.battery.into(),
         errors: args.errors.clone(),
         losses: args.losses.clone(),
+        appearances: args.appearances.clone(),
+        null_results: args.null_results.clone(),
         stay: args.stay,
         login: args.login.clone(),
+        is_for_skybrush: args.skybrush,
         bug: args.bug.and_then(ServedBug::of_server),
         ..Options::default()
     }

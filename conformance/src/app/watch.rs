@@ -20,6 +20,7 @@ use super::report::print_result;
 use super::target::Target;
 use super::test::seconds;
 use crate::capture::names::is_capture;
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::endpoint::Endpoint;
@@ -159,7 +160,7 @@ fn watch_server(args: &WatchArgs, endpoint: &Endpoint) -> Status {
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
     let session = {
         let sender = sender.clone();
-        let on_event = move |event| sender.send(Input::Server(event, Instant::now())).is_ok();
+        let on_event = move |event| sender.send(Input::Server(event, Clock::real().now())).is_ok();
         Session::start(endpoint.clone(), access, on_event)
     };
     let status = if args.once || !io::stdout().is_terminal() {
@@ -179,31 +180,43 @@ fn watch_server(args: &WatchArgs, endpoint: &Endpoint) -> Status {
 
 /// Waits until all UAVs have reported their state, and prints the table.
 fn watch_once(time: Duration, endpoint: &Endpoint, codes: &Codes, inputs: &Receiver<Input>) -> Status {
-    let until = Instant::now() + time;
-    let mut fleet = Fleet::default();
-    while !fleet.is_complete() {
-        let Ok(input) = inputs.recv_timeout(until.saturating_duration_since(Instant::now())) else { break };
-        if let Input::Server(event, now) = input {
-            fleet.take(event, now);
-        }
-    }
+    let clock = Clock::real();
+    let fleet = gather(&clock, time, inputs);
     if (fleet.is_complete() || !fleet.is_empty())
-        && let Err(status) = print_result(&table(&fleet, codes, Instant::now()))
+        && let Err(status) = print_result(&table(&fleet, codes, clock.now()))
     {
         return status;
     }
     if fleet.is_complete() {
         return Status::Conforms;
     }
-    let reason = match (&fleet.link, &fleet.remark) {
+    let reason = missing(&fleet);
+    terminal::error(format_args!("{}: {reason} (within {} s)", endpoint, time.as_secs_f64()), None);
+    Status::Unreadable
+}
+
+/// Processes events until all UAVs have reported their state, or until the time is over.
+fn gather(clock: &Clock, time: Duration, inputs: &Receiver<Input>) -> Fleet {
+    let until = clock.now() + time;
+    let mut fleet = Fleet::default();
+    while !fleet.is_complete() {
+        let Ok(input) = clock.receive(inputs, until) else { break };
+        if let Input::Server(event, now) = input {
+            fleet.take(event, now);
+        }
+    }
+    fleet
+}
+
+/// The reason why a fleet is incomplete.
+fn missing(fleet: &Fleet) -> String {
+    match (&fleet.link, &fleet.remark) {
         (Link::Lost { reason, .. }, _) => crate::text::shown(reason),
         (Link::Connecting, _) => "the server doesn't respond".to_owned(),
         (Link::Connected, Some(remark)) => remark.clone(),
         (Link::Connected, None) if fleet.is_empty() => "the server didn't send a list of its UAVs".to_owned(),
         (Link::Connected, None) => "some UAVs did not report their state".to_owned(),
-    };
-    terminal::error(format_args!("{}: {reason} (within {} s)", endpoint, time.as_secs_f64()), None);
-    Status::Unreadable
+    }
 }
 
 /// Restores the terminal on drop.
@@ -230,7 +243,7 @@ fn watch_live(
     let is_coloured = has_colours();
     let (mut fleet, mut screen) = (Fleet::default(), Screen::default());
     loop {
-        let now = Instant::now();
+        let now = Clock::real().now();
         let scene = Scene { fleet: &fleet, codes, url: &url, is_coloured, now };
         terminal.draw(|frame| draw(frame, &scene, &mut screen))?;
         if process_inputs(inputs, now, &mut fleet, &mut screen)? == Step::Quit {
@@ -261,9 +274,9 @@ fn process_inputs(
     fleet: &mut Fleet,
     screen: &mut Screen,
 ) -> io::Result<Step> {
-    let mut due = drawn + MAX_FRAME_TIME;
+    let (clock, mut due) = (Clock::real(), drawn + MAX_FRAME_TIME);
     loop {
-        match inputs.recv_timeout(due.saturating_duration_since(Instant::now())) {
+        match clock.receive(inputs, due) {
             Ok(Input::Server(event, now)) => fleet.take(event, now),
             Ok(Input::Terminal(event)) => {
                 if let event::Event::Key(key) = event?
@@ -277,7 +290,7 @@ fn process_inputs(
         }
         due = drawn + MIN_FRAME_TIME;
         // A server that sends without pausing must not delay the next frame.
-        if Instant::now() >= due {
+        if clock.now() >= due {
             return Ok(Step::Stay);
         }
     }
@@ -290,6 +303,40 @@ fn forward_terminal_events(sender: &SyncSender<Input>) {
         let is_end = event.is_err();
         if sender.send(Input::Terminal(event)).is_err() || is_end {
             return;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::watch::message::Message;
+
+    /// The events of a connection, with the reason why the fleet stays incomplete.
+    const INCOMPLETE: [(&[&str], &str); 4] = [
+        (&[], "the server doesn't respond"),
+        (&[r#"{"type":"SYS-VER"}"#], "the server didn't send a list of its UAVs"),
+        (&[r#"{"type":"UAV-LIST","ids":["glider-1"]}"#], "some UAVs did not report their state"),
+        (&[r#"{"type":"ACK-NAK","reason":"log in first"}"#], "the server refused a request: log in first"),
+    ];
+
+    #[test]
+    fn waits_for_the_fleet_only_as_long_as_necessary() {
+        let known =
+            [r#"{"type":"UAV-LIST","ids":["glider-1"]}"#, r#"{"type":"UAV-INF","status":{"glider-1":{}}}"#];
+        for (messages, reason) in INCOMPLETE.into_iter().chain([(&known[..], "")]) {
+            let (clock, (sender, inputs)) = (Clock::simulated(), sync_channel(4));
+            let start = clock.now();
+            for text in messages {
+                let event = Event::Received(Message::read(text.as_bytes()));
+                sender.send(Input::Server(event, start)).expect("a receiver");
+            }
+            let fleet = gather(&clock, TIME, &inputs);
+            assert_eq!(fleet.is_complete(), reason.is_empty(), "{messages:?}");
+            assert_eq!(clock.now() - start, if reason.is_empty() { Duration::ZERO } else { TIME });
+            if !reason.is_empty() {
+                assert_eq!(missing(&fleet), reason);
+            }
         }
     }
 }

@@ -49,6 +49,7 @@ use self::reader::{DEPTH, RawAdapter};
 use self::worker::Worker;
 use super::queue::{Queue, queue};
 use super::{Bus, Event, Publisher, Topic};
+use crate::clock::Clock;
 use crate::model::{History, Qos, Reliability};
 use crate::net::raise_open_files;
 
@@ -195,12 +196,12 @@ mod tests {
         topic("/wind", "sky_msgs/msg/Wind")
     }
 
-    /// The first event that matches, within 20 s. `work` is called between events.
+    /// The first event that matches. `work` is called between events.
     fn wait(bus: &mut DdsBus, mut work: impl FnMut(), is_match: impl Fn(&Event) -> bool) -> Event {
-        let end = Instant::now() + Duration::from_secs(20);
-        while Instant::now() < end {
+        let end = crate::tests::support::deadline();
+        while Clock::real().now() < end {
             work();
-            let event = bus.receive(Instant::now() + Duration::from_millis(100));
+            let event = bus.receive(Clock::real().now() + Duration::from_millis(100));
             if let Some(event) = event.filter(&is_match) {
                 return event;
             }
@@ -244,7 +245,7 @@ mod tests {
         wait(&mut witness, publish, |event| matches!(event, Event::Message(_)));
         for _ in 0..10 {
             sender.publish(publisher, MESSAGE).expect("published");
-            let event = receiver.receive(Instant::now() + Duration::from_millis(100));
+            let event = receiver.receive(Clock::real().now() + Duration::from_millis(100));
             assert!(!matches!(event, Some(Event::Message(_))), "{event:?}");
         }
     }
@@ -276,10 +277,10 @@ mod tests {
         let mut bus = join(72);
         let publisher = bus.advertise(&wind(), &Qos::PX4).expect("a publisher");
         bus.subscribe(&wind(), &Qos::WEAKEST).expect("a subscriber");
-        let end = Instant::now() + Duration::from_secs(3);
-        while Instant::now() < end {
+        let end = Clock::real().now() + Duration::from_secs(3);
+        while Clock::real().now() < end {
             bus.publish(publisher, MESSAGE).expect("published");
-            let event = bus.receive(Instant::now() + Duration::from_millis(100));
+            let event = bus.receive(Clock::real().now() + Duration::from_millis(100));
             assert!(event.is_none(), "{event:?}");
         }
     }
@@ -330,11 +331,13 @@ mod tests {
         let publisher = bus.advertise(&input, &Qos::PX4).expect("a publisher");
         bus.subscribe(&output, &Qos::WEAKEST).expect("a subscriber");
         let payload = [b"\0\x01\0\0".as_slice(), &[7; 9], &[0; 3], &[1, 0, 0, 0]].concat();
-        let end = Instant::now() + Duration::from_secs(20);
+        let end = crate::tests::support::deadline();
         let mut received = None;
-        while received.is_none() && Instant::now() < end {
+        while received.is_none() && Clock::real().now() < end {
             bus.publish(publisher, &payload).expect("published");
-            if let Some(Event::Message(message)) = bus.receive(Instant::now() + Duration::from_millis(100)) {
+            if let Some(Event::Message(message)) =
+                bus.receive(Clock::real().now() + Duration::from_millis(100))
+            {
                 received = Some(message);
             }
         }

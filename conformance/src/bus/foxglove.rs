@@ -69,7 +69,7 @@ struct Server {
 impl Foxglove {
     /// Connects, and waits for the description of the server. An error describes the problem.
     pub(super) fn connect(address: &Address) -> Result<Self, String> {
-        Self::connect_until(address, Instant::now() + CONNECT_LIMIT)
+        Self::connect_until(address, Clock::real().now() + CONNECT_LIMIT)
     }
 
     fn connect_until(address: &Address, until: Instant) -> Result<Self, String> {

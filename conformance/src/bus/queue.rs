@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::Event;
+use crate::clock::Clock;
 
 /// The maximum number of waiting events.
 const MAX_EVENTS: usize = 1 << 14;
@@ -108,7 +109,7 @@ impl Queue {
         if let Some(event) = self.due.pop_front() {
             return Some(event);
         }
-        match self.events.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
+        match Clock::real().receive(&self.events, deadline) {
             Ok(Waiting { event, lost }) => {
                 if let Event::Message(message) = &event {
                     let mut state = locked(&self.state);
@@ -197,7 +198,7 @@ mod tests {
     }
 
     fn next(queue: &mut Queue) -> Option<Event> {
-        queue.receive(Instant::now() + Duration::from_millis(1))
+        queue.receive(Clock::real().now() + Duration::from_millis(1))
     }
 
     /// The topic and the number of messages of a loss.

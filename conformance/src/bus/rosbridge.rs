@@ -66,8 +66,8 @@ impl Rosbridge {
     /// Connects. `names` are the topics to receive if rosapi isn't available. An error describes the problem.
     pub(super) fn connect(address: &Address, names: &[String]) -> Result<Self, String> {
         Ok(Self {
-            link: Link::open(&SERVICE, address, Instant::now() + CONNECT_LIMIT)?,
-            listing: Listing::Due(Instant::now()),
+            link: Link::open(&SERVICE, address, Clock::real().now() + CONNECT_LIMIT)?,
+            listing: Listing::Due(Clock::real().now()),
             unanswered: 0,
             has_failed: false,
             is_reported: false,
@@ -105,7 +105,7 @@ impl Rosbridge {
             return self.link.problem(format!("received an answer of {LIST_SERVICE} without a request"));
         };
         self.unanswered = unanswered;
-        self.listing = Listing::Due(Instant::now() + LIST_INTERVAL);
+        self.listing = Listing::Due(Clock::real().now() + LIST_INTERVAL);
         match self.listed(response) {
             Ok(()) => self.has_failed = false,
             Err(reason) => self.fail(&reason),
@@ -152,7 +152,7 @@ impl Rosbridge {
     /// Continues without a list until the next request.
     fn fail(&mut self, reason: &str) {
         self.has_failed = true;
-        self.listing = Listing::Due(Instant::now() + LIST_INTERVAL);
+        self.listing = Listing::Due(Clock::real().now() + LIST_INTERVAL);
         let remedy = if self.names.is_empty() {
             "Start rosapi_node in addition to rosbridge, or name the topics with --topics"
         } else {
@@ -189,7 +189,7 @@ impl Rosbridge {
     }
 
     fn request_list(&mut self) {
-        self.listing = Listing::Requested(Instant::now());
+        self.listing = Listing::Requested(Clock::real().now());
         self.unanswered = self.unanswered.saturating_add(1);
         let request = json!({ "op": "call_service", "id": LIST_ID, "service": LIST_SERVICE, "args": {} });
         // An error closes the connection, which is an event.
@@ -231,9 +231,11 @@ impl Protocol for Rosbridge {
 
     fn poll(&mut self) -> Option<Instant> {
         match self.listing {
-            Listing::Due(time) if time > Instant::now() => return Some(time),
+            Listing::Due(time) if time > Clock::real().now() => return Some(time),
             Listing::Due(_) => self.request_list(),
-            Listing::Requested(time) if time.elapsed() < LIST_LIMIT => return Some(time + LIST_LIMIT),
+            Listing::Requested(time) if Clock::real().now() < time + LIST_LIMIT => {
+                return Some(time + LIST_LIMIT);
+            }
             Listing::Requested(_) => self.fail(&format!("no answer within {LIST_LIMIT:?}")),
         }
         None

@@ -18,6 +18,7 @@ use tungstenite::{Bytes, Error, HandshakeError, Message, WebSocket};
 
 use super::problems::Problems;
 use super::{Event, MAX_NAME};
+use crate::clock::Clock;
 use crate::json::Tree;
 use crate::net::{Address, Stream, is_silence};
 
@@ -88,7 +89,7 @@ pub(super) fn step(client: &mut impl Protocol, deadline: Instant) -> bool {
         client.link().unreadable(problem);
     }
     // Many messages without an event must not hold up the caller.
-    !client.link().is_closed && Instant::now() < deadline
+    !client.link().is_closed && Clock::real().now() < deadline
 }
 
 /// A WebSocket connection, and the events that the caller hasn't received yet.
@@ -111,7 +112,7 @@ impl Link {
             HandshakeError::Interrupted(_) => explain(service, None),
             HandshakeError::Failure(error) => explain(service, Some(&error)),
         })?;
-        let heartbeat = Heartbeat::new(Instant::now());
+        let heartbeat = Heartbeat::new(Clock::real().now());
         Ok(Self {
             socket,
             heartbeat,
@@ -156,7 +157,7 @@ impl Link {
         if self.is_closed {
             return Err("the connection is closed".to_owned());
         }
-        self.socket.get_mut().set_deadline(Instant::now() + SEND_LIMIT);
+        self.socket.get_mut().set_deadline(Clock::real().now() + SEND_LIMIT);
         self.socket.send(message).map_err(|error| format!("can't send: {error}"))
     }
 
@@ -172,7 +173,7 @@ impl Link {
         if self.is_closed {
             return None;
         }
-        let now = Instant::now();
+        let now = Clock::real().now();
         if self.heartbeat.is_ping_due(now) {
             self.ping();
         }
@@ -185,11 +186,11 @@ impl Link {
                 self.close(format!("the server closed the connection{reason}"));
             }
             Ok(message) => {
-                self.heartbeat = Heartbeat::new(Instant::now());
+                self.heartbeat = Heartbeat::new(Clock::real().now());
                 return Some(message);
             }
             Err(Error::Io(error)) if is_silence(&error) => {
-                if self.heartbeat.is_dead(Instant::now()) {
+                if self.heartbeat.is_dead(Clock::real().now()) {
                     self.close(format!("the server didn't answer a ping within {PONG_LIMIT:?}"));
                 }
             }
@@ -200,7 +201,7 @@ impl Link {
 
     /// Sends a ping. If sending blocks, the rest is sent later.
     fn ping(&mut self) {
-        self.socket.get_mut().set_deadline(Instant::now() + PING_LIMIT);
+        self.socket.get_mut().set_deadline(Clock::real().now() + PING_LIMIT);
         match self.socket.send(Message::Ping(Bytes::new())) {
             Err(Error::Io(error)) if is_silence(&error) => {}
             Err(error) => self.close(ended(&error)),
@@ -213,7 +214,7 @@ impl Drop for Link {
     /// Closes the connection with a close frame: servers log a warning otherwise.
     fn drop(&mut self) {
         if !self.is_closed {
-            self.socket.get_mut().set_deadline(Instant::now() + PING_LIMIT);
+            self.socket.get_mut().set_deadline(Clock::real().now() + PING_LIMIT);
             let _ = self.socket.close(None);
             let _ = self.socket.flush();
         }

@@ -40,6 +40,7 @@ use self::sequence::Delivery;
 use self::token::Token;
 use super::queue::{Queue, Sender, queue};
 use super::{Bus, Event, Publisher, Topic};
+use crate::clock::Clock;
 use crate::model::{Durability, Endpoint, EndpointKind, Qos};
 
 /// The name of the node of this program.
@@ -120,7 +121,7 @@ impl Zenoh {
             last_id: 0,
             unqueried: BTreeSet::new(),
             queries: Arc::default(),
-            checked: Instant::now(),
+            checked: Clock::real().now(),
             is_closed: false,
             _tokens: tokens,
             _node: node,
@@ -192,10 +193,10 @@ impl Zenoh {
 
     /// The end of the connection. Zenoh connects again, but the program would miss messages without notice.
     fn check_connection(&mut self) -> Option<Event> {
-        if self.checked.elapsed() < CHECK_PERIOD {
+        if Clock::real().now() < self.checked + CHECK_PERIOD {
             return None;
         }
-        self.checked = Instant::now();
+        self.checked = Clock::real().now();
         let info = self.session.info();
         self.is_closed =
             info.routers_zid().wait().next().is_none() && info.peers_zid().wait().next().is_none();
@@ -220,7 +221,7 @@ impl Bus for Zenoh {
                 self.follow(&event);
                 return Some(event);
             }
-            if Instant::now() >= deadline {
+            if Clock::real().now() >= deadline {
                 return None;
             }
         }

@@ -1,17 +1,19 @@
 //! Finds capture files and opens them, decompressed if necessary.
 
 mod bags;
+mod gzip;
+mod padding;
 mod search;
+mod unpack;
 pub(crate) mod zstd;
 
 use std::fs::{self, File, Metadata};
-use std::io::{self, BufReader, Cursor, Read};
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 #[cfg(feature = "tables")]
 use std::sync::Arc;
 use std::time::SystemTime;
 
-use flate2::read::MultiGzDecoder;
 use globset::{Glob, GlobBuilder, GlobMatcher};
 
 use crate::capture::names::{EXTENSIONS, NOT_A_CAPTURE, ROS1_EXTENSION, has_extension, is_capture};
@@ -21,16 +23,10 @@ use crate::capture::store::{self, Object};
 use crate::text::Grouped;
 
 use self::search::{DANGLING, Found, search};
-use self::zstd::Frames;
+pub(crate) use self::unpack::{UpToError, decompressed};
 
 /// The path that denotes standard input.
 pub(crate) const STANDARD_INPUT: &str = "-";
-
-/// The first bytes of gzip data (RFC 1952).
-const GZIP: [u8; 2] = [0x1f, 0x8b];
-
-/// The number of bytes that are needed to detect a compression format.
-const START: usize = 4;
 
 /// The characters that make a path a pattern.
 const WILDCARDS: [char; 3] = ['*', '?', '['];
@@ -283,65 +279,9 @@ impl FileState {
     }
 }
 
-/// Decompresses `input` if it starts with the magic of gzip or zstd. Other input stays unchanged. Only the first bytes
-/// are read in advance. The input may contain several consecutive gzip members or zstd frames. Reading fails if other
-/// data follows them. The flag is true if the input is unchanged.
-pub(crate) fn decompressed(
-    mut input: impl Read + Send + 'static,
-) -> io::Result<(Box<dyn Read + Send>, bool)> {
-    let mut start = Vec::with_capacity(START);
-    input.by_ref().take(START as u64).read_to_end(&mut start)?;
-    let (is_gzip, is_zstd) = (start.starts_with(&GZIP), zstd::is_frame(&start));
-    let whole = Cursor::new(start).chain(input);
-    Ok(if is_gzip {
-        (Box::new(MultiGzDecoder::new(whole)), false)
-    } else if is_zstd {
-        (Box::new(Frames::new(BufReader::new(whole))?), false)
-    } else {
-        (Box::new(whole), true)
-    })
-}
-
 #[cfg(test)]
 mod tests {
-    use std::io::Write as _;
-
-    use flate2::Compression;
-    use flate2::write::GzEncoder;
-    use ruzstd::encoding::{CompressionLevel, compress_to_vec};
-
     use super::*;
-
-    fn read(bytes: Vec<u8>) -> io::Result<Vec<u8>> {
-        let mut text = Vec::new();
-        decompressed(Cursor::new(bytes))?.0.read_to_end(&mut text)?;
-        Ok(text)
-    }
-
-    #[test]
-    fn detects_compression_from_the_first_bytes() {
-        let text = b"ULog and more, ".repeat(1_000);
-        let mut gzip = GzEncoder::new(Vec::new(), Compression::fast());
-        gzip.write_all(&text).expect("memory");
-        let gzip = gzip.finish().expect("memory");
-        let zstd = compress_to_vec(&text[..], CompressionLevel::Fastest);
-        for bytes in [text.clone(), gzip.clone(), zstd.clone()] {
-            assert_eq!(read(bytes).expect("readable"), text);
-        }
-        for packed in [&gzip, &zstd] {
-            let twice = [&packed[..], packed].concat();
-            assert_eq!(read(twice.clone()).expect("readable"), text.repeat(2), "several members");
-            assert!(read([&twice[..], b"neither this nor that"].concat()).is_err(), "trailing data");
-        }
-        let skipped = b"\x50\x2a\x4d\x18\x03\0\0\0abc";
-        assert_eq!(read([&skipped[..], &zstd].concat()).expect("readable"), text, "as written by pzstd");
-        for cut in [&gzip[..gzip.len() / 2], &zstd[..zstd.len() / 2]] {
-            assert!(read(cut.to_vec()).is_err(), "truncated");
-        }
-        for short in [&b""[..], b"U", b"\x1f", b"\x28\xb5"] {
-            assert_eq!(read(short.to_vec()).expect("readable"), short);
-        }
-    }
 
     /// The names of files.
     fn names(files: &[PathBuf]) -> Vec<String> {

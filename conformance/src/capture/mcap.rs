@@ -14,6 +14,12 @@
 //!
 //! This module parses the framing of records, and `zstd` or `ruzstd`, and `lz4_flex`, decompress chunks.
 //!
+//! # Statistics and indexes
+//!
+//! The reader uses neither, but compares them with the records that it read: a difference means that records are missing
+//! or corrupt. It also verifies all checksums. Another file may follow the end of a file, as after `cat`. The reader
+//! returns its records, too.
+//!
 //! # Memory
 //!
 //! An uncompressed chunk of any length is read record by record. A compressed chunk is buffered (at most
@@ -31,6 +37,7 @@
 //! The rest of a corrupt chunk is skipped. The records before the corruption are still returned. The CRC of a chunk can
 //! only be verified at the end of the chunk. A mismatch is therefore reported after the chunk's records.
 
+mod census;
 mod chunk;
 mod problem;
 mod reader;

@@ -1,6 +1,6 @@
 //! The names of captures.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The file extensions that identify captures in a folder. A compression extension may follow.
 pub(super) const EXTENSIONS: [&str; 7] = ["ulg", "ulge", "mcap", "db3", "json", "jsonl", "ndjson"];
@@ -14,10 +14,22 @@ const PACKED: [&str; 3] = ["gz", "zst", "zstd"];
 /// The reason for skipping a file that has no capture extension.
 pub(crate) const NOT_A_CAPTURE: &str = "no capture by the file extension";
 
+/// The file extensions of bags.
+const BAG_EXTENSIONS: [&str; 2] = ["mcap", "db3"];
+
 /// True if the file name has a capture extension.
 pub(crate) fn is_capture(path: &Path) -> bool {
-    let unpacked = if has_extension(path, &PACKED) { path.with_extension("") } else { path.to_path_buf() };
-    has_extension(&unpacked, &EXTENSIONS)
+    has_extension(&unpacked(path), &EXTENSIONS)
+}
+
+/// True if the file name has the extension of a bag.
+pub(super) fn is_bag(path: &Path) -> bool {
+    has_extension(&unpacked(path), &BAG_EXTENSIONS)
+}
+
+/// The path without the extension of a compression.
+fn unpacked(path: &Path) -> PathBuf {
+    if has_extension(path, &PACKED) { path.with_extension("") } else { path.to_path_buf() }
 }
 
 /// True if the file name has one of these extensions.

@@ -1,6 +1,6 @@
 //! Checks recorded Flockwave sessions and files of bare messages.
 //!
-//! A line of a recorded session is `{"t": seconds since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`.
+//! A line of a recorded session is `{"t": time since the epoch, "conn": name, "dir": "in" or "out", "msg": {…}}`.
 //! The direction is from the client's point of view. Data that is not JSON is stored as a string in `"raw"` instead of
 //! `"msg"`. For events, `"dir"` is `"event"`, and `"event"` is `"connect"`, `"closed"` or `"refused"`.
 //!
@@ -12,6 +12,7 @@ mod listeners;
 mod pieces;
 mod reports;
 mod summary;
+mod time;
 mod types;
 
 use std::collections::HashMap;
@@ -20,7 +21,7 @@ pub(super) use self::listeners::Listeners;
 use self::pieces::Pieces;
 pub(super) use self::reports::Report;
 use self::reports::Reports;
-pub use self::summary::{FlockwaveSummary, TypeCount};
+pub use self::summary::{FlockwaveSummary, TypeCount, UnreadTimes};
 use self::types::{FromServer, Types};
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::{CaptureResult, CheckRun, Summary, microseconds};
@@ -42,9 +43,6 @@ const MAX_NAME: usize = 128;
 
 /// The maximum length of `how`, in bytes. Longer values are ignored.
 const MAX_HOW: usize = 512;
-
-/// The latest plausible time, in seconds. This time is in the year 5138.
-const MAX_TIME: f64 = 1e11;
 
 /// True for a line of a recorded session, and for a bare Flockwave message.
 pub(crate) fn is_flockwave(tree: &Tree<'_>) -> bool {
@@ -166,13 +164,14 @@ impl<'d> FlockwaveChecker<'d> {
     /// Handles a status report. Its findings are only counted if they are known.
     fn report(&mut self, report: &Report<'_>, location: Location, is_last: bool) -> Result<(), String> {
         let index = self.connection(report.name)?;
-        if !self.reports.count(report, &self.run.findings) {
+        let time = time::of_number(report.time);
+        if time.is_none() || !self.reports.count(report, &self.run.findings) {
             return self.read(report.text.as_bytes(), location, is_last);
         }
         let record = SessionRecord {
             connection: Connection { index, name: report.name, is_ordered: is_ordered(report.name) },
             direction: Direction::In,
-            time: Some(report.time).filter(|time| is_plausible(*time)),
+            time,
             text: report.text,
             value: None,
             trial: None,
@@ -225,13 +224,13 @@ impl<'d> FlockwaveChecker<'d> {
             Some(Tree::Text(name)) => Some(name.to_string()),
             Some(other) => Some(other.to_string()),
         };
-        let time = match tree.get("t") {
-            #[allow(clippy::cast_precision_loss)] // times in seconds are small enough
-            Some(Tree::Int(value)) => Some(*value as f64),
-            Some(Tree::Float(value, _)) => Some(*value),
-            _ => None,
-        };
-        let time = time.filter(|time| is_plausible(*time));
+        let time = tree.get("t").filter(|time| **time != Tree::Null).and_then(|time| {
+            let read = time::seconds(time);
+            if read.is_none() {
+                self.source.unread_times.add(time, location);
+            }
+            read
+        });
         let direction = match tree.get("dir").and_then(Tree::as_str) {
             Some("in") => Direction::In,
             Some("out") => Direction::Out,
@@ -451,11 +450,6 @@ impl<'d> FlockwaveChecker<'d> {
         }
         parts
     }
-}
-
-/// True if a time is plausible. A time above the limit is probably not in seconds.
-fn is_plausible(time: f64) -> bool {
-    (0.0..MAX_TIME).contains(&time)
 }
 
 /// True if a connection with this name delivers messages in order. A name that starts with `udp` denotes UDP. A name

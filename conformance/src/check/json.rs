@@ -22,7 +22,8 @@ use super::release::{ComparedTopic, ReleaseMatch, release_line, release_matches}
 use super::summary::names;
 use super::topic::{definition_of, definition_of_json, shows_type, topic_of};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals};
-use crate::capture::json::{Event, Reader};
+use crate::capture::input::UpToError;
+use crate::capture::json::{Event, Problem, Reader};
 use crate::definitions::Definitions;
 use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Channel, Extent, Location, Message};
@@ -41,7 +42,7 @@ pub(crate) const ROS: &str = "ros2msg";
 
 pub(super) const KIND: Kind = Kind {
     name: "JSON",
-    detect: |start| !is_binary(start),
+    detect: |start| !is_binary(&start[..start.len().min(MAX_START)]),
     clues: |source, _| clues::clues(source),
     check: |input, message_id, run| check_with(input, message_id, JsonChecker::new(message_id, run)),
 };
@@ -58,6 +59,9 @@ fn is_binary(start: &[u8]) -> bool {
     };
     text.chars().filter(is_foreign).count() > 1
 }
+
+/// The number of bytes that show whether a file is text.
+const MAX_START: usize = 16;
 
 /// True if the first character is that of an object or an array.
 pub(super) fn starts_like_json(start: &[u8]) -> bool {
@@ -142,31 +146,28 @@ pub fn check_json_thoroughly(
 }
 
 fn check_with(input: impl Read, message_id: Option<MessageId>, checker: JsonChecker<'_>) -> CaptureResult {
-    let mut reader = Reader::new(input);
+    let mut input = UpToError::new(input);
+    let mut reader = Reader::new(&mut input);
     let mut checker = AnyChecker::Json { checker, is_decided: message_id.is_some() };
-    loop {
-        match reader.next() {
-            Ok(Some(item)) => match item.event {
-                Event::Problem(problem) => {
-                    checker.run().corruption(
-                        Location::Line(item.line),
-                        problem.to_string(),
-                        problem.extent(),
-                    );
-                }
-                Event::Value { bytes, is_last, .. } => checker.value(bytes, item.line, is_last),
-            },
-            Ok(None) => break,
-            // The findings up to here remain valid.
-            Err(error) => {
-                checker.run().unreadable(Location::Line(reader.lines().max(1)), &error);
-                break;
+    while let Ok(Some(item)) = reader.next() {
+        match item.event {
+            // All values can be read.
+            Event::Problem(problem @ Problem::ByteOrderMark) => checker.run().note(&problem.to_string()),
+            Event::Problem(problem) => {
+                let location = Location::Line(item.line);
+                checker.run().corruption(location, problem.to_string(), problem.extent());
             }
+            Event::Value { bytes, is_last, .. } => checker.value(bytes, item.line, is_last),
         }
     }
+    let (lines, bytes) = (reader.lines(), reader.bytes());
+    if let Some(error) = &input.error {
+        // The findings up to here remain valid.
+        checker.run().unreadable(Location::Line(lines.max(1)), error);
+    }
     match checker {
-        AnyChecker::Json { checker, .. } => checker.finish(reader.lines(), reader.bytes()),
-        AnyChecker::Flockwave(checker) => checker.finish(reader.bytes()),
+        AnyChecker::Json { checker, .. } => checker.finish(lines, bytes),
+        AnyChecker::Flockwave(checker) => checker.finish(bytes),
     }
 }
 

@@ -14,6 +14,7 @@ use uavspec_codegen::schema::MessageId;
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::release::{ComparedTopic, MAX_AHEAD, ReleaseMatch, release_lines, release_matches};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
+use crate::capture::input::UpToError;
 use crate::capture::ulog::{Data, Event, FormatSet, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::{BATTERY_STATUS, Clues, Definitions, FormatClue, Library, VEHICLE_STATUS};
@@ -200,21 +201,14 @@ pub(crate) fn check_ulog(input: impl Read, definitions: &Definitions) -> Capture
 
 fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
     let mut checker = LogChecker::new(run);
-    let mut reader = Reader::new(input);
+    let mut input = UpToError::new(input);
+    let mut reader = Reader::new(&mut input);
     let mut log = Log::with_cache(Arc::clone(checker.run.definitions.formats()));
     loop {
         while let Some(data) = reader.next_data() {
             checker.data(data, &mut log);
         }
-        let item = match reader.next() {
-            Ok(Some(item)) => item,
-            Ok(None) => break,
-            // The findings up to here remain valid.
-            Err(error) => {
-                checker.run.unreadable(Location::Byte(reader.position()), &error);
-                break;
-            }
-        };
+        let Ok(Some(item)) = reader.next() else { break };
         if let Event::Data { id, payload } = item.event {
             checker.data(Data { offset: item.offset, id, payload }, &mut log);
             continue;
@@ -234,13 +228,18 @@ fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
             None => {}
         }
     }
+    let position = reader.position();
+    if let Some(error) = &input.error {
+        // The findings up to here remain valid.
+        checker.run.unreadable(Location::Byte(position), error);
+    }
     if checker.open.is_empty() && checker.run.extent == Extent::Whole {
         let text = "the log has no subscriptions: it ends within or directly after its definitions section"
             .to_owned();
-        checker.run.corruption(Location::Byte(reader.position()), text, Extent::EndsEarly);
+        checker.run.corruption(Location::Byte(position), text, Extent::EndsEarly);
     }
     log.finish(&mut |offset, problem| checker.report_problem(offset, &problem));
-    checker.finish(&log, reader.position())
+    checker.finish(&log, position)
 }
 
 /// A topic of the log, with its state.
@@ -316,8 +315,11 @@ impl<'d> LogChecker<'d> {
                 self.dropouts += 1;
                 self.run.dropout(*milliseconds, location);
             }
+            // The message may have been data of any topic.
+            Event::Unknown { .. } => self.run.lost_any(location),
             // Version 0 of the log format has no flag bits.
             Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
+            Event::Problem(problem) if problem.is_harmless() => self.run.note(&problem.to_string()),
             Event::Problem(problem) => self.run.corruption(location, problem.to_string(), problem.extent()),
             _ => {}
         }
@@ -461,6 +463,9 @@ impl<'d> LogChecker<'d> {
                     }
                     None => self.run.corruption(location, problem.to_string(), Extent::Whole),
                 }
+            }
+            LogProblem::LateFormat { .. } | LogProblem::Resubscribed { .. } => {
+                self.run.note(&problem.to_string());
             }
             _ => self.run.corruption(location, problem.to_string(), Extent::Whole),
         }

@@ -118,9 +118,13 @@ mod tests {
         let items: Vec<u64> = (0..50).collect();
         for jobs in [1, 3, 100] {
             let mut taken = Vec::new();
+            let (finished, changed) = (Mutex::new(0), Condvar::new());
             let square = |item: &u64| {
-                // The first item takes longest.
-                thread::sleep(std::time::Duration::from_micros(50 - item));
+                // The other threads finish an item each before the first one.
+                let others = if *item == 0 { jobs.min(items.len()) - 1 } else { 0 };
+                let finished = finished.lock().expect("no panic");
+                *changed.wait_while(finished, |finished| *finished < others).expect("no panic") += 1;
+                changed.notify_all();
                 item * item
             };
             each(&items, NonZeroUsize::new(jobs), square, |item, result| taken.push((*item, result)));
@@ -132,19 +136,23 @@ mod tests {
     #[test]
     fn keeps_a_limited_number_of_early_results() {
         let (items, jobs): (Vec<usize>, _) = ((0..2_000).collect(), 3);
-        let (finished, most) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let (finished, most) = (Mutex::new(0), AtomicUsize::new(0));
+        let changed = Condvar::new();
         let work = |item: &usize| {
+            let mut finished = finished.lock().expect("no panic");
             if *item == 0 {
-                // The other threads finish as many items as they can.
-                thread::sleep(std::time::Duration::from_millis(100));
-                most.store(finished.load(Ordering::SeqCst), Ordering::SeqCst);
+                // The other threads finish as many items as they may: all before the first that must wait.
+                let early = jobs.min(items.len()) * MAX_EARLY - 1;
+                finished = changed.wait_while(finished, |finished| *finished < early).expect("no panic");
+                most.store(*finished, Ordering::SeqCst);
             }
-            finished.fetch_add(1, Ordering::SeqCst);
+            *finished += 1;
+            changed.notify_all();
         };
         let mut number = 0;
         each(&items, NonZeroUsize::new(jobs), work, |_, ()| number += 1);
         assert_eq!(number, items.len());
-        assert!(most.load(Ordering::SeqCst) < jobs * MAX_EARLY, "{most:?}");
+        assert_eq!(most.load(Ordering::SeqCst), jobs * MAX_EARLY - 1);
     }
 
     #[test]
@@ -153,12 +161,10 @@ mod tests {
         let work = |item: &usize| assert_ne!(*item, 0, "the first item fails");
         let run = || each(&items, NonZeroUsize::new(3), work, |_, ()| ());
         assert!(std::panic::catch_unwind(run).is_err());
-        let late = |item: &usize| {
-            // The first result is taken after the panic.
-            thread::sleep(std::time::Duration::from_millis(if *item == 0 { 100 } else { 0 }));
-            assert_ne!(*item, 1, "the second item fails");
-        };
-        let run = || each(&items, NonZeroUsize::new(3), late, |_, ()| ());
-        assert!(std::panic::catch_unwind(run).is_err());
+        // Results that are taken after the panic don't make threads wait again.
+        let taken = Taken::default();
+        taken.set(usize::MAX);
+        taken.set(1);
+        taken.wait(2_000, 1);
     }
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 use uavspec_codegen::schema::MessageId;
 
 use super::Line;
+use crate::capture::input::UpToError;
 use crate::definitions::{Definitions, LoadedRelease};
 use crate::text::shown;
 
@@ -117,15 +118,15 @@ pub(super) fn release_line(found: &ReleaseMatch) -> Line {
     Line::new("release", text).list("other", others)
 }
 
-/// A reader that keeps the bytes that it reads, up to a limit. It then ends.
+/// A reader that keeps the bytes that it reads, up to a limit or an error. It then ends.
 pub(super) struct Ahead<'r> {
-    input: io::Take<&'r mut dyn Read>,
+    input: UpToError<io::Take<&'r mut dyn Read>>,
     pub(super) bytes: Vec<u8>,
 }
 
 impl<'r> Ahead<'r> {
     pub(super) fn new(input: &'r mut dyn Read) -> Self {
-        Self { input: input.take(MAX_AHEAD), bytes: Vec::new() }
+        Self { input: UpToError::new(input.take(MAX_AHEAD)), bytes: Vec::new() }
     }
 }
 

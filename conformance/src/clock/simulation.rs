@@ -55,6 +55,7 @@ impl State {
 
 impl Participant {
     /// The first thread of a simulation. It has the turn.
+    #[allow(clippy::disallowed_methods, reason = "only the differences of times count")]
     pub(super) fn first() -> Self {
         let start = Instant::now();
         let state = State { now: start, turn: Some(0), waiting: BTreeMap::new(), next_id: 1 };

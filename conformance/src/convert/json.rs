@@ -14,6 +14,7 @@ use super::plan::{Converted, Converters, Plan};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
+use crate::capture::input::UpToError;
 use crate::capture::json::{Event, Item, Reader};
 use crate::check::json::{Form, MAX_CHANNELS, MAX_NAME, NameKind, ROS, form, starts_like_object};
 use crate::check::{definition_of, definition_of_json, is_flockwave, is_guess, shows_type};
@@ -73,25 +74,22 @@ pub(super) fn convert(
     settings: Settings,
     output: &mut dyn Write,
 ) -> Result<(Vec<TopicReport>, Problems), Error> {
-    let mut reader = Reader::new(input);
+    let mut input = UpToError::new(input);
+    let mut reader = Reader::new(&mut input);
     let mut stream = Stream::new(plan, settings, output);
-    loop {
-        match reader.next() {
-            Ok(Some(Item { line, event: Event::Value { bytes, is_element, .. } })) => {
+    while let Ok(Some(Item { line, event })) = reader.next() {
+        match event {
+            Event::Value { bytes, is_element, .. } => {
                 stream.is_array |= is_element;
                 stream.value(bytes, line)?;
             }
-            Ok(Some(Item { line, event: Event::Problem(problem) })) => {
-                if problem.extent() != Extent::Whole {
-                    stream.problem(line, problem);
-                }
-            }
-            Ok(None) => break,
-            Err(error) => {
-                stream.problem(reader.lines().max(1), format_args!("the rest is unreadable: {error}"));
-                break;
-            }
+            Event::Problem(problem) if problem.extent() != Extent::Whole => stream.problem(line, problem),
+            Event::Problem(_) => {}
         }
+    }
+    let lines = reader.lines();
+    if let Some(error) = &input.error {
+        stream.problem(lines.max(1), format_args!("the rest is unreadable: {error}"));
     }
     stream.finish()
 }

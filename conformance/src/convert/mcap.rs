@@ -15,6 +15,7 @@ use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
+use crate::capture::input::UpToError;
 use crate::capture::mcap::{AttachmentHead, Event, Item, Packing, Reader, Writer, compressed};
 use crate::check::json::MAX_NAME;
 use crate::check::{HASH, StatedType, confirms, decompressed, definition_of, digest, is_guess, stated_type};
@@ -113,21 +114,21 @@ pub(super) fn convert(
     settings: Settings,
     output: &mut dyn Write,
 ) -> Result<(Vec<TopicReport>, Problems), Error> {
-    let (mut reader, mut problems) = (Reader::new(input), Problems::default());
+    let mut input = UpToError::new(input);
+    let (mut reader, mut problems) = (Reader::new(&mut input), Problems::default());
     let (mut output, mut stream) = (Some(output), None);
-    loop {
-        let item = match reader.next() {
-            Ok(Some(item)) => item,
-            Ok(None) => break,
-            Err(error) => {
-                problems.add(format!("byte {}: the rest is unreadable: {error}", reader.bytes()));
-                break;
-            }
-        };
+    while let Ok(Some(item)) = reader.next() {
         let profile = match &item.event {
             Event::Problem(problem) => {
                 problems.add(format!("byte {}: {problem}", item.offset));
                 continue;
+            }
+            Event::Header { .. } if stream.is_some() => {
+                problems.add(format!(
+                    "byte {}: another MCAP file starts here: split the file to convert it",
+                    item.offset
+                ));
+                break;
             }
             Event::Header { profile, .. } => profile.clone(),
             _ => String::new(),
@@ -140,13 +141,17 @@ pub(super) fn convert(
             stream.item(item, &mut problems)?;
         }
     }
+    let bytes = reader.bytes();
+    if let Some(error) = &input.error {
+        problems.add(format!("byte {bytes}: the rest is unreadable: {error}"));
+    }
     // Even without records, the output is a valid file.
     if let Some(output) = output {
         Writer::new(output, "")?.finish()?;
     }
     let Some(mut stream) = stream else { return Ok((Vec::new(), problems)) };
     for problem in stream.decide_rest()? {
-        problems.add(format!("byte {}: {problem}", reader.bytes()));
+        problems.add(format!("byte {bytes}: {problem}"));
     }
     stream.output.finish()?;
     let channels = stream.channels.into_iter().flatten();

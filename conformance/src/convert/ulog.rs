@@ -12,6 +12,7 @@ use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};
 use super::topic::Topic;
 use super::{Error, Settings};
+use crate::capture::input::UpToError;
 use crate::capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::definitions::Definitions;
 use crate::model::Extent;
@@ -58,17 +59,15 @@ pub(super) fn convert(
     settings: Settings,
     output: &mut dyn Write,
 ) -> Result<(Vec<TopicReport>, Problems), Error> {
-    let (mut reader, mut log) = (Reader::new(input), Log::default());
+    let mut input = UpToError::new(input);
+    let (mut reader, mut log) = (Reader::new(&mut input), Log::default());
     let mut stream = Stream::new(plan, settings, output);
-    loop {
-        match reader.next() {
-            Ok(Some(item)) => stream.item(&item, &mut log)?,
-            Ok(None) => break,
-            Err(error) => {
-                stream.problems.add(format!("byte {}: the rest is unreadable: {error}", reader.position()));
-                break;
-            }
-        }
+    while let Ok(Some(item)) = reader.next() {
+        stream.item(&item, &mut log)?;
+    }
+    let position = reader.position();
+    if let Some(error) = &input.error {
+        stream.problems.add(format!("byte {position}: the rest is unreadable: {error}"));
     }
     stream.finish(&mut log)
 }
@@ -328,9 +327,9 @@ impl Converted<'_> {
 
 /// True if a problem means that data is missing in the output, or may be misread.
 fn loses_data(problem: &Problem) -> bool {
-    let is_other =
-        matches!(problem, Problem::NewerVersion(_) | Problem::FlagBitsNotFirst | Problem::Straddles { .. });
-    is_other || problem.extent() != Extent::Whole
+    let is_other = matches!(problem, Problem::NewerVersion(_) | Problem::FlagBitsNotFirst);
+    // Messages of unknown kinds are copied.
+    is_other || problem.extent() != Extent::Whole && !matches!(problem, Problem::UnknownKind(_))
 }
 
 /// Writes a message.

@@ -1,7 +1,7 @@
 //! The definitions that captures are checked against: fixed ones, or those of the release that a capture agrees with.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use uavspec_codegen::msg::Dialect;
@@ -12,7 +12,7 @@ use uavspec_definitions::PX4;
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, FormatCache, LoadedRelease, Schemas, unversioned};
+use super::{Definitions, FormatCache, LoadedRelease, SchemaError, Schemas, unversioned};
 
 /// The maximum number of releases, with different messages of other releases, that stay in memory.
 const MAX_STORED: usize = 8;
@@ -118,14 +118,18 @@ impl Library {
         self.is_for_one
     }
 
-    /// Adds body schemas for Flockwave message types without a definition.
-    #[must_use]
-    pub fn with_schemas(mut self, schemas: Arc<Schemas>) -> Self {
-        if let Some(base) = self.base.get_mut().and_then(Arc::get_mut) {
-            base.schemas = Arc::clone(&schemas);
+    /// Loads JSON Schemas for Flockwave message types without a definition from these folders.
+    ///
+    /// # Errors
+    /// Fails if a schema can't be read or used.
+    pub fn with_schemas(mut self, folders: &[PathBuf]) -> Result<Self, SchemaError> {
+        if !folders.is_empty() {
+            self.schemas = Arc::new(Schemas::load(folders, self.base().defined_schemas())?);
+            if let Some(base) = self.base.get_mut().and_then(Arc::get_mut) {
+                base.schemas = Arc::clone(&self.schemas);
+            }
         }
-        self.schemas = schemas;
-        self
+        Ok(self)
     }
 
     /// The definitions for captures that don't show their release.
@@ -134,8 +138,8 @@ impl Library {
             Arc::new(if let Some((_, release)) = self.forced {
                 self.read(&[Choice::without_clues(release)], None)
             } else {
-                let built_in = Definitions::built_in().with_schemas(Arc::clone(&self.schemas));
-                Definitions { formats: Arc::clone(&self.formats), ..built_in }
+                let (schemas, formats) = (Arc::clone(&self.schemas), Arc::clone(&self.formats));
+                Definitions { schemas, formats, ..Definitions::built_in() }
             })
         })
     }
@@ -151,6 +155,11 @@ impl Library {
     /// The paths of definitions that were left out, because they refer to other packages.
     pub(crate) fn left_out(&self) -> &[String] {
         self.base.get().map_or(&[], |base| &base.left_out)
+    }
+
+    /// True if built-in packages fill what the definitions at a path lack.
+    pub(crate) fn has_built_in_packages(&self) -> bool {
+        self.base.get().is_some_and(|base| !base.built_in.is_empty())
     }
 
     /// A name for the definitions: their path, the release that the user demands, or the built-in definitions.
@@ -248,11 +257,11 @@ impl Library {
         let (schema, _) = read(&sources, &packages);
         let titles: Vec<&str> =
             releases.iter().map(|release: &LoadedRelease| release.title.as_str()).collect();
-        let definitions = Definitions::new(titles.join(", "), sources, schema)
-            .with_replacements(&replacements)
-            .with_schemas(Arc::clone(&self.schemas));
+        let definitions =
+            Definitions::new(titles.join(", "), sources, schema).with_replacements(&replacements);
         let undecided = choices.iter().flat_map(|choice| choice.undecided.iter().cloned()).collect();
-        Definitions { releases, origins, undecided, formats: Arc::clone(&self.formats), ..definitions }
+        let (schemas, formats) = (Arc::clone(&self.schemas), Arc::clone(&self.formats));
+        Definitions { releases, origins, undecided, schemas, formats, ..definitions }
     }
 
     fn loaded(&self, release: ReleaseId) -> LoadedRelease {

@@ -167,7 +167,7 @@ impl ExpectedValue {
             | (Self::Number, Tree::Int(_) | Tree::Float(..) | Tree::Huge(_))
             | (Self::Object, Tree::Object(_)) => None,
             (Self::Nullable(schema), _) => schema.mismatch(value),
-            (Self::Integer(low, high), _) => match integer(value) {
+            (Self::Integer(low, high), _) => match value.as_integer() {
                 Some(number) if (*low..=*high).contains(&number) => None,
                 _ => wrong(),
             },
@@ -227,17 +227,6 @@ impl Mismatch {
     #[must_use]
     pub(crate) fn below(self, key: &str) -> Self {
         Self { path: pointer(&[key]) + &self.path, ..self }
-    }
-}
-
-/// The value as an integer, if it is an integer in any notation, such as `5.0`. Beyond 2^53, integers written with a
-/// fraction or an exponent are rounded.
-pub(crate) fn integer(value: &Tree<'_>) -> Option<i128> {
-    match value {
-        Tree::Int(value) => Some(*value),
-        #[allow(clippy::cast_possible_truncation)] // within bounds
-        Tree::Float(value, _) if value.fract() == 0.0 && value.abs() < 1e30 => Some(*value as i128),
-        _ => None,
     }
 }
 

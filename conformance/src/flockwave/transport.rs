@@ -37,7 +37,7 @@ pub(crate) mod secrets;
 pub(crate) mod socketio;
 
 pub use self::access::Access;
-pub use self::client::{Client, Received, connect, connect_with, http_status, is_temporary};
+pub use self::client::{Client, Network, Received, connect, connect_with, http_status, is_temporary};
 pub use self::endpoint::{Carrier, Endpoint, ServerAddress};
 pub use self::engine::Revision;
 pub use crate::net::tls::Trust;

@@ -58,13 +58,12 @@ pub(super) fn sqlite_bag_seeds() -> Vec<Vec<u8>> {
 /// Reads the metadata of a bag. No file may be listed twice.
 #[cfg(feature = "db3")]
 pub(super) fn bag_metadata(data: &[u8]) {
-    let Ok(text) = std::str::from_utf8(data) else { return };
-    let Some(metadata) = Metadata::parse(text) else { return };
+    let Some(metadata) = Metadata::parse(data) else { return };
     let mut names = metadata.files.clone();
     names.sort();
     names.dedup();
     assert_eq!(names.len(), metadata.files.len(), "a file is listed twice");
-    assert!(metadata.encodings.len() + names.len() <= text.len());
+    assert!(metadata.encodings.len() + names.len() <= data.len());
 }
 
 #[cfg(feature = "db3")]

@@ -1,6 +1,6 @@
 //! The target for datagrams and other messages from a server, as `watch` reads them.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use std::sync::LazyLock;
 
 use super::DEFINITIONS;
+use crate::clock::Clock;
 use crate::rules::flockwave::sample::Session;
 use crate::watch::codes::Codes;
 use crate::watch::fleet::Fleet;
@@ -25,7 +26,7 @@ static CODES: LazyLock<Codes> = LazyLock::new(|| Codes::new(&DEFINITIONS));
 
 /// Applies messages to a fleet, and draws each page. No cell may contain a control character.
 pub(super) fn datagrams(data: &[u8]) {
-    let now = Instant::now();
+    let now = Clock::simulated().now();
     let mut fleet = Fleet::default();
     for message in data.split(|byte| *byte == SEPARATOR) {
         fleet.take(Event::Received(Message::read(message)), now);

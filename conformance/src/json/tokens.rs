@@ -23,6 +23,12 @@ const MAX_PLACES: usize = 19;
 /// The error at the end of an incomplete text.
 pub(crate) const TRUNCATED: &str = "unexpected end";
 
+/// The error for an unknown escape.
+const INVALID_ESCAPE: &str = "an invalid escape in a string";
+
+/// The error for half of a surrogate pair. The grammar allows it, but few parsers can read it.
+const UNPAIRED_SURROGATE: &str = "a `\\u` escape of an unpaired surrogate, which encodes no character,";
+
 /// The words of JSON, and the words that some programs write for numbers that JSON can't represent.
 const WORDS: [(&str, Token<'static>); 6] = [
     ("null", Token::Null),
@@ -270,8 +276,8 @@ impl<'t> Tokens<'t> {
         if self.peek() != Some(b'"') {
             return Err(self.error("expected a string"));
         }
-        let problem = "a control character or an invalid escape in a string";
-        unescaped(self.quoted()?).map(Cow::Owned).ok_or(SyntaxError { at: start, problem })
+        let text = unescaped(self.quoted()?);
+        text.map(Cow::Owned).map_err(|error| SyntaxError { at: start + 1 + error.at, ..error })
     }
 
     /// Reads a string, without its quotation marks and with escapes unchanged.
@@ -466,23 +472,28 @@ fn short_decimal(whole: i64, text: &[u8]) -> Option<(f64, usize)> {
     Some((if whole < 0 { -value } else { value }, length))
 }
 
-/// Resolves the escapes of a string.
-fn unescaped(written: &str) -> Option<String> {
-    if written.bytes().any(|byte| byte < b' ') {
-        return None;
+/// Resolves the escapes of a string. The location of an error is relative to the start of the string.
+fn unescaped(written: &str) -> Result<String, SyntaxError> {
+    if let Some(at) = written.bytes().position(|byte| byte < b' ') {
+        return Err(SyntaxError { at, problem: "a control character in a string" });
     }
     let mut text = String::with_capacity(written.len());
     let mut rest = written;
     while let Some((plain, escape)) = rest.split_once('\\') {
         text.push_str(plain);
-        let letter = *escape.as_bytes().first()?;
-        let (character, length) =
-            if letter == b'u' { code_point(escape)? } else { (simple_escape(letter)?, 1) };
+        let letter = escape.as_bytes().first().copied().unwrap_or_default();
+        let decoded = if letter == b'u' {
+            code_point(escape)
+        } else {
+            simple_escape(letter).map(|character| (character, 1)).ok_or(INVALID_ESCAPE)
+        };
+        let at = written.len() - escape.len() - 1;
+        let (character, length) = decoded.map_err(|problem| SyntaxError { at, problem })?;
         text.push(character);
         rest = &escape[length..];
     }
     text.push_str(rest);
-    Some(text)
+    Ok(text)
 }
 
 /// The character of a single-letter escape.
@@ -499,20 +510,21 @@ fn simple_escape(letter: u8) -> Option<char> {
 }
 
 /// Decodes a `\u` escape, or two escapes that form a surrogate pair. Returns the character and the length of the
-/// escapes in bytes.
-fn code_point(escape: &str) -> Option<(char, usize)> {
+/// escapes in bytes, or a problem.
+fn code_point(escape: &str) -> Result<(char, usize), &'static str> {
     let unit = |at: usize| {
         let digits =
             escape.get(at..at + 4).filter(|digits| digits.bytes().all(|byte| byte.is_ascii_hexdigit()))?;
         u16::from_str_radix(digits, 16).ok()
     };
-    let first = unit(1)?;
+    let first = unit(1).ok_or(INVALID_ESCAPE)?;
     if let Some(character) = char::from_u32(first.into()) {
-        return Some((character, 5));
+        return Ok((character, 5));
     }
-    let second = unit(7).filter(|_| escape[5..].starts_with("\\u"))?;
-    let character = char::decode_utf16([first, second]).next()?.ok()?;
-    Some((character, 11))
+    let second = unit(7).filter(|_| escape[5..].starts_with("\\u"));
+    let units = [Some(first), second].into_iter().flatten();
+    let character = char::decode_utf16(units).next().and_then(Result::ok).ok_or(UNPAIRED_SURROGATE)?;
+    Ok((character, 11))
 }
 
 /// The number of digits at the start of a text.

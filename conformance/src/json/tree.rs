@@ -123,10 +123,26 @@ impl<'t> Tree<'t> {
         }
     }
 
+    /// The value as an integer, if it is an integer in any notation, such as `5.0`. Beyond 2^53, integers written with a
+    /// fraction or an exponent are rounded.
+    pub fn as_integer(&self) -> Option<i128> {
+        match self {
+            Self::Int(value) => Some(*value),
+            Self::Float(value, _) => whole(*value),
+            _ => None,
+        }
+    }
+
     /// The text of a string.
     pub fn as_str(&self) -> Option<&str> {
         if let Self::Text(text) = self { Some(text) } else { None }
     }
+}
+
+/// The value of a number without a fraction.
+pub(crate) fn whole(value: f64) -> Option<i128> {
+    #[allow(clippy::cast_possible_truncation)] // within bounds
+    (value.fract() == 0.0 && value.abs() < 1e30).then_some(value as i128)
 }
 
 /// Displays the shortened text. Arrays and objects are only described.

@@ -9,11 +9,12 @@ use std::time::Duration;
 
 use super::Found;
 use crate::check::{check_capture, parallel};
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;
-use crate::probe::{self, probe};
+use crate::probe::{self, Probed, probe, probe_on};
 use crate::rules::flockwave::{FlockwaveRule, Needs, RULES};
-use crate::serve::{self, Server, Transport};
+use crate::serve::{self, InMemory, Server, Transport};
 
 /// The number of servers that are probed concurrently. Most of the time is spent waiting. More servers would keep two cores
 /// busy, so answers would be late.
@@ -90,6 +91,11 @@ pub(crate) struct Row {
 }
 
 impl Case {
+    /// True if the server needs no socket. In simulated time, its probe takes no real time.
+    fn is_in_memory(&self) -> bool {
+        self.bug.is_some_and(|rule| rule.bug.needs != Needs::Tcp) && self.transport == Transport::Tcp
+    }
+
     /// The name of the case.
     pub(crate) fn name(&self) -> String {
         let text_if = |condition: bool, text| if condition { text } else { "" };
@@ -127,7 +133,7 @@ pub(crate) fn cases() -> Vec<Case> {
     let special = [Case { has_login: true, ..tcp }, Case { sends_farewell: true, ..tcp }];
     let with_bug = |entry: &'static FlockwaveRule| {
         let case = match entry.bug.needs {
-            Needs::Nothing | Needs::Patience => tcp,
+            Needs::Nothing | Needs::Patience | Needs::Tcp => tcp,
             Needs::Udp => Case { transport: Transport::Udp, ..tcp },
             Needs::SocketIo => Case { transport: Transport::SocketIo, ..tcp },
             Needs::Login => Case { has_login: true, ..tcp },
@@ -163,12 +169,27 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
         login: case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned())),
         ..serve::Options::default()
     };
+    if case.is_in_memory() {
+        let clock = Clock::simulated();
+        let server = InMemory::new(options, &clock);
+        let endpoint = "tcp://memory:5001".parse().map_err(io::Error::other)?;
+        let options = probe::Options { clock, ..probe_options(case) };
+        return found(case, definitions, |tape| {
+            probe_on(&server, &endpoint, &options, definitions, Some(tape))
+        });
+    }
     let free = SocketAddr::from((Ipv4Addr::LOCALHOST, 0));
     let server = Server::start(options, &[(case.transport, free)])?;
     let Some(listening) = server.listening().first() else {
         return Err(io::Error::other("the server has no address"));
     };
     let endpoint: Endpoint = format!("{listening}{}", case.query).parse().map_err(io::Error::other)?;
+    let options = probe_options(case);
+    found(case, definitions, |tape| probe(&endpoint, &options, definitions, Some(tape), &|_, _| {}))
+}
+
+/// The options of the probe of a server.
+fn probe_options(case: &Case) -> probe::Options {
     // Over HTTP, clients do not receive the results of commands.
     let uavs = if case.transport == Transport::Http { &[][..] } else { &UAVS[..] };
     let login = case.has_login.then(|| (LOGIN.0.to_owned(), LOGIN.1.to_owned()));
@@ -181,8 +202,17 @@ fn row(case: &Case, definitions: &Definitions) -> io::Result<Row> {
     if case.bug.is_none_or(|rule| rule.bug.needs != Needs::Patience) {
         options.progress_timeout = PROGRESS_TIMEOUT;
     }
+    options
+}
+
+/// Probes a server, and checks the recording.
+fn found(
+    case: &Case,
+    definitions: &Definitions,
+    probe: impl FnOnce(Box<dyn Write>) -> Probed,
+) -> io::Result<Row> {
     let tape = Tape::default();
-    let probed = probe(&endpoint, &options, definitions, Some(Box::new(tape.clone())), &|_, _| {});
+    let probed = probe(Box::new(tape.clone()));
     let recorded = tape.0.lock().unwrap_or_else(PoisonError::into_inner);
     let replayed = check_capture(&**recorded, None, definitions)?;
     let failure = probed.failure.or(probed.cut_short);

@@ -2,7 +2,8 @@
 
 use std::env;
 use std::fmt;
-use std::time::{SystemTime, UNIX_EPOCH};
+
+use crate::clock::Clock;
 
 /// The environment variable that sets the current time, in seconds since 1970. See reproducible-builds.org.
 const EPOCH_VARIABLE: &str = "SOURCE_DATE_EPOCH";
@@ -44,7 +45,7 @@ impl Date {
             });
         }
         // A clock that shows a time before 1970 was never set, so nothing counts as expired.
-        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let since = Clock::real().since_1970();
         Self::at(since.as_secs()).ok_or_else(|| "the system clock is after the year 9999".to_owned())
     }
 
@@ -72,6 +73,19 @@ impl Date {
     }
 }
 
+impl Date {
+    /// The first second of the day, since 1970. `None` before 1970, and if the calendar lacks the day.
+    pub(crate) fn start(self) -> Option<u64> {
+        // The reverse of `at`.
+        let (year, month) = (u64::from(self.year), u64::from(self.month));
+        let (year, month) = if month > 2 { (year, month - 3) } else { (year.checked_sub(1)?, month + 9) };
+        let in_cycle = year % 400 * 365 + year % 400 / 4 - year % 400 / 100;
+        let days = year / 400 * CYCLE + in_cycle + (153 * month + 2) / 5 + u64::from(self.day);
+        let start = days.checked_sub(719_469)? * DAY;
+        (Self::at(start) == Some(self)).then_some(start)
+    }
+}
+
 impl fmt::Display for Date {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{:04}-{:02}-{:02}", self.year, self.month, self.day)
@@ -88,11 +102,17 @@ mod tests {
         for day in 0..END / DAY {
             assert_eq!(Date::at(day * DAY), Some(expected));
             assert_eq!(Date::at(day * DAY + DAY - 1), Some(expected));
+            assert_eq!(expected.start(), Some(day * DAY));
             expected = after(expected);
         }
         assert_eq!(expected, Date { year: 10_000, month: 1, day: 1 });
         assert_eq!(Date::at(END), None);
         assert_eq!(Date::at(u64::MAX), None);
+        for (year, month, day) in
+            [(1969, 12, 31), (2026, 2, 29), (2026, 0, 1), (2026, 13, 1), (2026, 1, 0), (0, 1, 1)]
+        {
+            assert_eq!(Date { year, month, day }.start(), None, "{year}-{month}-{day}");
+        }
     }
 
     fn after(date: Date) -> Date {

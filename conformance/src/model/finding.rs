@@ -255,6 +255,13 @@ impl Findings {
         group.is_some_and(Group::has_examples)
     }
 
+    /// Ends the comparison of the messages in a group, so that further findings are only counted. A baseline then can't
+    /// rely on a common start of all messages. Returns false if there is no such group.
+    pub(crate) fn settle(&mut self, rule: &Rule, subject: &str) -> bool {
+        let group = self.groups.get_mut(&(rule.id, subject.to_owned()));
+        group.map(|group| group.compare(String::new())).is_some()
+    }
+
     /// Counts further findings in a group that has enough examples.
     pub(crate) fn count(&mut self, rule: &Rule, subject: &str, times: u64) {
         if let Some(group) = self.groups.get_mut(&(rule.id, subject.to_owned())) {

@@ -8,6 +8,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use super::Address;
+use crate::clock::Clock;
 
 /// The interval between attempts to connect to a testee that may be restarting.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
@@ -23,7 +24,7 @@ impl Connection {
         for (at, candidate) in found.iter().enumerate() {
             // An address that doesn't respond must leave time for the next one.
             let remaining = u32::try_from(found.len() - at).unwrap_or(u32::MAX);
-            let rest = until.saturating_duration_since(Instant::now()) / remaining;
+            let rest = Clock::real().left(until) / remaining;
             if rest.is_zero() {
                 return Err(too_late(address));
             }
@@ -40,13 +41,18 @@ impl Connection {
             .map_or_else(|| not_found(&address.host, "it has no address"), |error| explain(address, error)))
     }
 
-    /// Connects, and retries while the connection is refused. A supervisor may need a moment to restart a testee that
-    /// crashed.
-    pub(crate) fn open_again(address: &Address, until: Instant) -> io::Result<Self> {
+    /// Connects within a time limit. Retries for another time while the connection is refused: a supervisor may need a
+    /// moment to restart a testee that crashed.
+    pub(crate) fn open_again(
+        address: &Address,
+        (limit, retrying): (Duration, Duration),
+        clock: &Clock,
+    ) -> io::Result<Self> {
+        let until = clock.now() + retrying;
         loop {
-            match Self::open(address, until) {
-                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused && Instant::now() < until => {
-                    thread::sleep(RETRY_INTERVAL);
+            match Self::open(address, Clock::real().now() + limit) {
+                Err(error) if error.kind() == io::ErrorKind::ConnectionRefused && clock.now() < until => {
+                    clock.sleep(RETRY_INTERVAL);
                 }
                 other => return other,
             }
@@ -79,7 +85,7 @@ pub(crate) fn resolve(address: &Address, until: Instant) -> io::Result<Vec<Socke
         let addresses = (host.as_str(), port).to_socket_addrs();
         let _ = sender.send(addresses.map(Iterator::collect));
     });
-    match found.recv_timeout(until.saturating_duration_since(Instant::now())) {
+    match Clock::real().receive(&found, until) {
         Ok(addresses) => addresses.map_err(|error| not_found(&address.host, error)),
         Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Err(too_late(address)),
     }

@@ -4,6 +4,8 @@ use std::io::{self, Read, Write};
 use std::net::TcpStream;
 use std::time::Instant;
 
+use crate::clock::Clock;
+
 /// True if an error only means that nothing arrived in time.
 pub(crate) fn is_silence(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted)
@@ -27,7 +29,7 @@ impl Timed {
 
 impl Read for Timed {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let left = self.until.saturating_duration_since(Instant::now());
+        let left = Clock::real().left(self.until);
         if left.is_zero() {
             return Err(io::Error::new(io::ErrorKind::TimedOut, "timed out: nothing received in time"));
         }
@@ -40,7 +42,7 @@ impl Write for Timed {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let timed_out =
             || io::Error::new(io::ErrorKind::TimedOut, "timed out: the server doesn't read what it receives");
-        let left = self.until.saturating_duration_since(Instant::now());
+        let left = Clock::real().left(self.until);
         if left.is_zero() {
             return Err(timed_out());
         }

@@ -14,7 +14,7 @@ const LANDED: i64 = 700;
 
 /// The time for which a UAV must be still, and the change of its altitude in mm, below which it is.
 const STILL_TIME: Duration = Duration::from_secs(2);
-const STILL: i64 = 200;
+const STILL: u64 = 200;
 
 /// The altitude of a UAV, in mm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,6 +63,38 @@ impl Flight {
     }
 }
 
+/// The height of a UAV above the ground in mm. `None` if the height is unknown.
+pub(super) fn height(flight: Option<&mut Flight>, status: &Value) -> Option<i64> {
+    flight?.see(Altitude::of(status)?)
+}
+
+/// The descent of a UAV after a command to land.
+#[derive(Debug, Default)]
+pub(super) struct Descent {
+    /// The greatest height in mm since the latest progress.
+    highest: Option<i64>,
+    progressed_at: Option<Instant>,
+}
+
+impl Descent {
+    /// Takes a height of the UAV in mm.
+    pub(super) fn see(&mut self, height: i64, now: Instant) {
+        match self.highest {
+            Some(highest) if height <= highest => {
+                if height.abs_diff(highest) >= STILL {
+                    (self.highest, self.progressed_at) = (Some(height), Some(now));
+                }
+            }
+            _ => self.highest = Some(height),
+        }
+    }
+
+    /// The time of the latest progress. `None` if the UAV hasn't descended.
+    pub(super) fn progressed_at(&self) -> Option<Instant> {
+        self.progressed_at
+    }
+}
+
 /// Decides from consecutive states of a UAV that it is on the ground. A UAV that only passes this height, or that stopped
 /// reporting, isn't known to be on the ground.
 #[derive(Debug, Default)]
@@ -97,7 +129,7 @@ impl Touchdown {
         }
         let timestamp = &status["timestamp"];
         match &self.since {
-            Some((since, before, reported)) if (height - before).abs() < STILL => {
+            Some((since, before, reported)) if height.abs_diff(*before) < STILL => {
                 if now.saturating_duration_since(*since) < STILL_TIME {
                     Err("it may be moving".to_owned())
                 } else if timestamp == reported && !was_in_air {
@@ -148,6 +180,7 @@ mod tests {
             (vec![(0, json!(3_000), 1), (1, json!(3_000), 2)], "moving"),
             (vec![(0, json!(3_000), 1), (1, json!(8_000), 2), (2, json!(3_000), 3)], "moving"),
             (vec![(0, json!(3_800), 1), (9, json!(3_800), 9)], "800 mm above the ground"),
+            (vec![(0, json!(i64::MIN + 3_000), 1), (9, json!(0), 9)], "moving"),
         ] {
             let error = last(&states).expect_err(reason);
             assert!(error.contains(reason), "{states:?}: {error}");
@@ -182,6 +215,20 @@ mod tests {
             assert!(see(0).is_err());
             assert_eq!(see(3).is_ok(), is_safe, "{codes:?}");
         }
+    }
+
+    #[test]
+    fn a_uav_descends_if_it_drops_below_its_greatest_height() {
+        let (mut descent, now) = (Descent::default(), Instant::now());
+        let mut at = |seconds: u64, height: i64| {
+            let now = now + Duration::from_secs(seconds);
+            descent.see(height, now);
+            descent.progressed_at() == Some(now)
+        };
+        let seen = [(0, 5_000), (1, 6_000), (2, 5_900), (3, 5_800), (4, 5_700), (5, 5_500)];
+        let seen: Vec<bool> = seen.map(|(seconds, height)| at(seconds, height)).into();
+        assert_eq!(seen, [false, false, false, true, false, true]);
+        assert!(at(6, i64::MIN) && !at(7, i64::MAX), "heights may be any numbers");
     }
 
     #[test]

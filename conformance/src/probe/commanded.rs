@@ -54,14 +54,23 @@ impl Effect {
         status.is_object() && !codes.iter().any(|code| has_code(status, *code))
     }
 
+    /// The type of the request that undoes the effect.
+    pub(super) fn undo_type(self) -> &'static str {
+        match self {
+            Self::Asleep => "UAV-WAKEUP",
+            Self::Airborne => "UAV-LAND",
+            Self::MotorsOn => "UAV-MOTOR",
+        }
+    }
+
     /// The request that undoes the effect. It names only UAVs that exist, because a server might refuse the whole
     /// request for an unknown id.
     pub(super) fn undo(self, uavs: &[String]) -> Value {
-        match self {
-            Self::Asleep => json!({ "type": "UAV-WAKEUP", "ids": uavs }),
-            Self::Airborne => json!({ "type": "UAV-LAND", "ids": uavs }),
-            Self::MotorsOn => json!({ "type": "UAV-MOTOR", "ids": uavs, "start": false }),
+        let mut body = json!({ "type": self.undo_type(), "ids": uavs });
+        if self == Self::MotorsOn {
+            body["start"] = false.into();
         }
+        body
     }
 }
 
@@ -72,6 +81,8 @@ pub(super) struct Commanded {
     effects: BTreeMap<(Effect, String), bool>,
     /// The receipts of calibrations and tests that haven't ended.
     operations: BTreeSet<String>,
+    /// The receipts of commands that undo effects. The value is true if the operation succeeded, and `None` until it ends.
+    undoing: BTreeMap<String, Option<bool>>,
 }
 
 impl Commanded {
@@ -99,14 +110,29 @@ impl Commanded {
 
     /// Notes a notification: operations may have ended.
     pub(super) fn received(&mut self, body: &Value) {
-        match body["type"].as_str() {
-            Some("ASYNC-RESP") => self.operations.retain(|receipt| body["id"] != receipt.as_str()),
-            Some("ASYNC-TIMEOUT") => {
-                let ended = body["ids"].as_array().map_or(&[][..], Vec::as_slice);
-                self.operations.retain(|receipt| !ended.iter().any(|other| other == receipt));
+        let is_timeout = body["type"] == "ASYNC-TIMEOUT";
+        let ended = match body["type"].as_str() {
+            Some("ASYNC-RESP") => std::slice::from_ref(&body["id"]),
+            Some("ASYNC-TIMEOUT") => body["ids"].as_array().map_or(&[][..], Vec::as_slice),
+            _ => return,
+        };
+        let has_succeeded = !is_timeout && body["error"].is_null() && body["result"] != false;
+        for receipt in ended.iter().filter_map(Value::as_str) {
+            self.operations.remove(receipt);
+            if let Some(outcome) = self.undoing.get_mut(receipt) {
+                *outcome = Some(has_succeeded);
             }
-            _ => {}
         }
+    }
+
+    /// Notes the receipt of a command that undoes an effect.
+    pub(super) fn follow(&mut self, receipt: &str) {
+        self.undoing.entry(receipt.to_owned()).or_default();
+    }
+
+    /// True if the operation with this receipt succeeded, and false if it failed. `None` until it ends.
+    pub(super) fn outcome(&self, receipt: &str) -> Option<bool> {
+        self.undoing.get(receipt).copied().flatten()
     }
 
     /// Notes that a UAV isn't in this state any more.
@@ -156,10 +182,10 @@ fn receipts(answer: &Value) -> Vec<String> {
     }
 }
 
-/// An answer to a command, for one UAV.
-#[derive(Debug, PartialEq, Eq)]
+/// An answer to a command, for one UAV. It only informs: the status of the UAV decides.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Reply {
-    /// The UAV executed the command.
+    /// The UAV executed the command. A command without a result has the result null.
     Success,
     /// The UAV executes the command; this is the receipt of the operation.
     Receipt(String),
@@ -176,12 +202,12 @@ impl Reply {
             return Self::Refusal(text(&body["reason"]));
         }
         let receipt = body["receipt"].as_str().or_else(|| body["receipt"][uav].as_str());
-        match (receipt, &body["error"][uav], &body["result"][uav]) {
+        match (receipt, &body["error"][uav], body["result"].get(uav)) {
             (_, error, _) if !error.is_null() => Self::Refusal(text(error)),
             (Some(receipt), ..) => Self::Receipt(receipt.to_owned()),
-            (None, _, Value::Bool(false)) => Self::Refusal("the command failed".to_owned()),
-            (None, _, Value::Null) => Self::Missing,
-            (None, ..) => Self::Success,
+            (None, _, Some(Value::Bool(false))) => Self::Refusal("the command failed".to_owned()),
+            (None, _, None) => Self::Missing,
+            (None, _, Some(_)) => Self::Success,
         }
     }
 }
@@ -189,6 +215,13 @@ impl Reply {
 /// True if the status of a UAV contains this error code.
 pub(super) fn has_code(status: &Value, code: ErrorCode) -> bool {
     status["errors"].as_array().is_some_and(|codes| codes.iter().any(|other| *other == u64::from(code.0)))
+}
+
+/// True if the status says that the UAV is on the ground, awake and without running motors.
+pub(super) fn is_at_rest(status: &Value) -> bool {
+    let has = |code: ErrorCode| has_code(status, code);
+    let is_on_ground = has(ErrorCode::GROUND) || has(ErrorCode::LANDED);
+    is_on_ground && !has(ErrorCode::MOTORS) && !has(ErrorCode::SLEEP)
 }
 
 fn text(reason: &Value) -> String {
@@ -261,6 +294,15 @@ mod tests {
     }
 
     #[test]
+    fn only_a_uav_that_is_awake_on_the_ground_is_at_rest() {
+        let is_at_rest = |codes: Value| is_at_rest(&json!({ "errors": codes }));
+        assert!(is_at_rest(json!([1])) && is_at_rest(json!([66, 1])) && is_at_rest(json!([7])));
+        for codes in [json!([]), json!(null), json!([8]), json!([1, 8]), json!([9, 1]), json!(["1"])] {
+            assert!(!is_at_rest(codes.clone()), "{codes}");
+        }
+    }
+
+    #[test]
     fn an_unclear_answer_is_no_refusal() {
         let mut commanded = Commanded::default();
         let body = json!({ "type": "UAV-MOTOR", "ids": ["07"], "start": true });
@@ -282,6 +324,21 @@ mod tests {
     }
 
     #[test]
+    fn remembers_how_the_operations_ended_that_undo_effects() {
+        let mut commanded = Commanded::default();
+        for receipt in ["a", "b", "c", "d"] {
+            commanded.follow(receipt);
+        }
+        commanded.received(&json!({ "type": "ASYNC-RESP", "id": "a", "result": null }));
+        commanded.received(&json!({ "type": "ASYNC-RESP", "id": "b", "error": "no" }));
+        commanded.received(&json!({ "type": "ASYNC-TIMEOUT", "ids": ["c", "other"] }));
+        commanded.follow("a");
+        let outcomes = ["a", "b", "c", "d", "other"].map(|receipt| commanded.outcome(receipt));
+        assert_eq!(outcomes, [Some(true), Some(false), Some(false), None, None]);
+        assert_eq!(commanded.take_operations(), BTreeSet::new(), "a landing must not be cancelled");
+    }
+
+    #[test]
     fn understands_all_answers_to_commands() {
         let reply = |body: Value| Reply::new(&json!({ "body": body }), "07");
         let refusal = |reason: &str| Reply::Refusal(reason.to_owned());
@@ -291,7 +348,9 @@ mod tests {
             reply(json!({ "type": "UAV-LAND", "result": { "07": false } })),
             refusal("the command failed")
         );
-        assert_eq!(reply(json!({ "type": "UAV-LAND", "result": { "07": true } })), Reply::Success);
+        for result in [json!(true), Value::Null, json!("done")] {
+            assert_eq!(reply(json!({ "type": "UAV-LAND", "result": { "07": result } })), Reply::Success);
+        }
         assert_eq!(
             reply(json!({ "type": "UAV-LAND", "receipt": { "07": "r" } })),
             Reply::Receipt("r".to_owned())

@@ -1,7 +1,7 @@
 //! Sends commands to the UAVs that the caller named, in the order of a flight: tests on the ground, takeoff, flight,
-//! return and landing. `UAV-HALT` and `UAV-RST` follow only after the UAVs were seen on the ground.
+//! return and landing. `UAV-RST` and `UAV-HALT` follow only after the UAVs were seen on the ground.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
@@ -77,15 +77,18 @@ impl Probe<'_, '_> {
     pub(super) fn command(&mut self, uavs: &[String]) {
         let named: Vec<String> = self.options.uavs.clone();
         if named.is_empty() {
-            return self.coverage.not_sent(&COMMANDS, "needs --allow-commands");
+            return;
         }
         let (known, missing): (Vec<String>, Vec<String>) =
             named.into_iter().partition(|id| uavs.contains(id));
-        if !missing.is_empty() {
-            self.note(format!("commands were not sent to these unknown UAVs: {}", missing.join(", ")));
+        if !missing.is_empty() && self.must_stop().is_none() {
+            let (missing, limit) =
+                (crate::text::shown(&missing.join(", ")), self.options.uav_timeout.as_secs());
+            self.left_out =
+                Some(format!("no commands were sent to {missing}: no such UAV appeared within {limit} s"));
         }
         let Some(first) = known.first().cloned() else {
-            return self.coverage.not_sent(&COMMANDS, "needs a UAV that --uav names");
+            return self.leave_out(&COMMANDS, "needs a UAV that --uav names");
         };
         self.query(json!({ "type": "SYS-TIME" }));
         self.query(json!({ "type": "SYS-TIME", "adjustment": 0 }));
@@ -94,7 +97,7 @@ impl Probe<'_, '_> {
         self.cancel(&first);
         self.store(&known, &first);
         self.configure();
-        self.sleep(&known);
+        self.put_to_sleep(&known);
         // A UAV that isn't in its usual state must not take off.
         if self.is_safe() {
             self.test(&known);
@@ -155,13 +158,13 @@ impl Probe<'_, '_> {
                 // A server without the family has no settings.
                 self.query(json!({ "type": set, "configuration": {} }));
             } else {
-                self.coverage.not_sent(&[set], "needs the current settings");
+                self.leave_out(&[set], "needs the current settings");
             }
         }
     }
 
     /// Makes UAVs sleep. Sleeping UAVs don't respond, which the server must report.
-    fn sleep(&mut self, uavs: &[String]) {
+    fn put_to_sleep(&mut self, uavs: &[String]) {
         self.operate(&env_07::RULE, json!({ "type": "UAV-SLEEP", "ids": uavs }));
         self.operate(
             &env_07::RULE,
@@ -191,13 +194,13 @@ impl Probe<'_, '_> {
     fn fly(&mut self, uavs: &[String], first: &str) -> bool {
         let ids = with_unknown_id(uavs);
         let Some(ground) = self.altitudes(uavs) else {
-            self.coverage.not_sent(&FLIGHT_COMMANDS, "needs the altitude of each UAV");
+            self.leave_out(&FLIGHT_COMMANDS, "needs the altitude of each UAV");
             return false;
         };
         if ground.iter().any(|altitude| matches!(altitude, Altitude::AboveHome(height) if *height > AIRBORNE))
         {
             self.note("no UAV was made to fly, because a UAV is in the air".to_owned());
-            self.coverage.not_sent(&FLIGHT_COMMANDS, "a UAV is in the air");
+            self.leave_out(&FLIGHT_COMMANDS, "a UAV is in the air");
             return false;
         }
         self.flights = uavs.iter().cloned().zip(ground.into_iter().map(Flight::new)).collect();
@@ -222,7 +225,7 @@ impl Probe<'_, '_> {
         let position = state.map(|answer| answer["body"]["status"][uav]["position"].clone());
         let Some([latitude, longitude, ..]) = position.as_ref().and_then(Value::as_array).map(Vec::as_slice)
         else {
-            return self.coverage.not_sent(&["UAV-FLY"], "needs the position of a UAV");
+            return self.leave_out(&["UAV-FLY"], "needs the position of a UAV");
         };
         let target = json!([latitude, longitude, null, HEIGHT]);
         self.query(json!({ "type": "UAV-FLY", "ids": [uav], "target": target }));
@@ -233,26 +236,36 @@ impl Probe<'_, '_> {
     fn restart(&mut self, uavs: &[String], is_on_ground: bool) {
         if !is_on_ground {
             let why = "the UAVs were not seen to take off and land";
-            return self.coverage.not_sent(&["SHOW-CRTH-START", "UAV-HALT", "UAV-RST"], why);
+            return self.leave_out(&["SHOW-CRTH-START", "UAV-HALT", "UAV-RST"], why);
         }
         let all = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
         if !all.is_empty() && all.iter().all(|id| uavs.contains(id)) {
             self.query(json!({ "type": "SHOW-CRTH-START" }));
             self.make_safe();
         } else {
-            self.coverage.not_sent(&["SHOW-CRTH-START"], "could move UAVs that --uav doesn't name");
+            self.leave_out(&["SHOW-CRTH-START"], "could move UAVs that --uav doesn't name");
         }
         if !self.is_safe() {
             return;
         }
-        for kind in ["UAV-HALT", "UAV-RST"] {
+        // A UAV that was shut down may not restart.
+        for kind in ["UAV-RST", "UAV-HALT"] {
             self.operate(&env_07::RULE, json!({ "type": kind, "ids": with_unknown_id(uavs) }));
+        }
+    }
+
+    /// Sets the reason why requests are not sent. If the probe must stop, that is the reason.
+    fn leave_out(&mut self, names: &[&str], why: &str) {
+        if let Some(reason) = self.must_stop() {
+            self.coverage.not_sent(names, reason);
+        } else if self.cut_short.is_none() && self.failure.is_none() {
+            self.coverage.not_sent(names, why);
         }
     }
 
     /// Waits until all UAVs have left the ground. Returns false if one of them doesn't, or if an altitude is unknown.
     fn wait_for_takeoff(&mut self, uavs: &[String]) -> bool {
-        let until = (Instant::now() + TAKEOFF_TIMEOUT).min(self.end);
+        let until = (self.clock.now() + TAKEOFF_TIMEOUT).min(self.end);
         loop {
             let altitudes = self.altitudes(uavs).unwrap_or_default();
             let heights: Vec<Option<i64>> = uavs
@@ -263,13 +276,13 @@ impl Probe<'_, '_> {
             if !heights.is_empty() && heights.iter().all(|up| up.is_some_and(|up| up > AIRBORNE)) {
                 return true;
             }
-            if Instant::now() >= until || self.stop.is_due() {
+            if self.clock.now() >= until || self.stop.is_due() {
                 return false;
             }
             if self.session.is_some() {
                 self.listen(ALTITUDE_INTERVAL);
             } else {
-                self.stop.sleep(ALTITUDE_INTERVAL);
+                self.sleep(ALTITUDE_INTERVAL);
             }
         }
     }
@@ -293,7 +306,7 @@ impl Probe<'_, '_> {
 
     /// Waits for a message.
     fn wait(&mut self, time: Duration, is_wanted: impl Fn(&Value) -> bool) -> Option<Value> {
-        let until = (Instant::now() + time).min(self.end);
+        let until = (self.clock.now() + time).min(self.end);
         self.session.as_mut()?.find(&mut self.tape, until, is_wanted)
     }
 }
@@ -308,7 +321,7 @@ fn receipt(answer: Option<&Value>) -> Option<String> {
 }
 
 /// True if a message reports the end of an operation.
-pub(super) fn is_end(message: &Value, receipt: &str) -> bool {
+fn is_end(message: &Value, receipt: &str) -> bool {
     let body = &message["body"];
     match body["type"].as_str() {
         Some("ASYNC-RESP") => body["id"] == receipt,

@@ -1,11 +1,11 @@
 //! Opens and closes the connections of a probe, and finds out whether the server still serves them.
 
 use std::io;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::json;
 
-use super::session::{self, Session};
+use super::session::{self, Path, Session};
 use super::{CONNECT_TIMEOUT, PACE, Probe};
 use crate::flockwave::record::Trial;
 use crate::flockwave::transport::client::is_temporary;
@@ -31,18 +31,26 @@ impl Probe<'_, '_> {
     /// Opens a new connection. Retries if the server may be starting.
     pub(super) fn connect(&mut self, endpoint: Option<&Endpoint>) -> io::Result<Session> {
         let endpoint = endpoint.unwrap_or(self.endpoint);
-        let until = Instant::now() + CONNECT_TIMEOUT;
+        let until = self.clock.now() + CONNECT_TIMEOUT;
         let timeout = self.options.timeout;
         // Over HTTP, each request has the time limit.
         let limit = if matches!(endpoint, Endpoint::Http { .. }) { timeout } else { CONNECT_TIMEOUT };
         self.connections += 1;
         loop {
-            let times = [limit, timeout];
-            match Session::open(endpoint, self.connections, &mut self.tape, &self.access, times, &self.stop) {
+            let path = Path {
+                endpoint,
+                access: &self.access,
+                network: self.network,
+                limit,
+                patience: timeout,
+                stop: &self.stop,
+                clock: &self.clock,
+            };
+            match Session::open(&path, self.connections, &mut self.tape) {
                 Err(error)
-                    if is_temporary(&error) && Instant::now() + PAUSE < until && !self.stop.is_due() =>
+                    if is_temporary(&error) && self.clock.now() + PAUSE < until && !self.stop.is_due() =>
                 {
-                    self.stop.sleep(PAUSE);
+                    self.sleep(PAUSE);
                 }
                 opened => return opened,
             }
@@ -155,11 +163,11 @@ impl Probe<'_, '_> {
         }
         self.stops += 1;
         let (stopped_at, until) =
-            (Instant::now(), (Instant::now() + self.patience() * RESTART_TIMEOUTS).min(self.end));
-        while self.stops < MAX_STOPS && Instant::now() < until && !self.stop.is_due() {
-            self.stop.sleep(PAUSE);
+            (self.clock.now(), (self.clock.now() + self.patience() * RESTART_TIMEOUTS).min(self.end));
+        while self.stops < MAX_STOPS && self.clock.now() < until && !self.stop.is_due() {
+            self.sleep(PAUSE);
             if self.serves(None, PACE) {
-                let seconds = (stopped_at.elapsed() + self.patience()).as_secs();
+                let seconds = ((self.clock.now() - stopped_at) + self.patience()).as_secs();
                 self.note(format!("the server stopped serving {after}; it served again after {seconds} s"));
                 return true;
             }
@@ -244,7 +252,7 @@ impl Probe<'_, '_> {
         if is_served {
             // A trial opens a connection, too. This one stays open, because its end must not affect the control.
             self.serves_while(None, self.patience(), |probe| {
-                probe.stop.sleep(time + PAUSE);
+                probe.sleep(time + PAUSE);
                 control.catch_up(&mut probe.tape);
             });
         }

@@ -6,6 +6,8 @@ use serde::Serialize;
 use serde_json::Value;
 use uavspec_codegen::schema::json_type::Direction;
 
+use super::commands::COMMANDS;
+use super::options::Options;
 use crate::definitions::Definitions;
 
 /// A request type of the definitions, and its use in a probe.
@@ -41,6 +43,20 @@ impl Coverage {
             (name.clone(), RequestType { name, sent: 0, answered: 0, refused: 0, not_sent: None })
         };
         Self { types: names.into_iter().map(entry).collect() }
+    }
+
+    /// Sets the reason why requests are not sent that the user excluded, so that no later reason replaces it.
+    pub(super) fn exclude(&mut self, options: &Options) {
+        for entry in self.types.values_mut() {
+            let name = entry.name.as_str();
+            let why = match () {
+                () if !options.selection.has_request(name) => "not selected",
+                () if options.uavs.is_empty() && COMMANDS.contains(&name) => "needs --allow-commands",
+                () if options.login.is_none() && name == "AUTH-REQ" => "needs --login",
+                () => continue,
+            };
+            entry.not_sent = Some(why.to_owned());
+        }
     }
 
     /// Counts a request and its answer.

@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use super::selection::Selection;
 use super::stop::Stop;
-use super::{commands, landing};
+use super::{commands, landing, survey};
+use crate::clock::Clock;
 use crate::net::tls::Trust;
 
 /// The time limit of a probe without commands, excluding the listening period.
@@ -29,6 +30,8 @@ pub struct Options {
     /// The time that an operation of a UAV may take until it progresses or ends. A shorter wait proves nothing, so it never
     /// causes a finding.
     pub progress_timeout: Duration,
+    /// The time limit for the UAVs to appear that may receive commands.
+    pub uav_timeout: Duration,
     /// The time to make the UAVs safe that received commands, excluding all other limits.
     pub landing_limit: Duration,
     /// The certificates to trust in connections over TLS.
@@ -37,6 +40,8 @@ pub struct Options {
     pub selection: Selection,
     /// Ends the probe early.
     pub stop: Stop,
+    /// The clock by which the probe waits.
+    pub clock: Clock,
     /// Receives warnings about UAVs that are not safe yet.
     pub warn: fn(&str),
 }
@@ -52,10 +57,12 @@ impl Options {
             limit,
             timeout: TIMEOUT,
             progress_timeout: commands::PROGRESS_TIMEOUT,
+            uav_timeout: survey::NAMED_UAV_TIMEOUT,
             landing_limit: landing::LANDING_LIMIT,
             trust: Trust::default(),
             selection: Selection::default(),
             stop: Stop::default(),
+            clock: Clock::real(),
             warn: |_| {},
         }
     }

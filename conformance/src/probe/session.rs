@@ -10,9 +10,10 @@ use serde_json::{Value, json};
 use super::INTERRUPTED;
 use super::stop::{NOTICE_TIME, Stop};
 use super::tape::Tape;
+use crate::clock::Clock;
 use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::access::Access;
-use crate::flockwave::transport::client::{Client, Received, connect_with};
+use crate::flockwave::transport::client::{Client, Network, Received, connect_with};
 use crate::flockwave::transport::endpoint::Endpoint;
 
 /// The maximum number of unanswered requests whose ids are stored.
@@ -43,6 +44,49 @@ enum Kind {
     Events,
 }
 
+/// The way to a server.
+pub(super) struct Path<'p> {
+    pub(super) endpoint: &'p Endpoint,
+    pub(super) access: &'p Access,
+    /// A network in memory; `None` for the network of the system.
+    pub(super) network: Option<&'p dyn Network>,
+    /// The time limit for connecting.
+    pub(super) limit: Duration,
+    /// The time that each request may stay unanswered.
+    pub(super) patience: Duration,
+    pub(super) stop: &'p Stop,
+    pub(super) clock: &'p Clock,
+}
+
+impl Path<'_> {
+    fn connect(&self) -> io::Result<Link> {
+        if let Some(network) = self.network {
+            return network.connect(self.endpoint).map(Link::Local);
+        }
+        let (endpoint, access) = (self.endpoint.clone(), self.access.clone());
+        let until = self.clock.now() + self.limit;
+        let connected = self.stop.run(move || connect_with(&endpoint, &access, until));
+        connected.unwrap_or_else(|| Err(interrupted())).map(Link::Remote)
+    }
+}
+
+/// A client and its calls.
+enum Link {
+    /// Calls may block, so they run in another thread.
+    Remote(Box<dyn Client + Send>),
+    /// Calls don't block.
+    Local(Box<dyn Client>),
+}
+
+impl Link {
+    fn client(&mut self) -> &mut dyn Client {
+        match self {
+            Self::Remote(client) => client.as_mut(),
+            Self::Local(client) => client.as_mut(),
+        }
+    }
+}
+
 /// A connection.
 pub(super) struct Session {
     name: String,
@@ -50,9 +94,10 @@ pub(super) struct Session {
     /// The time that a request may stay unanswered.
     patience: Duration,
     /// `None` after a call that was interrupted.
-    client: Option<Box<dyn Client>>,
+    link: Option<Link>,
     /// Ends waiting early.
     stop: Stop,
+    clock: Clock,
     /// The requests without an answer, by id, each with the time when it was sent.
     waiting: BTreeMap<String, Instant>,
     /// The time of the latest answer that left a request waiting, where this request was sent together with the answered
@@ -75,23 +120,12 @@ pub(super) struct Session {
 }
 
 impl Session {
-    /// Connects to a server within `limit`. The number makes the name of the connection unique. Each request may stay
-    /// unanswered for `patience`.
-    pub(super) fn open(
-        endpoint: &Endpoint,
-        number: usize,
-        tape: &mut Tape<'_>,
-        access: &Access,
-        [limit, patience]: [Duration; 2],
-        stop: &Stop,
-    ) -> io::Result<Self> {
-        let client = {
-            let (endpoint, access, until) = (endpoint.clone(), access.clone(), Instant::now() + limit);
-            stop.run(move || connect_with(&endpoint, &access, until)).unwrap_or_else(|| Err(interrupted()))?
-        };
-        let name = name(endpoint, number);
-        tape.connected(&name, &endpoint.to_string());
-        let kind = match endpoint {
+    /// Connects to a server. The number makes the name of the connection unique.
+    pub(super) fn open(path: &Path<'_>, number: usize, tape: &mut Tape<'_>) -> io::Result<Self> {
+        let link = path.connect()?;
+        let name = name(path.endpoint, number);
+        tape.connected(&name, &path.endpoint.to_string());
+        let kind = match path.endpoint {
             Endpoint::Tcp(_) => Kind::Stream,
             Endpoint::Udp(_) => Kind::Datagrams,
             Endpoint::Http { .. } => Kind::OneShot,
@@ -100,14 +134,15 @@ impl Session {
         Ok(Self {
             name,
             kind,
-            patience,
-            client: Some(client),
-            stop: stop.clone(),
+            patience: path.patience,
+            link: Some(link),
+            stop: path.stop.clone(),
+            clock: path.clock.clone(),
             waiting: BTreeMap::new(),
             answered_at: None,
             unread: VecDeque::new(),
             bare: 0,
-            sent_at: Instant::now(),
+            sent_at: path.clock.now(),
             is_draining: false,
             is_announced: false,
             failed: None,
@@ -141,7 +176,7 @@ impl Session {
 
     /// The time since the latest message from the client.
     pub(super) fn idle_time(&self) -> Duration {
-        self.sent_at.elapsed()
+        self.clock.now().saturating_duration_since(self.sent_at)
     }
 
     /// True if the server announced the end of the connection.
@@ -180,7 +215,7 @@ impl Session {
         !self.is_over()
             && self.kind != Kind::Datagrams
             && self.is_waiting()
-            && latest.is_some_and(|latest| latest.elapsed() < self.patience)
+            && latest.is_some_and(|latest| self.clock.now().saturating_duration_since(latest) < self.patience)
     }
 
     /// True if at least one request has no answer yet.
@@ -237,9 +272,9 @@ impl Session {
         trial: Option<Trial<'_>>,
     ) {
         tape.message(&self.name, Direction::Out, text, trial);
-        self.sent_at = Instant::now();
+        self.sent_at = self.clock.now();
         if let Some(id) = id.filter(|_| self.waiting.len() < MAX_WAITING) {
-            self.waiting.insert(id.to_owned(), Instant::now());
+            self.waiting.insert(id.to_owned(), self.clock.now());
         }
     }
 
@@ -256,34 +291,36 @@ impl Session {
         &mut self,
         work: impl FnOnce(&mut dyn Client) -> io::Result<()> + Send + 'static,
     ) -> io::Result<()> {
-        let mut client = self.client.take().ok_or_else(interrupted)?;
-        if !self.stop.commanded().is_safe() {
-            let done = work(client.as_mut());
-            self.client = Some(client);
-            return done;
-        }
+        let mut client = match self.link.take().ok_or_else(interrupted)? {
+            Link::Remote(client) if self.stop.commanded().is_safe() => client,
+            mut link => {
+                let done = work(link.client());
+                self.link = Some(link);
+                return done;
+            }
+        };
         let done = self.stop.run(move || {
             let done = work(client.as_mut());
             (client, done)
         });
         let (client, done) = done.ok_or_else(interrupted)?;
-        self.client = Some(client);
+        self.link = Some(Link::Remote(client));
         done
     }
 
     /// Waits without reading, unless the probe must stop.
     pub(super) fn pause(&self, time: Duration) {
-        self.stop.sleep(time);
+        self.stop.sleep(&self.clock, time);
     }
 
     /// Waits for the next JSON message.
     pub(super) fn receive(&mut self, tape: &mut Tape<'_>, until: Instant) -> Option<Value> {
-        while let Some(client) = self.client.as_mut().filter(|_| self.end.is_none()) {
+        while let Some(link) = self.link.as_mut().filter(|_| self.end.is_none()) {
             // Even a server that never stops sending can't delay the end.
             if self.stop.is_due() {
                 return None;
             }
-            match client.receive(until.min(Instant::now() + NOTICE_TIME)) {
+            match link.client().receive(until.min(self.clock.now() + NOTICE_TIME)) {
                 // Blank lines and empty answers are no messages.
                 Ok(Received::Message(bytes)) if bytes.trim_ascii().is_empty() => {
                     if self.is_one_shot() {
@@ -306,7 +343,7 @@ impl Session {
                 Ok(Received::End) => self.end(tape, CLOSED),
                 Err(error) => self.fail(tape, &error),
             }
-            if Instant::now() >= until {
+            if self.clock.now() >= until {
                 return None;
             }
         }
@@ -315,12 +352,12 @@ impl Session {
 
     /// Reads messages until all requests have answers, up to a time limit.
     pub(super) fn settle(&mut self, tape: &mut Tape<'_>, until: Instant) {
-        while self.is_waiting() && Instant::now() < until && self.receive(tape, until).is_some() {}
+        while self.is_waiting() && self.clock.now() < until && self.receive(tape, until).is_some() {}
     }
 
     /// Reads the messages that have already arrived.
     pub(super) fn catch_up(&mut self, tape: &mut Tape<'_>) {
-        let until = Instant::now() + Duration::from_millis(1);
+        let until = self.clock.now() + Duration::from_millis(1);
         for _ in 0..MAX_LATE {
             if self.receive(tape, until).is_none() {
                 break;
@@ -345,7 +382,7 @@ impl Session {
                 return Some(message);
             }
             // A flood of other messages must not extend the time limit.
-            if Instant::now() >= until {
+            if self.clock.now() >= until {
                 break;
             }
         }
@@ -378,7 +415,7 @@ impl Session {
         if let Some(refs) = message["refs"].as_str() {
             let answered = self.waiting.remove(refs);
             if answered.is_some_and(|sent_at| self.waiting.values().any(|waiting| *waiting >= sent_at)) {
-                self.answered_at = Some(Instant::now());
+                self.answered_at = Some(self.clock.now());
             }
         } else if message["body"]["type"] == "SYS-PING"
             && !self.is_draining
@@ -399,7 +436,7 @@ impl Session {
         } else if is_end(&error) {
             // Messages sent before the end of the connection still count.
             self.is_draining = true;
-            let until = Instant::now() + DRAIN_TIMEOUT;
+            let until = self.clock.now() + DRAIN_TIMEOUT;
             while self.receive(tape, until).is_some() {}
             self.end(tape, CLOSED);
         } else {

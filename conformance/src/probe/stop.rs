@@ -4,9 +4,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::commanded::Commanded;
+use crate::clock::Clock;
 
 /// The maximum time until a waiting probe notices a request to stop.
 pub(super) const NOTICE_TIME: Duration = Duration::from_millis(50);
@@ -58,11 +59,8 @@ impl Stop {
     }
 
     /// Sleeps until the time has passed or the probe must stop.
-    pub(super) fn sleep(&self, time: Duration) {
-        let until = Instant::now() + time;
-        while !self.is_due() && Instant::now() < until {
-            thread::sleep(NOTICE_TIME.min(until.saturating_duration_since(Instant::now())));
-        }
+    pub(super) fn sleep(&self, clock: &Clock, time: Duration) {
+        clock.poll(clock.now() + time, NOTICE_TIME, || self.is_due().then_some(()));
     }
 
     /// Runs a function that may block, in a separate thread. Returns `None` if the probe must stop, or if the function
@@ -98,18 +96,21 @@ mod tests {
 
     #[test]
     fn requests_end_all_waits_unless_they_are_deferred() {
-        let stop = Stop::default();
+        let (stop, clock) = (Stop::default(), Clock::simulated());
         assert_eq!(stop.run(|| 7), Some(7));
         assert!(stop.request() && !stop.request());
-        // Neither call returns unless it notices the request.
-        let forever = Duration::from_secs(1 << 30);
-        stop.sleep(forever);
-        assert_eq!(stop.run(move || thread::sleep(forever)), None);
+        let start = clock.now();
+        stop.sleep(&clock, Duration::from_secs(9));
+        assert_eq!(clock.now(), start);
+        // The function doesn't end, but the call does.
+        let (sender, receiver) = channel::<()>();
+        assert_eq!(stop.run(move || receiver.recv()), None);
         let deferred = stop.defer();
         assert!(!stop.is_due() && stop.is_requested());
-        let slow = stop.run(|| thread::sleep(NOTICE_TIME * 3));
-        assert_eq!(slow, Some(()));
-        drop(deferred);
+        stop.sleep(&clock, Duration::from_secs(9));
+        assert_eq!(clock.now() - start, Duration::from_secs(9));
+        assert_eq!(stop.run(|| 7), Some(7));
+        drop((deferred, sender));
         assert!(stop.is_due());
     }
 

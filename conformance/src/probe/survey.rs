@@ -1,7 +1,7 @@
 //! The survey: requests that change nothing, for each family of messages.
 
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
@@ -21,6 +21,9 @@ const MAX_OBJECTS: usize = 50;
 
 /// The time limit for the first UAV to appear. Some servers only have UAVs while a client is connected.
 const UAV_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// The default time limit for the UAVs to appear that may receive commands.
+pub(super) const NAMED_UAV_TIMEOUT: Duration = Duration::from_secs(30);
 
 /// The interval between requests while waiting for UAVs.
 const POLL_INTERVAL: Duration = Duration::from_millis(400);
@@ -58,7 +61,6 @@ impl Probe<'_, '_> {
             self.query_for_trial(&ack_06::RULE, json!({ "type": "UAV-LIST" }));
         }
         if self.options.login.is_none() {
-            self.coverage.not_sent(&["AUTH-REQ"], "needs --login");
             if is_required {
                 self.failure = Some("the server requires a login; use --login".to_owned());
                 return false;
@@ -92,27 +94,10 @@ impl Probe<'_, '_> {
 
     /// Requests the UAVs, their states, and other objects.
     fn fleet(&mut self) -> Vec<String> {
-        let began = Instant::now();
-        let mut uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
-        while uavs.is_empty()
-            && began.elapsed() < UAV_TIMEOUT
-            && !self.is_late()
-            && !self.stop.is_due()
-            && self.ensure_connected()
-        {
-            self.listen(POLL_INTERVAL);
-            uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
-        }
-        if uavs.is_empty() {
-            self.note(format!("no UAV appeared within {} s", UAV_TIMEOUT.as_secs()));
-        } else if began.elapsed() > POLL_INTERVAL {
-            self.note(format!("the first UAV appeared after {:.1} s", began.elapsed().as_secs_f64()));
-            // More UAVs may appear soon.
-            self.listen(POLL_INTERVAL * 4);
-        }
+        self.await_uavs();
         self.query(json!({ "type": "UAV-LIST" }));
         self.query_for_trial(&env_24::RULE, json!({ "type": "OBJ-LIST", "filter": ["uav"] }));
-        uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
+        let uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
         self.query(json!({ "type": "OBJ-LIST" }));
         for kind in ["uav", "beacon", "weatherStation", "dock"] {
             self.query(json!({ "type": "OBJ-LIST", "filter": [kind] }));
@@ -124,6 +109,38 @@ impl Probe<'_, '_> {
         }
         self.query(json!({ "type": "UAV-LIST" }));
         uavs
+    }
+
+    /// Waits for the first UAV, and for all UAVs that may receive commands.
+    fn await_uavs(&mut self) {
+        let (began, end) = (self.clock.now(), self.end);
+        let limit = if self.options.uavs.is_empty() { UAV_TIMEOUT } else { self.options.uav_timeout };
+        // The time limit of the probe is for the other requests.
+        self.end += limit;
+        let mut first_after = None;
+        loop {
+            let uavs = ids(self.discover(json!({ "type": "UAV-LIST" })).as_ref());
+            let waited = self.clock.now().saturating_duration_since(began);
+            if !uavs.is_empty() {
+                first_after.get_or_insert(waited);
+            }
+            let is_complete = !uavs.is_empty() && self.options.uavs.iter().all(|uav| uavs.contains(uav));
+            if is_complete || waited >= limit || self.must_stop().is_some() || !self.ensure_connected() {
+                break;
+            }
+            self.listen(POLL_INTERVAL);
+            self.sleep(self.clock.left(began + waited + POLL_INTERVAL));
+        }
+        match first_after {
+            None => self.note(format!("no UAV appeared within {} s", limit.as_secs())),
+            Some(time) if time > POLL_INTERVAL => {
+                self.note(format!("the first UAV appeared after {:.1} s", time.as_secs_f64()));
+                // More UAVs may appear soon.
+                self.listen(POLL_INTERVAL * 4);
+            }
+            Some(_) => {}
+        }
+        self.end = end + self.clock.now().saturating_duration_since(began);
     }
 
     /// Requests the objects of the mandatory and common message families.
@@ -198,9 +215,9 @@ impl Probe<'_, '_> {
 
     /// Listens for notifications.
     fn observe(&mut self) {
-        let until = (Instant::now() + self.options.observe).min(self.end);
-        while Instant::now() < until && !self.stop.is_due() && self.ensure_connected() {
-            self.listen(until.saturating_duration_since(Instant::now()).min(POLL_INTERVAL));
+        let until = (self.clock.now() + self.options.observe).min(self.end);
+        while self.clock.now() < until && !self.stop.is_due() && self.ensure_connected() {
+            self.listen(self.clock.left(until).min(POLL_INTERVAL));
         }
         self.step();
     }
@@ -218,9 +235,9 @@ impl Probe<'_, '_> {
 
     /// Reads messages for some time.
     pub(super) fn listen(&mut self, time: Duration) {
-        let until = Instant::now() + time;
+        let until = self.clock.now() + time;
         let Some(session) = &mut self.session else { return };
-        while session.receive(&mut self.tape, until).is_some() && Instant::now() < until {}
+        while session.receive(&mut self.tape, until).is_some() && self.clock.now() < until {}
     }
 }
 

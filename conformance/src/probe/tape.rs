@@ -5,11 +5,11 @@
 //! protocol, and no rule applies to its data.
 
 use std::io::{self, Write};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde_json::Value;
 
 use crate::check::{CaptureResult, FlockwaveChecker};
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::secrets::Secrets;
@@ -36,6 +36,7 @@ pub(super) struct Tape<'d> {
     /// Replaced by placeholders in all lines.
     secrets: Secrets,
     definitions: &'d Definitions,
+    clock: Clock,
     checker: FlockwaveChecker<'d>,
     /// False after a panic, which may have left the checker in an invalid state.
     is_checking: bool,
@@ -61,10 +62,11 @@ struct Kept {
 
 impl<'d> Tape<'d> {
     /// Starts a recording, which is also written to `file`.
-    pub(super) fn new(definitions: &'d Definitions, file: Option<Box<dyn Write + 'd>>) -> Self {
+    pub(super) fn new(definitions: &'d Definitions, clock: Clock, file: Option<Box<dyn Write + 'd>>) -> Self {
         Self {
             secrets: Secrets::default(),
             definitions,
+            clock,
             checker: FlockwaveChecker::new(definitions),
             is_checking: true,
             kept: Some(Kept::default()),
@@ -149,7 +151,7 @@ impl<'d> Tape<'d> {
     }
 
     fn line(&mut self, connection: &str, direction: &str, content: &str, trial: Option<Trial<'_>>) {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let now = self.clock.since_1970();
         let (seconds, micros) = (now.as_secs(), now.subsec_micros());
         let tried = trial.map_or_else(String::new, |trial| {
             format!(",\"trial\":{},\"how\":{}", quoted(trial.rule.id), quoted(trial.how))
@@ -270,7 +272,7 @@ mod tests {
     #[test]
     fn a_recording_ends_at_its_limit_but_the_checks_go_on() {
         let (definitions, file) = (Definitions::built_in(), Shared::default());
-        let mut tape = Tape { limit: 1_000, ..Tape::new(&definitions, Some(Box::new(file.clone()))) };
+        let mut tape = Tape { limit: 1_000, ..Tape::new(&definitions, Clock::real(), Some(Box::new(file.clone()))) };
         for number in 0..100 {
             let message = format!(r#"{{"$fw.version":"1.0","id":"{number}","body":{{"type":"SYS-PING"}}}}"#);
             tape.message("tcp#1", Direction::In, message.as_bytes(), None);

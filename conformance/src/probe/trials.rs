@@ -1,6 +1,6 @@
 //! Runs trials, each on a separate connection, so that they don't influence each other.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::Probe;
 use super::selection::Selection;
@@ -85,8 +85,8 @@ impl Probe<'_, '_> {
             // The server should process and answer each step before the next message arrives.
             match at {
                 0 => {}
-                _ if session.is_waiting() => session.settle(&mut self.tape, Instant::now() + grace),
-                _ => self.stop.sleep(SEND_INTERVAL),
+                _ if session.is_waiting() => session.settle(&mut self.tape, self.clock.now() + grace),
+                _ => self.sleep(SEND_INTERVAL),
             }
             perform(session, &mut self.tape, step, trial);
         }
@@ -94,21 +94,21 @@ impl Probe<'_, '_> {
         // Over UDP, some of the requests or answers may be lost.
         let needed = if session.is_lossy() { &ids[..] } else { &ids[ids.len().saturating_sub(1)..] };
         let pace = self.pace();
-        let mut until = Instant::now() + pace;
+        let mut until = self.clock.now() + pace;
         let is_open = |session: &Session| needed.iter().all(|id| session.awaits(id)) && !needed.is_empty();
-        while is_open(session) && Instant::now() < until {
+        while is_open(session) && self.clock.now() < until {
             let before = session.num_waiting();
             if session.receive(&mut self.tape, until).is_none() {
                 break;
             }
             // A server may handle one request after the other.
             if session.num_waiting() < before {
-                until = Instant::now() + pace;
+                until = self.clock.now() + pace;
             }
         }
         // Answers to earlier requests may arrive in any order.
         if session.is_waiting() && !is_open(session) {
-            session.settle(&mut self.tape, until.min(Instant::now() + grace));
+            session.settle(&mut self.tape, until.min(self.clock.now() + grace));
         }
         if is_open(session) && !session.is_over() {
             self.silences += 1;

@@ -21,7 +21,7 @@ use super::ValueRules;
 use super::values::{
     Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, entries_in_use, number,
 };
-use crate::model::{Findings, Location, hexadecimal};
+use crate::model::{Findings, Location, Rule, hexadecimal};
 use crate::text::start_of;
 
 /// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
@@ -140,11 +140,13 @@ impl Plan {
 
     /// Checks a payload. The payload must contain all fields of its format.
     pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
-        let mut run = Run { payload, location, rules: self.rules, findings };
+        let (reported, settled) = (0, Vec::new());
+        let mut run = Run { payload, location, rules: self.rules, findings, reported, settled };
         if !self.screen.accepts(payload) {
             run.steps(&self.fixed, 0, None);
         }
         run.steps(&self.varying, 0, None);
+        run.finish();
     }
 
     /// Adds the coverage of this many messages.
@@ -468,17 +470,27 @@ fn most(array: &str, message_type: MessageType<'_>) -> Option<u32> {
     }
 }
 
+/// The number of findings in a payload that are reported separately. A small compressed payload can contain millions.
+const MAX_REPORTED: usize = 10_000;
+
+/// The maximum number of rules and steps whose further findings are only counted.
+const MAX_SETTLED: usize = 16;
+
 /// The check of one payload.
 struct Run<'r> {
     payload: &'r [u8],
     location: Location,
     rules: &'static ValueRules,
     findings: &'r mut Findings,
+    /// The number of findings.
+    reported: usize,
+    /// The rules and steps whose further findings are only counted, with their numbers.
+    settled: Vec<(&'static Rule, &'r Step, u64)>,
 }
 
-impl Run<'_> {
+impl<'r> Run<'r> {
     /// Checks the values of the message, or of the sequence element, at offset `base`.
-    fn steps(&mut self, steps: &[Step], base: usize, trail: Option<&Trail<'_>>) {
+    fn steps(&mut self, steps: &'r [Step], base: usize, trail: Option<&Trail<'_>>) {
         for step in steps {
             match &step.content {
                 Content::Values(values) => self.values(step, values, base, trail),
@@ -487,7 +499,7 @@ impl Run<'_> {
         }
     }
 
-    fn values(&mut self, step: &Step, values: &Values, base: usize, trail: Option<&Trail<'_>>) {
+    fn values(&mut self, step: &'r Step, values: &'r Values, base: usize, trail: Option<&Trail<'_>>) {
         let (payload, mut start) = (self.payload, base + step.offset);
         for index in 0..step.count {
             if let Some(bytes) = values.bytes(start, payload)
@@ -500,7 +512,7 @@ impl Run<'_> {
         }
     }
 
-    fn sequence(&mut self, step: &Step, inner: &[Step], base: usize, trail: Option<&Trail<'_>>) {
+    fn sequence(&mut self, step: &'r Step, inner: &'r [Step], base: usize, trail: Option<&Trail<'_>>) {
         let (start, length) = sequence(self.payload, base + step.offset);
         if !step.entries.iter().all(|entry| entry.is_in_use(base, self.payload)) {
             return;
@@ -516,22 +528,41 @@ impl Run<'_> {
     /// Reports the violation, if any, in a value that failed the fast check.
     fn explain(
         &mut self,
-        step: &Step,
-        values: &Values,
+        step: &'r Step,
+        values: &'r Values,
         bytes: &[u8],
         index: usize,
         trail: Option<&Trail<'_>>,
     ) {
         let Err(violation) = values.constraint().check_bytes(bytes) else { return };
-        let path = joined(&trail.map(Trail::path).unwrap_or_default(), &step.path);
-        let path = if step.count > 1 { format!("{path}[{index}]") } else { path };
-        let detail = violation.detail(&"", "");
-        // Without an index, the subject contains the whole path.
-        let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
         let rule = violation.rule(self.rules);
+        let is_same = |(known, at, _): &&mut (&'static Rule, &'r Step, u64)| {
+            std::ptr::eq(*known, rule) && std::ptr::eq(*at, step)
+        };
+        if let Some((_, _, more)) = self.settled.iter_mut().find(is_same) {
+            *more += 1;
+            return;
+        }
         self.findings.report(rule, &step.subject, self.location, values.definition, || {
+            let path = joined(&trail.map(Trail::path).unwrap_or_default(), &step.path);
+            let path = if step.count > 1 { format!("{path}[{index}]") } else { path };
+            let detail = violation.detail(&"", "");
+            // Without an index, the subject contains the whole path.
+            let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
             detail.excerpt(hexadecimal(bytes))
         });
+        self.reported += 1;
+        let is_full = self.reported > MAX_REPORTED && self.settled.len() < MAX_SETTLED;
+        if is_full && self.findings.settle(rule, &step.subject) {
+            self.settled.push((rule, step, 0));
+        }
+    }
+
+    /// Adds the findings that were only counted.
+    fn finish(self) {
+        for (rule, step, more) in self.settled {
+            self.findings.count(rule, &step.subject, more);
+        }
     }
 }
 

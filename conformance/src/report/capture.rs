@@ -182,6 +182,10 @@ impl Subject {
         let unit = unit.noun();
         let mut reasons = self.cut_short.clone();
         match self.extent {
+            Extent::Whole if self.corrupt_count() > 0 => {
+                let count = usize::try_from(self.corrupt_count()).unwrap_or(usize::MAX);
+                reasons.push(format!("{} in the {noun}", plural(count, "problem")));
+            }
             Extent::Whole => {}
             Extent::WithGaps if self.records == 0 => {
                 reasons.push(format!("the {noun} contains no readable messages"));
@@ -240,12 +244,6 @@ impl Subject {
         if kind == OutcomeKind::Incomplete && !self.coverage.is_empty() {
             let found = self.warnings().unwrap_or_else(|| NO_VIOLATIONS.to_owned());
             remarks.push(format!("{found} in the part that was checked"));
-        }
-        // Otherwise, the reasons say that the capture is corrupt.
-        let has_errors = self.extent == Extent::Whole && self.corrupt_count() > 0;
-        if let Some(summary) = self.summary().filter(|_| has_errors) {
-            let parts = plural(usize::try_from(self.corrupt_count()).unwrap_or(usize::MAX), "problem");
-            remarks.push(format!("{parts} in the {}", summary.noun()));
         }
         remarks
     }

@@ -123,6 +123,7 @@ pub(crate) mod uav_inf_06;
 pub(crate) mod uav_inf_07;
 mod uav_inf_08;
 mod uav_inf_09;
+pub(crate) mod uav_land_01;
 mod uav_list_01;
 mod uav_list_01j;
 mod uav_list_02;
@@ -171,7 +172,7 @@ use crate::json::Tree;
 use crate::model::{Detail, Level, Location, Rule, Status};
 
 /// All Flockwave rules, sorted by id.
-pub static RULES: [&FlockwaveRule; 133] = [
+pub static RULES: [&FlockwaveRule; 134] = [
     &ack_01::RULE,
     &ack_03::RULE,
     &ack_04::RULE,
@@ -281,6 +282,7 @@ pub static RULES: [&FlockwaveRule; 133] = [
     &uav_inf_07::RULE,
     &uav_inf_08::RULE,
     &uav_inf_09::RULE,
+    &uav_land_01::RULE,
     &uav_list_01::RULE,
     &uav_list_01j::RULE,
     &uav_list_02::RULE,

@@ -250,30 +250,40 @@ pub(crate) trait Checker {
 
 /// A state for each channel.
 #[derive(Debug)]
-struct PerChannel<T>(Vec<T>);
+struct PerChannel<T> {
+    /// The states by the index of the channel, each with the number of resets before it was set.
+    states: Vec<(u64, T)>,
+    /// The number of resets.
+    resets: u64,
+}
 
 impl<T: Default + Clone> PerChannel<T> {
     /// Sets the initial state of a channel.
     fn open(&mut self, channel: &Channel<'_>, state: T) {
-        let count = self.0.len().max(channel.index + 1);
-        self.0.resize(count, T::default());
-        self.0[channel.index] = state;
+        let count = self.states.len().max(channel.index + 1);
+        self.states.resize(count, (self.resets, T::default()));
+        self.states[channel.index] = (self.resets, state);
     }
 
-    /// The states of all channels.
-    fn iter_mut(&mut self) -> impl Iterator<Item = &mut T> {
-        self.0.iter_mut()
+    /// Sets the states of all channels to the default. The time doesn't depend on the number of channels, because a
+    /// capture may lose a message of each of many channels.
+    fn reset(&mut self) {
+        self.resets += 1;
     }
 
     /// The state of an open channel.
     fn get(&mut self, channel: &Channel<'_>) -> Option<&mut T> {
-        self.0.get_mut(channel.index)
+        let (resets, state) = self.states.get_mut(channel.index)?;
+        if *resets != self.resets {
+            (*resets, *state) = (self.resets, T::default());
+        }
+        Some(state)
     }
 }
 
 impl<T> Default for PerChannel<T> {
     fn default() -> Self {
-        Self(Vec::new())
+        Self { states: Vec::new(), resets: 0 }
     }
 }
 

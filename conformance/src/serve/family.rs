@@ -11,6 +11,7 @@ mod log;
 mod object;
 mod parameter;
 mod rtk;
+mod show;
 mod system;
 mod uav;
 mod weather;
@@ -21,7 +22,7 @@ use super::hub::{Answer, Hub, RequestHandler, SessionId};
 use crate::rules::flockwave::env_24;
 
 /// The handlers of all families, by the first part of the message type.
-const FAMILIES: [(&str, RequestHandler); 14] = [
+const FAMILIES: [(&str, RequestHandler); 15] = [
     ("ASYNC", asynchronous::answer),
     ("AUTH", authentication::answer),
     ("BCN", beacon::answer),
@@ -33,6 +34,7 @@ const FAMILIES: [(&str, RequestHandler); 14] = [
     ("OBJ", object::answer),
     ("PRM", parameter::answer),
     ("RTK", rtk::answer),
+    ("SHOW", show::answer),
     ("SYS", system::answer),
     ("UAV", uav::answer),
     ("WTH", weather::answer),

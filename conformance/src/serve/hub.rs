@@ -1,7 +1,7 @@
 //! The core of the server: processes the requests of all connections, and advances the simulation. The hub uses neither
 //! sockets nor the system time. The caller passes the elapsed time, so the same calls always produce the same messages.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::time::Duration;
 
@@ -16,6 +16,7 @@ use super::Options;
 use super::message::{envelope, enveloped, refusal, text, value};
 use super::operation::Operation;
 use super::request::{Incoming, read};
+use super::skybrush;
 use super::uav::Uav;
 use super::world::World;
 use crate::rules::flockwave::{FlockwaveRule, Outgoing};
@@ -119,6 +120,8 @@ pub(super) struct Hub {
     first_contact: Option<Duration>,
     /// UAVs that are lost but still listed; used only with the FW-OBJ-DEL-02 bug.
     ghosts: Vec<String>,
+    /// UAVs that have ignored UAV-LAND in this flight; used only with the FW-UAV-LAND-01 bug.
+    pub(super) deaf: BTreeSet<String>,
     /// Notifications for all connections that wait to be sent, by type.
     announcements: BTreeMap<&'static str, Notification>,
     /// The time of the next notifications of this kind.
@@ -147,6 +150,7 @@ impl Hub {
             notified: Duration::ZERO,
             first_contact: None,
             ghosts: Vec::new(),
+            deaf: BTreeSet::new(),
             announcements: BTreeMap::new(),
             next_announcement: Duration::ZERO,
             is_stuck: false,
@@ -239,11 +243,17 @@ impl Hub {
         let is_request = matches!(incoming, Incoming::Request { .. });
         match incoming {
             Incoming::Request { id: request, kind, body } => {
-                let answer = self.answer(id, &request, &body).unwrap_or_else(refusal);
+                if self.options.is_for_skybrush {
+                    let answer = self.answer(id, &request, &skybrush::specified(&body));
+                    let answer = value(&answer.unwrap_or_else(refusal));
+                    self.send(id, Some((&request, &body)), &skybrush::expected(&body, answer));
+                } else {
+                    let answer = self.answer(id, &request, &body).unwrap_or_else(refusal);
+                    self.send(id, Some((&request, &body)), &answer);
+                }
                 if self.has_bug(&env_19::RULE) {
                     self.remember(id, &request);
                 }
-                self.send(id, Some((&request, &body)), &answer);
                 if kind == "AUTH-REQ" && self.is_logged_in(id) {
                     self.greet(id);
                 }
@@ -284,6 +294,7 @@ impl Hub {
             self.notify_all(&sys_msg::Notification { items }.into());
         }
         self.send_announcements();
+        self.apply_appearances();
         self.apply_losses();
         self.disconnect_expired();
         self.notify_if_due();
@@ -328,13 +339,16 @@ impl Hub {
         self.notify_all(&obj_del::Notification { ids }.into());
     }
 
+    /// Adds the UAVs whose configured time of appearance has come.
+    fn apply_appearances(&mut self) {
+        for id in due(&mut self.options.appearances, self.first_contact, self.elapsed) {
+            self.world.appear(&id);
+        }
+    }
+
     /// Removes the UAVs whose configured time of loss has come.
     fn apply_losses(&mut self) {
-        let Some(first) = self.first_contact else { return };
-        let elapsed = self.elapsed.saturating_sub(first);
-        let lost: Vec<(String, Duration)> =
-            self.options.losses.extract_if(.., |(_, time)| *time <= elapsed).collect();
-        let ids: Vec<String> = lost.into_iter().map(|(id, _)| id).collect();
+        let ids = due(&mut self.options.losses, self.first_contact, self.elapsed);
         self.lose(&ids);
     }
 
@@ -526,12 +540,19 @@ impl Hub {
         session.sent += 1;
         let name = format!("s{}", session.sent);
         let refs = request.map(|(refs, _)| refs);
-        let Some(rule) = self.options.bug else {
+        let is_null = request
+            .is_some_and(|(_, body)| self.options.null_results.iter().any(|kind| body["type"] == **kind));
+        if self.options.bug.is_none() && !is_null {
             return session.sink.send(&enveloped(&name, refs, &text(body)));
-        };
-        let mut outgoing =
-            Outgoing::new(envelope(&name, refs, value(body)), request.map(|(_, body)| body), session.sent);
-        rule.bug.apply(&mut outgoing);
+        }
+        let mut message = envelope(&name, refs, value(body));
+        if is_null {
+            make_null(&mut message);
+        }
+        let mut outgoing = Outgoing::new(message, request.map(|(_, body)| body), session.sent);
+        if let Some(rule) = self.options.bug {
+            rule.bug.apply(&mut outgoing);
+        }
         for text in outgoing.into_texts() {
             session.sink.send(&text);
         }
@@ -542,6 +563,21 @@ impl Hub {
         if let Some(session) = self.sessions.get(&id) {
             session.sink.close();
         }
+    }
+}
+
+/// Removes and returns the UAVs whose time has come.
+fn due(list: &mut Vec<(String, Duration)>, first: Option<Duration>, elapsed: Duration) -> Vec<String> {
+    let passed = first.map(|first| elapsed.saturating_sub(first));
+    let due = list.extract_if(.., |(_, time)| passed.is_some_and(|passed| *time <= passed));
+    due.map(|(id, _)| id).collect()
+}
+
+/// Replaces the results of a command with null.
+fn make_null(message: &mut Value) {
+    for result in message["body"]["result"].as_object_mut().into_iter().flat_map(serde_json::Map::values_mut)
+    {
+        *result = Value::Null;
     }
 }
 

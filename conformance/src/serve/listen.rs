@@ -29,6 +29,7 @@ pub(super) use self::reactor::{Control, Reactor};
 use self::statistics::Statistics;
 use super::hub::{Hub, SessionId};
 use super::{Listening, Transport};
+use crate::clock::Clock;
 use crate::rules::flockwave::FlockwaveRule;
 
 /// The maximum time for messages of a connection before others have their turn. A message that is being processed is
@@ -46,6 +47,7 @@ struct Shared {
     hub: Hub,
     sessions: Sessions,
     bug: Option<&'static FlockwaveRule>,
+    clock: Clock,
     started: Instant,
     /// The memory of data that waits to be sent.
     queued: Rc<Budget>,
@@ -56,16 +58,26 @@ struct Shared {
 
 impl Shared {
     fn new(hub: Hub) -> Self {
-        let bug = hub.options.bug;
+        let (bug, clock) = (hub.options.bug, hub.options.clock.clone());
         Self {
             hub,
             sessions: Sessions::default(),
             bug,
-            started: Instant::now(),
+            started: clock.now(),
+            clock,
             queued: Budget::new(TOTAL_QUEUED),
             received: Budget::new(TOTAL_RECEIVED),
             statistics: Statistics::default(),
         }
+    }
+
+    fn now(&self) -> Instant {
+        self.clock.now()
+    }
+
+    /// The time since the start of the server.
+    fn elapsed(&self) -> Duration {
+        self.now().saturating_duration_since(self.started)
     }
 
     fn has_bug(&self, rule: &FlockwaveRule) -> bool {
@@ -74,7 +86,8 @@ impl Shared {
 
     /// Processes a message. Returns true if it is a valid request.
     fn receive(&mut self, id: SessionId, bytes: &[u8]) -> bool {
-        self.hub.receive(id, bytes, self.started.elapsed())
+        let elapsed = self.elapsed();
+        self.hub.receive(id, bytes, elapsed)
     }
 }
 

@@ -4,8 +4,7 @@ use std::io::{Read as _, Write as _};
 use std::net::{SocketAddr, TcpStream};
 use std::rc::Rc;
 use std::sync::{Mutex, PoisonError};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -19,6 +18,7 @@ use crate::rules::flockwave::{
     FlockwaveRule, RULES, ack_06, env_25, env_27, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04,
     udp_01, udp_02, udp_03,
 };
+use crate::tests::support::wait_for;
 
 /// Rules whose bug can't be observed by a single client that sends one request at a time. `tests/live_matrix.rs` covers
 /// the bugs of transports and concurrent requests. Another test in this file covers the login bug.
@@ -146,11 +146,105 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
     // Cancels the barometer's calibration. The receipt is fixed, since a bug may have changed it in the response.
     session.send_request("cancel", &json!({ "type": "ASYNC-CANCEL", "ids": ["r4", "missing-1"] }));
     session.wait(7);
+    session.send_request("land", &json!({ "type": "UAV-LAND", "ids": ["glider-1"] }));
+    session.wait(1);
     session.send_request("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
     session.send_request("list", &json!({ "type": "UAV-LIST" }));
     session.raw(r#"{"$fw.version":"1.0","id":"broken"}"#);
     session.hub.end();
     session.take_received()
+}
+
+/// The bodies of the responses to requests, in order.
+fn responses(options: Options, requests: &[Value]) -> Vec<Value> {
+    let mut session = TestSession::new(None, None);
+    session.hub.options.is_for_skybrush = options.is_for_skybrush;
+    session.take_received();
+    for (number, body) in requests.iter().enumerate() {
+        session.send_request(&number.to_string(), body);
+    }
+    let messages = session.take_received().into_iter();
+    let messages = messages.map(|text| serde_json::from_str::<Value>(&text).expect("JSON"));
+    messages
+        .filter(|message| message.get("refs").is_some())
+        .map(|mut message| message["body"].take())
+        .collect()
+}
+
+#[test]
+fn takes_numbers_that_clients_write_as_text() {
+    let requests = [
+        json!({ "type": "OBJ-CMD", "ids": ["glider-1"], "command": "battery", "args": ["90%"] }),
+        json!({ "type": "OBJ-CMD", "ids": ["glider-1"], "command": "battery", "args": [" 35.5 % "] }),
+        json!({ "type": "OBJ-CMD", "ids": ["glider-1"], "command": "battery", "args": ["full"] }),
+        json!({ "type": "OBJ-CMD", "ids": ["glider-2"], "command": "error", "args": ["193"] }),
+        json!({ "type": "PRM-SET", "ids": ["glider-1"], "name": "CRUISE_SPEED", "value": "7.5" }),
+        json!({ "type": "PRM-GET", "ids": ["glider-1", "glider-2"], "name": "CRUISE_SPEED" }),
+        json!({ "type": "PRM-SET-MANY", "ids": ["glider-1"], "parameters": { "LIGHT_MODE": "red" } }),
+    ];
+    let bodies = responses(Options::default(), &requests);
+    let data = |at: usize| bodies[at]["result"].to_string();
+    assert!(data(0).contains("charged to 90 %") && data(1).contains("charged to 36 %"), "{bodies:?}");
+    assert_eq!(bodies[2]["error"]["glider-1"], "expected the charge in percent");
+    assert!(data(3).contains("193"), "{bodies:?}");
+    assert_eq!(bodies[4]["result"], json!({ "glider-1": true }));
+    assert_eq!(bodies[5]["result"], json!({ "glider-1": 7.5, "glider-2": 8 }));
+    assert_eq!(bodies[6]["result"]["glider-1"], json!({ "success": false, "failed": ["LIGHT_MODE"] }));
+}
+
+#[test]
+fn stores_the_configuration_of_a_show() {
+    let start =
+        json!({ "authorized": true, "clock": null, "time": 5.0, "method": "auto", "uavIds": ["glider-1"] });
+    let lights = json!({ "effect": "solid", "color": [255.0, 0.0, 0.0] });
+    let requests = [
+        json!({ "type": "SHOW-CFG" }),
+        json!({ "type": "SHOW-SETCFG", "configuration": { "start": start } }),
+        json!({ "type": "SHOW-CFG" }),
+        json!({ "type": "SHOW-LIGHTS" }),
+        json!({ "type": "SHOW-SETLIGHTS", "configuration": lights }),
+        json!({ "type": "SHOW-LIGHTS" }),
+        json!({ "type": "SHOW-CRTH-START" }),
+        json!({ "type": "RTK-SURVEY" }),
+    ];
+    let bodies = responses(Options::default(), &requests);
+    assert_eq!(bodies[0]["configuration"]["start"]["authorized"], false);
+    assert_eq!([&bodies[1]["type"], &bodies[4]["type"]], ["ACK-ACK", "ACK-ACK"]);
+    assert_eq!(bodies[2]["configuration"]["start"], start);
+    assert_eq!(bodies[3]["configuration"]["effect"], "off");
+    assert_eq!(bodies[5]["configuration"], lights);
+    let segment = &bodies[6]["schedule"][0];
+    assert!(
+        segment["type"] == "rth" && segment["startMs"].is_i64() && segment["endMs"].is_i64(),
+        "{segment}"
+    );
+    assert_eq!(bodies[7]["settings"]["duration"], 60.0);
+}
+
+/// Skybrush Live reads other fields and types than the specification states.
+#[test]
+fn answers_as_skybrush_live_expects() {
+    let requests = [
+        json!({ "type": "UAV-PREFLT", "ids": ["glider-1"] }),
+        json!({ "type": "X-RTK-SOURCE" }),
+        json!({ "type": "X-RTK-SOURCE", "id": "base" }),
+        json!({ "type": "RTK-SURVEY", "settings": { "duration": 30, "accuracy": 2 } }),
+        json!({ "type": "RTK-SURVEY" }),
+        json!({ "type": "X-GLIDE-INF" }),
+        json!({ "type": "X-SHOW-CRTH-START" }),
+    ];
+    let bodies = responses(Options { is_for_skybrush: true, ..Options::default() }, &requests);
+    let types: Vec<&str> = bodies.iter().map(|body| body["type"].as_str().expect("a type")).collect();
+    let expected =
+        ["UAV-PREFLT", "X-RTK-SOURCE", "ACK-ACK", "ACK-ACK", "RTK-SURVEY", "ACK-NAK", "X-SHOW-CRTH-START"];
+    assert_eq!(types, expected);
+    assert_eq!(bodies[0]["result"]["glider-1"]["result"], "pass");
+    assert_eq!(bodies[0]["result"], bodies[0]["status"]);
+    assert_eq!(bodies[4]["settings"]["duration"], 30.0);
+
+    let bodies = responses(Options::default(), &requests);
+    assert!(bodies[0].get("result").is_none());
+    assert_eq!([&bodies[1]["type"], &bodies[3]["type"]], ["ACK-NAK", "RTK-SURVEY"]);
 }
 
 /// The bodies with this type.
@@ -196,7 +290,7 @@ fn sends_valid_envelopes_without_a_bug() {
     ids.dedup();
     assert_eq!(ids.len(), count, "ids are unique");
     assert_eq!(answered.iter().filter(|refs| *refs == "höh 1").count(), 2, "the request was sent twice");
-    assert_eq!(answered.len(), 45);
+    assert_eq!(answered.len(), 46);
     assert_eq!(correct.last().map(String::as_str), Some("closed"));
 }
 
@@ -242,7 +336,7 @@ fn rejects_other_requests_before_the_login() {
 }
 
 /// Types of requests, including invalid ones.
-const KINDS: [&str; 56] = [
+const KINDS: [&str; 61] = [
     "",
     "-",
     "ACK-ACK",
@@ -282,6 +376,11 @@ const KINDS: [&str; 56] = [
     "RTK-SOURCE",
     "RTK-STAT",
     "RTK-SURVEY",
+    "SHOW-CFG",
+    "SHOW-CRTH-START",
+    "SHOW-LIGHTS",
+    "SHOW-SETCFG",
+    "SHOW-SETLIGHTS",
     "SYS-PING",
     "SYS-PORTS",
     "SYS-TIME",
@@ -414,11 +513,7 @@ fn reports_a_server_that_stopped_because_of_an_internal_error() {
         .expect("a request");
     // The connection ends with the thread.
     let _ = stream.read_to_end(&mut Vec::new());
-    let started = Instant::now();
-    while !server.has_failed() {
-        assert!(started.elapsed() < Duration::from_secs(30), "the failure is reported");
-        thread::sleep(Duration::from_millis(5));
-    }
+    wait_for("the failure is reported", || server.has_failed().then_some(()));
 }
 
 #[test]

@@ -126,7 +126,7 @@ impl Uav {
         self.activity == Activity::Sleeping
     }
 
-    fn is_flying(&self) -> bool {
+    pub(super) fn is_flying(&self) -> bool {
         !matches!(self.activity, Activity::Sleeping | Activity::OnGround | Activity::MotorsOn)
     }
 

@@ -10,17 +10,22 @@ use uavspec::flockwave::json::{
 use uavspec_runtime::Severity;
 
 use super::Options;
+use super::show::Show;
 use super::uav::Uav;
 
 /// All objects of the simulated world.
 pub(super) struct World {
     pub(super) uavs: Vec<Uav>,
+    /// The UAVs that haven't appeared yet.
+    hidden: Vec<Uav>,
     /// The most recently reported error code of each UAV.
     reported: BTreeMap<String, ErrorCode>,
     /// The RTK preset in use.
     pub(super) preset: Option<&'static Preset>,
-    /// The base station survey settings, if a client has set them.
-    pub(super) survey: Option<RTKSurveySettings>,
+    /// The base station survey settings.
+    pub(super) survey: RTKSurveySettings,
+    /// The configurations of the show.
+    pub(super) show: Show,
     /// Extensions by id.
     pub(super) extensions: BTreeMap<&'static str, Extension>,
     /// Changed parameters of UAVs, by UAV and name.
@@ -112,12 +117,16 @@ impl World {
                 uav.set_errors(&[ErrorCode((*code).into())]);
             }
         }
+        let is_late = |uav: &mut Uav| options.appearances.iter().any(|(id, _)| *id == uav.id);
+        let hidden: Vec<Uav> = uavs.extract_if(.., is_late).collect();
         let extension = |is_loaded, name| Extension { is_loaded, name, configuration: BTreeMap::new() };
         Self {
             uavs,
+            hidden,
             reported: BTreeMap::new(),
             preset: None,
-            survey: None,
+            survey: RTKSurveySettings { duration: 60.0, accuracy: 1.0, ..RTKSurveySettings::default() },
+            show: Show::default(),
             extensions: BTreeMap::from([
                 ("simulation", extension(true, "Simulated fleet")),
                 ("weather", extension(true, "Windsock")),
@@ -125,6 +134,11 @@ impl World {
             ]),
             parameters: BTreeMap::new(),
         }
+    }
+
+    /// Makes a UAV appear.
+    pub(super) fn appear(&mut self, id: &str) {
+        self.uavs.extend(self.hidden.extract_if(.., |uav| uav.id == id));
     }
 
     /// All objects, with their types.

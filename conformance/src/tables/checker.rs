@@ -4,7 +4,6 @@ use std::fmt;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
 
 use arrow_array::RecordBatch;
 use uavspec_codegen::Failure;
@@ -15,8 +14,8 @@ use super::rows::{Rows, TABLES};
 use super::timeline;
 use crate::capture::input::Input;
 use crate::check::{Checked as CheckedInput, parallel};
+use crate::clock::Clock;
 use crate::definitions::Library;
-use crate::flockwave::body_schema::Schemas;
 use crate::report::story::{to_json, to_text};
 use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 use crate::story::{Story as CaptureStory, Texts};
@@ -158,14 +157,15 @@ impl Checker {
     pub fn new(options: &Options) -> Result<Self, Problem> {
         let path = options.definitions.as_deref();
         let library = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, None))?;
-        let schemas = Schemas::load(&options.schemas).map_err(|error| Problem::new(error.to_string()))?;
+        let library =
+            library.with_schemas(&options.schemas).map_err(|error| Problem::new(error.to_string()))?;
         let texts = if options.has_timeline { Some(Texts::load(path)?) } else { None };
         let settings = Settings {
             are_formats_strict: options.are_formats_strict,
             are_warnings_denied: options.are_warnings_denied,
             ..Settings::default()
         };
-        Ok(Self { library: library.with_schemas(Arc::new(schemas)), texts, settings })
+        Ok(Self { library, texts, settings })
     }
 
     /// Checks a capture.
@@ -228,11 +228,11 @@ impl Checker {
 
     /// The results of a capture, or the reason why it can't be read.
     fn subject(&self, capture: &Capture) -> Result<(Input, Subject, Option<CaptureStory>), String> {
-        let (input, started) = (capture.input()?, Instant::now());
+        let (input, started) = (capture.input()?, Clock::real().now());
         let checked =
             CaptureStory::check_with(self.texts.as_ref(), &input, None, &self.library, &|bytes| bytes);
         let (CheckedInput { result, definitions }, story) = checked.map_err(|error| error.to_string())?;
-        let found = CheckedCapture::new(input.name(), result, started.elapsed());
+        let found = CheckedCapture::new(input.name(), result, Clock::real().now() - started);
         Ok((input, Subject::from_capture(found, &definitions, &self.settings), story))
     }
 }

@@ -15,6 +15,7 @@ use super::options::{Options, excerpt};
 use super::process::Process;
 use super::protocol::Hello;
 use super::target::Target;
+use crate::clock::Clock;
 use crate::net::Connection;
 use crate::text::shown;
 
@@ -45,6 +46,7 @@ pub(super) struct Link {
     peer: Peer,
     to: Option<Sender<Vec<u8>>>,
     from: Receiver<Received>,
+    clock: Clock,
 }
 
 enum Peer {
@@ -55,7 +57,6 @@ enum Peer {
 impl Link {
     /// Starts the testee, or connects to it. `is_reconnect` is true if an earlier connection succeeded.
     pub(super) fn open(options: &Options, is_reconnect: bool) -> Result<Self, String> {
-        let until = Instant::now() + options.start_timeout;
         let (to, requests) = channel();
         let (lines, from) = sync_channel(MAX_QUEUED_LINES);
         let limit = options.line_limit;
@@ -69,25 +70,27 @@ impl Link {
                 Peer::Process(process)
             }
             Target::Address(address) => {
-                let open = if is_reconnect { Connection::open_again } else { Connection::open };
-                let connected = open(address, until).and_then(|connection| {
-                    let (input, output) = (connection.stream()?, connection.stream()?);
-                    thread::spawn(move || write(input, &requests));
-                    thread::spawn(move || read(output, &lines, limit));
-                    Ok(connection)
-                });
+                let retrying = if is_reconnect { options.start_timeout } else { Duration::ZERO };
+                let limits = (options.start_timeout, retrying);
+                let connected =
+                    Connection::open_again(address, limits, &options.clock).and_then(|connection| {
+                        let (input, output) = (connection.stream()?, connection.stream()?);
+                        thread::spawn(move || write(input, &requests));
+                        thread::spawn(move || read(output, &lines, limit));
+                        Ok(connection)
+                    });
                 Peer::Connection(connected.map_err(|error| {
                     format!("can't connect to {}: {error}{}", shown(&address.to_string()), advice(&error))
                 })?)
             }
         };
-        Ok(Self { peer, to: Some(to), from })
+        Ok(Self { peer, to: Some(to), from, clock: options.clock.clone() })
     }
 
     /// Requests a hello, and returns it together with the line that contained it.
     pub(super) fn introduction(&mut self, options: &Options) -> Result<(Hello, Vec<u8>), String> {
         self.send(Hello::request());
-        let until = Instant::now() + options.start_timeout;
+        let until = self.clock.now() + options.start_timeout;
         let wrong = match self.receive(until) {
             Received::Line(line) => match Hello::read(&line) {
                 Ok(hello) => return Ok((hello, line)),
@@ -121,16 +124,19 @@ impl Link {
 
     pub(super) fn receive(&mut self, until: Instant) -> Received {
         loop {
-            let left = until.saturating_duration_since(Instant::now());
-            match self.from.recv_timeout(left.min(POLL_INTERVAL)) {
+            let left = self.clock.left(until);
+            let real = Clock::real();
+            match real.receive(&self.from, real.now() + left.min(POLL_INTERVAL)) {
                 Ok(text) => return text,
                 Err(RecvTimeoutError::Disconnected) => return Received::Closed,
-                Err(RecvTimeoutError::Timeout) if left <= POLL_INTERVAL => return Received::Nothing,
+                Err(RecvTimeoutError::Timeout) if self.clock.left(until).is_zero() => {
+                    return Received::Nothing;
+                }
                 Err(RecvTimeoutError::Timeout) => {}
             }
             // Descendants of the process may keep its output open. They are killed when the process ends.
             if let Peer::Process(process) = &mut self.peer {
-                process.ended(Instant::now());
+                process.ended();
             }
         }
     }
@@ -138,7 +144,7 @@ impl Link {
     /// Describes how the testee exited after closing its output.
     pub(super) fn ending(&mut self, until: Instant) -> String {
         match &mut self.peer {
-            Peer::Process(process) => match process.ended(until) {
+            Peer::Process(process) => match process.await_end(until, &self.clock) {
                 Some(how) if how.is_empty() => "the process exited with status 0".to_owned(),
                 Some(how) => format!("the process ended ({how})"),
                 None => "the testee closed its standard output".to_owned(),
@@ -150,15 +156,15 @@ impl Link {
     /// Closes the input, passes on the remaining lines, and returns an error if the testee doesn't end properly.
     pub(super) fn finish(&mut self, within: Duration, mut receive: impl FnMut(&[u8])) -> Result<(), String> {
         self.close();
-        let until = Instant::now() + within;
+        let until = self.clock.now() + within;
         let mut text = self.receive(until);
         while let Received::Line(line) = &text {
             receive(line);
             // A testee that never stops writing gets no extra time.
-            text = if Instant::now() < until { self.receive(until) } else { Received::Nothing };
+            text = if self.clock.now() < until { self.receive(until) } else { Received::Nothing };
         }
         match (&mut self.peer, text) {
-            (Peer::Process(process), _) => match process.ended(until) {
+            (Peer::Process(process), _) => match process.await_end(until, &self.clock) {
                 None => Err("the testee doesn't exit after its standard input is closed".to_owned()),
                 Some(how) if !how.is_empty() => Err(format!("expected an exit with status 0, got {how}")),
                 Some(_) => Ok(()),

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::target::Target;
+use crate::clock::Clock;
 
 /// The default maximum length of a line, in bytes.
 pub(crate) const LINE_LIMIT: usize = 16 << 20;
@@ -24,6 +25,8 @@ pub struct Options {
     pub max_restarts: u32,
     /// The maximum length of a line, in bytes.
     pub line_limit: usize,
+    /// The clock of the time limits. The run only reads it, so another thread must move simulated time.
+    pub clock: Clock,
 }
 
 impl Options {
@@ -38,6 +41,7 @@ impl Options {
             jobs: 1,
             max_restarts: 20,
             line_limit: LINE_LIMIT,
+            clock: Clock::real(),
         }
     }
 }

@@ -13,6 +13,8 @@ use std::sync::{Arc, Mutex, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use crate::clock::Clock;
+
 /// The maximum number of bytes that are kept from the end of standard error.
 const MAX_STDERR: usize = 8 << 10;
 
@@ -62,29 +64,35 @@ impl Process {
         }
     }
 
-    /// Returns a description of how the process exited, which is empty after a success. `None` if the process is still
-    /// running at `until`.
-    pub(super) fn ended(&mut self, until: Instant) -> Option<String> {
+    /// Waits until the process has ended, or until a time. Returns a description of how it exited, which is empty after a
+    /// success. `None` if it is still running.
+    pub(super) fn await_end(&mut self, until: Instant, clock: &Clock) -> Option<String> {
         loop {
-            let how = match self.child.try_wait() {
-                Ok(Some(status)) if status.success() => String::new(),
-                Ok(Some(status)) => status.to_string(),
-                Ok(None) if Instant::now() < until => {
-                    thread::sleep(POLL_INTERVAL);
-                    continue;
-                }
-                Ok(None) => return None,
-                Err(error) => error.to_string(),
-            };
-            self.kill_group();
-            return Some(how);
+            let how = self.ended();
+            if how.is_some() || clock.now() >= until {
+                return how;
+            }
+            Clock::real().sleep(POLL_INTERVAL);
         }
+    }
+
+    /// A description of how the process exited, which is empty after a success. `None` if it is still running.
+    pub(super) fn ended(&mut self) -> Option<String> {
+        let how = match self.child.try_wait() {
+            Ok(Some(status)) if status.success() => String::new(),
+            Ok(Some(status)) => status.to_string(),
+            Ok(None) => return None,
+            Err(error) => error.to_string(),
+        };
+        self.kill_group();
+        Some(how)
     }
 
     /// Kills the process, and returns the last part of its standard error.
     pub(super) fn kill(&mut self) -> String {
         self.end();
-        let _ = self.errors_end.recv_timeout(STDERR_TIMEOUT);
+        let clock = Clock::real();
+        let _ = clock.receive(&self.errors_end, clock.now() + STDERR_TIMEOUT);
         let bytes: Vec<u8> =
             self.errors.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
         String::from_utf8_lossy(&bytes).trim_end().to_owned()

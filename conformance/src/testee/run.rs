@@ -143,7 +143,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             num_sent: 0,
             window: shared.options.window.max(1),
             answered: BTreeSet::new(),
-            last: Instant::now(),
+            last: shared.options.clock.now(),
             suspects: VecDeque::new(),
             suspicion: None,
             futile: 0,
@@ -224,7 +224,7 @@ impl<'s, 'r> Worker<'s, 'r> {
 
     fn send(&mut self, id: usize) {
         if self.pending.is_empty() {
-            self.last = Instant::now();
+            self.last = self.shared.options.clock.now();
         }
         if let (Some(link), Some(case)) = (&self.link, self.shared.cases.get(id)) {
             link.send(case.request(id as u64).to_string());
@@ -251,7 +251,9 @@ impl<'s, 'r> Worker<'s, 'r> {
             Received::Lost(how) => return self.process_ended(End::Ended(how)),
         }
         // Lines other than responses don't extend the time limit.
-        if !self.pending.is_empty() && Instant::now() >= self.last + self.shared.options.timeout {
+        if !self.pending.is_empty()
+            && self.shared.options.clock.now() >= self.last + self.shared.options.timeout
+        {
             self.process_ended(End::Silent);
         }
     }
@@ -271,7 +273,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             return self.shared.remark(format!("{what} response with id {id}"));
         };
         self.answered.insert(id);
-        self.last = Instant::now();
+        self.last = self.shared.options.clock.now();
         self.window = (2 * self.window).min(self.shared.options.window.max(1));
         self.shared.decide(id, check_answer(case, &answer, self.shared.types));
         if self.suspects.is_empty()

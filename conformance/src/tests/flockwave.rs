@@ -4,6 +4,7 @@ mod certain;
 mod gaps;
 mod limits;
 mod operations;
+mod times;
 
 use crate::tests::support;
 

@@ -135,11 +135,16 @@ impl Glider {
 
 /// The channel of the glider with its schema and hash.
 fn declarations() -> Vec<u8> {
+    declarations_of(3)
+}
+
+/// The declaration of the glider's channel with this id.
+fn declarations_of(id: u16) -> Vec<u8> {
     let (name, hash) = ros("Glider");
     let metadata = [("offered_qos_profiles", "- history: 3"), ("topic_type_hash", hash.as_str())];
     [
         schema(1, &name, "ros2msg", ros2msg(GLIDER).as_bytes()),
-        channel(3, 1, "/fmu/out/glider", "cdr", &metadata),
+        channel(id, 1, "/fmu/out/glider", "cdr", &metadata),
     ]
     .concat()
 }
@@ -305,7 +310,10 @@ fn ignores_unknown_fields_at_the_end_of_records() {
     for use_chunks in [true, false] {
         let (bytes, kinds) = extended(&other_writers_file(use_chunks, false, false));
         extended_kinds.extend(kinds);
-        assert_conforms(&checked(&bytes), &use_chunks);
+        let mut result = checked(&bytes);
+        // The checksum, the start and the indexes in the summary are those of the original file.
+        result.corruption.retain(|(_, text)| !text.contains("summary") && !text.contains("the index of the"));
+        assert_conforms(&result, &use_chunks);
     }
     let packed = [file::start(), chunked(Form::Zstd, &records_with(&good().cdr())), file::end()].concat();
     assert_conforms(&checked(&extended(&packed).0), &"a compressed chunk");

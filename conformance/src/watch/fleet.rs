@@ -211,6 +211,7 @@ mod tests {
 
     use super::super::roster::UAV_LIMIT;
     use super::*;
+    use crate::clock::Clock;
 
     fn received(text: &str) -> Event {
         Event::Received(Message::read(text.as_bytes()))
@@ -226,7 +227,7 @@ mod tests {
 
     #[test]
     fn uavs_join_and_leave_the_fleet() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut fleet = Fleet::default();
         assert!(!fleet.is_complete());
         receive(&mut fleet, r#"{"type": "UAV-LIST", "ids": ["glider-1", "glider-2"]}"#, now);
@@ -248,7 +249,7 @@ mod tests {
 
     #[test]
     fn a_uav_ages_while_its_timestamp_does_not_change() {
-        let start = Instant::now();
+        let start = Clock::simulated().now();
         let at = |seconds: u64| start + Duration::from_secs(seconds);
         let age = |fleet: &Fleet, seconds: u64| {
             fleet.get("glider-1").and_then(|uav| fleet.age(uav, at(seconds))).map(|age| age.as_secs())
@@ -274,7 +275,7 @@ mod tests {
 
     #[test]
     fn the_number_of_uavs_is_limited() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut fleet = Fleet::default();
         for number in 0..UAV_LIMIT + 500 {
             receive(&mut fleet, &format!(r#"{{"type": "UAV-INF", "status": {{"{number}": {{}}}}}}"#), now);
@@ -320,7 +321,7 @@ mod tests {
         fn accepts_arbitrary_messages(
             messages in proptest::collection::vec((json(), "UAV-INF|UAV-LIST|OBJ-DEL|SYS-TIME"), 1..8),
         ) {
-            let start = Instant::now();
+            let start = Clock::simulated().now();
             let mut fleet = Fleet::default();
             for (number, (mut message, kind)) in messages.into_iter().enumerate() {
                 if let Some(message) = message.as_object_mut() {

@@ -84,11 +84,12 @@ mod tests {
     use super::super::message::Message;
     use super::super::session::Event;
     use super::*;
+    use crate::clock::Clock;
     use crate::definitions::Definitions;
 
     #[test]
     fn aligns_the_columns() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut fleet = Fleet::default();
         let text = r#"{"type": "UAV-INF", "status": {
             "glider-10": {"mode": "loiter", "battery": [116, 42, true], "errors": [66, 193, "x"],

@@ -162,6 +162,7 @@ impl Poller {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clock::Clock;
 
     /// The types of all due requests, and the number of UAVs in each request.
     fn requested(poller: &mut Poller, now: Instant) -> Vec<(String, usize)> {
@@ -199,7 +200,7 @@ mod tests {
 
     #[test]
     fn requests_a_large_fleet_in_parts() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut poller = Poller::new(false, now);
         assert_eq!(requested(&mut poller, now), named(&[("SYS-VER", 0), ("SYS-TIME", 0), ("UAV-LIST", 0)]));
         receive(&mut poller, &list(120), now);
@@ -219,7 +220,7 @@ mod tests {
 
     #[test]
     fn accepts_responses_without_an_envelope_over_http() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut poller = Poller::new(true, now);
         requested(&mut poller, now);
         receive(&mut poller, &list(60), now);
@@ -231,7 +232,7 @@ mod tests {
 
     #[test]
     fn does_not_request_recently_reported_uavs() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut poller = Poller::new(false, now);
         requested(&mut poller, now);
         receive(&mut poller, &list(3), now);
@@ -249,7 +250,7 @@ mod tests {
 
     #[test]
     fn requests_lists_periodically() {
-        let start = Instant::now();
+        let start = Clock::simulated().now();
         let mut poller = Poller::new(false, start);
         let seconds = 0..120;
         let all: Vec<_> =

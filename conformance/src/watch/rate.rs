@@ -46,10 +46,11 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
+    use crate::clock::Clock;
 
     #[test]
     fn averages_over_completed_seconds() {
-        let start = Instant::now();
+        let start = Clock::simulated().now();
         let at = |seconds: f64| start + Duration::from_secs_f64(seconds);
         let mut rate = Rate::default();
         let per_second = |rate: &Rate, seconds: f64| format!("{:.2}", rate.per_second(at(seconds)));

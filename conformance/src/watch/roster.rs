@@ -95,6 +95,7 @@ impl<T: Default> Roster<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clock::Clock;
 
     fn list(ids: &[&str]) -> List {
         List { ids: ids.iter().map(|id| (*id).to_owned()).collect(), is_whole: true }
@@ -106,7 +107,7 @@ mod tests {
 
     #[test]
     fn removes_unlisted_uavs_unless_recently_reported() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut roster = Roster::default();
         assert!(roster.update(&list(&["glider-1", "glider-2"]), now));
         roster.admit("glider-2").expect("room").last_reported = Some(now);
@@ -129,6 +130,8 @@ mod tests {
         assert!(roster.admit("one too many").is_none());
         assert!(roster.admit("glider-0").is_some());
         assert_eq!(roster.len(), UAV_LIMIT);
-        assert!(!roster.update(&List { is_whole: false, ..list(&["one too many"]) }, Instant::now()));
+        assert!(
+            !roster.update(&List { is_whole: false, ..list(&["one too many"]) }, Clock::simulated().now())
+        );
     }
 }

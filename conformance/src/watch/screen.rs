@@ -205,13 +205,12 @@ pub(super) fn typed(filter: &mut String, key: KeyCode) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Instant;
-
     use proptest::prelude::*;
 
     use super::super::message::Message;
     use super::super::session::Event;
     use super::*;
+    use crate::clock::Clock;
 
     /// A fleet in which each UAV has one error code.
     fn fleet(count: u32) -> Fleet {
@@ -225,7 +224,7 @@ mod tests {
             .collect();
         let text = format!(r#"{{"type": "UAV-INF", "status": {{{}}}}}"#, states.join(","));
         let mut fleet = Fleet::default();
-        fleet.take(Event::Received(Message::read(text.as_bytes())), Instant::now());
+        fleet.take(Event::Received(Message::read(text.as_bytes())), Clock::simulated().now());
         fleet
     }
 
@@ -311,7 +310,7 @@ mod tests {
         let mut screen = Screen::default();
         press(&mut screen, &fleet, &[KeyCode::Down]);
         let gone = Message::read(br#"{"type": "OBJ-DEL", "ids": ["glider-2"]}"#);
-        fleet.take(Event::Received(gone), Instant::now());
+        fleet.take(Event::Received(gone), Clock::simulated().now());
         press(&mut screen, &fleet, &[]);
         assert_eq!(screen.selected.as_deref(), Some("glider-3"));
     }

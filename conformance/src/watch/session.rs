@@ -3,10 +3,11 @@
 use std::io;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::message::{Content, Message};
 use super::poller::Poller;
+use crate::clock::Clock;
 use crate::flockwave::transport::access::Access;
 use crate::flockwave::transport::client::{Client, Received, connect_with};
 use crate::flockwave::transport::endpoint::Endpoint;
@@ -82,7 +83,8 @@ impl Watch {
         let mut pause = FIRST_PAUSE;
         loop {
             let mut has_received = false;
-            let reason = match connect_with(&self.endpoint, &self.access, Instant::now() + CONNECT_LIMIT) {
+            let reason = match connect_with(&self.endpoint, &self.access, Clock::real().now() + CONNECT_LIMIT)
+            {
                 Ok(mut client) => self.run_connection(&mut *client, &mut has_received)?,
                 Err(error) => error.to_string(),
             };
@@ -99,8 +101,8 @@ impl Watch {
 
     /// Exchanges messages until the connection ends, and returns the reason.
     fn run_connection(&mut self, client: &mut dyn Client, has_received: &mut bool) -> Result<String, Closed> {
-        let mut poller = Poller::new(matches!(self.endpoint, Endpoint::Http { .. }), Instant::now());
-        let mut last = Instant::now();
+        let mut poller = Poller::new(matches!(self.endpoint, Endpoint::Http { .. }), Clock::real().now());
+        let mut last = Clock::real().now();
         let mut close_reason = None;
         loop {
             if (self.is_over)(Duration::ZERO) {
@@ -110,7 +112,7 @@ impl Watch {
                 Ok(Received::Message(bytes)) => Message::read(&bytes),
                 Ok(Received::OtherEvent(_)) => continue,
                 Ok(Received::TooLong) => Message { refs: None, content: Content::Unreadable },
-                Ok(Received::Silence) if last.elapsed() < SILENCE_LIMIT => continue,
+                Ok(Received::Silence) if Clock::real().now() < last + SILENCE_LIMIT => continue,
                 Ok(Received::Silence) => {
                     return Ok(format!("no message for {} s", SILENCE_LIMIT.as_secs()));
                 }
@@ -119,7 +121,7 @@ impl Watch {
                 }
                 Err(error) => return Ok(close_reason.unwrap_or_else(|| error.to_string())),
             };
-            last = Instant::now();
+            last = Clock::real().now();
             *has_received = true;
             poller.take(&message, last);
             if let Content::Closing(reason) = &message.content {
@@ -136,8 +138,8 @@ impl Watch {
 
 /// Sends the due requests, and waits for a message.
 fn exchange(client: &mut dyn Client, poller: &mut Poller) -> io::Result<Received> {
-    while let Some(request) = poller.next(Instant::now()) {
+    while let Some(request) = poller.next(Clock::real().now()) {
         client.send(request.as_bytes())?;
     }
-    client.receive(Instant::now() + POLL_INTERVAL)
+    client.receive(Clock::real().now() + POLL_INTERVAL)
 }

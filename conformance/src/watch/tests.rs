@@ -5,21 +5,18 @@
 use std::io::{self, BufWriter, Write as _};
 use std::net::TcpListener;
 use std::sync::mpsc::{Receiver, sync_channel};
-use std::thread;
-use std::time::{Duration, Instant};
 
 use super::roster::UAV_LIMIT;
+use crate::clock::Clock;
 use crate::serve::{Options, Server, Transport, error};
 use crate::tests::support::proxy::Proxy;
 use crate::tests::support::server::{answer_requests, custom_server, location, serve};
+use crate::tests::support::{deadline, wait_for};
 use crate::transport::{Access, Trust};
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::Content;
 use crate::watch::session::{Event, Session};
 use serde_json::{Value, json};
-
-/// The maximum time to wait for an expected event.
-const TIMEOUT: Duration = Duration::from_secs(60);
 
 /// The transports, with the suffixes of their URLs.
 const TRANSPORTS: [(Transport, &str); 5] = [
@@ -54,16 +51,16 @@ impl Watched {
 
     /// Processes events until a condition is met.
     fn until(&mut self, condition: &str, is_met: impl Fn(&Self) -> bool) {
-        let end = Instant::now() + TIMEOUT;
+        let (clock, end) = (Clock::real(), deadline());
         while !is_met(self) {
-            let left = end.saturating_duration_since(Instant::now());
-            let event = self.events.recv_timeout(left).unwrap_or_else(|error| panic!("{condition}: {error}"));
+            let event =
+                clock.receive(&self.events, end).unwrap_or_else(|error| panic!("{condition}: {error}"));
             if let Event::Received(message) = &event
                 && matches!(message.content, Content::States(_))
             {
                 self.reported[usize::from(message.refs.is_some())] += 1;
             }
-            self.fleet.take(event, Instant::now());
+            self.fleet.take(event, clock.now());
         }
     }
 
@@ -87,7 +84,7 @@ fn watches_a_fleet_over_every_transport() {
         assert_eq!(uav.codes(), [193, 1]);
         let state = uav.state.as_ref().expect("its state");
         assert_eq!(state.mode.known().map(String::as_str), Some("stab"));
-        assert!(watched.fleet.age(uav, Instant::now()).is_some());
+        assert!(watched.fleet.age(uav, Clock::real().now()).is_some());
     }
 }
 
@@ -128,14 +125,8 @@ fn reconnects_to_a_restarted_server() {
     assert_eq!(watched.fleet.len(), 5, "known UAVs remain");
     let options = Options { uavs: 2, ..Options::default() };
     // The port may be in use for a moment.
-    let end = Instant::now() + TIMEOUT;
-    let _server = loop {
-        match Server::start(options.clone(), &[(Transport::Tcp, address)]) {
-            Ok(server) => break server,
-            Err(error) => assert!(Instant::now() < end, "{error}"),
-        }
-        thread::sleep(Duration::from_millis(50));
-    };
+    let start = || Server::start(options.clone(), &[(Transport::Tcp, address)]).ok();
+    let _server = wait_for("the port is free", start);
     watched.until("the new fleet is known", |watched| watched.ids() == ["glider-1", "glider-2"]);
     assert_eq!(watched.fleet.link, Link::Connected);
 }

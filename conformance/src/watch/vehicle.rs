@@ -29,6 +29,7 @@ pub(crate) use self::battery::{Batteries, Battery};
 pub(crate) use self::components::{Component, Components, Readiness};
 pub(crate) use self::flags::{Flag, Flags, Known};
 use super::rate::Rate;
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::model::{Channel, Message};
 use crate::rules::px4::Interest;
@@ -190,7 +191,7 @@ impl Vehicle {
     fn count(&mut self, time: u64) {
         self.messages += 1;
         self.latest = Some(self.latest.map_or(time, |latest| latest.max(time)));
-        self.first.get_or_insert_with(|| (time, Instant::now()));
+        self.first.get_or_insert_with(|| (time, Clock::real().now()));
         if let Some(now) = self.instant(time) {
             self.rate.count(now);
         }

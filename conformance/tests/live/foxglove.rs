@@ -20,7 +20,7 @@ fn sdk() -> (Peer, String) {
     let definition = Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions/px4/ArmingCheckRequest.msg");
     let definition = definition.to_str().expect("a path");
     let peer = Peer::start("foxglove_server.py", &[&port.to_string(), definition], &[]);
-    let end = Instant::now() + Duration::from_secs(60);
+    let end = Instant::now() + Duration::from_secs(600);
     while TcpStream::connect(("127.0.0.1", port)).is_err() {
         assert!(Instant::now() < end, "the server doesn't start");
         thread::sleep(Duration::from_millis(50));

@@ -32,7 +32,7 @@ fn router(arguments: &[&str]) -> (Peer, u16) {
     let port = listener.local_addr().expect("an address").port();
     drop(listener);
     let router = Peer::start("zenoh_router.py", &[&[&*port.to_string()], arguments].concat(), &[]);
-    let end = Instant::now() + Duration::from_secs(60);
+    let end = Instant::now() + Duration::from_secs(600);
     while TcpStream::connect(("127.0.0.1", port)).is_err() {
         assert!(Instant::now() < end, "the router doesn't start");
         thread::sleep(Duration::from_millis(50));

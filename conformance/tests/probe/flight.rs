@@ -4,7 +4,8 @@
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::sync::Condvar;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::AtomicUsize;
+use std::time::Instant;
 
 use uavspec_conformance::transport::{Received, connect};
 
@@ -20,8 +21,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The error codes of a UAV on the ground, with running motors, and asleep.
 pub(super) const GROUND: u64 = 1;
-const MOTORS: u64 = 8;
-const SLEEP: u64 = 9;
+pub(super) const MOTORS: u64 = 8;
+pub(super) const SLEEP: u64 = 9;
 
 /// A signal of one thread to another.
 #[derive(Clone, Default)]
@@ -46,7 +47,7 @@ pub(super) struct Requests(Arc<Mutex<Vec<Value>>>);
 
 impl Requests {
     /// Records the requests in a segment, and returns their types.
-    fn take(&self, bytes: &[u8]) -> Vec<String> {
+    pub(super) fn take(&self, bytes: &[u8]) -> Vec<String> {
         let text = String::from_utf8_lossy(bytes);
         let starts = text.match_indices(r#"{"$fw.version""#).map(|(at, _)| at);
         let mut types = Vec::new();
@@ -76,7 +77,7 @@ impl Requests {
 }
 
 /// A proxy that records all requests, and calls a function at each request.
-pub(super) fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + Sync + 'static) -> Watch {
+fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + Sync + 'static) -> Watch {
     let requests = requests.clone();
     Arc::new(move |bytes| {
         let passes: Vec<Pass> = requests.take(bytes).iter().map(|name| at(name)).collect();
@@ -86,19 +87,12 @@ pub(super) fn recording(requests: &Requests, at: impl Fn(&str) -> Pass + Send + 
 
 /// The state of the UAV on the server: its height above home in mm, and its error codes.
 pub(super) fn state(server: &Server) -> (i64, Vec<u64>) {
-    state_after(server, None)
-}
-
-/// Like [`state`], after another request.
-pub(super) fn state_after(server: &Server, before: Option<Value>) -> (i64, Vec<u64>) {
     let url = server.listening()[0].to_string();
     let endpoint: Endpoint = url.parse().expect("an endpoint");
     let mut client = connect(&endpoint, Instant::now() + PATIENCE).expect("a connection");
     let body = json!({ "type": "UAV-INF", "ids": [UAV] });
-    for (id, body) in before.map(|body| ("before", body)).into_iter().chain([("state", body)]) {
-        let request = json!({ "$fw.version": "1.0", "id": id, "body": body });
-        client.send(request.to_string().as_bytes()).expect("sent");
-    }
+    let request = json!({ "$fw.version": "1.0", "id": "state", "body": body });
+    client.send(request.to_string().as_bytes()).expect("sent");
     loop {
         let received = client.receive(Instant::now() + PATIENCE).expect("an open connection");
         let Received::Message(text) = received else { panic!("{received:?}") };
@@ -208,7 +202,7 @@ fn interrupted_at(
     only: &[&str],
     signals: &'static [nix::sys::signal::Signal],
 ) -> Requests {
-    let (server, _) = reference_server(None);
+    let (server, _) = reference_server();
     let (requests, hook) = (Requests::default(), Hook::default());
     let is_interrupted = Mutex::new(false);
     let watch = {
@@ -256,14 +250,17 @@ fn interrupted_at(
 #[cfg(unix)]
 #[test]
 fn an_interrupted_probe_makes_uavs_safe_at_each_point() {
-    use nix::sys::signal::Signal::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+    use nix::sys::signal::Signal::{
+        SIGABRT, SIGALRM, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGXCPU, SIGXFSZ,
+    };
     thread::scope(|scope| {
         // Each point with the request that must follow.
         for (point, after, signals, expected) in [
             ("UAV-TAKEOFF", "", &[SIGINT][..], "UAV-LAND"),
-            ("UAV-TAKEOFF", "", &[SIGTERM], "UAV-LAND"),
             ("UAV-INF", "UAV-TAKEOFF", &[SIGTERM], "UAV-LAND"),
-            ("UAV-HOVER", "", &[SIGINT], "UAV-LAND"),
+            // The other signals that end programs, which limits and timers repeat.
+            ("UAV-HOVER", "", &[SIGUSR1, SIGUSR2, SIGABRT, SIGVTALRM], "UAV-LAND"),
+            ("UAV-FLY", "", &[SIGALRM, SIGXCPU, SIGXFSZ, SIGXCPU], "UAV-LAND"),
             // Tools and terminals that end programs repeat their signal.
             ("UAV-HOVER", "UAV-TAKEOFF", &[SIGINT, SIGTERM, SIGHUP], "UAV-LAND"),
             ("UAV-FLY", "", &[SIGHUP], "UAV-LAND"),
@@ -302,6 +299,25 @@ fn an_interrupted_probe_makes_uavs_safe_at_each_point() {
     });
 }
 
+/// The recording reaches the size limit of files soon, and all output goes to files.
+#[cfg(unix)]
+#[test]
+fn a_size_limit_of_files_ends_no_flight() {
+    let (server, url) = reference_server();
+    let folder = tempfile::tempdir().expect("a folder");
+    let (record, _) = outputs(folder.path());
+    let flown = format!("{} {}", FLIGHT.join(" "), "--observe 0.1 --no-trials --allow-commands");
+    let probe = format!("ulimit -f 16; exec \"$0\" probe {flown} --uav {UAV} --record \"$1\" \"$2\"");
+    let output = Command::new("sh")
+        .args(["-c", &probe, env!("CARGO_BIN_EXE_uavspec"), &record, &url])
+        .output()
+        .expect("it runs");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{errors}");
+    assert!(errors.contains("can't write the recording"), "{errors}");
+    assert_safe(&server, &errors);
+}
+
 /// Without commands, nothing has to be undone.
 #[cfg(unix)]
 #[test]
@@ -327,9 +343,7 @@ fn an_interrupted_probe_without_commands_reports_what_it_has_seen() {
     let running = Running::start(&[&url, "--timeout", "60", "--limit", "300", "--format", "json"]);
     reached.wait();
     send_signal(running.child.id(), SIGINT);
-    let began = Instant::now();
     let (status, printed, errors) = running.wait();
-    assert!(began.elapsed() < Duration::from_secs(60), "it waits for the answer");
     assert!(errors.contains("interrupted"), "{errors}");
     let report: Value = serde_json::from_str(&printed).expect("JSON");
     let reasons = report["subjects"][0]["incomplete"].to_string();
@@ -342,8 +356,8 @@ fn an_interrupted_probe_without_commands_reports_what_it_has_seen() {
 #[cfg(unix)]
 #[test]
 fn a_second_interrupt_leaves_immediately_and_warns() {
-    use nix::sys::signal::Signal::{SIGINT, SIGTERM};
-    let (server, _) = reference_server(None);
+    use nix::sys::signal::Signal::{SIGINT, SIGTERM, SIGXCPU};
+    let (server, _) = reference_server();
     let (requests, hook) = (Requests::default(), Hook::default());
     let called = Arc::clone(&hook);
     let watch = recording(&requests, move |name| {
@@ -362,6 +376,8 @@ fn a_second_interrupt_leaves_immediately_and_warns() {
             send_signal(process, SIGINT);
             noticed.wait();
         }
+        // Limits repeat their signals.
+        1..=2 => send_signal(process, SIGXCPU),
         // Only a later signal counts: the command to land is sent again until then.
         _ => send_signal(process, SIGTERM),
     }));
@@ -371,6 +387,8 @@ fn a_second_interrupt_leaves_immediately_and_warns() {
     let last = errors.lines().last().expect("a line");
     assert!(last.starts_with("\u{1b}[1m\u{1b}[31merror: UAV glider-2 may still fly"), "{last:?}");
     assert!(state(&server).0 > 0, "the proxy lost the command to land");
+    let landings = requests.types().iter().filter(|name| *name == "UAV-LAND").count();
+    assert!(landings >= 3, "{landings}");
 }
 
 #[cfg(unix)]
@@ -378,7 +396,7 @@ fn a_second_interrupt_leaves_immediately_and_warns() {
 fn a_probe_with_commands_can_not_be_suspended() {
     use nix::sys::signal::Signal::{SIGINT, SIGTSTP};
     let requests = {
-        let (server, _) = reference_server(None);
+        let (server, _) = reference_server();
         let (requests, hook) = (Requests::default(), Hook::default());
         let called = Arc::clone(&hook);
         let watch = recording(&requests, move |name| {
@@ -409,7 +427,7 @@ fn a_probe_with_commands_can_not_be_suspended() {
 /// The server is gone while the UAV flies.
 #[test]
 fn the_last_line_names_uavs_that_may_still_fly() {
-    let (server, _) = reference_server(None);
+    let (server, _) = reference_server();
     let address = server.listening()[0].address;
     let (requests, server) = (Requests::default(), Mutex::new(Some(server)));
     let watch = recording(&requests, move |name| {

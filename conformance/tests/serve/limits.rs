@@ -3,49 +3,57 @@
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpStream, UdpSocket};
 use std::process::{Command, Stdio};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::json;
+use uavspec_conformance::clock::Clock;
 use uavspec_conformance::serve::{Options, Reason, Server, Transport};
 use uavspec_conformance::transport::{Received, connect};
 
-use super::{ENDPOINTS, QUIET_TIME, TIMEOUT, address, client, request, request_body, serve};
+use super::super::support::{LIMIT, deadline, wait_for};
+use super::{ENDPOINTS, READING_TIME, address, client, request, request_body, serve, settle, until};
+
+/// A server whose time stands still, so that no time limit depends on how fast the computer is.
+fn frozen(options: Options) -> Server {
+    serve(Options { rate: 0.0, clock: Clock::simulated(), ..options })
+}
 
 #[test]
 fn disconnects_clients_that_never_read() {
     // Each notification is about half a megabyte.
     let server = serve(Options { uavs: 1000, rate: 50.0, ..Options::default() });
     let idle = TcpStream::connect(address(&server, Transport::Tcp)).expect("a connection");
-    let end = Instant::now() + TIMEOUT;
-    while server.statistics().disconnected(Reason::TooSlow) == 0 {
-        assert!(Instant::now() < end, "{:?}", server.statistics());
-        thread::sleep(Duration::from_millis(10));
-    }
+    wait_for("the client is disconnected", || {
+        (server.statistics().disconnected(Reason::TooSlow) > 0).then_some(())
+    });
     drop(idle);
     request_body(&mut *client(&server, ENDPOINTS[0]), "a", &json!({ "type": "SYS-PING" }));
 }
 
 #[test]
 fn stops_reading_requests_of_clients_that_read_no_answers() {
-    let server = serve(Options { uavs: 100, rate: 0.0, ..Options::default() });
+    let server = frozen(Options { uavs: 100, ..Options::default() });
     let mut idle = TcpStream::connect(address(&server, Transport::Tcp)).expect("a connection");
-    idle.set_write_timeout(Some(QUIET_TIME)).expect("a limit");
+    idle.set_nonblocking(true).expect("a socket");
     let ids: Vec<String> = (1..=100).map(|number| format!("glider-{number}")).collect();
     let text = (request("a", &json!({ "type": "UAV-INF", "ids": ids })) + "\n").repeat(100);
     // Before the limits, the server accepted this much, and stored 64 MB of answers.
-    let is_blocked = (0..200).any(|_| idle.write_all(text.as_bytes()).is_err());
-    assert!(is_blocked);
+    let mut accepted = 0;
+    while let Ok(count) = idle.write(&text.as_bytes()[accepted % text.len()..]) {
+        accepted += count;
+        settle(&server);
+    }
+    assert!(accepted < 200 * text.len(), "{accepted}");
     assert_eq!(server.statistics().disconnected(Reason::TooSlow), 0, "the client may still read");
 }
 
 #[test]
 fn serves_newcomers_over_udp_after_datagrams_from_many_ports() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let server = frozen(Options::default());
     let text = request("a", &json!({ "type": "SYS-PING" }));
     for _ in 0..1100 {
         let socket = UdpSocket::bind("127.0.0.1:0").expect("a port");
-        socket.set_read_timeout(Some(TIMEOUT)).expect("a limit");
+        socket.set_read_timeout(Some(LIMIT)).expect("a limit");
         socket.send_to(text.as_bytes(), address(&server, Transport::Udp)).expect("sent");
         socket.recv(&mut [0; 1000]).expect("an answer");
     }
@@ -57,13 +65,17 @@ fn datagrams_that_are_no_requests_register_no_client() {
     let server = serve(Options { rate: 20.0, ..Options::default() });
     let mut client = client(&server, ENDPOINTS[1]);
     client.send(b"{}").expect("sent");
-    let received = client.receive(Instant::now() + QUIET_TIME).expect("an open socket");
+    let mut registered = self::client(&server, ENDPOINTS[0]);
+    for _ in 0..2 {
+        until(&mut *registered, |message| message["body"]["type"] == "UAV-INF");
+    }
+    let received = client.receive(Clock::real().now() + READING_TIME).expect("an open socket");
     assert_eq!(received, Received::Silence);
 }
 
 #[test]
 fn idle_connections_lock_nobody_out() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let server = frozen(Options::default());
     for transport in [Transport::Tcp, Transport::Http, Transport::SocketIo] {
         let location = address(&server, transport);
         let mut active = client(&server, ENDPOINTS[0]);
@@ -92,7 +104,7 @@ struct HttpConnection {
 impl HttpConnection {
     fn new(server: &Server) -> Self {
         let stream = TcpStream::connect(address(server, Transport::SocketIo)).expect("a connection");
-        stream.set_read_timeout(Some(TIMEOUT)).expect("a limit");
+        stream.set_read_timeout(Some(LIMIT)).expect("a limit");
         let reader = BufReader::new(stream.try_clone().expect("a second handle"));
         Self { stream, reader }
     }
@@ -135,7 +147,7 @@ impl HttpConnection {
 
 #[test]
 fn abandoned_polling_sessions_give_way_to_newcomers() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let server = frozen(Options::default());
     for _ in 0..525 {
         open_sessions(&server, 4);
     }
@@ -147,7 +159,7 @@ fn abandoned_polling_sessions_give_way_to_newcomers() {
 
 #[test]
 fn a_connection_that_only_opens_sessions_replaces_its_own() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let server = frozen(Options::default());
     let waiting = open_sessions(&server, 1);
     let mut connection = HttpConnection::new(&server);
     let used = connection.open_session();
@@ -159,22 +171,30 @@ fn a_connection_that_only_opens_sessions_replaces_its_own() {
     for sid in &opened[..6] {
         assert_eq!(connection.send(sid, "40"), "400", "{sid} of {opened:?}");
     }
+    drop(connection);
     assert_eq!(server.end().disconnected(Reason::Replaced), 6);
 }
 
 #[test]
 fn a_session_that_is_not_used_ends_soon() {
-    let server = serve(Options { rate: 0.0, ..Options::default() });
+    let clock = Clock::simulated();
+    let server = serve(Options { rate: 0.0, clock: clock.clone(), ..Options::default() });
     let mut connection = HttpConnection::new(&server);
     let (used, unused) = (connection.open_session(), connection.open_session());
     assert_eq!(connection.send(&used, "40"), "200");
-    thread::sleep(Duration::from_millis(5_500));
-    assert_eq!((&*connection.send(&used, "3"), &*connection.send(&unused, "40")), ("200", "400"));
+    clock.sleep(Duration::from_secs(4));
+    settle(&server);
+    let another = connection.open_session();
+    clock.sleep(Duration::from_millis(1_500));
+    // The server checks its limits between two requests.
+    settle(&server);
+    let [used, unused, another] = [used, unused, another].map(|sid| connection.send(&sid, "40"));
+    assert_eq!([&*used, &*unused, &*another], ["200", "400", "200"]);
 }
 
 #[test]
 fn limits_operations_of_all_clients() {
-    let server = serve(Options { uavs: 1000, rate: 0.0, speed: 0.01, ..Options::default() });
+    let server = frozen(Options { uavs: 1000, ..Options::default() });
     let ids: Vec<String> = (1..=1000).map(|number| format!("glider-{number}")).collect();
     let start = json!({ "type": "UAV-TEST", "ids": ids, "component": "led" });
     let mut clients: Vec<_> = (0..6).map(|_| client(&server, ENDPOINTS[0])).collect();
@@ -203,8 +223,7 @@ fn serves_newcomers_with_few_file_descriptors() {
     let location = line.trim().strip_prefix("tcp://").expect("an address");
     let _idle: Vec<TcpStream> =
         (0..200).map(|_| TcpStream::connect(location).expect("a connection")).collect();
-    let mut newcomer =
-        connect(&line.trim().parse().expect("an endpoint"), Instant::now() + TIMEOUT).expect("a connection");
+    let mut newcomer = connect(&line.trim().parse().expect("an endpoint"), deadline()).expect("a connection");
     request_body(&mut *newcomer, "a", &json!({ "type": "SYS-PING" }));
     drop(child.stdin.take());
     let output = child.wait_with_output().expect("the end");

@@ -1,5 +1,6 @@
 //! Shared helpers of tests: the corpus, and a writer of logs.
 
+pub(crate) mod memory;
 pub(crate) mod proxy;
 pub(crate) mod python;
 pub(crate) mod server;
@@ -9,6 +10,9 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::time::{Duration, Instant};
+
+use uavspec_conformance::clock::Clock;
 
 /// A folder of the corpus, such as `corpus/ulog` or `oracle/ulog`; `None` without a corpus.
 ///
@@ -49,6 +53,20 @@ pub(crate) fn cargo() -> Command {
 pub(crate) fn send_signal(process: u32, signal: nix::sys::signal::Signal) {
     let process = nix::unistd::Pid::from_raw(process.cast_signed());
     nix::sys::signal::kill(process, signal).expect("the process runs");
+}
+
+/// The time limit for an event that certainly happens, however slow the computer is. It ends tests that would hang.
+pub(crate) const LIMIT: Duration = Duration::from_secs(600);
+
+/// The end of the time limit for an event.
+pub(crate) fn deadline() -> Instant {
+    Clock::real().now() + LIMIT
+}
+
+/// Waits until a function returns a value.
+pub(crate) fn wait_for<T>(event: &str, check: impl FnMut() -> Option<T>) -> T {
+    let found = Clock::real().poll(deadline(), Duration::from_millis(5), check);
+    found.unwrap_or_else(|| panic!("{event}: this doesn't happen"))
 }
 
 /// The first value if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise the second value.

@@ -17,6 +17,8 @@ use rcgen::{BasicConstraints, CertificateParams, CertifiedIssuer, IsCa, KeyPair}
 use rustls::pki_types::PrivateKeyDer;
 use rustls::{ServerConfig, ServerConnection, StreamOwned};
 
+use uavspec_conformance::clock::Clock;
+
 use super::Random;
 use super::server::location;
 
@@ -44,6 +46,8 @@ pub(crate) type Watch = Arc<dyn Fn(&[u8]) -> Pass + Send + Sync>;
 pub(crate) struct Proxy {
     /// The delay from the client to the server, and from the server to the client.
     pub(crate) delays: [Duration; 2],
+    /// The clock of the delays. Another thread must move simulated time.
+    pub(crate) clock: Clock,
     /// The percentage of dropped UDP datagrams, in each direction. Each run drops the same datagrams.
     pub(crate) loss: u64,
     /// HTTP: redirects each request with this status to a prefix, which the path and the query follow. The prefix is
@@ -87,7 +91,7 @@ impl Proxy {
     fn forward_datagrams(&self, front: &UdpSocket, back: &UdpSocket) -> io::Result<()> {
         let mut random = Random(1);
         let (mut datagram, mut client) = (vec![0; 1 << 16], None);
-        let [mut to_server, mut to_client] = self.delays.map(Delayed::new);
+        let [mut to_server, mut to_client] = self.delays.map(|delay| Delayed::new(delay, self.clock.clone()));
         front.set_read_timeout(Some(TURN))?;
         back.set_read_timeout(Some(TURN))?;
         loop {
@@ -137,12 +141,12 @@ impl Proxy {
     fn forward(&self, mut client: impl Read + Write, mut server: &TcpStream) -> io::Result<()> {
         let mut piece = [0; 1 << 14];
         let mut requests = Requests::default();
-        let [mut to_server, mut to_client] = self.delays.map(Delayed::new);
+        let [mut to_server, mut to_client] = self.delays.map(|delay| Delayed::new(delay, self.clock.clone()));
         server.set_nodelay(true)?;
         server.set_read_timeout(Some(TURN))?;
         let (mut is_open, mut is_sending) = (true, true);
         let (mut is_finished, mut is_answered) = (false, false);
-        while is_open || !to_client.0.is_empty() {
+        while is_open || !to_client.waiting.is_empty() {
             if is_open && is_sending {
                 match quiet(client.read(&mut piece))? {
                     // The client may still receive.
@@ -165,7 +169,7 @@ impl Proxy {
             while let Some(bytes) = to_server.pop() {
                 server.write_all(&bytes)?;
             }
-            if !is_sending && to_server.0.is_empty() && !std::mem::replace(&mut is_finished, true) {
+            if !is_sending && to_server.waiting.is_empty() && !std::mem::replace(&mut is_finished, true) {
                 // The server may have closed the connection.
                 let _ = server.shutdown(Shutdown::Write);
             }
@@ -255,20 +259,24 @@ impl Requests {
 }
 
 /// Bytes that are forwarded after a delay.
-struct Delayed(VecDeque<(Instant, Vec<u8>)>, Duration);
+struct Delayed {
+    waiting: VecDeque<(Instant, Vec<u8>)>,
+    delay: Duration,
+    clock: Clock,
+}
 
 impl Delayed {
-    fn new(delay: Duration) -> Self {
-        Self(VecDeque::new(), delay)
+    fn new(delay: Duration, clock: Clock) -> Self {
+        Self { waiting: VecDeque::new(), delay, clock }
     }
 
     fn push(&mut self, bytes: &[u8]) {
-        self.0.push_back((Instant::now() + self.1, bytes.to_vec()));
+        self.waiting.push_back((self.clock.now() + self.delay, bytes.to_vec()));
     }
 
     fn pop(&mut self) -> Option<Vec<u8>> {
-        let is_due = self.0.front().is_some_and(|(due, _)| *due <= Instant::now());
-        if is_due { self.0.pop_front().map(|(_, bytes)| bytes) } else { None }
+        let is_due = self.waiting.front().is_some_and(|(due, _)| *due <= self.clock.now());
+        if is_due { self.waiting.pop_front().map(|(_, bytes)| bytes) } else { None }
     }
 }
 

@@ -6,13 +6,13 @@ use std::net::{Shutdown, TcpListener, TcpStream};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Barrier, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
 
+use uavspec_conformance::clock::Clock;
 use uavspec_conformance::testee::{Options, Verdict, check, run};
 
 use super::lint::{assert_good, failed_checks, lint_testee};
 use super::{
-    Target, all_cases, culprit, failures, options, run_cases, short_timeout, some_cases, suite, testee,
+    Target, all_cases, culprit, failures, impatient, options, patiently, run_cases, some_cases, suite, testee,
 };
 
 /// Options of a server.
@@ -159,7 +159,8 @@ fn reports_the_case_that_closes_the_connection() {
 fn reports_the_case_that_hangs_over_a_connection() {
     let id = some_cases()[4].to_string();
     let server = Server::listen(&["hang", &id], None);
-    let (verdict, _) = culprit("hang", |_| attached(&server.address(), short_timeout(&[])));
+    let attached = |clock: &Clock| attached(&server.address(), impatient(&[], clock));
+    let (verdict, _) = patiently(|clock| culprit("hang", |_| attached(clock)));
     assert!(matches!(verdict, Verdict::TimedOut { .. }), "{verdict:?}");
 }
 
@@ -173,12 +174,11 @@ fn waits_for_a_restarting_testee() {
     thread::spawn(move || {
         let mut listener = Some(listener);
         loop {
-            // The port is closed while a testee runs, and for some time afterwards.
+            // The port is closed while a testee runs.
             let here = listener.take().unwrap_or_else(|| TcpListener::bind(address).expect("the port again"));
             let (stream, _) = here.accept().expect("a connection");
             drop(here);
             own.serve(&stream);
-            thread::sleep(Duration::from_millis(200));
         }
     });
     let (verdict, _) = culprit("crash", |_| attached(&address.to_string(), options(&[])));
@@ -197,7 +197,7 @@ fn gives_up_if_the_testee_does_not_come_back() {
         drop(listener);
         service.serve(&stream);
     });
-    let options = Options { start_timeout: Duration::from_secs(10), ..attached(&address, options(&[])) };
+    let options = Options { clock: Clock::simulated(), ..attached(&address, options(&[])) };
     let outcome = run_cases(&some_cases(), &options);
     let why = outcome.gave_up.as_ref().expect("a reason");
     assert!(why.starts_with(&format!("can't connect to {address}: ")), "{why}");
@@ -244,7 +244,8 @@ fn lints_testees_over_connections() {
     {
         let server = Server::listen(&[mode], None);
         let only = [check(expected).expect("a check"), check("not-json").expect("a check")];
-        let found = lint_testee(&attached(&server.address(), short_timeout(&[])), &only);
+        let lint = |clock: &Clock| lint_testee(&attached(&server.address(), impatient(&[], clock)), &only);
+        let found = patiently(lint);
         assert_eq!(failed_checks(&found), BTreeSet::from([expected]), "{mode}");
     }
 }

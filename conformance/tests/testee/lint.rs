@@ -9,7 +9,7 @@ use serde_json::Value;
 use uavspec_conformance::check::parallel;
 use uavspec_conformance::testee::{CHECKS, Check, LintResult, Options, check, lint};
 
-use super::{options, short_timeout, suite, testee};
+use super::{impatient, options, patiently, suite, testee};
 
 /// Modes that always misbehave in the same way, with all checks that fail.
 const DETERMINISTIC: &[(&[&str], &[&str])] = &[
@@ -94,20 +94,24 @@ fn accepts_split_writes_long_standard_error_and_any_order() {
 
 #[test]
 fn each_mode_fails_exactly_its_checks() {
-    let try_one = |(mode, _): &(&[&str], _)| lint_testee(&short_timeout(mode), &[]);
-    parallel::each(DETERMINISTIC, None, try_one, |(mode, expected), found| {
-        assert_eq!(failed_checks(&found), expected.iter().copied().collect(), "{mode:?}");
+    patiently(|clock| {
+        let try_one = |(mode, _): &(&[&str], _)| lint_testee(&impatient(mode, clock), &[]);
+        parallel::each(DETERMINISTIC, None, try_one, |(mode, expected), found| {
+            assert_eq!(failed_checks(&found), expected.iter().copied().collect(), "{mode:?}");
+        });
     });
 }
 
 #[test]
 fn detects_unpredictable_testees() {
-    let try_one = |(mode, expected): &(&[&str], &[&str])| {
-        let only: Vec<&Check> = expected.iter().map(|id| check(id).expect("a check")).collect();
-        lint_testee(&short_timeout(mode), &only)
-    };
-    parallel::each(UNPREDICTABLE, None, try_one, |(mode, expected), found| {
-        assert_eq!(failed_checks(&found), expected.iter().copied().collect(), "{mode:?}");
+    patiently(|clock| {
+        let try_one = |(mode, expected): &(&[&str], &[&str])| {
+            let only: Vec<&Check> = expected.iter().map(|id| check(id).expect("a check")).collect();
+            lint_testee(&impatient(mode, clock), &only)
+        };
+        parallel::each(UNPREDICTABLE, None, try_one, |(mode, expected), found| {
+            assert_eq!(failed_checks(&found), expected.iter().copied().collect(), "{mode:?}");
+        });
     });
 }
 

@@ -101,8 +101,8 @@ fn controls(site: &Site<'_>, message: &Message, depth: usize) -> usize {
 /// The fields of a message in declaration order, as in JSON.
 fn fields(site: &Site<'_>, id: MessageId, layout: &UorbLayout) -> Vec<Json> {
     let fields = 0..site.schema.message(id).fields.len();
-    let offset = |index| layout.slots.iter().find(|slot| slot.field == Some(index)).map(|slot| slot.offset);
-    fields.map(|index| field(site, id, index, offset(index))).collect()
+    let offsets = layout.offsets();
+    fields.map(|index| field(site, id, index, offsets.get(&index).copied())).collect()
 }
 
 fn field(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>) -> Json {
@@ -156,9 +156,9 @@ fn short(text: Localized<'_>) -> Json {
 /// The value, name and description of each enum member. Aliases are skipped.
 fn values(site: &Site<'_>, reference: EnumRef) -> Json {
     let found = site.schema.enumeration(reference);
-    let members = found.members.iter().filter(|member| found.alias_of(member).is_none());
+    let members = found.with_aliases().filter(|(_, alias_of)| alias_of.is_none());
     members
-        .map(|member| {
+        .map(|(member, _)| {
             let description =
                 short(site.localized_of(reference.message, MessageText::Constant(member.constant)));
             json!([member.value.to_string(), member.name, description])

@@ -1,5 +1,7 @@
 //! Declarations in Python syntax.
 
+use std::collections::HashSet;
+
 use super::text;
 use super::types::{is_attribute, ty, value, words};
 use super::uses::Uses;
@@ -56,9 +58,9 @@ pub(super) fn named(members: &[Named], separator: &str) -> Vec<String> {
 fn record(name: &str, documentation: &str, properties: &[Property], uses: &mut Uses) -> String {
     uses.recent.insert("TypedDict");
     let types: Vec<String> = properties.iter().map(|property| property_type(property, uses)).collect();
-    let is_word = |key: &str| types.iter().any(|ty| words(ty).any(|word| word == key));
+    let used: HashSet<&str> = types.iter().flat_map(|ty| words(ty)).collect();
     // In a class body, an attribute name would shadow the name of a type.
-    if properties.iter().all(|property| is_attribute(&property.key) && !is_word(&property.key)) {
+    if properties.iter().all(|property| is_attribute(&property.key) && !used.contains(&*property.key)) {
         let members: Vec<String> = properties
             .iter()
             .zip(&types)

@@ -34,9 +34,9 @@ pub(super) fn tokens(owner: &Message, found: &Enum, name: &Ident) -> TokenStream
     let doc = documentation(&format!("{what} of {owner_text}.\n\n{rest}"));
     let primitive = types::primitive(found.scalar);
     let names = member_names(found);
-    let constants = found.members.iter().zip(&names).map(|(member, name)| {
+    let constants = found.with_aliases().zip(&names).map(|((member, alias_of), name)| {
         let mut text = constant_text(&owner.constants[member.constant]);
-        if let Some(first) = found.alias_of(member) {
+        if let Some(first) = alias_of {
             let _ = write!(text, "\n\nAlias of `{}`.", first.name);
         }
         let doc = documentation(&text);

@@ -1,5 +1,6 @@
 //! Messages: struct, constants, traits, codecs, flags and enums.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use proc_macro2::{Ident, TokenStream};
@@ -13,7 +14,7 @@ use super::{enumeration, types};
 use crate::prose;
 use uavspec_runtime::{Number, Scalar};
 
-use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape};
+use crate::schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape, UorbLayout};
 use crate::unit;
 use crate::value::Value;
 
@@ -29,6 +30,7 @@ pub(super) fn tokens(context: &Context<'_>, id: MessageId) -> TokenStream {
         message,
         name: ident(&context.place(id).type_name),
         fields: field_names(message),
+        offsets: message.uorb.as_ref().map(UorbLayout::offsets).unwrap_or_default(),
     };
     let definition = parts.definition();
     let default = parts.default();
@@ -51,6 +53,8 @@ struct Parts<'c> {
     message: &'c Message,
     name: Ident,
     fields: Vec<Ident>,
+    /// The offsets of the fields in memory, by index.
+    offsets: BTreeMap<usize, usize>,
 }
 
 /// The names of the fields of the struct.
@@ -97,15 +101,15 @@ impl Parts<'_> {
     /// Constants outside enums.
     fn constants(&self) -> Option<TokenStream> {
         let Self { name, message, .. } = self;
-        let is_member = |index: usize| {
-            message.enums.iter().flat_map(|found| &found.members).any(|member| member.constant == index)
-        };
+        let enums = message.enums.iter();
+        let members: BTreeSet<usize> =
+            enums.flat_map(|found| &found.members).map(|member| member.constant).collect();
         let mut scope = Scope::default();
         let constants: Vec<TokenStream> = message
             .constants
             .iter()
             .enumerate()
-            .filter(|(index, _)| !is_member(*index))
+            .filter(|(index, _)| !members.contains(index))
             .map(|(_, constant)| {
                 let name = ident(&scope.unique(&upper_case(&constant.name)));
                 let doc = documentation(&constant_text(constant));
@@ -146,7 +150,7 @@ impl Parts<'_> {
 
     /// The macro call that declares the fields and implements the codecs.
     fn record(&self) -> TokenStream {
-        let Self { context, id, message, name, fields } = self;
+        let Self { context, id, message, name, fields, .. } = self;
         let views = message.fields.iter().map(|field| {
             let view = message.uorb.as_ref().map(|_| types::view(context, *id, field));
             view.map(|view| quote!(: #view))
@@ -173,9 +177,7 @@ impl Parts<'_> {
         let Self { context, id, message, .. } = self;
         let field = &message.fields[index];
         let name = &field.name;
-        let slots = message.uorb.iter().flat_map(|layout| &layout.slots);
-        let slot = slots.into_iter().find(|slot| slot.field == Some(index));
-        let offset = types::integer(slot.map_or(0, |slot| slot.offset) as i128);
+        let offset = types::integer(self.offsets.get(&index).copied().unwrap_or(0) as i128);
         let is_text = field.is_text(types::dialect(context, *id));
         let element = match field.ty.element {
             Element::Scalar(_) if is_text => quote!(text(#name, #offset)),
@@ -236,7 +238,7 @@ impl Parts<'_> {
 
     /// The defmt format string. Because the string is a single literal, it is stored only on the host.
     fn format(&self) -> TokenStream {
-        let Self { context, id, message, name, fields } = self;
+        let Self { context, id, message, name, fields, .. } = self;
         let dialect = types::dialect(context, *id);
         let mut words = vec![message.name.clone()];
         for (index, field) in message.fields.iter().enumerate() {

@@ -154,7 +154,7 @@ impl<'s> NumberSamples<'s> {
             return;
         };
         let (kind, words) = if found.is_flags { ("flag", "the flag") } else { ("enum", "the value") };
-        for member in found.members.iter().filter(|member| found.alias_of(member).is_none()) {
+        for (member, _) in found.with_aliases().filter(|(_, alias_of)| alias_of.is_none()) {
             let name = format!("{kind}-{}", member.name);
             self.push(name, format!("{words} {}", member.name), Number::Int(member.value));
         }

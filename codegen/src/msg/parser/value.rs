@@ -1,8 +1,10 @@
 //! The values of constants and the defaults of fields.
 
+use std::ops::Range;
+
 use uavspec_runtime::Scalar;
 
-use super::{Invalid, LineParser};
+use super::{Invalid, LineParser, PX4_GENERATOR, ROSIDL};
 use crate::diagnostic::Problem;
 use crate::msg::ast::{Constant, ConstantType, Element, Field, Name, Shape, Type};
 use crate::msg::kind::Dialect;
@@ -44,12 +46,32 @@ impl<'s> LineParser<'s, '_> {
 
     /// Reads a quoted string, or the text up to a comment.
     fn string(&mut self) -> Result<String, Invalid> {
+        let start = self.at;
         if !self.rest().starts_with(['"', '\'']) {
-            return Ok(self.word(|c| c != '#').trim_end().to_owned());
+            let text = self.word(|c| c != '#').trim_end().to_owned();
+            self.check_string(start..start + text.len(), false);
+            return Ok(text);
         }
         let quoted = self.quoted()?;
+        self.check_string(start..self.at, false);
         self.expect_end()?;
         Ok(quoted)
+    }
+
+    /// Reports a string that rosidl reads otherwise, or rejects.
+    fn check_string(&mut self, range: Range<usize>, is_default: bool) {
+        let text = &self.line[range.clone()];
+        let hint = if text.contains('#') {
+            "rosidl ends the line at the `#`, even in quotes; choose a value without it"
+        } else if is_default && text.contains('=') {
+            "rosidl reads a constant because of the `=`, even in quotes; choose a value without it"
+        } else if text.contains('\t') {
+            "rosidl replaces the tab with a space; write `\\t`"
+        } else {
+            return;
+        };
+        let problem = Problem::NotPortable { tool: ROSIDL, text: text.to_owned(), instead: None };
+        self.report_with(problem, self.span.part(range), hint);
     }
 
     /// Reads the default of a string without quotes.
@@ -59,7 +81,7 @@ impl<'s> LineParser<'s, '_> {
         if text.contains('=') {
             let span = self.span.part(start..start + text.len());
             let problem = Problem::InvalidLiteral { text, type_name: "string".to_owned() };
-            let hint = "write the value in quotes; rosidl reads a constant because of the `=`";
+            let hint = "rosidl reads a constant because of the `=`; choose a value without it";
             return Err(self.report_with(problem, span, hint));
         }
         Ok(text)
@@ -98,7 +120,9 @@ impl<'s> LineParser<'s, '_> {
                         Some(instead) => format!("write `{instead}`"),
                         None => "PX4 truncates every constant to an integer".to_owned(),
                     };
-                    self.report_with(Problem::NotPortable { text: text.to_owned(), instead }, span, hint);
+                    let text = text.to_owned();
+                    let problem = Problem::NotPortable { tool: PX4_GENERATOR, text, instead };
+                    self.report_with(problem, span, hint);
                 }
                 Ok(value)
             }
@@ -148,6 +172,7 @@ impl<'s> LineParser<'s, '_> {
                 } else {
                     self.unquoted(within)?
                 };
+                self.check_string(start..start + self.line[start..self.at].trim_end().len(), true);
                 let length = text.chars().count();
                 if bound.is_some_and(|bound| length > bound as usize) {
                     let span = self.span.part(start..self.at);

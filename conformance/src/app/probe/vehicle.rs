@@ -2,7 +2,7 @@
 
 use std::net::IpAddr;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use globset::{Glob, GlobSet, GlobSetBuilder};
@@ -15,6 +15,7 @@ use crate::app::test::seconds;
 use crate::app::{Status, interrupt, library};
 use crate::bus::{self, Address};
 use crate::check::Checked;
+use crate::clock::Clock;
 use crate::probe;
 use crate::report::CheckedCapture;
 use crate::rules::px4::Side;
@@ -135,7 +136,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         record: args.record.clone(),
         is_stopped: Box::new(move || stopped.is_requested()),
     };
-    let started = Instant::now();
+    let started = Clock::real().now();
     let progress = Progress::time();
     let total = usize::try_from(options.time.as_millis()).unwrap_or(usize::MAX);
     let probed = probe(&mut *bus, &library, &options, &|state| {
@@ -156,7 +157,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         notes: note.flatten().into_iter().collect(),
         requests: Vec::new(),
         cut_short: Vec::new(),
-        elapsed: started.elapsed().as_millis(),
+        elapsed: (Clock::real().now() - started).as_millis(),
     };
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !stop.is_requested();

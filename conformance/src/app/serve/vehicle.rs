@@ -1,7 +1,6 @@
 //! `uavspec serve --px4`.
 
 use std::sync::mpsc::{TryRecvError, channel};
-use std::time::Instant;
 
 use serde_json::json;
 use uavspec_codegen::msg::Dialect;
@@ -10,6 +9,7 @@ use super::bug::{self, ServedBug};
 use super::{ServeArgs, end_on_request};
 use crate::app::{Format, Status, library};
 use crate::bus::{self, Address};
+use crate::clock::Clock;
 use crate::definitions::Library;
 use crate::rules::px4::Side;
 use crate::text::terminal;
@@ -43,10 +43,10 @@ fn run(args: &ServeArgs, address: &Address, library: &Library) -> Result<(), Str
         }
     }
     bug::announce(args.bug);
-    let started = Instant::now();
+    let started = Clock::real().now();
     let is_over = || {
         let is_requested = ending.try_recv() != Err(TryRecvError::Empty);
-        is_requested || args.time.is_some_and(|time| started.elapsed() >= time)
+        is_requested || args.time.is_some_and(|time| Clock::real().now() >= started + time)
     };
     let bug = args.bug.and_then(ServedBug::of_vehicle);
     vehicle::serve(&mut *bus, library, &args.namespace, side, bug, &is_over)

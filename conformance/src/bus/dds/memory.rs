@@ -6,6 +6,8 @@
 
 use std::time::{Duration, Instant};
 
+use crate::clock::Clock;
+
 /// The growth of memory at which the connection ends, in bytes. Subscribers of several cameras need less.
 const MAX_GROWTH: u64 = 2 << 30;
 
@@ -29,15 +31,15 @@ impl Memory {
     pub(crate) fn start() -> Self {
         let start = used().unwrap_or(0);
         limit(start);
-        Self { start, next: Instant::now() }
+        Self { start, next: Clock::real().now() }
     }
 
     /// Fails if too much memory is used.
     pub(crate) fn check(&mut self) -> Result<(), String> {
-        if Instant::now() < self.next {
+        if Clock::real().now() < self.next {
             return Ok(());
         }
-        self.next = Instant::now() + INTERVAL;
+        self.next = Clock::real().now() + INTERVAL;
         let growth = used().unwrap_or(0).saturating_sub(self.start);
         if growth <= MAX_GROWTH {
             return Ok(());
@@ -83,7 +85,7 @@ mod tests {
             // Reserved, but never touched.
             let reserved: Vec<u8> =
                 Vec::with_capacity(usize::try_from(MAX_GROWTH).expect("a size") + (512 << 20));
-            memory.next = Instant::now();
+            memory.next = Clock::real().now();
             assert!(memory.check().is_err(), "{}", reserved.capacity());
         }
     }

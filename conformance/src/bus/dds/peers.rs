@@ -5,7 +5,8 @@
 
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddrV4, UdpSocket};
-use std::time::{SystemTime, UNIX_EPOCH};
+
+use crate::clock::Clock;
 
 /// The number of participants that are found on a peer.
 const PARTICIPANTS: u16 = 10;
@@ -96,7 +97,7 @@ fn announcement(identity: &Identity, local: Ipv4Addr, sequence: u32) -> Vec<u8> 
 
 /// The time, in seconds and fractions of 2^-32 s.
 fn timestamp() -> [u8; 8] {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let now = Clock::real().since_1970();
     let fraction = (u64::from(now.subsec_nanos()) << 32) / 1_000_000_000;
     let ticks = (now.as_secs() << 32) | fraction;
     ticks.rotate_left(32).to_le_bytes()

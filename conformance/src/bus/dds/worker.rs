@@ -22,6 +22,7 @@ use super::partitions::Partitions;
 use super::peers::Announcer;
 use super::reader::Readers;
 use super::source::Source;
+use crate::clock::Clock;
 use crate::model::{Endpoint, EndpointKind, Qos};
 use crate::net::open_files;
 
@@ -156,7 +157,7 @@ impl State {
     /// Works until the bus is dropped. An error is the reason why the connection ended.
     fn work(&mut self) -> Result<(), String> {
         let mut events = Events::with_capacity(256);
-        let mut next = Instant::now();
+        let mut next = Clock::real().now();
         loop {
             self.wait(&mut events, next)?;
             self.memory.check()?;
@@ -164,9 +165,9 @@ impl State {
                 return Ok(());
             }
             self.read_status()?;
-            if Instant::now() >= next {
+            if Clock::real().now() >= next {
                 self.compare()?;
-                next = Instant::now() + PERIOD;
+                next = Clock::real().now() + PERIOD;
             }
             self.read_messages();
         }
@@ -179,7 +180,7 @@ impl State {
         } else if self.has_more_topics {
             PAUSE
         } else {
-            until.saturating_duration_since(Instant::now()).min(memory::INTERVAL)
+            Clock::real().left(until).min(memory::INTERVAL)
         };
         match self.poll.poll(events, Some(timeout)) {
             Err(error) if error.kind() != io::ErrorKind::Interrupted => {

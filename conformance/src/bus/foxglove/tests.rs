@@ -2,7 +2,8 @@ use std::time::Duration;
 
 use super::*;
 use crate::bus::Encoding;
-use crate::bus::websocket::tests::{Peer, events, problems, raw_server, send, server, soon, text, topic};
+use crate::bus::websocket::tests::{Peer, events, problems, raw_server, send, server, text, topic};
+use crate::tests::support::deadline;
 
 const INFO: &str =
     r#"{"op":"serverInfo","name":"x","capabilities":["clientPublish"],"supportedEncodings":["cdr"]}"#;
@@ -23,7 +24,7 @@ fn channel(id: u64, name: &str, encoding: &str) -> String {
 }
 
 fn error(address: &Address, limit: Duration) -> String {
-    Foxglove::connect_until(address, Instant::now() + limit).err().expect("an error")
+    Foxglove::connect_until(address, Clock::real().now() + limit).err().expect("an error")
 }
 
 #[test]
@@ -204,10 +205,10 @@ fn fails_to_publish_to_a_server_that_does_not_read() {
 fn returns_no_event_if_nothing_happens() {
     let (done, wait) = std::sync::mpsc::channel::<()>();
     let mut bus = client(move |_| _ = wait.recv());
-    assert!(bus.receive(Instant::now() + Duration::from_millis(50)).is_none());
+    assert!(bus.receive(Clock::real().now() + Duration::from_millis(50)).is_none());
     drop(done);
-    assert!(matches!(bus.receive(soon()), Some(Event::Closed(_))));
-    assert!(bus.receive(soon()).is_none());
+    assert!(matches!(bus.receive(deadline()), Some(Event::Closed(_))));
+    assert!(bus.receive(deadline()).is_none());
 }
 
 /// A server in Python, which ends when it is dropped.
@@ -238,11 +239,11 @@ fn the_foxglove_sdk_receives_published_messages() {
     let free = std::net::TcpListener::bind(("127.0.0.1", 0)).and_then(|listener| listener.local_addr());
     let address = Address { host: "127.0.0.1".to_owned(), port: free.expect("a port").port() };
     let _server = PythonServer::start(address.port);
-    let end = Instant::now() + Duration::from_secs(60);
+    let end = Clock::real().now() + Duration::from_secs(60);
     let mut bus = loop {
         match Foxglove::connect(&address) {
             Ok(bus) => break bus,
-            Err(problem) => assert!(Instant::now() < end, "{problem}"),
+            Err(problem) => assert!(Clock::real().now() < end, "{problem}"),
         }
     };
     bus.subscribe(&topic("/echo"), &Qos::WEAKEST).expect("subscribe");
@@ -250,10 +251,10 @@ fn the_foxglove_sdk_receives_published_messages() {
         Topic { type_name: "px4_msgs/msg/ArmingCheckReply".into(), ..topic("/fmu/in/arming_check_reply") };
     let publisher = bus.advertise(&reply, &Qos::PX4).expect("advertise");
     // The server doesn't store messages, and the subscription may be pending.
-    let end = soon();
-    while Instant::now() < end {
+    let end = deadline();
+    while Clock::real().now() < end {
         bus.publish(publisher, b"\0\x01\0\0reply").expect("publish");
-        let until = Instant::now() + Duration::from_millis(100);
+        let until = Clock::real().now() + Duration::from_millis(100);
         while let Some(event) = bus.receive(until) {
             match event {
                 Event::Message(message) => {

@@ -1,5 +1,6 @@
 use super::*;
-use crate::bus::websocket::tests::{Peer, events, problems, send, server, soon, text, topic};
+use crate::bus::websocket::tests::{Peer, events, problems, send, server, text, topic};
+use crate::tests::support::deadline;
 
 const CALL: &str = r#"{"op":"call_service","id":"topics","service":"/rosapi/topics","args":{}}"#;
 
@@ -111,7 +112,7 @@ fn subscribes_to_named_topics_without_rosapi_until_messages_arrive() {
         send(peer, &[r#"{"op":"publish","topic":"/a","msg":{}}"#]);
     });
     let mut bus = Rosbridge::connect(&peer, &["/a".to_owned()]).expect("connect");
-    let problem = bus.receive(Instant::now() + Duration::from_secs(20));
+    let problem = bus.receive(deadline());
     let Some(Event::Problem(problem)) = problem else { panic!("{problem:?}") };
     assert!(problem.contains("names without patterns"), "{problem}");
     bus.subscribe_names();
@@ -123,7 +124,7 @@ fn subscribes_to_named_topics_without_rosapi_until_messages_arrive() {
 #[test]
 fn reports_a_rosapi_that_does_not_answer() {
     let mut bus = client(|_| ());
-    bus.listing = Instant::now().checked_sub(LIST_LIMIT).map(Listing::Requested).expect("a time");
+    bus.listing = Clock::real().now().checked_sub(LIST_LIMIT).map(Listing::Requested).expect("a time");
     let events = events(&mut bus);
     assert!(problems(&events)[0].contains("no answer within 10s"), "{events:?}");
 }
@@ -136,14 +137,14 @@ fn asks_again_after_a_failure() {
         assert_eq!(text(peer), CALL);
         send(peer, &[&list_of(r#"["/a"]"#, r#"["a/msg/B"]"#)]);
     });
-    let problem = bus.receive(soon());
+    let problem = bus.receive(deadline());
     assert!(
         matches!(&problem, Some(Event::Problem(text)) if text.contains("1 topics but 0 types")),
         "{problem:?}"
     );
     bus.fail("a second failure isn't reported");
-    bus.listing = Listing::Due(Instant::now());
-    let found = bus.receive(soon());
+    bus.listing = Listing::Due(Clock::real().now());
+    let found = bus.receive(deadline());
     assert!(matches!(found, Some(Event::Endpoint(_))), "{found:?}");
     assert!(!bus.has_failed);
 }
@@ -156,11 +157,11 @@ fn accepts_a_late_list() {
         let _ = wait.recv();
         send(peer, &[&list_of(r#"["/a"]"#, r#"["a/msg/B"]"#)]);
     });
-    assert!(bus.receive(Instant::now() + Duration::from_millis(50)).is_none());
-    bus.listing = Instant::now().checked_sub(LIST_LIMIT).map(Listing::Requested).expect("a time");
-    assert!(matches!(bus.receive(soon()), Some(Event::Problem(_))));
+    assert!(bus.receive(Clock::real().now() + Duration::from_millis(50)).is_none());
+    bus.listing = Clock::real().now().checked_sub(LIST_LIMIT).map(Listing::Requested).expect("a time");
+    assert!(matches!(bus.receive(deadline()), Some(Event::Problem(_))));
     drop(timed_out);
-    assert!(matches!(bus.receive(soon()), Some(Event::Endpoint(_))));
+    assert!(matches!(bus.receive(deadline()), Some(Event::Endpoint(_))));
     assert!(!bus.has_failed);
 }
 

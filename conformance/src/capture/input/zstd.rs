@@ -52,7 +52,16 @@ mod tests {
     fn reads_consecutive_frames() {
         let (first, second) = (b"one ".repeat(50_000), b"two".repeat(7));
         let skipped = b"\x5a\x2a\x4d\x18\x03\0\0\0abc".to_vec();
-        let packed = [skipped.clone(), zstd(&first), skipped.clone(), zstd(b""), zstd(&second), skipped];
+        let packed = [
+            skipped.clone(),
+            zstd(&first),
+            skipped.clone(),
+            zstd(b""),
+            vec![0; 9],
+            zstd(&second),
+            skipped,
+            vec![0],
+        ];
         assert_eq!(decompressed(&packed.concat()).expect("frames"), [&first[..], &second].concat());
         assert_eq!(decompressed(b"").expect("no frame"), b"");
     }
@@ -60,9 +69,13 @@ mod tests {
     #[test]
     fn reports_invalid_data_after_a_frame() {
         let packed = zstd(b"text");
-        for rest in
-            [&b"no frame"[..], &[0; 8], &MAGIC[..2], &zstd(b"more")[..7], b"\x50\x2a\x4d\x18\x09\0\0\0abc"]
-        {
+        for rest in [
+            &b"no frame"[..],
+            b"\0\0\x28",
+            &MAGIC[..2],
+            &zstd(b"more")[..7],
+            b"\x50\x2a\x4d\x18\x09\0\0\0abc",
+        ] {
             assert!(decompressed(&[&packed[..], rest].concat()).is_err(), "{}", rest.escape_ascii());
         }
     }

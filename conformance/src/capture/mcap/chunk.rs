@@ -31,9 +31,18 @@ pub(super) enum Records {
 
 /// The next item of a chunk.
 pub(super) enum Next {
-    Record { opcode: u8, length: usize },
-    Passed,
-    TooLong { opcode: u8, length: u64 },
+    Record {
+        opcode: u8,
+        length: usize,
+    },
+    /// A record that isn't allowed in a chunk, or whose kind is unknown.
+    Passed {
+        opcode: u8,
+    },
+    TooLong {
+        opcode: u8,
+        length: u64,
+    },
     Corrupt,
     End,
 }
@@ -56,7 +65,7 @@ pub(super) fn next_record<R: Read>(window: &mut Window<R>, left: u64) -> io::Res
         return Ok(match (is_there, is_wanted) {
             (false, _) => Next::Corrupt,
             (true, true) => Next::TooLong { opcode, length },
-            (true, false) => Next::Passed,
+            (true, false) => Next::Passed { opcode },
         });
     }
     // The length is within the limit, so it fits into a `usize`.

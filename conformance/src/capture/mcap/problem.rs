@@ -77,12 +77,40 @@ pub(crate) enum Problem {
         /// The checksum of the records.
         found: u32,
     },
-    /// The checksum of the data section is wrong.
-    DataChecksum {
+    /// The checksum of a part of the file is wrong.
+    Checksum {
+        /// The part.
+        part: &'static str,
         /// The checksum in the file.
         stated: u32,
         /// The checksum of the bytes.
         found: u32,
+    },
+    /// A record of an unknown kind, or of a kind that isn't allowed in this part of the file.
+    Misplaced {
+        /// The opcode.
+        opcode: u8,
+    },
+    /// The footer states another start of the summary.
+    SummaryStart {
+        /// The offset in the footer.
+        stated: u64,
+        /// The offset of the summary.
+        found: u64,
+    },
+    /// A number in the statistics differs from the number of records in the file.
+    Count {
+        /// The kind of the records.
+        noun: &'static str,
+        /// The number in the statistics.
+        stated: u64,
+        /// The number of records.
+        found: u64,
+    },
+    /// An index doesn't list the records in the file.
+    Index {
+        /// The kind of the records.
+        noun: &'static str,
     },
 }
 
@@ -120,11 +148,16 @@ impl Problem {
     pub(crate) fn extent(&self) -> Extent {
         match self {
             Self::Truncated { .. } | Self::NoEnd => Extent::EndsEarly,
-            Self::NoHeader | Self::AfterEnd { .. } => Extent::Whole,
-            Self::NoMagic
+            Self::NoHeader
+            | Self::AfterEnd { .. }
+            | Self::Misplaced { .. }
+            | Self::SummaryStart { .. }
+            | Self::Count { .. }
+            | Self::Index { .. }
+            | Self::NoMagic
             | Self::ChunkSize { .. }
             | Self::ChunkChecksum { .. }
-            | Self::DataChecksum { .. }
+            | Self::Checksum { .. }
             | Self::Skipped { .. }
             | Self::Unreadable { .. }
             | Self::TooLong { .. }
@@ -158,7 +191,7 @@ impl fmt::Display for Problem {
             Self::Unreadable { opcode } => {
                 write!(
                     formatter,
-                    "{} is unreadable: it contains invalid UTF-8 or a duplicate key",
+                    "{} is unreadable: it is too short, or contains invalid UTF-8 or a duplicate key",
                     Kind(*opcode)
                 )
             }
@@ -196,10 +229,26 @@ impl fmt::Display for Problem {
                 formatter,
                 "a chunk has the checksum {found:08x}, but its header says {stated:08x}: its content was changed"
             ),
-            Self::DataChecksum { stated, found } => write!(
+            Self::Checksum { part, stated, found } => write!(
                 formatter,
-                "the data has the checksum {found:08x}, but the file says {stated:08x}: its content was changed"
+                "the {part} has the checksum {found:08x}, but the file says {stated:08x}: its content was changed"
             ),
+            Self::Misplaced { opcode } => {
+                write!(formatter, "{} isn't expected in this part of the file", Kind(*opcode))
+            }
+            Self::SummaryStart { stated, found } => write!(
+                formatter,
+                "the summary starts at byte {}, but the footer says byte {}",
+                Grouped(*found),
+                Grouped(*stated)
+            ),
+            Self::Count { noun, stated, found } => write!(
+                formatter,
+                "the statistics of the file count {} {noun}, but it contains {}",
+                Grouped(*stated),
+                Grouped(*found)
+            ),
+            Self::Index { noun } => write!(formatter, "the index of the {noun} doesn't match them"),
         }
     }
 }

@@ -6,11 +6,12 @@ use std::mem;
 
 use mcap::records::{Record, op};
 
+use super::census::Census;
 use super::chunk::{Chunk, Next, Records, next_record};
 use super::problem::Malformed;
 use super::sound::{
-    self, ChunkHead, HEAD, MAX_CHUNK_HEAD, can_be, can_follow, has_parts, is_attachment, is_private,
-    is_sound, message,
+    self, ChunkHead, HEAD, MAX_CHUNK_HEAD, Parts, attachment_checksum, can_be, can_follow, has_parts,
+    is_private, is_sound, message,
 };
 use super::unpack::{Packing, Unpacker};
 use super::window::Window;
@@ -32,6 +33,15 @@ pub(crate) struct Reader<R> {
     /// The problems to return before the next record.
     problems: VecDeque<(u64, Problem)>,
     declared: Declared,
+    census: Census,
+    /// The offset of the current file. Another file may follow its end.
+    start: u64,
+    /// True if the header of the current file was read.
+    has_header: bool,
+    /// The offset of the summary in the current file, once it has been reached.
+    summary: Option<u64>,
+    /// True if the current file had no problems so far.
+    is_sound: bool,
     /// A reusable buffer for compressed chunks.
     room: Vec<u8>,
 }
@@ -43,6 +53,8 @@ struct Attachment {
     length: u64,
     /// The position of the cursor in the body.
     at: u64,
+    /// The position of the checksum in the body.
+    checksum_at: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +68,12 @@ enum Stage {
 /// The ids of declared channels.
 #[derive(Debug)]
 struct Declared(Box<[u64; 1 << 10]>);
+
+impl Default for Declared {
+    fn default() -> Self {
+        Self(Box::new([0; 1 << 10]))
+    }
+}
 
 impl Declared {
     fn insert(&mut self, id: u16) {
@@ -91,7 +109,12 @@ impl<R: Read> Reader<R> {
             chunk: None,
             attachment: None,
             problems: VecDeque::new(),
-            declared: Declared(Box::new([0; 1 << 10])),
+            declared: Declared::default(),
+            census: Census::default(),
+            start: 0,
+            has_header: false,
+            summary: None,
+            is_sound: true,
             room: Vec::new(),
         }
     }
@@ -102,7 +125,7 @@ impl<R: Read> Reader<R> {
     }
 
     /// The next problem or relevant record. All records are relevant, except the structure of the file, such as indexes.
-    /// `None` at the end.
+    /// A header is also that of another file, which follows the end of a file. `None` at the end.
     ///
     /// Fails if the input can't be read. The caller may try again.
     #[allow(clippy::should_implement_trait)] // an iterator's items can't borrow from it
@@ -137,9 +160,13 @@ impl<R: Read> Reader<R> {
         };
         let is_in_chunk = self.chunk.is_some();
         let packing = self.chunk.as_ref().and_then(|chunk| chunk.packing);
+        let is_in_summary = self.summary.is_some();
         if opcode == op::MESSAGE
             && let Some(event) = message(body)
         {
+            if let Event::Message { channel, time, .. } = event {
+                self.census.message(channel, time, is_in_chunk);
+            }
             return Item { offset, packing, event };
         }
         if opcode == op::METADATA {
@@ -152,10 +179,12 @@ impl<R: Read> Reader<R> {
             Ok(Record::Header(header)) => Event::Header { profile: header.profile, library: header.library },
             // The text of a schema is borrowed from the record.
             Ok(Record::Schema { header, data: std::borrow::Cow::Borrowed(text) }) => {
+                self.census.schema(header.id, is_in_summary);
                 Event::Schema { id: header.id, name: header.name, encoding: header.encoding, text }
             }
             Ok(Record::Channel(channel)) => {
                 self.declared.insert(channel.id);
+                self.census.channel(channel.id, is_in_summary);
                 Event::Channel {
                     id: channel.id,
                     schema: channel.schema_id,
@@ -170,17 +199,19 @@ impl<R: Read> Reader<R> {
     }
 
     /// Reads a part of an attachment. Returns its length; `None` at the end.
-    fn attachment_part(
-        &mut self,
-        Attachment { offset, length, at }: Attachment,
-    ) -> io::Result<Option<usize>> {
+    fn attachment_part(&mut self, attachment: Attachment) -> io::Result<Option<usize>> {
+        let Attachment { offset, length, at, checksum_at } = attachment;
         if at == length {
             self.attachment = None;
             return Ok(None);
         }
+        if at == checksum_at {
+            self.check_attachment(offset)?;
+        }
         self.file.require(1)?;
         let left = length - at;
-        let here = usize::try_from(left).unwrap_or(usize::MAX).min(self.file.ahead().len());
+        let until = if at < checksum_at { checksum_at - at } else { left };
+        let here = usize::try_from(until).unwrap_or(usize::MAX).min(self.file.ahead().len());
         if here == 0 {
             self.attachment = None;
             self.report(offset, Problem::Truncated { missing: left });
@@ -188,16 +219,33 @@ impl<R: Read> Reader<R> {
             return Ok(None);
         }
         self.file.advance(here);
-        self.attachment = Some(Attachment { offset, length, at: at + here as u64 });
+        self.attachment = Some(Attachment { at: at + here as u64, ..attachment });
         Ok(Some(here))
     }
 
-    fn lend_part(&self, Attachment { offset, length, at }: Attachment, here: usize) -> Item<'_> {
+    /// Verifies the checksum of an attachment at the cursor. A stored value of 0 means that there is no checksum.
+    fn check_attachment(&mut self, offset: u64) -> io::Result<()> {
+        let found = self.file.part_checksum();
+        self.file.require(4)?;
+        let stated = self.file.ahead().first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+        self.check_sum(offset, "attachment", stated, found);
+        Ok(())
+    }
+
+    /// Compares a checksum with the stated one. A stated value of 0 means that there is no checksum.
+    fn check_sum(&mut self, offset: u64, part: &'static str, stated: u32, found: u32) {
+        if stated != 0 && stated != found {
+            self.report(offset, Problem::Checksum { part, stated, found });
+        }
+    }
+
+    fn lend_part(&self, Attachment { offset, length, at, .. }: Attachment, here: usize) -> Item<'_> {
         let event = Event::Attachment { length, at, bytes: self.file.behind(here) };
         Item { offset, packing: None, event }
     }
 
     fn report(&mut self, offset: u64, problem: Problem) {
+        self.is_sound = false;
         self.problems.push_back((offset, problem));
     }
 
@@ -231,12 +279,15 @@ impl<R: Read> Reader<R> {
             op::CHUNK => self.open(offset, length)?,
             op::ATTACHMENT => {
                 self.file.require(LOOKAHEAD)?;
-                if !is_attachment(&self.file.ahead()[HEAD..], length) {
+                let Some(checksum_at) = attachment_checksum(&self.file.ahead()[HEAD..], length) else {
                     self.search(offset, Malformed::Parts { opcode })?;
                     return Ok(None);
-                }
+                };
+                self.expect(offset, opcode);
+                self.census.attachment(offset - self.start, HEAD as u64 + length);
                 self.file.advance(HEAD);
-                self.attachment = Some(Attachment { offset, length, at: 0 });
+                self.file.start_part();
+                self.attachment = Some(Attachment { offset, length, at: 0, checksum_at });
             }
             // The length was checked, so this doesn't overflow.
             _ => {
@@ -292,28 +343,90 @@ impl<R: Read> Reader<R> {
                 }
             }
         }
-        match opcode {
-            op::DATA_END => self.check_data(offset),
-            op::FOOTER => {
-                self.file.advance(end);
-                self.end()?;
-                return Ok(None);
-            }
-            _ => {}
+        self.expect(offset, opcode);
+        if opcode == op::FOOTER {
+            self.footer(offset, end);
+            self.end()?;
+            return Ok(None);
         }
+        self.count(offset, opcode, end);
         self.file.advance(end);
-        let is_wanted = is_private(opcode)
-            || matches!(opcode, op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA);
+        if opcode == op::DATA_END {
+            self.file.start_part();
+        }
+        let is_wanted = match opcode {
+            op::HEADER => !mem::replace(&mut self.has_header, true),
+            op::SCHEMA | op::CHANNEL | op::MESSAGE | op::METADATA => true,
+            opcode => is_private(opcode),
+        };
         Ok(is_wanted.then_some(Found { offset, opcode, length, is_packed: false }))
     }
 
-    /// Verifies the checksum of all bytes before the Data End record. A stored value of 0 means that there is no
-    /// checksum.
-    fn check_data(&mut self, offset: u64) {
-        let stated = self.file.ahead()[HEAD..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
-        let found = self.file.checksum();
-        if stated != 0 && stated != found {
-            self.report(offset, Problem::DataChecksum { stated, found });
+    /// Reports a record of an unknown kind, or in a part of the file where its kind isn't allowed.
+    fn expect(&mut self, offset: u64, opcode: u8) {
+        let is_in_summary = self.summary.is_some();
+        let is_expected = match opcode {
+            op::HEADER => !self.has_header,
+            op::SCHEMA | op::CHANNEL => true,
+            op::MESSAGE | op::CHUNK | op::MESSAGE_INDEX | op::ATTACHMENT | op::METADATA | op::DATA_END => {
+                !is_in_summary
+            }
+            op::CHUNK_INDEX
+            | op::ATTACHMENT_INDEX
+            | op::METADATA_INDEX
+            | op::STATISTICS
+            | op::SUMMARY_OFFSET
+            | op::FOOTER => is_in_summary,
+            opcode => is_private(opcode),
+        };
+        if !is_expected {
+            self.report(offset, Problem::Misplaced { opcode });
+        }
+    }
+
+    /// Counts the record at the cursor, whose end is given, and compares the end of the data with it.
+    fn count(&mut self, offset: u64, opcode: u8, end: usize) {
+        if opcode == op::DATA_END {
+            self.close_chunk();
+            let stated =
+                self.file.ahead()[HEAD..].first_chunk().map_or(0, |bytes| u32::from_le_bytes(*bytes));
+            let found = self.file.checksum();
+            self.check_sum(offset, "data", stated, found);
+            self.summary = Some(offset + end as u64);
+        }
+        let body = &self.file.ahead()[HEAD..end];
+        if let Some(problem) = self.census.record(opcode, offset - self.start, end as u64, body) {
+            self.report(offset, problem);
+        }
+    }
+
+    /// Compares the latest chunk with its indexes.
+    fn close_chunk(&mut self) {
+        if let Some((chunk, problem)) = self.census.close_chunk().filter(|_| self.is_sound) {
+            self.report(self.start + chunk, problem);
+        }
+    }
+
+    /// Reads the footer at the cursor, which ends after `end` bytes. Compares it, the statistics and the indexes with the
+    /// file.
+    fn footer(&mut self, offset: u64, end: usize) {
+        let mut parts = Parts(&self.file.ahead()[HEAD..end]);
+        let (stated, _, checksum) = (parts.u64(), parts.u64(), parts.u32());
+        // The checksum covers the fields before it.
+        let left = parts.0.len() + size_of::<u32>();
+        self.file.advance(end - left);
+        let found = self.file.part_checksum();
+        self.file.advance(left);
+        if !self.is_sound {
+            return;
+        }
+        self.check_sum(offset, "summary", checksum.unwrap_or_default(), found);
+        let summary = self.summary.unwrap_or(offset) - self.start;
+        if let Some(stated) = stated.filter(|stated| *stated != 0 && *stated != summary) {
+            self.report(offset, Problem::SummaryStart { stated, found: summary });
+        }
+        for problem in self.census.differences() {
+            self.report(offset, problem);
         }
     }
 
@@ -338,13 +451,36 @@ impl<R: Read> Reader<R> {
         } else {
             self.report(offset, Problem::NoEnd);
         }
-        let offset = self.file.offset();
-        let length = self.file.skip(u64::MAX)?;
-        if length > 0 {
-            self.report(offset, Problem::AfterEnd { length });
+        self.file.require(MAGIC.len())?;
+        if self.file.ahead().starts_with(&MAGIC) {
+            self.restart();
+            return Ok(());
         }
+        let (offset, mut is_empty) = (self.file.offset(), true);
         self.stage = Stage::End;
+        loop {
+            let length = self.file.ahead().len();
+            is_empty &= self.file.ahead().iter().all(|byte| *byte == 0);
+            self.file.advance(length);
+            self.file.require(1)?;
+            if self.file.ahead().is_empty() {
+                break;
+            }
+        }
+        // Some storage adds zeros.
+        if !is_empty {
+            self.report(offset, Problem::AfterEnd { length: self.file.offset() - offset });
+        }
         Ok(())
+    }
+
+    /// Continues with the file that starts at the cursor.
+    fn restart(&mut self) {
+        self.stage = Stage::Start;
+        self.start = self.file.offset();
+        self.file.restart();
+        (self.declared, self.census) = (Declared::default(), Census::default());
+        (self.has_header, self.summary, self.is_sound) = (false, None, true);
     }
 
     /// Skips bytes of the record at `offset`.
@@ -413,6 +549,11 @@ impl<R: Read> Reader<R> {
             self.report(offset, Problem::Packing { name });
             return self.skip(offset, HEAD as u64 + length);
         }
+        self.expect(offset, op::CHUNK);
+        let facts = [offset - self.start, HEAD as u64 + length, head.size, head.packed];
+        if let Some((chunk, problem)) = self.census.chunk(facts).filter(|_| self.is_sound) {
+            self.report(self.start + chunk, problem);
+        }
         self.file.advance(HEAD + head.length);
         self.file.start_part();
         let ChunkHead { size, checksum, added, packed, .. } = head;
@@ -452,6 +593,7 @@ impl<R: Read> Reader<R> {
                         // The missing bytes have been reported already.
                         if !*is_truncated {
                             let error = error.to_string();
+                            self.is_sound = false;
                             self.problems.push_back((chunk_offset, Problem::Unpack { unpacked, error }));
                         }
                         self.leave()?;
@@ -464,7 +606,7 @@ impl<R: Read> Reader<R> {
             Next::Record { opcode, length } => {
                 return Ok(Some(Found { offset: record_offset, opcode, length, is_packed }));
             }
-            Next::Passed => {}
+            Next::Passed { opcode } => self.report(record_offset, Problem::Misplaced { opcode }),
             Next::TooLong { opcode, length } => {
                 self.report(record_offset, Problem::TooLong { opcode, length });
             }
@@ -518,6 +660,7 @@ impl<R: Read> Reader<R> {
                 if window.require(1).is_ok() && !window.ahead().is_empty() {
                     let size = chunk.size;
                     let problem = Problem::ChunkSize { stated: size, found: size, is_more: true };
+                    self.is_sound = false;
                     self.problems.push_back((offset, problem));
                 }
                 found

@@ -120,11 +120,13 @@ impl<'b> AttachmentHead<'b> {
     }
 }
 
-/// True if an attachment's header, data and checksum fit the record length.
-pub(super) fn is_attachment(start: &[u8], length: u64) -> bool {
-    let known = AttachmentHead::read(start)
-        .and_then(|head| head.size.checked_add(head.length as u64)?.checked_add(4));
-    known.and_then(|known| length.checked_sub(known)).is_some_and(|added| added <= MAX_ADDED)
+/// The position of an attachment's checksum in the record. `None` unless its header, data and checksum fit the record
+/// length.
+pub(super) fn attachment_checksum(start: &[u8], length: u64) -> Option<u64> {
+    let head = AttachmentHead::read(start)?;
+    let at = head.size.checked_add(head.length as u64)?;
+    let added = length.checked_sub(at.checked_add(4)?)?;
+    (added <= MAX_ADDED).then_some(at)
 }
 
 /// True if applications define the records with this opcode.
@@ -161,7 +163,7 @@ pub(super) fn has_parts(opcode: u8, body: &[u8], is_exact: bool) -> bool {
 /// The message in a record.
 pub(super) fn message(body: &[u8]) -> Option<Event<'_>> {
     let mut parts = Parts(body);
-    let channel = u16::from_le_bytes(*parts.take(2)?.first_chunk()?);
+    let channel = parts.u16()?;
     let (sequence, time, publish_time) = (parts.u32()?, parts.u64()?, parts.u64()?);
     Some(Event::Message { channel, time, publish_time, sequence, payload: parts.0 })
 }
@@ -219,25 +221,29 @@ pub(super) fn can_follow(ahead: &[u8]) -> bool {
 }
 
 /// Splits a record into its parts.
-struct Parts<'b>(&'b [u8]);
+pub(super) struct Parts<'b>(pub(super) &'b [u8]);
 
 impl<'b> Parts<'b> {
-    fn take(&mut self, length: usize) -> Option<&'b [u8]> {
+    pub(super) fn take(&mut self, length: usize) -> Option<&'b [u8]> {
         let (part, rest) = self.0.split_at_checked(length)?;
         self.0 = rest;
         Some(part)
     }
 
-    fn u32(&mut self) -> Option<u32> {
+    pub(super) fn u16(&mut self) -> Option<u16> {
+        Some(u16::from_le_bytes(*self.take(2)?.first_chunk()?))
+    }
+
+    pub(super) fn u32(&mut self) -> Option<u32> {
         Some(u32::from_le_bytes(*self.take(4)?.first_chunk()?))
     }
 
-    fn u64(&mut self) -> Option<u64> {
+    pub(super) fn u64(&mut self) -> Option<u64> {
         Some(u64::from_le_bytes(*self.take(8)?.first_chunk()?))
     }
 
-    /// A length-prefixed string, including its length.
-    fn text(&mut self) -> Option<&'b [u8]> {
+    /// A length-prefixed string or map, including its length.
+    pub(super) fn text(&mut self) -> Option<&'b [u8]> {
         let start = self.0;
         let length = self.u32()? as usize;
         self.take(length)?;

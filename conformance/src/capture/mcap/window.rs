@@ -159,6 +159,11 @@ impl<R> Window<R> {
         self.before.combine(&std::mem::take(&mut self.part));
     }
 
+    /// Restarts both checksums at the cursor.
+    pub(super) fn restart(&mut self) {
+        (self.before, self.part, self.summed) = (Hasher::new(), Hasher::new(), self.start);
+    }
+
     /// The checksum of the part up to the cursor.
     pub(super) fn part_checksum(&mut self) -> u32 {
         self.sum();

@@ -9,12 +9,14 @@
 //! # Corrupt files
 //!
 //! Each payload is read separately, so an unreadable payload doesn't affect other messages. A truncated file is read as
-//! far as possible.
+//! far as possible. The index of the times is compared with the table, and the structure of the tables is checked: a
+//! changed bit may hide messages without any error.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ffi::CStr;
 use std::fmt::Write as _;
 use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -27,7 +29,7 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags, Row};
 
 use crate::model::Extent;
-use crate::text::{Grouped, command_line};
+use crate::text::{Grouped, command_line, shown};
 
 /// The maximum size of a payload, in bytes. Records of MCAP files have the same limit.
 const MAX_PAYLOAD: usize = 64 << 20;
@@ -79,6 +81,15 @@ const MESSAGES: &str = "messages";
 
 /// The table of the messages, and the column of their payloads.
 const PAYLOADS: (&CStr, &CStr) = (c"messages", c"data");
+
+/// Reads the messages by time and then by row, with the index of the times if there is one.
+const BY_TIME: &str = "messages ORDER BY timestamp, rowid";
+
+/// Like [`BY_TIME`], from the table alone.
+const BY_TIME_WITHOUT_INDEX: &str = "messages NOT INDEXED ORDER BY timestamp, rowid";
+
+/// Reads the messages by row.
+const BY_ROW: &str = "messages NOT INDEXED ORDER BY rowid";
 
 /// The table of the definitions of message types.
 const DEFINITIONS: &str = "message_definitions";
@@ -285,41 +296,70 @@ impl Bag {
         Ok(())
     }
 
-    /// Passes the messages to `take`, by time and then by row, as rosbag2 plays them. If the index of the times is
-    /// corrupt from its start, the messages are read by row.
+    /// Passes the messages to `take`, by time and then by row, as rosbag2 plays them. A corrupt index of the times could
+    /// hide messages, so it is compared with the table.
     pub(crate) fn messages(&self, mut take: impl FnMut(Message<'_>)) -> Result<(), Problem> {
         let columns = self.columns(MESSAGES)?;
         for column in ["topic_id", "timestamp", "data"] {
             require(&columns, MESSAGES, column)?;
         }
-        let mut count = 0_u64;
-        let mut counted = |message: Message<'_>| {
-            count += 1;
-            take(message);
-        };
-        let result = self.messages_in("messages ORDER BY timestamp, rowid", &mut counted);
-        if result.is_err() && count == 0 {
+        match (self.tally(BY_ROW), self.tally(BY_TIME)) {
+            (Ok(rows), Ok(indexed)) if rows == indexed => self.messages_in(BY_TIME, &mut take),
+            (Ok(_), _) => {
+                self.messages_in(BY_TIME_WITHOUT_INDEX, &mut take)?;
+                Err(Problem::gap(
+                    "the index of the times doesn't match the messages, which were read without it; `REINDEX` of \
+                     SQLite repairs it",
+                ))
+            }
             // The first problem is the cause, so a second problem isn't reported.
-            let _ = self.messages_in("messages NOT INDEXED ORDER BY rowid", &mut take);
+            (Err(problem), _) => {
+                let mut count = 0_u64;
+                let mut counted = |message: Message<'_>| {
+                    count += 1;
+                    take(message);
+                };
+                let result = self.messages_in(BY_TIME, &mut counted);
+                if result.is_err() && count == 0 {
+                    let _ = self.messages_in(BY_ROW, &mut take);
+                }
+                Err(problem)
+            }
         }
-        result?;
-        let missing = self.rows_of_messages()?.saturating_sub(count);
-        if missing > 0 {
-            return Err(Problem::gap(format!(
-                "the index of the times lacks {} messages, which aren't checked; `REINDEX` of SQLite repairs it",
-                Grouped(missing)
-            )));
-        }
-        Ok(())
     }
 
-    /// The number of messages in the table itself. A corrupt index may contain fewer.
-    fn rows_of_messages(&self) -> Result<u64, Problem> {
+    /// The number of messages, and a checksum of their rows and times.
+    fn tally(&self, from: &str) -> Result<(u64, u64), Problem> {
         self.used.store(0, Ordering::Relaxed);
-        // Unlike `count(*)`, the sum checks the budget.
-        let query = "SELECT ifnull(sum(1), 0) FROM messages NOT INDEXED";
-        let number: i64 = self.connection.query_row(query, [], |row| row.get(0))?;
-        Ok(u64::try_from(number).unwrap_or_default())
+        let mut statement = self.connection.prepare(&format!("SELECT rowid, timestamp FROM {from}"))?;
+        let mut rows = statement.query([])?;
+        let (mut count, mut sum) = (0_u64, 0_u64);
+        while let Some(row) = rows.next()? {
+            let mut hasher = DefaultHasher::new();
+            (row.get::<_, i64>(0)?, row.get_ref(1)?.as_i64().unwrap_or_default()).hash(&mut hasher);
+            (count, sum) = (count + 1, sum.wrapping_add(hasher.finish()));
+            if count.saturating_mul(MIN_MESSAGE) > self.size {
+                return Err(too_many());
+            }
+        }
+        Ok((count, sum))
+    }
+
+    /// Checks the structure of the tables. Corrupt pages may hide rows without any other error.
+    pub(crate) fn check_structure(&self) -> Result<(), Problem> {
+        for table in ["schema", "topics", DEFINITIONS, MESSAGES] {
+            if self.columns(table)?.is_empty() {
+                continue;
+            }
+            self.used.store(0, Ordering::Relaxed);
+            let query = format!("PRAGMA quick_check({table})");
+            let found = self.connection.query_row(&query, [], |row| text(row, 0))?;
+            if found != "ok" {
+                let found = shown(&found.lines().collect::<Vec<_>>().join(" "));
+                return Err(Problem::gap(format!("the table `{table}` is corrupt: {found}")));
+            }
+        }
+        Ok(())
     }
 
     /// Passes messages to `take`. `from` is the rest of the query, after `FROM`.
@@ -337,7 +377,7 @@ impl Bag {
             let payload = self.payload(row.get(0)?, &mut blob, &mut buffer);
             total += MIN_MESSAGE + payload.as_ref().map_or(0, |()| buffer.len() as u64);
             if total > self.size {
-                return Err(Problem::gap("the messages are larger than the file: the database is corrupt"));
+                return Err(too_many());
             }
             take(Message {
                 topic,
@@ -422,6 +462,11 @@ impl Bag {
         let names = statement.query_map([table], |row| text(row, 0))?;
         Ok(names.collect::<rusqlite::Result<_>>()?)
     }
+}
+
+/// The problem of a table that can be read in several ways.
+fn too_many() -> Problem {
+    Problem::gap("the messages are larger than the file: the database is corrupt")
 }
 
 /// Fails if a table lacks a column.

@@ -160,12 +160,12 @@ pub(super) fn parse(kind: u8, payload: &[u8]) -> Result<Parsed<'_>, Malformation
         b'A' => {
             Event::Subscription { multi_id: rest.u8()?, id: rest.u16()?, name: rest.text().and_then(named)? }
         }
-        b'R' => Event::Unsubscription { id: rest.u16()? },
+        b'R' => Event::Unsubscription { id: rest.only(Payload::u16)? },
         b'D' => Event::Data { id: rest.u16()?, payload: rest.rest },
         b'L' | b'C' => return logging(kind, rest),
-        b'S' if rest.take()? == SYNC => Event::Synchronisation,
+        b'S' if rest.only(Payload::take)? == SYNC => Event::Synchronisation,
         b'S' => return Err(Malformation::SyncMagic),
-        b'O' => Event::Dropout { milliseconds: rest.u16()? },
+        b'O' => Event::Dropout { milliseconds: rest.only(Payload::u16)? },
         _ => Event::Unknown { kind, payload },
     };
     Ok((event, None))
@@ -173,6 +173,9 @@ pub(super) fn parse(kind: u8, payload: &[u8]) -> Result<Parsed<'_>, Malformation
 
 fn logging(kind: u8, mut rest: Payload<'_>) -> Result<Parsed<'_>, Malformation> {
     let level = rest.u8()?;
+    if !matches!(level, b'0'..=b'7') {
+        return Err(Malformation::Level(level));
+    }
     let tag = if kind == b'C' { Some(rest.u16()?) } else { None };
     let timestamp = rest.u64()?;
     let (text, defect) = match str::from_utf8(rest.rest) {
@@ -228,6 +231,19 @@ impl<'b> Payload<'b> {
             self.rest.split_first_chunk().ok_or(Malformation::TooShort { size: self.size, least })?;
         self.rest = rest;
         Ok(*taken)
+    }
+
+    /// Takes a value after which nothing may follow.
+    fn only<T>(
+        &mut self,
+        take: impl FnOnce(&mut Self) -> Result<T, Malformation>,
+    ) -> Result<T, Malformation> {
+        let value = take(self)?;
+        if self.rest.is_empty() {
+            Ok(value)
+        } else {
+            Err(Malformation::TooLong { size: self.size, most: self.position() })
+        }
     }
 
     fn u8(&mut self) -> Result<u8, Malformation> {

@@ -108,6 +108,15 @@ pub enum Malformation {
         /// The minimum size, in bytes.
         least: usize,
     },
+    /// The payload is longer than all messages of its kind.
+    TooLong {
+        /// The size of the payload, in bytes.
+        size: usize,
+        /// The maximum size, in bytes.
+        most: usize,
+    },
+    /// A line of text has a level that doesn't exist.
+    Level(u8),
     /// The key extends beyond the end of the message.
     KeyLength {
         /// The length of the key.
@@ -140,6 +149,11 @@ pub enum Malformation {
 }
 
 impl Problem {
+    /// True if all messages can be read despite this problem.
+    pub(crate) fn is_harmless(&self) -> bool {
+        matches!(self, Self::NoFlagBits { .. } | Self::FlagBitsLonger { .. })
+    }
+
     /// The extent to which the log can be read despite this problem.
     pub fn extent(&self) -> Extent {
         match self {
@@ -147,18 +161,18 @@ impl Problem {
             | Self::ShortHeader { .. }
             | Self::UnknownIncompatible(_)
             | Self::Skipped { .. }
+            // Such a message may have been one of a known kind.
+            | Self::UnknownKind(_)
             | Self::Malformed { .. } => Extent::WithGaps,
-            Self::AppendedBeyondEnd(_) | Self::EndsInHeader { .. } | Self::EndsInPayload { .. } => {
-                Extent::EndsEarly
-            }
+            Self::AppendedBeyondEnd(_)
+            | Self::EndsInHeader { .. }
+            | Self::EndsInPayload { .. }
+            | Self::Straddles { .. } => Extent::EndsEarly,
             Self::NewerVersion(_)
             | Self::NoFlagBits { .. }
             | Self::FlagBitsNotFirst
             | Self::FlagBitsLonger { .. }
             | Self::AppendedOffset(_)
-            // The logger itself truncates the message when it appends data.
-            | Self::Straddles { .. }
-            | Self::UnknownKind(_)
             | Self::InvalidContent { .. } => Extent::Whole,
         }
     }
@@ -239,6 +253,10 @@ impl fmt::Display for Malformation {
         match self {
             Self::TooShort { size, least } => {
                 write!(formatter, "expected at least {least} bytes, found {size}")
+            }
+            Self::TooLong { size, most } => write!(formatter, "expected {most} bytes, found {size}"),
+            Self::Level(level) => {
+                write!(formatter, "expected a level from `0` to `7`, found `{}`", level.escape_ascii())
             }
             Self::KeyLength { length, room } => {
                 write!(formatter, "expected a key of {length} bytes, found {room} bytes")

@@ -1,5 +1,6 @@
 //! Reads the folder of a bag: the files that its `metadata.yaml` lists, one after the other.
 
+use std::collections::{BTreeMap, HashMap};
 use std::io::{self, Read};
 use std::path::Path;
 
@@ -13,6 +14,7 @@ use crate::check::release::MAX_AHEAD;
 use crate::check::{CaptureResult, CheckRun, Reading, Source, Summary, read_start};
 use crate::definitions::Clues;
 use crate::model::{Extent, Location};
+use crate::text::shown;
 
 /// The maximum number of files of a bag that are read to find its release.
 const MAX_FILES: usize = 16;
@@ -81,7 +83,11 @@ pub(in crate::check) fn check_folder(
     };
     let is_single = metadata.files.len() == 1;
     let mut bytes = 0;
+    for problem in &metadata.problems {
+        bag.corruption(FILE_NAME, Location::Byte(0), problem, Extent::WithGaps);
+    }
     for file in &metadata.files {
+        let before = bag.run.records;
         let part = BagFile { name: if is_single { "" } else { file }, encodings: Some(&metadata.encodings) };
         let path = folder.join(file);
         let state = FileState::of(&path);
@@ -95,15 +101,45 @@ pub(in crate::check) fn check_folder(
         if let Some(change) = state.and_then(|state| state.change(&path)) {
             bag.run.cut_short(&format!("{file}: {change}"));
         }
+        let (stated, found) = (metadata.file_counts.get(file), bag.run.records - before);
+        if !bag.has_gaps() {
+            compare(&mut bag, stated.copied(), found, &format!(" in {}", shown(file)));
+        }
     }
     let found = bag.run.records;
-    if let Some(expected) = metadata.message_count.filter(|expected| *expected > found && !bag.has_gaps()) {
-        let text = format!("{FILE_NAME} counts {expected} messages, but the files contain {found}");
-        bag.corruption("", Location::Message(found), &text, Extent::WithGaps);
+    if !bag.has_gaps() {
+        compare_topics(&mut bag, &metadata.topic_counts);
+        compare(&mut bag, metadata.message_count, found, "");
     }
     Ok(bag.finish(bytes, |BagContent { channels, dialects, releases, .. }| {
         Summary::Bag(BagSummary { channels, dialects, releases, ..summary })
     }))
+}
+
+/// Compares a number of messages with the number in the metadata. If parts of the bag can't be read, the numbers
+/// differ anyway.
+fn compare(bag: &mut Channels<'_>, stated: Option<u64>, found: u64, of: &str) {
+    if let Some(stated) = stated.filter(|stated| *stated != found) {
+        let text = format!("{FILE_NAME} counts {stated} messages{of}, but there are {found}");
+        bag.corruption("", Location::Message(bag.run.records), &text, Extent::WithGaps);
+    }
+}
+
+/// Compares the numbers of messages of the topics with the numbers in the metadata.
+fn compare_topics(bag: &mut Channels<'_>, stated: &BTreeMap<String, u64>) {
+    let mut found: HashMap<&str, u64> = HashMap::new();
+    for open in &bag.open {
+        *found.entry(&open.identity.topic).or_default() += open.tally.records;
+    }
+    let pair = |(topic, stated): (&String, &u64)| {
+        let topic = topic.escape_debug().to_string();
+        let found = found.get(topic.as_str()).copied().unwrap_or_default();
+        (found != *stated).then_some((topic, *stated, found))
+    };
+    let different: Vec<(String, u64, u64)> = stated.iter().filter_map(pair).collect();
+    for (topic, stated, found) in different {
+        compare(bag, Some(stated), found, &format!(" of {}", shown(&topic)));
+    }
 }
 
 /// Checks the readable part of a file. Returns the number of bytes read. Fails if the file can't be opened.

@@ -5,6 +5,7 @@ use std::io::Read;
 
 use super::{BagContent, Channels, Declared, MAX_NAME, McapSummary, digest};
 use crate::capture::MCAP_MAGIC;
+use crate::capture::input::UpToError;
 use crate::capture::mcap::{
     APPLICATION, CUT_SHORT, ENDPOINT, Event, Item, LOST, NOTE, Packing, Reader, UNREADABLE, metadata,
 };
@@ -104,20 +105,18 @@ impl<'c> McapFile<'c> {
 
     /// Checks the readable part of the file. Returns the number of bytes read.
     pub(super) fn read(&mut self, bag: &mut Channels<'_>, input: impl Read) -> u64 {
-        let mut reader = Reader::new(input);
-        loop {
-            match reader.next() {
-                Ok(Some(item)) => self.item(bag, item),
-                Ok(None) => break,
-                // The findings up to here remain valid.
-                Err(error) => {
-                    let text = format!("the rest is unreadable: {error}");
-                    self.corruption(bag, Location::Byte(reader.bytes()), &text, Extent::Unreadable);
-                    break;
-                }
-            }
+        let mut input = UpToError::new(input);
+        let mut reader = Reader::new(&mut input);
+        while let Ok(Some(item)) = reader.next() {
+            self.item(bag, item);
         }
-        reader.bytes()
+        let bytes = reader.bytes();
+        if let Some(error) = &input.error {
+            // The findings up to here remain valid.
+            let text = format!("the rest is unreadable: {error}");
+            self.corruption(bag, Location::Byte(bytes), &text, Extent::Unreadable);
+        }
+        bytes
     }
 
     fn item(&mut self, bag: &mut Channels<'_>, item: Item<'_>) {
@@ -127,6 +126,8 @@ impl<'c> McapFile<'c> {
         let place = |other: Location| if has_offset { byte } else { other };
         match item.event {
             Event::Header { profile, library } => {
+                // Another file may follow the end of a file. Its ids are its own.
+                *self = Self { num_endpoints: self.num_endpoints, ..Self::new(self.name) };
                 (self.profile, self.library) = (shortened(&profile), shortened(&library));
             }
             Event::Schema { id, name, encoding, text } => {

@@ -201,6 +201,9 @@ mod reading {
             }
             let result = database.messages(|message| self.message(message));
             self.report(result);
+            if !self.bag.has_gaps() {
+                self.report(database.check_structure());
+            }
         }
 
         pub(super) fn report(&mut self, result: Result<(), Problem>) {

@@ -7,6 +7,8 @@ use uavspec_codegen::emit::docs::markdown::plural;
 
 use crate::check::summary::names;
 use crate::check::{Describe, Line, MAX_LISTED, Totals};
+use crate::json::Tree;
+use crate::model::Location;
 use crate::text::{Grouped, shown};
 
 type Types = BTreeMap<String, TypeCount>;
@@ -35,6 +37,39 @@ pub struct FlockwaveSummary {
     /// The number of server messages of unknown types that are counted but not listed by name. These types have too
     /// long a name, or exceed the maximum number of types.
     pub uncounted: u64,
+    /// The number of records whose `t` isn't a time, or an ambiguous time.
+    #[serde(serialize_with = "count")]
+    #[cfg_attr(test, schemars(with = "u64"))]
+    pub unread_times: UnreadTimes,
+}
+
+/// Times that can't be read.
+#[derive(Clone, Debug, Default)]
+pub struct UnreadTimes {
+    /// The number of times.
+    pub count: u64,
+    /// The first time, with its location.
+    pub first: String,
+}
+
+impl UnreadTimes {
+    pub(super) fn add(&mut self, time: &Tree<'_>, location: Location) {
+        if self.count == 0 {
+            self.first = format!("{time} at {location}");
+        }
+        self.count += 1;
+    }
+
+    /// The line of a report, if there are such times.
+    fn line(&self) -> Option<Line> {
+        let text = format!(
+            "{} can't be read, so these records have no time: expected seconds since 1970, or a date with a time zone, \
+             found {}",
+            plural(self.count, "time"),
+            shown(&self.first)
+        );
+        (self.count > 0).then(|| Line::new("times", text))
+    }
 }
 
 /// The number of messages of a type.
@@ -71,6 +106,10 @@ impl<'t> Row<'t> {
         let (from_server, from_client) = (Grouped(self.from_server), Grouped(self.from_client));
         format!("{}: {from_server} from the server, {from_client} from clients", shown(self.name))
     }
+}
+
+fn count<S: Serializer>(times: &UnreadTimes, serializer: S) -> Result<S::Ok, S::Error> {
+    times.count.serialize(serializer)
 }
 
 fn rows<S: Serializer>(types: &Types, serializer: S) -> Result<S::Ok, S::Error> {
@@ -129,6 +168,7 @@ impl Describe for FlockwaveSummary {
             let details = unsupported.iter().map(Row::text).collect();
             lines.push(Line { details, ..Line::new("unsupported", text) });
         }
+        lines.extend(self.unread_times.line());
         lines
     }
 

@@ -7,7 +7,7 @@ use uavspec_codegen::schema::json_type::Direction;
 
 use super::bodies::{Body, DefinedSchemas};
 use super::defined::{Field, List, Object, Text, Tuple, ValueSchema};
-use super::{Deviation, Fault, Mismatch, Step, integer};
+use super::{Deviation, Fault, Mismatch, Step};
 use crate::json::{Tree, base64, pointer};
 
 /// The maximum number of deviations in a body. Hostile input may contain any number.
@@ -151,12 +151,12 @@ impl<'c> Check<'c> {
         self.visits += 1;
         match (schema, value) {
             (ValueSchema::Any, _) | (ValueSchema::Null, Tree::Null) | (ValueSchema::Bool, Tree::Bool(_)) => {}
-            (ValueSchema::Integer(low, high), _) => match integer(value) {
+            (ValueSchema::Integer(low, high), _) => match value.as_integer() {
                 Some(number) if (*low..=*high).contains(&number) => {}
                 Some(_) => self.deviates(Fault::Value, self.describe(schema), value.to_string()),
                 None => self.is_other(self.describe(schema), value),
             },
-            (ValueSchema::Integers(values), _) => match integer(value) {
+            (ValueSchema::Integers(values), _) => match value.as_integer() {
                 Some(number) if values.iter().any(|known| i128::from(*known) == number) => {}
                 Some(_) => self.deviates(Fault::Value, self.describe(schema), value.to_string()),
                 None => self.is_other(self.describe(schema), value),
@@ -403,7 +403,7 @@ fn is_of_kind(schema: &ValueSchema, value: &Tree<'_>) -> bool {
 /// Two objects that differ only in key order therefore count as different.
 fn repeated<'v>(values: &'v [Tree<'_>]) -> Option<&'v Tree<'v>> {
     let (mut texts, mut integers, mut others) = (HashSet::new(), HashSet::new(), HashSet::new());
-    values.iter().find(|value| match (value, integer(value)) {
+    values.iter().find(|value| match (value, value.as_integer()) {
         (Tree::Text(text), _) => !texts.insert(text.as_ref()),
         (_, Some(number)) => !integers.insert(number),
         (other, None) => others.len() < MAX_COMPARED && !others.insert(format!("{other:?}")),

@@ -1,40 +1,46 @@
 //! User-supplied JSON Schemas for message types without a definition.
 
+mod bundle;
 mod expansion;
+mod files;
+mod places;
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashSet};
 use std::fmt;
-use std::fs::File;
-use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use jsonschema::{Retrieve, Uri, Validator};
+use jsonschema::{Draft, PatternOptions, Registry, Validator};
 use serde_json::Value;
 use uavspec_codegen::schema::json_type::Direction;
-use walkdir::WalkDir;
 
-use self::expansion::{Anchors, MAX_SCHEMAS};
-use super::{Deviation, Mismatch};
+use self::bundle::{Budget, Bundle};
+use self::expansion::{MAX_SCHEMAS, Part};
+use self::files::SchemaFile;
+use self::places::Places;
+use super::{DefinedSchemas, Deviation, Mismatch};
 use crate::json::Tree;
-use crate::text::{shown, terminal};
-
-/// The maximum size of a file, in bytes.
-const MAX_BYTES: u64 = 16 << 20;
+use crate::text::terminal;
 
 /// The maximum number of deviations to report for a body.
 const MAX_DEVIATIONS: usize = 100;
 
-/// The maximum length of a quoted part of a schema, in characters.
+/// The maximum length of a quoted part of a schema, in bytes.
 const MAX_DEMAND: usize = 80;
 
-/// The base address of files without `$id`. Files without `$id` refer to each other by names relative to this address.
-const BASE: &str = "uavspec://schemas/";
+/// The size of all compiled patterns of a file, in bytes.
+const MAX_PATTERNS: usize = 16 << 20;
+
+/// The size that each compiled pattern may have, in bytes.
+const MIN_PATTERN: usize = 16 << 10;
+
+/// The maximum number of problems to report.
+const MAX_PROBLEMS: usize = 20;
 
 /// JSON Schemas for bodies, by message type.
 #[derive(Debug, Default)]
 pub struct Schemas {
-    by_type: HashMap<String, Vec<Schema>>,
+    by_type: BTreeMap<String, Vec<Arc<Schema>>>,
 }
 
 /// The schema in a file.
@@ -43,13 +49,29 @@ struct Schema {
     file: PathBuf,
     /// The direction to which the schema applies; `None` means all directions.
     direction: Option<Direction>,
-    value: Value,
+    /// The schema, and the schemas that it refers to.
+    parts: Vec<Source>,
     validator: Validator,
 }
 
-/// The reason why user-supplied schemas can't be used.
+/// A schema in a file.
+#[derive(Debug)]
+struct Source {
+    file: PathBuf,
+    /// The location in the file, in short: a JSON pointer, or an anchor.
+    location: String,
+    value: Value,
+}
+
+/// The reasons why user-supplied schemas can't be used.
 #[derive(Debug)]
 pub struct SchemaError {
+    problems: Vec<Problem>,
+}
+
+/// The reason why a schema can't be used.
+#[derive(Debug)]
+struct Problem {
     /// The file or folder.
     path: PathBuf,
     /// The location in the file, as a line and column or as a JSON pointer; may be empty.
@@ -58,84 +80,79 @@ pub struct SchemaError {
     problem: String,
 }
 
+impl Problem {
+    fn new(path: &Path, problem: impl Into<String>) -> Self {
+        Self { path: path.to_owned(), location: String::new(), problem: problem.into() }
+    }
+}
+
 impl fmt::Display for SchemaError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let location = if self.location.is_empty() { String::new() } else { format!(":{}", self.location) };
-        write!(formatter, "{}{location}: {}", terminal::path(&self.path), self.problem)
+        for (number, Problem { path, location, problem }) in self.problems.iter().enumerate() {
+            let line = if number == 0 { "" } else { "\n" };
+            let location = if location.is_empty() { String::new() } else { format!(":{location}") };
+            write!(formatter, "{line}{}{location}: {problem}", terminal::path(path))?;
+        }
+        Ok(())
     }
 }
 
 impl std::error::Error for SchemaError {}
 
 impl Schemas {
-    /// Loads all `*.json` files in these folders and their subfolders. Schemas may refer to other files, but nothing is
-    /// downloaded.
-    pub fn load(folders: &[PathBuf]) -> Result<Self, SchemaError> {
+    /// Loads all `*.json` files in these folders and their subfolders. Schemas for types that have a definition are
+    /// ignored. Schemas may refer to other files, but nothing is downloaded.
+    pub fn load(folders: &[PathBuf], defined: &DefinedSchemas) -> Result<Self, SchemaError> {
         let mut schemas = Self::default();
-        for (number, folder) in folders.iter().enumerate() {
-            let files = Arc::new(Files::read(folder, number)?);
-            let mut is_any = false;
-            for (address, (path, value)) in &files.by_address {
-                let types = types_of(path, value);
-                if types.is_empty() {
-                    continue;
-                }
-                is_any = true;
-                let count = files.count(address, value).map_err(|problem| SchemaError {
-                    path: path.clone(),
-                    location: String::new(),
-                    problem,
-                })?;
-                if count > MAX_SCHEMAS {
-                    return Err(SchemaError {
-                        path: path.clone(),
-                        location: String::new(),
-                        problem: format!(
-                            "too many references: expanded, they yield more than {MAX_SCHEMAS} schemas"
-                        ),
-                    });
-                }
-                let build = || {
-                    let options = jsonschema::options().with_base_uri(address.clone());
-                    options.with_retriever(Lookup(Arc::clone(&files))).build(value)
-                };
-                for type_name in types {
-                    let validator = build().map_err(|error| SchemaError {
-                        path: path.clone(),
-                        location: error.instance_path().to_string(),
-                        problem: format!("invalid JSON Schema: {error}"),
-                    })?;
-                    let direction = direction_of(path);
-                    let schema = Schema { file: path.clone(), direction, value: value.clone(), validator };
-                    schemas.add(&type_name, schema)?;
-                }
-            }
-            if !is_any {
-                let problem = "no `*.json` file in this folder is a message schema: add a `const` or an `enum` to the \
-                            `properties.type` of a schema, or name the file after the type, e.g. `SYS-VER.json`";
-                return Err(SchemaError {
-                    path: folder.clone(),
-                    location: String::new(),
-                    problem: problem.to_owned(),
-                });
-            }
+        let mut problems = Vec::new();
+        let mut budget = Budget::default();
+        for folder in folders {
+            let loaded = schemas.load_folder(folder, defined, &mut budget, &mut problems);
+            problems.extend(loaded.err());
         }
-        Ok(schemas)
+        for (type_name, known) in &mut schemas.by_type {
+            leave_out_parts(known);
+            problems.extend(conflict(type_name, known));
+        }
+        problems.truncate(MAX_PROBLEMS);
+        if problems.is_empty() { Ok(schemas) } else { Err(SchemaError { problems }) }
     }
 
-    fn add(&mut self, type_name: &str, schema: Schema) -> Result<(), SchemaError> {
-        let known = self.by_type.entry(type_name.to_owned()).or_default();
-        if let Some(other) = known.iter().find(|other| other.direction == schema.direction) {
-            let direction = schema.direction.map_or(String::new(), |direction| format!(" of a {direction}"));
-            let problem = format!(
-                "{} is also a schema for the body{direction} of {type_name}: remove one of the files, or add the \
-                 direction to their names",
-                terminal::path(&other.file)
-            );
-            return Err(SchemaError { path: schema.file, location: String::new(), problem });
+    fn load_folder(
+        &mut self,
+        folder: &Path,
+        defined: &DefinedSchemas,
+        budget: &mut Budget,
+        problems: &mut Vec<Problem>,
+    ) -> Result<(), Problem> {
+        let files = SchemaFile::read_all(folder)?;
+        let places = Places::new(&files)?;
+        let mut is_any = false;
+        for (index, file) in files.iter().enumerate() {
+            let mut types = file.types();
+            is_any |= !types.is_empty();
+            types.retain(|name| !defined.has(name));
+            if types.is_empty() {
+                continue;
+            }
+            match Schema::compile(&places, index, budget) {
+                Ok(schema) => self.add(types, &Arc::new(schema)),
+                Err(problem) => problems.push(problem),
+            }
         }
-        known.push(schema);
-        Ok(())
+        if is_any {
+            return Ok(());
+        }
+        let problem = "no `*.json` file in this folder is a message schema: add a `const` or an `enum` to the \
+                       `properties.type` of a schema, or name the file after the type, e.g. `SYS-VER.json`";
+        Err(Problem::new(folder, problem))
+    }
+
+    /// Adds a schema for bodies of these types.
+    fn add(&mut self, types: Vec<String>, schema: &Arc<Schema>) {
+        for name in types {
+            self.by_type.entry(name).or_default().push(Arc::clone(schema));
+        }
     }
 
     /// True if there is a schema for messages of this type.
@@ -152,7 +169,7 @@ impl Schemas {
     fn schema(&self, type_name: &str, direction: Direction) -> Option<&Schema> {
         let schemas = self.by_type.get(type_name)?;
         let for_direction = |wanted| schemas.iter().find(|schema| schema.direction == wanted);
-        for_direction(Some(direction)).or_else(|| for_direction(None))
+        for_direction(Some(direction)).or_else(|| for_direction(None)).map(Arc::as_ref)
     }
 
     /// The deviations of a body from its schema. `None` if there is no schema, or if the body contains values that JSON
@@ -170,22 +187,82 @@ impl Schemas {
     }
 }
 
+/// Removes schemas that another schema of the same type and direction refers to: they are parts of that schema.
+fn leave_out_parts(known: &mut Vec<Arc<Schema>>) {
+    let is_in =
+        |parts: &HashSet<_>, schema: &Schema| parts.contains(&(schema.direction, schema.file.clone()));
+    let parts: HashSet<_> = known.iter().flat_map(|schema| schema.others()).collect();
+    // Schemas that refer to each other are no parts.
+    let wholes = known.iter().filter(|schema| !is_in(&parts, schema));
+    let parts: HashSet<_> = wholes.flat_map(|schema| schema.others()).collect();
+    known.retain(|schema| !is_in(&parts, schema));
+}
+
+/// The problem of a type with several schemas for a direction.
+fn conflict(type_name: &str, known: &[Arc<Schema>]) -> Option<Problem> {
+    let (other, schema) = known.iter().enumerate().find_map(|(at, schema)| {
+        let other = known[..at].iter().find(|other| other.direction == schema.direction)?;
+        Some((other, schema))
+    })?;
+    let direction = schema.direction.map_or(String::new(), |direction| format!(" of a {direction}"));
+    let problem = format!(
+        "{} is also a schema for the body{direction} of {type_name}: remove one of the files, add the direction to their \
+         names, or refer to one of them in the other",
+        terminal::path(&other.file)
+    );
+    Some(Problem::new(&schema.file, problem))
+}
+
 impl Schema {
+    /// Compiles the schema of a file.
+    fn compile(places: &Places<'_>, file: usize, budget: &mut Budget) -> Result<Self, Problem> {
+        let Bundle { parts, patterns, .. } = Bundle::new(places, file, budget)?;
+        for part in &parts {
+            let validity = meta_schema(part.place.draft).validate(&part.value);
+            validity.map_err(|error| invalid(places, part, &error))?;
+        }
+        let root = places.file(parts[0].place);
+        if !expansion::size(&parts).is_small() {
+            let problem =
+                format!("too many references: expanded, they yield more than {MAX_SCHEMAS} schemas");
+            return Err(Problem::new(&root.path, problem));
+        }
+        let validator = validator(&parts, patterns).map_err(|error| {
+            let part = part_of(&error).and_then(|part| parts.get(part)).unwrap_or(&parts[0]);
+            invalid(places, part, &error)
+        })?;
+        let source = |part: Part<'_>| Source {
+            file: places.file(part.place).path.clone(),
+            location: part.location,
+            value: part.value,
+        };
+        let parts = parts.into_iter().map(source).collect();
+        Ok(Self { file: root.path.clone(), direction: root.direction(), parts, validator })
+    }
+
+    /// The other files that the schema refers to as a whole, with the schema's direction.
+    fn others(&self) -> impl Iterator<Item = (Option<Direction>, PathBuf)> {
+        let is_whole = |part: &&Source| part.location.is_empty() && part.file != self.file;
+        self.parts.iter().filter(is_whole).map(|part| (self.direction, part.file.clone()))
+    }
+
     fn deviation(&self, error: &jsonschema::ValidationError<'_>) -> Deviation {
+        let part = part_of(error).and_then(|part| self.parts.get(part)).unwrap_or(&self.parts[0]);
         let at = error.schema_path().to_string();
-        let demand = self.value.pointer(&at).map(|demand| {
-            let text = demand.to_string();
-            let short: String = text.chars().take(MAX_DEMAND).collect();
-            let more = if short.len() < text.len() { "…" } else { "" };
-            format!(": {short}{more}")
-        });
+        let demand = part.value.pointer(&at).map(|demand| format!(": {}", shortened(demand)));
         let expected = format!(
-            "a value that matches {} at {at}{}",
-            terminal::path(&self.file),
+            "a value that matches {} at {}{at}{}",
+            terminal::path(&part.file),
+            part.location,
             demand.unwrap_or_default()
         );
-        let text = error.instance().to_string();
-        let actual = Tree::read(&text).map_or_else(|_| "another value".to_owned(), |found| found.to_string());
+        let actual = match error.instance().as_ref() {
+            Value::Array(values) => format!("an array of {}", values.len()),
+            Value::Object(_) => "an object".to_owned(),
+            other => {
+                Tree::read(&other.to_string()).map_or_else(|error| error.to_string(), |tree| tree.to_string())
+            }
+        };
         let path = format!("/body{}", error.instance_path());
         let mismatch = Mismatch { path, expected, actual };
         Deviation {
@@ -199,183 +276,53 @@ impl Schema {
     }
 }
 
-/// The files in a folder.
-#[derive(Debug)]
-struct Files {
-    /// The files by address. A file's address is derived from its path in the folder.
-    by_address: BTreeMap<String, (PathBuf, Value)>,
-    /// The addresses by `$id`.
-    by_id: HashMap<String, String>,
-    /// The addresses of files that contain references and a schema with its own `$id`, with that `$id`. It changes the
-    /// meaning of references.
-    embedding: HashMap<String, String>,
+/// The start of a schema's text.
+fn shortened(schema: &Value) -> String {
+    let mut text = [0; MAX_DEMAND];
+    let mut rest = &mut text[..];
+    // Writing stops when the space is used up.
+    let more = if serde_json::to_writer(&mut rest, schema).is_ok() { "" } else { "…" };
+    let length = MAX_DEMAND - rest.len();
+    let text = String::from_utf8_lossy(&text[..length]);
+    format!("{}{more}", text.trim_end_matches(char::REPLACEMENT_CHARACTER))
 }
 
-impl Files {
-    fn read(folder: &Path, number: usize) -> Result<Self, SchemaError> {
-        let mut files =
-            Self { by_address: BTreeMap::new(), by_id: HashMap::new(), embedding: HashMap::new() };
-        let at = |path: &Path, problem: String| SchemaError {
-            path: path.to_owned(),
-            location: String::new(),
-            problem,
-        };
-        for entry in WalkDir::new(folder).sort_by_file_name() {
-            let entry = entry.map_err(|error| {
-                let path = error.path().unwrap_or(folder).to_owned();
-                let error = error
-                    .io_error()
-                    .map_or_else(|| "a symbolic link forms a loop".to_owned(), ToString::to_string);
-                at(&path, format!("can't be read: {error}"))
-            })?;
-            let path = entry.path();
-            if !entry.file_type().is_file() || path.extension().is_none_or(|extension| extension != "json") {
-                continue;
-            }
-            let mut text = String::new();
-            File::open(path)
-                .and_then(|file| file.take(MAX_BYTES + 1).read_to_string(&mut text))
-                .map_err(|error| at(path, format!("can't be read: {error}")))?;
-            if text.len() as u64 > MAX_BYTES {
-                return Err(at(path, format!("larger than {MAX_BYTES} bytes")));
-            }
-            let value: Value = serde_json::from_str(&text).map_err(|error| SchemaError {
-                path: path.to_owned(),
-                location: format!("{}:{}", error.line(), error.column()),
-                problem: format!("invalid JSON: {error}"),
-            })?;
-            let below = path.strip_prefix(folder).unwrap_or(path);
-            let address = format!("{BASE}{number}/{}", address(below));
-            if let Some(id) = value["$id"].as_str() {
-                files.by_id.entry(id.trim_end_matches('#').to_owned()).or_insert_with(|| address.clone());
-            }
-            if let Some(id) = expansion::ambiguous_id(&value) {
-                files.embedding.insert(address.clone(), id.to_owned());
-            }
-            files.by_address.insert(address, (path.to_owned(), value));
-        }
-        files.set_default_draft();
-        Ok(files)
+/// Compiles the first part. All patterns together have a maximum size in memory.
+fn validator(parts: &[Part<'_>], patterns: usize) -> Result<Validator, jsonschema::ValidationError<'static>> {
+    let limit = (MAX_PATTERNS / patterns.max(1)).max(MIN_PATTERN);
+    let mut registry = Registry::new();
+    for (number, part) in parts.iter().enumerate().skip(1) {
+        let resource = part.place.draft.create_resource_ref(&part.value);
+        registry = registry.add(bundle::address(number), resource)?;
     }
+    let registry = registry.prepare()?;
+    jsonschema::options()
+        .with_draft(parts[0].place.draft)
+        .with_base_uri(bundle::address(0))
+        .with_registry(&registry)
+        .with_pattern_options(PatternOptions::fancy_regex().size_limit(limit).dfa_size_limit(limit))
+        .build(&parts[0].value)
+}
 
-    /// The file to which a reference leads, with its address. `wanted` is an `$id`, an address or a relative path.
-    fn find(&self, wanted: &str) -> Option<(&str, &Value)> {
-        let name = wanted.rsplit('/').next().unwrap_or_default();
-        let files = &self.by_address;
-        let by_name = || files.iter().find(|(address, _)| address.rsplit('/').next() == Some(name));
-        let by_id = self.by_id.get(wanted).and_then(|address| files.get_key_value(address));
-        let found = by_id.or_else(|| files.get_key_value(wanted)).or_else(by_name);
-        found.map(|(address, (_, value))| (address.as_str(), value))
+/// The part that contains the violated keyword.
+fn part_of(error: &jsonschema::ValidationError<'_>) -> Option<usize> {
+    let (address, _) = error.absolute_keyword_location()?.as_str().split_once('#')?;
+    address.rsplit('/').next()?.parse().ok()
+}
+
+fn invalid(places: &Places<'_>, part: &Part<'_>, error: &jsonschema::ValidationError<'_>) -> Problem {
+    places.problem(part.place, error.instance_path().as_str(), format!("invalid JSON Schema: {error}"))
+}
+
+/// The schema of schemas.
+fn meta_schema(draft: Draft) -> jsonschema::meta::MetaValidator<'static> {
+    match draft {
+        Draft::Draft4 => jsonschema::draft4::meta::validator(),
+        Draft::Draft6 => jsonschema::draft6::meta::validator(),
+        Draft::Draft7 => jsonschema::draft7::meta::validator(),
+        Draft::Draft201909 => jsonschema::draft201909::meta::validator(),
+        _ => jsonschema::draft202012::meta::validator(),
     }
-
-    /// The number of schemas in a file, in which each reference counts like a copy of its target.
-    /// Fails with a message if a reference has no known target.
-    fn count(&self, address: &str, value: &Value) -> Result<u64, String> {
-        let mut anchors = Anchors::default();
-        self.require_clear(address)?;
-        let count = expansion::count(address, value, |document, reference| {
-            let (file, fragment) = reference.split_once('#').unwrap_or((reference, ""));
-            let (address, root) = self.find(if file.is_empty() { document } else { file })?;
-            self.require_clear(address).ok()?;
-            Some((address, anchors.fragment(root, fragment)?))
-        });
-        count.map_err(|reference| {
-            let (file, fragment) = reference.split_once('#').unwrap_or((reference, ""));
-            if let Some(Err(problem)) = self.find(file).map(|(address, _)| self.require_clear(address)) {
-                return problem;
-            }
-            if file.is_empty() || self.find(file).is_some() {
-                return format!(
-                    "unknown reference: nothing in the file has the location `{}`",
-                    shown(fragment)
-                );
-            }
-            not_found(file)
-        })
-    }
-
-    /// Fails with a message if references in the file have several meanings.
-    fn require_clear(&self, address: &str) -> Result<(), String> {
-        match self.embedding.get(address) {
-            None => Ok(()),
-            Some(id) => Err(format!(
-                "references and an inner schema with the `$id` `{}` in one file: move that schema to its own file",
-                shown(id)
-            )),
-        }
-    }
-
-    /// Files without `$schema` use the draft named by the first `$schema` found. Often only one file has a `$schema`.
-    fn set_default_draft(&mut self) {
-        let named = self.by_address.values().find_map(|(_, value)| value["$schema"].as_str());
-        let Some(named) = named.map(str::to_owned) else { return };
-        for (_, value) in self.by_address.values_mut() {
-            if let Value::Object(members) = value {
-                members.entry("$schema").or_insert_with(|| named.clone().into());
-            }
-        }
-    }
-}
-
-/// The problem of a reference to an unknown file.
-fn not_found(file: &str) -> String {
-    let name = file.rsplit('/').next().unwrap_or_default();
-    format!("no file in the folder is named `{}`, and remote schemas aren't fetched", shown(name))
-}
-
-/// Resolves references to files: by `$id`, by path, and finally by file name. The path in an `$id` may differ from the
-/// path of its file.
-struct Lookup(Arc<Files>);
-
-impl Retrieve for Lookup {
-    fn retrieve(&self, uri: &Uri<String>) -> Result<Value, Box<dyn std::error::Error + Send + Sync>> {
-        let wanted = uri.as_str().split('#').next().unwrap_or_default();
-        let (_, value) = self.0.find(wanted).ok_or_else(|| not_found(wanted))?;
-        Ok(value.clone())
-    }
-}
-
-/// A relative path in the form of a URI.
-fn address(path: &Path) -> String {
-    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte);
-    let written = |byte: u8| {
-        if is_plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") }
-    };
-    path.to_string_lossy().replace('\\', "/").bytes().map(written).collect()
-}
-
-/// The message types that a schema specifies, or the type in the file name if the schema specifies none.
-fn types_of(path: &Path, value: &Value) -> Vec<String> {
-    let of_type = &value["properties"]["type"];
-    let values = of_type["enum"].as_array().into_iter().flatten().chain([&of_type["const"]]);
-    let mut types: Vec<String> = values.filter_map(Value::as_str).map(str::to_owned).collect();
-    types.sort();
-    types.dedup();
-    if types.is_empty() {
-        types.extend(words(path).find(|word| is_type(word)));
-    }
-    types
-}
-
-/// The direction in the name of a file.
-fn direction_of(path: &Path) -> Option<Direction> {
-    words(path)
-        .find_map(|word| Direction::ALL.into_iter().find(|known| word.eq_ignore_ascii_case(known.name())))
-}
-
-/// The parts of a file name.
-fn words(path: &Path) -> impl Iterator<Item = String> {
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let words: Vec<String> = name.split(['.', '_', ' ']).map(str::to_owned).collect();
-    words.into_iter()
-}
-
-/// True if a word looks like a message type: `SYS-VER`.
-fn is_type(word: &str) -> bool {
-    let is_part = |part: &str| {
-        !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_uppercase() || byte.is_ascii_digit())
-    };
-    word.contains('-') && word.split('-').all(is_part)
 }
 
 /// A tree as a JSON value. `None` if the tree contains tokens that aren't JSON, or a number beyond the range of a
@@ -403,3 +350,6 @@ fn value_of(tree: &Tree<'_>) -> Option<Value> {
         }
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -32,7 +32,7 @@ pub enum Received {
 }
 
 /// A connection to a server.
-pub trait Client: Send {
+pub trait Client {
     /// Sends a message. To test servers, callers may pass bytes that aren't a valid message.
     fn send(&mut self, message: &[u8]) -> io::Result<()>;
 
@@ -51,14 +51,27 @@ pub trait Client: Send {
     }
 }
 
+/// A network in memory. Neither connecting nor sending blocks.
+pub trait Network {
+    /// Connects to a server.
+    ///
+    /// # Errors
+    /// Fails if there is no such server, or if it refuses the connection.
+    fn connect(&self, endpoint: &Endpoint) -> io::Result<Box<dyn Client>>;
+}
+
 /// Connects to a server and completes the handshake, without credentials. HTTP has no lasting connection, so the time
 /// limit also applies to each message.
-pub fn connect(endpoint: &Endpoint, until: Instant) -> io::Result<Box<dyn Client>> {
+pub fn connect(endpoint: &Endpoint, until: Instant) -> io::Result<Box<dyn Client + Send>> {
     connect_with(endpoint, &Access::default(), until)
 }
 
 /// Like [`connect`], with credentials and trusted certificates.
-pub fn connect_with(endpoint: &Endpoint, access: &Access, until: Instant) -> io::Result<Box<dyn Client>> {
+pub fn connect_with(
+    endpoint: &Endpoint,
+    access: &Access,
+    until: Instant,
+) -> io::Result<Box<dyn Client + Send>> {
     Ok(match endpoint {
         Endpoint::Tcp(address) => Box::new(tcp::Tcp::connect(address, access, until)?),
         Endpoint::Udp(address) => Box::new(udp::Udp::connect(address, until)?),

@@ -129,3 +129,24 @@ fn limits_the_depth_of_reading_but_not_of_skipping() {
         }
     }
 }
+
+/// A finding names the problem where it is, not where the string starts.
+#[test]
+fn describes_strings_that_cannot_be_read() {
+    for (text, at, problem) in [
+        (r#"{"a":"x\ud800"}"#, 7, "unpaired surrogate"),
+        (r#"{"a":"\ud800\ud800"}"#, 6, "unpaired surrogate"),
+        (r#"{"a\udc00":1}"#, 3, "unpaired surrogate"),
+        (r#"["\ud83d\ude00", "\uDFFF x"]"#, 18, "unpaired surrogate"),
+        (r#"["\ud83d\u0041"]"#, 2, "unpaired surrogate"),
+        (r#"["\ud83d\n"]"#, 2, "unpaired surrogate"),
+        (r#"["ab\x"]"#, 4, "an invalid escape"),
+        (r#"["ab\u12g4"]"#, 4, "an invalid escape"),
+        (r#"["ab\ud83d\u12"]"#, 4, "unpaired surrogate"),
+        ("[\"ab\tc\"]", 4, "a control character"),
+    ] {
+        let error = Tree::read(text).expect_err(text);
+        assert_eq!(error.at, at, "{text}: {error}");
+        assert!(error.problem.contains(problem), "{text}: {error}");
+    }
+}

@@ -85,7 +85,8 @@ impl<'p> Reading<'p, '_> {
     }
 
     fn timestamp(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan) -> Result<(), Unclear> {
-        let Token::Int(value) = tokens.token()? else { return Err(Unclear) };
+        let token = tokens.token()?;
+        let value = Leaf::from_token(&token).and_then(Leaf::integer).ok_or(Unclear)?;
         self.clean.timestamp = Some(u64::try_from(value).map_err(|_| Unclear)?);
         field.keep(self.values, field.offset, Leaf::Int(value));
         Ok(())

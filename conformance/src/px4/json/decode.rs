@@ -71,8 +71,11 @@ impl Reading {
             // The deviation `NaN` isn't kept, because the token isn't JSON.
             (Tree::Null | Tree::Token("NaN"), _) => Value::Null,
             (Tree::Bool(value), _) => (*value).into(),
-            (Tree::Int(value), _) => Number::from_i128(*value).map_or(Value::Null, Value::Number),
-            (Tree::Float(value, _), _) => (*value).into(),
+            (Tree::Float(value, _), PlacedElement::Scalar(scalar)) if scalar.is_float() => (*value).into(),
+            (Tree::Int(_) | Tree::Float(..), _) => {
+                let value = tree.as_integer().ok_or_else(|| format!("expected an integer, found {tree}"))?;
+                Number::from_i128(value).map_or(Value::Null, Value::Number)
+            }
             (Tree::Text(text), _) => (&**text).into(),
             _ => return Err(format!("unexpected value: {tree}")),
         })
@@ -88,10 +91,7 @@ impl Reading {
             Tree::Text(text) => return Ok((&**text).into()),
             Tree::List(values) if self.is_rosbridge => {
                 self.dialects.insert(Dialect::NumbersForText);
-                let byte = |value: &Tree<'_>| match value {
-                    Tree::Int(value) => u8::try_from(*value).ok(),
-                    _ => None,
-                };
+                let byte = |value: &Tree<'_>| u8::try_from(value.as_integer()?).ok();
                 let bytes: Option<Vec<u8>> = values.iter().map(byte).collect();
                 bytes.ok_or("expected integers from 0 to 255")?
             }

@@ -82,10 +82,7 @@ impl Plans {
     /// The `timestamp` field of a message, if it has one.
     pub(crate) fn timestamp(&self, id: MessageId, tree: &Tree<'_>) -> Option<u64> {
         self.get(id).fields.iter().find(|field| field.is_timestamp())?;
-        match tree.get("timestamp") {
-            Some(Tree::Int(value)) => u64::try_from(*value).ok(),
-            _ => None,
-        }
+        u64::try_from(tree.get("timestamp")?.as_integer()?).ok()
     }
 }
 
@@ -322,10 +319,7 @@ impl<'p> Explaining<'p, '_> {
 
     /// Checks an array that appears in place of a single value. ROS 2 writes text in this form.
     fn list(&mut self, values: &[Tree<'_>], tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
-        let byte = |value: &Tree<'_>| match value {
-            Tree::Int(value) => u8::try_from(*value).ok(),
-            _ => None,
-        };
+        let byte = |value: &Tree<'_>| u8::try_from(value.as_integer()?).ok();
         if !matches!(field.element, Element::Text(_)) || !self.origin.is_rosbridge {
             return self.mistyped(tree, field, is_element);
         }
@@ -354,8 +348,7 @@ impl<'p> Explaining<'p, '_> {
 
 /// The number of entries in use according to the field that counts them. `None` if that field is not an integer.
 fn in_use(object: &Tree<'_>, field: &FieldPlan) -> Option<usize> {
-    let Some(Tree::Int(count)) = object.get(&field.name) else { return None };
-    Some(entries_in_use(*count, &field.special))
+    Some(entries_in_use(object.get(&field.name)?.as_integer()?, &field.special))
 }
 
 impl FieldPlan {

@@ -331,6 +331,40 @@ fn a_template_reads_values_like_json() {
     assert_eq!(template.read(&plans, &enveloped.replace("\"a\"", "\"b\"")), None);
 }
 
+/// JSON Schema accepts `5.0` as an integer. Some programs write all numbers in this form.
+#[test]
+fn integers_may_be_written_with_a_fraction_of_zero() {
+    let mut sources = SourceMap::default();
+    let text = "uint64 timestamp\nint8 small # [@range -3, 5]\nuint8 count\nint32[2] pair\nbool flag\n";
+    let file = sources.add("Whole.msg", text.into()).expect("a file");
+    let package = PackageInput::new("demo", Form::Msg(Dialect::Px4), vec![file]);
+    let (schema, mistakes) = read(&sources, &[package]);
+    assert!(mistakes.is_empty(), "{mistakes:?}");
+    let plans = Plans::new(&schema, &crate::rules::px4::VALUES);
+    let id = MessageId(0);
+    let written = |numbers: [&str; 5]| {
+        let [timestamp, small, count, first, second] = numbers;
+        format!(
+            "{{\"timestamp\":{timestamp},\"small\":{small},\"count\":{count},\"pair\":[{first},{second}],\"flag\":true}}"
+        )
+    };
+    let values = |text: &str| {
+        assert!(agrees(&plans, id, text).expect("both agree"), "{text}");
+        let mut values = vec![0; 64];
+        let clean = plans.read_text(id, text, false, &mut values).expect("no findings");
+        assert_eq!(clean.timestamp, Some(17_000), "{text}");
+        assert_eq!(plans.timestamp(id, &Tree::read(text).expect("JSON")), Some(17_000), "{text}");
+        values
+    };
+    let plain = written(["17000", "-3", "255", "100", "0"]);
+    let other = written(["17000.0", "-3.0", "2.55e2", "1e2", "-0"]);
+    assert_eq!(values(&plain), values(&other));
+    for wrong in ["-4.0", "6.0", "1.5", "1e30", "5e-1", "\"5.0\""] {
+        let text = written(["1", wrong, "2", "3", "4"]);
+        assert!(!agrees(&plans, id, &text).expect("both agree"), "{text}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(3_000))]
 

@@ -6,6 +6,7 @@ use std::ops::Range;
 use uavspec_codegen::schema::Shape;
 use uavspec_runtime::{Number, Scalar};
 
+use crate::json::whole;
 use crate::px4::values::{Element, FieldPlan, Violation, check_text};
 
 /// A scalar value.
@@ -33,10 +34,21 @@ impl Leaf<'_> {
             Self::Int(value) if scalar.is_float() => float(value as f64),
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
             Self::Int(value) => value as u64,
-            Self::Float(value) => float(value),
+            Self::Float(value) if scalar.is_float() => float(value),
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
+            Self::Float(value) => whole(value).unwrap_or_default() as u64,
             Self::Text(_) => 0,
         };
         bits.to_le_bytes()
+    }
+
+    /// The value of an integer in any notation: JSON Schema accepts `5.0` as an integer.
+    pub(super) fn integer(self) -> Option<i128> {
+        match self {
+            Self::Int(value) => Some(value),
+            Self::Float(value) => whole(value),
+            _ => None,
+        }
     }
 }
 
@@ -58,8 +70,8 @@ impl FieldPlan {
             (Element::Scalar(scalar @ (Scalar::Float32 | Scalar::Float64)), leaf) => {
                 self.constraint().check_number(float(scalar, leaf)?)
             }
-            (Element::Scalar(scalar), Leaf::Int(value)) => match scalar.integer_bounds() {
-                Some((low, high)) if (low..=high).contains(&value) => {
+            (Element::Scalar(scalar), leaf) => match (scalar.integer_bounds(), leaf.integer()) {
+                (Some((low, high)), Some(value)) if (low..=high).contains(&value) => {
                     self.constraint().check_number(Number::Int(value))
                 }
                 _ => Err(Violation::Type),

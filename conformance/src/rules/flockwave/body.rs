@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 
 use super::{Detail, ExpectedValue, Message, RuleContext, Tree};
-use crate::flockwave::body_schema::{Mismatch, integer};
+use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
 
 /// The maximum length of a quoted text, in characters.
@@ -90,7 +90,7 @@ pub(super) fn codes(
 ) {
     for (uav, state) in states(message, "UAV-INF") {
         let Some(Tree::List(values)) = state.get("errors") else { continue };
-        let codes: Vec<i128> = values.iter().filter_map(integer).collect();
+        let codes: Vec<i128> = values.iter().filter_map(Tree::as_integer).collect();
         if codes.is_empty() {
             continue;
         }

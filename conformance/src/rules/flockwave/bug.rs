@@ -27,6 +27,8 @@ pub(crate) struct Bug {
 pub(crate) enum Needs {
     /// No additional setup.
     Nothing,
+    /// A client that connects over TCP, and not in memory.
+    Tcp,
     /// A client that connects over UDP.
     Udp,
     /// A client that connects over Socket.IO.

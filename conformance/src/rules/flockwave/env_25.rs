@@ -4,8 +4,8 @@
 //! so a different order is worth reporting. `FW-ENV-07` reports unanswered requests.
 
 use super::{
-    Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
-    RuleContext, Sent, SessionCheck, Status, Step, Strain, Trial, mutant, source,
+    Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Needs, PerConnection,
+    Role, Rule, RuleContext, Sent, SessionCheck, Status, Step, Strain, Trial, mutant, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -29,7 +29,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Session(|| Box::new(Order::default()))],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, requests that arrive together are answered in reverse order."),
+    bug: Bug::behaviour("Over TCP, requests that arrive together are answered in reverse order.")
+        .needs(Needs::Tcp),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[Mutant {
         name: "the last request is answered first",

@@ -6,7 +6,7 @@ use super::{
     Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
     Status, Tree, body, mutant, source,
 };
-use crate::flockwave::body_schema::{Mismatch, integer};
+use crate::flockwave::body_schema::Mismatch;
 use crate::json::pointer;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -39,7 +39,7 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
         }
         context.covered();
         // FW-UST-ERRORS reports values that are not integers.
-        let codes = codes.iter().enumerate().filter(|(_, code)| integer(code).is_some());
+        let codes = codes.iter().enumerate().filter(|(_, code)| code.as_integer().is_some());
         let wrong = codes.into_iter().find_map(|(at, code)| Some((at, CODE.mismatch(code)?)));
         if let Some((at, found)) = wrong {
             let path = pointer(&["body", "status", uav, "errors", &at.to_string()]);

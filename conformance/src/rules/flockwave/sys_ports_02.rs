@@ -60,11 +60,12 @@ impl SessionCheck for Used {
         }
         let Some(body) = exchange.response("SYS-PORTS") else { return };
         let Some((transport, port)) = *self.0.get(exchange) else { return };
-        let Some(Tree::Int(listed)) = body.get("ports").and_then(|ports| ports.get(transport)) else {
+        let ports = body.get("ports");
+        let Some(listed) = ports.and_then(|ports| ports.get(transport)).and_then(Tree::as_integer) else {
             return;
         };
         context.covered();
-        if *listed != i128::from(port) {
+        if listed != i128::from(port) {
             exchange.violates(context, || {
                 Detail::differs(port, listed).at(pointer(&["body", "ports", transport]))
             });

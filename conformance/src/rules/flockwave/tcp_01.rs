@@ -4,7 +4,7 @@
 //! reports all other lines that are not messages.
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Rule, RuleContext,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Needs, Rule, RuleContext,
     SessionCheck, Status, StatusReport, lines, mutant, source,
 };
 
@@ -26,7 +26,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Session(|| Box::new(SplitMessages::default()))],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, notifications are split into several lines."),
+    bug: Bug::behaviour("Over TCP, notifications are split into several lines.").needs(Needs::Tcp),
     trial: None,
     mutants: &[
         Mutant {

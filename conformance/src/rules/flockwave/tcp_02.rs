@@ -1,8 +1,8 @@
 //! `FW-TCP-02`.
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, SHORT_PAUSE, Sent, Status, Step, Strain, Trial,
-    mutant, served, source,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, SHORT_PAUSE, Sent, Status, Step, Strain,
+    Trial, mutant, served, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -27,7 +27,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, only the first of several requests in a segment is handled."),
+    bug: Bug::behaviour("Over TCP, only the first of several requests in a segment is handled.")
+        .needs(Needs::Tcp),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },

@@ -1,8 +1,8 @@
 //! `FW-TCP-03`.
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Sent, Status, Step, Strain, Trial, mutant,
-    served, source, trial,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Sent, Status, Step, Strain, Trial,
+    mutant, served, source, trial,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -24,7 +24,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Exchange(served::check)],
     covers: &[],
-    bug: Bug::behaviour("Over TCP, a line that is not JSON ends the connection."),
+    bug: Bug::behaviour("Over TCP, a line that is not JSON ends the connection.").needs(Needs::Tcp),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
         Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },

@@ -3,8 +3,8 @@
 use std::time::Duration;
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Sent, Status, Step, Strain, Trial, mutant,
-    served, source, tcp_02,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Sent, Status, Step, Strain, Trial,
+    mutant, served, source, tcp_02,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -29,6 +29,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     checks: &[Check::Exchange(served::check)],
     covers: &[],
     bug: Bug::behaviour("Over TCP, the start of a message is dropped if the rest is in another segment.")
+        .needs(Needs::Tcp)
         .with(&[&tcp_02::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
     mutants: &[

@@ -96,15 +96,17 @@ impl Latest {
         timestamp: Option<&Tree<'_>>,
         context: &mut RuleContext<'_>,
     ) -> Option<Detail> {
-        let Some(Tree::Int(now)) = timestamp.filter(|_| uav.len() <= MAX_ID) else { return None };
-        context.covered();
-        let Some(latest) = self.0.get_mut(connection.serial, uav) else {
-            self.0.insert(connection.serial, uav, *now, uav.len());
+        let Some(now) = timestamp.filter(|_| uav.len() <= MAX_ID).and_then(Tree::as_integer) else {
             return None;
         };
-        let before = std::mem::replace(latest, *now);
+        context.covered();
+        let Some(latest) = self.0.get_mut(connection.serial, uav) else {
+            self.0.insert(connection.serial, uav, now, uav.len());
+            return None;
+        };
+        let before = std::mem::replace(latest, now);
         let path = || pointer(&["body", "status", uav, "timestamp"]);
-        (*now < before)
+        (now < before)
             .then(|| Detail::differs(format!("at least {before}, the previous timestamp"), now).at(path()))
     }
 }

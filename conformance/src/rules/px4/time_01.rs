@@ -139,8 +139,8 @@ impl Checker for Times {
 
     fn corruption(&mut self, _: Location) {
         // The latest message may be corrupt too.
-        self.logged.iter_mut().for_each(|latest| *latest = 0);
-        self.sent.iter_mut().for_each(|time| *time = Time::default());
+        self.logged.reset();
+        self.sent.reset();
     }
 }
 

@@ -1,5 +1,7 @@
 //! `PX-TIME-02`.
 
+use std::mem;
+
 use super::ext::is_of_px4;
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
@@ -52,6 +54,8 @@ const DROPOUT_MARGIN: u64 = 1_000_000;
 #[derive(Default)]
 struct Gaps {
     channels: PerChannel<Rhythm>,
+    /// The times of the latest messages; 0 if unknown.
+    latest: PerChannel<u64>,
     /// The time of the latest message of any channel.
     now: u64,
     /// A dropout excuses pauses that start before this time.
@@ -62,7 +66,6 @@ struct Gaps {
 /// by at most a small step, so rare long pauses have little effect.
 #[derive(Clone, Default)]
 struct Rhythm {
-    latest: u64,
     /// Set if log times are known. Logs have none, and contain so many messages that separate memory pays off.
     order: Option<Box<Order>>,
     /// `None` until the topic had a regular period.
@@ -91,6 +94,7 @@ impl Checker for Gaps {
             return Interest::Nothing;
         }
         self.channels.open(channel, Rhythm::default());
+        self.latest.open(channel, 0);
         Interest::Times
     }
 
@@ -111,13 +115,17 @@ impl Checker for Gaps {
             return;
         }
         self.now = self.now.max(timestamp);
-        let Rhythm { latest, period, .. } = *rhythm;
+        let period = rhythm.period;
+        // After a step back, which PX-TIME-01 judges, the clock is unknown.
+        let follow = |latest: &mut u64| {
+            let next = if timestamp < *latest { 0 } else { timestamp };
+            mem::replace(latest, next)
+        };
+        let latest = self.latest.get(channel).map_or(0, follow);
         let pause = timestamp.saturating_sub(latest);
         if latest > 0 && pause > 0 {
             rhythm.learn(pause);
         }
-        // After a step back, which PX-TIME-01 judges, the clock is unknown.
-        rhythm.latest = if timestamp < latest { 0 } else { timestamp };
         let Some(period) = period else { return };
         if let Some(order) = &mut rhythm.order {
             order.checked += 1;
@@ -143,7 +151,7 @@ impl Checker for Gaps {
 
     fn corruption(&mut self, _: Location) {
         // The corrupt part may have contained messages.
-        self.channels.iter_mut().for_each(|rhythm| rhythm.latest = 0);
+        self.latest.reset();
     }
 
     fn dropout(&mut self, milliseconds: u16, _: Location) {

@@ -70,7 +70,10 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
             Ok("no error codes".to_owned())
         }
         "error" => {
-            let code = |value: &Value| value.as_u64().and_then(|code| u16::try_from(code).ok());
+            let code = |value: &Value| match value {
+                Value::String(text) => text.trim().parse().ok(),
+                value => value.as_u64().and_then(|code| u16::try_from(code).ok()),
+            };
             let codes =
                 arguments.iter().map(|value| code(value).ok_or("expected an error code from 0 to 65535"));
             let codes: Vec<u16> = codes.collect::<Result<_, _>>()?;
@@ -80,11 +83,18 @@ fn obey(uav: &mut Uav, command: &str, arguments: &[Value]) -> Result<String, Str
             Ok(format!("error codes: {}", codes.join(", ")))
         }
         "battery" => {
-            let percent =
-                arguments.first().and_then(Value::as_f64).ok_or("expected the charge in percent")?;
-            uav.set_charge(percent);
+            let charge = arguments.first().and_then(percentage).ok_or("expected the charge in percent")?;
+            uav.set_charge(charge);
             Ok(format!("charged to {} %", uav.percentage()))
         }
         _ => Err("unknown command; expected error, battery or lose".to_owned()),
     }
+}
+
+/// A number of percent. Clients that read commands from a person send texts such as `90%`.
+fn percentage(value: &Value) -> Option<f64> {
+    let Value::String(text) = value else { return value.as_f64() };
+    let text = text.trim();
+    let charge: f64 = text.strip_suffix('%').unwrap_or(text).trim_end().parse().ok()?;
+    Some(charge).filter(|charge| charge.is_finite())
 }

@@ -52,11 +52,18 @@ fn get(hub: &mut Hub, id: &str, name: &str) -> Result<Value, String> {
 
 fn set(hub: &mut Hub, id: &str, name: &str, value: &Value) -> Result<(), String> {
     let (name, _) = parameter(hub, id, name)?;
-    if !value.is_number() {
-        return Err("expected a number".to_owned());
-    }
-    hub.world.parameters.insert((id.to_owned(), name), value.clone());
+    let value = number(value).ok_or("expected a number")?;
+    hub.world.parameters.insert((id.to_owned(), name), value);
     Ok(())
+}
+
+/// The number in a value. Clients that read parameters from text files send texts.
+fn number(value: &Value) -> Option<Value> {
+    match value {
+        Value::Number(_) => Some(value.clone()),
+        Value::String(text) => serde_json::from_str(text.trim()).ok().filter(Value::is_number),
+        _ => None,
+    }
 }
 
 fn set_many(hub: &mut Hub, id: &str, values: &BTreeMap<String, Value>) -> Result<ParameterOutcome, String> {

@@ -44,10 +44,10 @@ pub(super) fn answer(hub: &mut Hub, _session: SessionId, request: Request) -> An
         },
         Request::RtkStat(_) => Ok(statistics(hub).into()),
         Request::RtkSurvey(request) => {
-            if request.settings.is_some() {
-                hub.world.survey = request.settings;
+            if let Some(settings) = request.settings {
+                hub.world.survey = settings;
             }
-            Ok(rtk_survey::Response { settings: hub.world.survey.clone() }.into())
+            Ok(rtk_survey::Response { settings: Some(hub.world.survey.clone()) }.into())
         }
         other => Err(unknown(&other)),
     }

@@ -12,7 +12,7 @@ use uavspec::flockwave::json::{
 use uavspec_runtime::ErrorClass;
 
 use super::unknown;
-use crate::rules::flockwave::{uav_inf_06, uav_inf_07};
+use crate::rules::flockwave::{uav_inf_06, uav_inf_07, uav_land_01};
 use crate::serve::hub::{Answer, Hub, SessionId};
 use crate::serve::message::{Outcome, Outcomes};
 use crate::serve::operation::Operation;
@@ -42,11 +42,11 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
         Request::UavTakeoff(requested) => {
             respond!(uav_takeoff, execute(hub, session, requested.ids, Command::TakeOff))
         }
-        Request::UavLand(requested) => {
-            respond!(uav_land, execute(hub, session, requested.ids, Command::Land))
-        }
+        Request::UavLand(requested) => respond!(uav_land, land(hub, session, requested.ids)),
         Request::UavRth(requested) => {
-            respond!(uav_rth, execute(hub, session, requested.ids, Command::ReturnHome))
+            let is_deaf = hub.has_bug(&uav_land_01::RULE);
+            let command = if is_deaf { Command::Hover } else { Command::ReturnHome };
+            respond!(uav_rth, execute(hub, session, requested.ids, command))
         }
         Request::UavHover(requested) => {
             respond!(uav_hover, execute(hub, session, requested.ids, Command::Hover))
@@ -242,6 +242,19 @@ fn execute(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>, command: Comma
     Outcomes::collect(ids, |id| match hub.uav(id) {
         Some(uav) if is_always_received => apply(uav).map(Outcome::Value),
         _ => call(hub, session, id, apply),
+    })
+}
+
+/// Lands UAVs. With a bug, a UAV ignores the first command of a flight.
+fn land(hub: &mut Hub, session: SessionId, ids: Vec<ObjectId>) -> CommandResults {
+    let is_deaf = hub.has_bug(&uav_land_01::RULE);
+    Outcomes::collect(ids, |id| {
+        let is_flying = hub.uav(id).is_some_and(|uav| uav.is_flying());
+        if is_deaf && is_flying && hub.deaf.insert(id.to_owned()) {
+            return Ok(Outcome::Value(true));
+        }
+        hub.deaf.remove(id);
+        call(hub, session, id, |uav| uav.command(Command::Land).map(|()| true))
     })
 }
 

@@ -149,14 +149,14 @@ impl Connection {
         protocol: impl FnOnce(&mut Shared, &Rc<Outbox>) -> Box<dyn Protocol>,
     ) -> Self {
         let stream = Rc::new(stream);
-        let outbox = Rc::new(Outbox::new(Rc::clone(&stream), &shared.queued));
+        let outbox = Rc::new(Outbox::new(Rc::clone(&stream), &shared.queued, shared.clock.clone()));
         let protocol = protocol(shared, &outbox);
         Self {
             stream,
             peer: Peer { address, outbox },
             protocol,
             received: Share::new(&shared.received),
-            last_active: Instant::now(),
+            last_active: shared.now(),
             has_requested: false,
             incomplete_since: None,
             closed_at: None,
@@ -191,14 +191,14 @@ impl Connection {
     }
 
     fn work(&mut self, shared: &mut Shared) -> Visit {
-        let started = Instant::now();
+        let end = shared.now() + SLICE;
         loop {
             self.peer.outbox.flush();
             if let Some(reason) = self.peer.outbox.failure() {
                 return Visit::End(reason);
             }
             let reads = self.effort.reads;
-            let visit = if self.is_closed() { self.linger() } else { self.advance(shared) };
+            let visit = if self.is_closed() { self.linger(shared.now()) } else { self.advance(shared) };
             if let Some(visit) = visit {
                 return visit;
             }
@@ -207,7 +207,7 @@ impl Connection {
                 if has_processed || self.effort.reads >= READS_AT_ONCE {
                     return Visit::Again;
                 }
-            } else if has_processed && started.elapsed() >= SLICE && self.protocol.has_rest() {
+            } else if has_processed && shared.now() >= end && self.protocol.has_rest() {
                 return Visit::Unfinished;
             }
         }
@@ -221,7 +221,7 @@ impl Connection {
         match self.protocol.step(shared, &self.peer) {
             Step::Handled { is_request } => {
                 self.effort.messages += 1;
-                self.last_active = Instant::now();
+                self.last_active = shared.now();
                 self.incomplete_since = None;
                 self.has_requested |= is_request;
                 None
@@ -240,12 +240,12 @@ impl Connection {
                 self.peer.outbox.close();
                 None
             }
-            Step::Starved => self.read(),
+            Step::Starved => self.read(shared.now()),
         }
     }
 
     /// Reads bytes. Returns `None` if the connection can continue.
-    fn read(&mut self) -> Option<Visit> {
+    fn read(&mut self, now: Instant) -> Option<Visit> {
         let mut piece = [0; PIECE];
         self.effort.reads += 1;
         match (&*self.stream).read(&mut piece) {
@@ -256,7 +256,7 @@ impl Connection {
             }
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                let since = self.incomplete_since.unwrap_or_else(Instant::now);
+                let since = self.incomplete_since.unwrap_or(now);
                 self.incomplete_since = self.protocol.has_rest().then_some(since);
                 return Some(Visit::Rest);
             }
@@ -267,11 +267,11 @@ impl Connection {
     }
 
     /// Drops received bytes until the client closes the connection.
-    fn linger(&mut self) -> Option<Visit> {
+    fn linger(&mut self, now: Instant) -> Option<Visit> {
         if !self.peer.outbox.is_sent() {
             return Some(Visit::Rest);
         }
-        self.closed_at.get_or_insert_with(Instant::now);
+        self.closed_at.get_or_insert(now);
         if self.has_ended {
             return Some(Visit::End(Reason::Disconnected));
         }

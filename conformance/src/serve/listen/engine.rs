@@ -23,6 +23,7 @@ use super::outbox::{Outbox, Taken};
 use super::reply::{Pending, Reply};
 use super::seats::{Admission, SeatLimits, Seats};
 use super::statistics::Reason;
+use crate::clock::Clock;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
 use crate::flockwave::transport::http::{Request, Response};
 use crate::net::is_silence;
@@ -55,10 +56,11 @@ impl Default for Sessions {
 
 /// Sends pings, and ends sessions that didn't respond to them.
 pub(super) fn tend(shared: &mut Shared) {
+    let now = shared.now();
     let (alive, expired): (Vec<_>, Vec<_>) =
-        shared.sessions.all.values().cloned().partition(|session| session.is_alive());
+        shared.sessions.all.values().cloned().partition(|session| session.is_alive(now));
     for session in alive {
-        session.ping_if_due();
+        session.ping_if_due(now);
     }
     for session in expired {
         session.end(shared);
@@ -122,7 +124,7 @@ fn replace(shared: &mut Shared, sid: &String) {
 
 /// Opens a session. If there are too many, an idle session gives way.
 fn open(shared: &mut Shared, address: IpAddr, revision: Revision) -> Option<Rc<Session>> {
-    let now = Instant::now();
+    let now = shared.now();
     match shared.sessions.seats.admit(address, now) {
         Admission::Free => {}
         Admission::Evict(sid) => replace(shared, &sid),
@@ -195,7 +197,7 @@ pub(super) fn by_polling(
     }
     match request.method.as_str() {
         // Two concurrent polls would divide the packets between them.
-        "GET" => match Poll::start(session) {
+        "GET" => match Poll::start(session, shared.clock.clone()) {
             Some(poll) => Reply::Later(Box::new(poll)),
             None => Reply::Now(refused("another poll of this session is pending")),
         },
@@ -210,25 +212,31 @@ pub(super) fn by_polling(
 /// A request that waits for packets. Dropping it allows the next poll.
 struct Poll {
     session: Rc<Session>,
+    clock: Clock,
     until: Instant,
 }
 
 impl Poll {
     /// Starts a poll, unless another poll of the session is pending.
-    fn start(session: Rc<Session>) -> Option<Self> {
-        session.start_poll().then(|| Self { session, until: Instant::now() + POLL_LIMIT })
+    fn start(session: Rc<Session>, clock: Clock) -> Option<Self> {
+        let now = clock.now();
+        session.start_poll(now).then(|| Self { session, clock, until: now + POLL_LIMIT })
+    }
+
+    fn is_over(&self) -> bool {
+        self.clock.now() >= self.until
     }
 }
 
 impl Pending for Poll {
     fn is_due(&self) -> bool {
-        self.session.queue().is_ready() || Instant::now() >= self.until
+        self.session.queue().is_ready() || self.is_over()
     }
 
     fn response(&mut self, _: &mut Shared) -> Option<Response> {
         let texts = match self.session.queue().take(PACKETS_AT_ONCE) {
             Taken::Texts(texts) => texts,
-            Taken::Nothing if Instant::now() < self.until => return None,
+            Taken::Nothing if !self.is_over() => return None,
             Taken::Nothing => vec![Packet::new(Kind::Noop, "").to_text()],
             Taken::End => return Some(refused("the session has ended")),
         };
@@ -240,7 +248,7 @@ impl Pending for Poll {
 
 impl Drop for Poll {
     fn drop(&mut self) {
-        self.session.end_poll();
+        self.session.end_poll(self.clock.now());
     }
 }
 

@@ -15,6 +15,7 @@ use super::Shared;
 use super::limits::Share;
 use super::outbox::{Taken, TextQueue};
 use super::reply::{Pending, Reply};
+use crate::clock::Clock;
 use crate::flockwave::transport::http::{Request, Response};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
 use crate::serve::message::{envelope, value};
@@ -99,7 +100,8 @@ fn exchange(
         pending,
         answer,
         _share: share,
-        until: Instant::now() + OPERATION_TIMEOUT,
+        until: shared.now() + OPERATION_TIMEOUT,
+        clock: shared.clock.clone(),
         has_envelope,
         is_open,
     })
@@ -158,6 +160,7 @@ struct Exchange {
     pending: BTreeMap<String, Option<String>>,
     /// The memory of the answer.
     _share: Share,
+    clock: Clock,
     until: Instant,
     has_envelope: bool,
     is_open: bool,
@@ -170,7 +173,7 @@ impl Pending for Exchange {
         while !self.pending.is_empty() {
             match next(&self.queue) {
                 Some(notification) => self.take(&notification.message["body"]),
-                None if self.queue.is_closed() || Instant::now() >= self.until => {
+                None if self.queue.is_closed() || self.is_over() => {
                     for receipt in self.pending.clone().into_keys() {
                         self.settle(&receipt, "error", json!("timeout"));
                     }
@@ -189,7 +192,7 @@ impl Pending for Exchange {
     }
 
     fn is_due(&self) -> bool {
-        self.queue.is_ready() || Instant::now() >= self.until
+        self.queue.is_ready() || self.is_over()
     }
 
     fn end(&mut self, shared: &mut Shared) {
@@ -198,6 +201,10 @@ impl Pending for Exchange {
 }
 
 impl Exchange {
+    fn is_over(&self) -> bool {
+        self.clock.now() >= self.until
+    }
+
     /// Processes a notification.
     fn take(&mut self, notification: &Value) {
         let receipt = notification["id"].as_str().unwrap_or_default();

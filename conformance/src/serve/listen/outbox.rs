@@ -13,11 +13,13 @@ use tungstenite::protocol::frame::coding::{Data, OpCode};
 
 use super::limits::{Budget, QUEUE_LIMIT, Share};
 use super::statistics::Reason;
+use crate::clock::Clock;
 
 /// The bytes that wait to be sent over a connection.
 #[derive(Debug)]
 pub(super) struct Outbox {
     stream: Rc<TcpStream>,
+    clock: Clock,
     bytes: RefCell<VecDeque<u8>>,
     share: Share,
     state: Cell<State>,
@@ -39,9 +41,10 @@ enum State {
 }
 
 impl Outbox {
-    pub(super) fn new(stream: Rc<TcpStream>, budget: &Rc<Budget>) -> Self {
+    pub(super) fn new(stream: Rc<TcpStream>, budget: &Rc<Budget>, clock: Clock) -> Self {
         Self {
             stream,
+            clock,
             bytes: RefCell::default(),
             share: Share::new(budget),
             state: Cell::new(State::Open),
@@ -63,7 +66,7 @@ impl Outbox {
         }
         self.bytes.borrow_mut().extend(rest);
         if self.waiting_since.get().is_none() {
-            self.waiting_since.set(Some(Instant::now()));
+            self.waiting_since.set(Some(self.clock.now()));
         }
         let waiting = self.waiting();
         if self.share.set(waiting).is_err() || waiting > QUEUE_LIMIT {
@@ -97,7 +100,7 @@ impl Outbox {
             if bytes.is_empty() {
                 *bytes = VecDeque::new();
             }
-            self.waiting_since.set((!bytes.is_empty()).then(Instant::now));
+            self.waiting_since.set((!bytes.is_empty()).then(|| self.clock.now()));
             // A shrinking share can't exceed the budget.
             let _ = self.share.set(bytes.len());
         }

@@ -5,7 +5,6 @@ use std::io::{self, ErrorKind, Write as _};
 use std::net::{IpAddr, SocketAddr};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
 use std::time::{Duration, Instant};
 
 use mio::event::{Event, Source};
@@ -21,6 +20,7 @@ use super::tcp::LineClient;
 use super::udp::Datagrams;
 use super::web::WebClient;
 use super::{Bound, Hub, Shared, Socket, Transport, engine};
+use crate::clock::Clock;
 
 /// The interval between simulation steps. Notifications are less frequent.
 const TICK: Duration = Duration::from_millis(20);
@@ -84,6 +84,7 @@ pub(crate) struct Reactor {
     waiting: BTreeSet<Token>,
     seats: Seats<Token>,
     next_token: usize,
+    /// The real time at which the end was requested, because simulated time may stand still.
     ending: Option<Instant>,
 }
 
@@ -146,14 +147,14 @@ impl Reactor {
     /// Serves all clients until the end is requested.
     pub(crate) fn run(mut self, control: &Control) {
         let mut events = Events::with_capacity(1024);
-        let (mut last_tick, mut last_sweep) = (Instant::now(), Instant::now());
+        let (mut next_tick, mut next_sweep) = (self.shared.now(), self.shared.now());
         while !self.is_done() {
             let is_busy = !self.schedule.is_empty() || !self.ready_datagrams.is_empty() || self.can_accept();
-            let wait = if is_busy { Duration::ZERO } else { TICK.saturating_sub(last_tick.elapsed()) };
+            let wait = if is_busy { Duration::ZERO } else { self.shared.clock.left(next_tick).min(TICK) };
             if let Err(error) = self.poll.poll(&mut events, Some(wait))
                 && error.kind() != ErrorKind::Interrupted
             {
-                thread::sleep(TICK);
+                Clock::real().sleep(TICK);
             }
             for event in &events {
                 self.note(event);
@@ -162,35 +163,42 @@ impl Reactor {
             self.receive_datagrams();
             self.wake_answered();
             self.visit_ready();
-            if last_tick.elapsed() >= TICK {
-                last_tick = Instant::now();
-                self.tick(control);
+            self.end_if_requested(control);
+            if self.shared.now() >= next_tick {
+                next_tick = self.shared.now() + TICK;
+                self.tick();
             }
-            if last_sweep.elapsed() >= SWEEP {
-                last_sweep = Instant::now();
+            if self.shared.now() >= next_sweep {
+                next_sweep = self.shared.now() + SWEEP;
                 self.sweep();
             }
+            self.publish(control);
         }
         self.publish(control);
     }
 
     /// True if the server is ending, and all connections have ended or exceeded the time limit.
     fn is_done(&self) -> bool {
-        self.ending.is_some_and(|ending| self.connections.is_empty() || ending.elapsed() >= SHUTDOWN_TIMEOUT)
+        let is_over = |ending: Instant| Clock::real().now() >= ending + SHUTDOWN_TIMEOUT;
+        self.ending.is_some_and(|ending| self.connections.is_empty() || is_over(ending))
     }
 
-    /// Advances the simulation.
-    fn tick(&mut self, control: &Control) {
+    /// Closes all connections if the end is requested, at any time.
+    fn end_if_requested(&mut self, control: &Control) {
         if self.ending.is_none() && control.is_ending.load(Ordering::Acquire) {
-            self.ending = Some(Instant::now());
+            self.ending = Some(Clock::real().now());
             self.shared.hub.end();
             self.shared.sessions.end();
             self.wake_all();
         }
+    }
+
+    /// Advances the simulation.
+    fn tick(&mut self) {
         if self.ending.is_none() {
-            self.shared.hub.advance(self.shared.started.elapsed());
+            let elapsed = self.shared.elapsed();
+            self.shared.hub.advance(elapsed);
         }
-        self.publish(control);
     }
 
     /// Publishes the counts of clients.
@@ -201,14 +209,14 @@ impl Reactor {
 
     /// Checks all time limits.
     fn sweep(&mut self) {
-        let now = Instant::now();
+        let now = self.shared.now();
         if self.ending.is_none() {
             engine::tend(&mut self.shared);
         }
         for datagrams in self.datagrams.values_mut() {
             datagrams.close_expired(&mut self.shared);
         }
-        let is_drained = self.ending.is_some_and(|ending| now.saturating_duration_since(ending) >= LAST_POLL);
+        let is_drained = self.ending.is_some_and(|ending| Clock::real().now() >= ending + LAST_POLL);
         let overdue: Vec<(Token, Reason)> = self
             .connections
             .iter()
@@ -242,7 +250,7 @@ impl Reactor {
     }
 
     fn wake(&mut self, token: Token) {
-        self.schedule.wake(token, self.shared.started.elapsed());
+        self.schedule.wake(token, self.shared.elapsed());
     }
 
     fn note(&mut self, event: &Event) {
@@ -269,7 +277,7 @@ impl Reactor {
 
     /// True if connections may be waiting that can be accepted now.
     fn can_accept(&self) -> bool {
-        let now = Instant::now();
+        let now = self.shared.now();
         self.doors.values().any(|door| door.is_ready && door.pause.is_none_or(|until| now >= until))
     }
 
@@ -280,8 +288,8 @@ impl Reactor {
         }
         let tokens: Vec<Token> = self.doors.keys().copied().collect();
         for token in tokens {
-            let started = Instant::now();
-            while started.elapsed() < ACCEPT_TIME {
+            let end = self.shared.now() + ACCEPT_TIME;
+            while self.shared.now() < end {
                 let Some((stream, address, transport)) = self.accept_one(token) else { break };
                 self.admit(stream, address.ip(), transport);
             }
@@ -290,7 +298,7 @@ impl Reactor {
 
     fn accept_one(&mut self, token: Token) -> Option<(TcpStream, SocketAddr, Transport)> {
         let door = self.doors.get_mut(&token)?;
-        let now = Instant::now();
+        let now = self.shared.now();
         if !door.is_ready || door.pause.is_some_and(|until| now < until) {
             return None;
         }
@@ -316,7 +324,7 @@ impl Reactor {
 
     /// Serves a new connection. If there are too many, another connection gives way, or the new one is refused.
     fn admit(&mut self, mut stream: TcpStream, address: IpAddr, transport: Transport) {
-        let now = Instant::now();
+        let now = self.shared.now();
         match self.seats.admit(address, now) {
             Admission::Free => {}
             Admission::Evict(token) => self.end(token, Reason::Replaced),
@@ -343,7 +351,7 @@ impl Reactor {
         self.shared.statistics.accepted += 1;
         self.seats.insert(token, address, now);
         self.connections.insert(token, connection);
-        self.schedule.insert(token, self.shared.started.elapsed());
+        self.schedule.insert(token, self.shared.elapsed());
     }
 
     fn receive_datagrams(&mut self) {
@@ -368,8 +376,8 @@ impl Reactor {
 
     /// Visits connections that have something to do, for a limited time.
     fn visit_ready(&mut self) {
-        let started = Instant::now();
-        while started.elapsed() < ROUND
+        let end = self.shared.now() + ROUND;
+        while self.shared.now() < end
             && let Some(token) = self.schedule.next()
         {
             self.visit(token);
@@ -378,7 +386,7 @@ impl Reactor {
 
     fn visit(&mut self, token: Token) {
         let Some(connection) = self.connections.get_mut(&token) else { return };
-        let now = Instant::now();
+        let now = self.shared.now();
         let (visit, cost) = connection.visit(&mut self.shared);
         self.schedule.charge(token, cost);
         if connection.has_requested() {
@@ -386,7 +394,7 @@ impl Reactor {
         }
         match visit {
             Visit::Again => self.wake(token),
-            Visit::Unfinished => self.schedule.resume(token, self.shared.started.elapsed()),
+            Visit::Unfinished => self.schedule.resume(token, self.shared.elapsed()),
             Visit::Waiting => _ = self.waiting.insert(token),
             Visit::Rest => {}
             Visit::End(reason) => self.end(token, reason),

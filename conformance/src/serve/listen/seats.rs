@@ -188,6 +188,7 @@ fn evict<K: Clone>(client: Option<&(Instant, K)>) -> Admission<K> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::clock::Clock;
 
     const LIMITS: SeatLimits = SeatLimits { total: 4, per_address: 3, idle_time: Duration::from_secs(10) };
 
@@ -205,7 +206,7 @@ mod tests {
 
     #[test]
     fn evicts_the_idlest_client_that_never_sent_a_request() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut seats = seats(&[(1, 1), (2, 1), (3, 1)], now);
         assert_eq!(seats.admit(address(2), now), Admission::Free);
         assert_eq!(seats.admit(address(1), now), Admission::Evict(1));
@@ -217,7 +218,7 @@ mod tests {
 
     #[test]
     fn refuses_newcomers_while_all_clients_of_their_address_are_active() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut seats = seats(&[(1, 1), (2, 1), (3, 1)], now);
         for key in [2, 1, 3] {
             seats.touch(&key, true, now);
@@ -228,7 +229,7 @@ mod tests {
 
     #[test]
     fn no_address_locks_out_another() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut seats = seats(&[(1, 1), (2, 1), (3, 1), (4, 2)], now);
         for key in 1..=4 {
             seats.touch(&key, true, now);
@@ -241,7 +242,7 @@ mod tests {
 
     #[test]
     fn active_clients_stay_if_others_never_sent_a_request() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut seats = seats(&[(1, 1), (2, 1), (3, 1), (4, 2)], now);
         for key in 1..=3 {
             seats.touch(&key, true, now);
@@ -251,7 +252,7 @@ mod tests {
 
     #[test]
     fn lists_inactive_clients() {
-        let now = Instant::now();
+        let now = Clock::simulated().now();
         let mut seats = seats(&[(1, 1), (2, 1)], now);
         let later = now + Duration::from_secs(5);
         seats.touch(&2, false, later);

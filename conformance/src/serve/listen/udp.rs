@@ -153,8 +153,8 @@ impl Datagrams {
     /// Processes datagrams for a limited time. Returns true if more datagrams may be waiting.
     pub(super) fn receive(&mut self, shared: &mut Shared) -> bool {
         let is_drained = self.read();
-        let started = Instant::now();
-        while started.elapsed() < TIME_FOR_CLIENTS
+        let end = shared.now() + TIME_FOR_CLIENTS;
+        while shared.now() < end
             && let Some((address, datagram)) = self.from_clients.pop()
         {
             if let Some(client) = self.clients.get_mut(&address) {
@@ -162,8 +162,8 @@ impl Datagrams {
             }
             self.take(shared, address, &datagram);
         }
-        let started = Instant::now();
-        while started.elapsed() < TIME_FOR_OTHERS
+        let end = shared.now() + TIME_FOR_OTHERS;
+        while shared.now() < end
             && let Some((address, datagram)) = self.from_others.pop()
         {
             self.take(shared, address, &datagram);
@@ -198,7 +198,7 @@ impl Datagrams {
         if shared.has_bug(&udp_03::RULE) && serde_json::from_slice::<IgnoredAny>(datagram).is_err() {
             return self.close(shared);
         }
-        let now = Instant::now();
+        let now = shared.now();
         let first = *self.first.get_or_insert(address);
         if let Some(client) = self.clients.get(&address) {
             client.sink.budget.set(DATAGRAM_BUDGET);
@@ -238,7 +238,7 @@ impl Datagrams {
 
     /// Removes clients that have been silent for too long.
     pub(super) fn close_expired(&mut self, shared: &mut Shared) {
-        for address in self.seats.inactive(CLIENT_TIMEOUT, Instant::now()) {
+        for address in self.seats.inactive(CLIENT_TIMEOUT, shared.now()) {
             self.remove(shared, address);
         }
     }

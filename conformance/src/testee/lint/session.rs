@@ -1,11 +1,11 @@
 //! A session with a testee that records all received lines.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::Value;
 
+use crate::clock::Clock;
 use crate::testee::case::Case;
 use crate::testee::link::{Link, Received, remaining_stderr};
 use crate::testee::options::{Options, excerpt};
@@ -128,7 +128,7 @@ impl<'o> Session<'o> {
     pub(super) fn send_parts<'p>(&self, parts: impl IntoIterator<Item = &'p [u8]>) {
         for part in parts {
             self.link.send_bytes(part.to_vec());
-            thread::sleep(PAUSE);
+            Clock::real().sleep(PAUSE);
         }
     }
 
@@ -148,15 +148,15 @@ impl<'o> Session<'o> {
 
     /// Waits until all requests have responses.
     pub(super) fn receive(&mut self) -> Result<(), String> {
-        let mut until = Instant::now() + self.options.timeout;
+        let mut until = self.options.clock.now() + self.options.timeout;
         while !self.is_answered() {
             let wrong = match self.link.receive(until) {
                 Received::Line(line) => {
                     // Lines other than responses don't extend the time limit, even if they never end.
                     if self.received.take(&line) {
-                        until = Instant::now() + self.options.timeout;
+                        until = self.options.clock.now() + self.options.timeout;
                     }
-                    if self.is_answered() || Instant::now() < until {
+                    if self.is_answered() || self.options.clock.now() < until {
                         continue;
                     }
                     self.no_response()

@@ -11,7 +11,8 @@ use super::file::{
     start, text,
 };
 use super::{
-    Glider, PERIOD, assert_conforms, checked, corrupt_count, declarations, good, records_with, violated,
+    Glider, PERIOD, assert_conforms, checked, corrupt_count, declarations, declarations_of, good,
+    records_with, violated,
 };
 use crate::tests::support::{Pieces, Random};
 
@@ -77,15 +78,56 @@ fn skips_invalid_records() {
     }
 }
 
+/// A record of an unknown kind may be a message whose kind was changed.
 #[test]
-fn ignores_additions_of_later_versions() {
+fn reports_unknown_and_misplaced_records() {
     let mut longer = declarations();
     let added = channel(4, 0, "/other", "cdr", &[]);
     let body = [&added[9..], b"more"].concat();
     longer.extend(record(4, &[&body]));
-    let unknown = [record(0x42, &[b"what"]), record(0x81, &[&vec![0; 100_000]]), record(0x10, &[])].concat();
+    let private = record(0x81, &[&vec![0; 100_000]]);
+    assert_corruption(&[start(), longer.clone(), private, glider(1), end()], &[], 1);
+    let (unknown, header) = (record(0x42, &[b"what"]), header("ros2"));
     let inside = chunk(Form::Zstd, &[glider(2), unknown.clone(), glider(3)].concat());
-    assert_corruption(&[start(), longer, unknown, glider(1), inside, end()], &[], 3);
+    let known = "a record of unknown kind 0x42 isn't expected in this part of the file";
+    for (violated, message, count) in [
+        (unknown, known, 2),
+        (inside, known, 4),
+        (header, "a header isn't expected in this part of the file", 2),
+        (record(0x0b, &[&[0; 60]]), "statistics isn't expected in this part of the file", 2),
+        (
+            chunk(Form::Plain, &record(7, &[&[3, 0], &[0; 4]])),
+            "an index isn't expected in this part of the file",
+            2,
+        ),
+    ] {
+        let is_plain_chunk = message.starts_with("an index");
+        let before = [start(), longer.clone(), glider(1)].concat();
+        let result = checked(&[&before[..], &violated, &glider(4), &end()].concat());
+        let found = corrupt_count(&result);
+        let at = before.len() as u64 + if is_plain_chunk { 9 + 40 } else { 0 };
+        assert_eq!(found, [format!("{}: {message}", Location::Byte(at))]);
+        assert_eq!(result.checked, count, "{message}");
+    }
+    // Data after its end.
+    let late = [record(15, &[&[0; 4]]), glider(2), record(2, &[&[0; 20]]), MAGIC.to_vec()].concat();
+    let parts = [start(), longer, glider(1), late[..13].to_vec(), late[13..].to_vec()];
+    assert_corruption(&parts, &[(4, "a message isn't expected in this part of the file")], 2);
+}
+
+/// A file may follow another one. Their channels are independent.
+#[test]
+fn reads_files_that_follow_each_other() {
+    let other = [channel(3, 0, "/rope", "cdr", &[]), declarations_of(7)].concat();
+    let second = [other, message(7, &Glider::at(2 * PERIOD).cdr())].concat();
+    let first = file(&[declarations(), glider(1)].concat());
+    let result = checked(&[first.clone(), file(&second)].concat());
+    assert_eq!((corrupt_count(&result), violated(&result)), (vec![], vec![]));
+    assert_eq!((result.records, result.checked), (2, 2));
+    let cut = file(&second);
+    let result = checked(&[first, cut[..cut.len() - 30].to_vec()].concat());
+    assert!(!result.corruption.is_empty());
+    assert_eq!((result.records, result.checked), (2, 2));
 }
 
 #[test]
@@ -187,7 +229,8 @@ fn reports_contradicting_declarations() {
         glider(1),
         end(),
     ];
-    let unreadable = "a channel is unreadable: it contains invalid UTF-8 or a duplicate key (2 times)";
+    let unreadable =
+        "a channel is unreadable: it is too short, or contains invalid UTF-8 or a duplicate key (2 times)";
     let expected = [
         (2, "channel 3 is declared again with different content; the first declaration is used"),
         (3, "schema 1 is declared again with different content; the first declaration is used"),
@@ -223,10 +266,12 @@ fn reports_missing_headers_and_footers() {
         1,
     );
     assert_corruption(
-        &[start(), body.clone(), end(), vec![0; 7]],
+        &[start(), body.clone(), end(), vec![7; 7]],
         &[(3, "7 bytes follow the closing magic bytes")],
         1,
     );
+    // Some storage adds zeros.
+    assert_corruption(&[start(), body.clone(), end(), vec![0; 100_000]], &[], 1);
     let mut checksum = crc32fast::Hasher::new();
     checksum.update(&[start(), body.clone()].concat());
     let checksum = checksum.finalize();

@@ -4,7 +4,8 @@ use std::fs;
 
 use rusqlite::Connection;
 
-use super::{checked, checked_bytes, corrupt, file_with, flight};
+use super::{checked, checked_bytes, corrupt, file_with, flight, violated};
+use crate::check::Summary;
 use crate::fuzzing::bag_file::Content;
 use crate::model::{Extent, Location};
 use crate::tests::support::{Random, extent};
@@ -85,7 +86,7 @@ fn values_of_other_types_are_reported() {
 
 /// A corrupt index may hide messages.
 #[test]
-fn messages_that_the_index_lacks_are_reported() {
+fn messages_that_the_index_lacks_are_read() {
     let content = flight();
     let hidden = "CREATE TABLE kept AS SELECT * FROM sqlite_schema WHERE name = 'timestamp_idx';
         PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE name = 'timestamp_idx';";
@@ -98,8 +99,30 @@ fn messages_that_the_index_lacks_are_reported() {
     Connection::open(&path).and_then(|bag| bag.execute_batch(&shown)).expect("a database");
     let result = checked(&path);
     let found = corrupt(&result);
-    assert!(found.len() == 1 && found[0].contains("the index of the times lacks 1 messages"), "{found:?}");
-    assert_eq!((result.extent, result.records), (Extent::WithGaps, content.messages.len() as u64));
+    assert!(found.len() == 1 && found[0].contains("the index of the times doesn't match"), "{found:?}");
+    assert_eq!((result.extent, result.records), (Extent::WithGaps, content.messages.len() as u64 + 1));
+}
+
+/// Neither the tables nor the index may hide a message without a report.
+#[test]
+fn a_flipped_bit_hides_no_message() {
+    let mut content = flight();
+    content.messages.truncate(60);
+    let bytes = content.to_bytes();
+    let intact = checked_bytes(&bytes);
+    assert_eq!((intact.extent, intact.records), (Extent::Whole, 60));
+    let mut random = Random(19);
+    for _ in 0..extent(8_000, 600) {
+        let mut flipped = bytes.clone();
+        let at = random.index(bytes.len());
+        flipped[at] ^= 1 << random.below(8);
+        let result = checked_bytes(&flipped);
+        let is_same = (result.records, result.checked) == (intact.records, intact.checked);
+        let is_reported = result.extent != Extent::Whole || violated(&result) != violated(&intact);
+        // A changed name of a topic or a type is no corruption, but the coverage shows it.
+        let is_uncovered = !result.coverage.is_full() || matches!(result.summary, Summary::Unknown(_));
+        assert!(is_same || is_reported || is_uncovered, "byte {at}");
+    }
 }
 
 #[test]

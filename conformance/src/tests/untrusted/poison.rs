@@ -9,7 +9,8 @@ use uavspec_codegen::translation::Translations;
 
 use crate::check::{
     BagChannel, BusEndpoint, BusTopic, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary,
-    McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, check_capture,
+    McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, UnreadTimes,
+    check_capture,
 };
 use crate::convert::{Action as Treated, ConversionReport, Loss, TopicReport};
 use crate::definitions::Definitions;
@@ -152,6 +153,7 @@ fn summaries(text: &str) -> Vec<Summary> {
             types: types(),
             unknown: types(),
             uncounted: 1,
+            unread_times: UnreadTimes { count: 1, first: name() },
         }),
         Summary::Unknown(UnknownSummary { reason: name() }),
     ]

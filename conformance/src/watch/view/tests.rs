@@ -13,6 +13,7 @@ use ratatui::style::{Color, Modifier};
 use super::super::message::Message;
 use super::super::session::Event;
 use super::*;
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 
 static CODES: LazyLock<Codes> = LazyLock::new(|| Codes::new(&Definitions::built_in()));
@@ -72,7 +73,7 @@ impl Watched {
 
     fn empty() -> Self {
         let codes = CODES.clone();
-        Self { fleet: Fleet::default(), codes, start: Instant::now(), screen: Screen::default() }
+        Self { fleet: Fleet::default(), codes, start: Clock::simulated().now(), screen: Screen::default() }
     }
 
     fn receive(&mut self, text: &str) {

@@ -5,7 +5,9 @@ use std::io::{self, BufRead, ErrorKind, Read};
 use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 
-/// Decompresses consecutive frames. Other data and truncated frames are errors.
+use crate::capture::input::padding::skip_zeros;
+
+/// Decompresses consecutive frames. Zeros after a frame are ignored. Other data and truncated frames are errors.
 pub(crate) struct Frames<R> {
     input: R,
     decoder: FrameDecoder,
@@ -24,7 +26,7 @@ impl<R: BufRead> Frames<R> {
 
     /// Starts the next frame, after skipping any skippable frames. Returns false at the end of the input.
     fn start(&mut self) -> io::Result<bool> {
-        while !self.input.fill_buf()?.is_empty() {
+        while skip_zeros(&mut self.input)? {
             match self.decoder.reset(&mut self.input) {
                 Ok(()) => return Ok(true),
                 Err(FrameDecoderError::ReadFrameHeaderError(ReadFrameHeaderError::SkipFrame {

@@ -23,6 +23,23 @@ const ATTEMPTS: u32 = 3;
 
 #[allow(clippy::needless_pass_by_value)] // bodies are written where they are passed
 impl Session {
+    /// Lands a glider that has these heights in mm, one every 1.5 s.
+    pub(crate) fn lands(&mut self, answer: Value, heights: &[i64]) {
+        self.exchange(json!({ "type": "UAV-LAND", "ids": ["kite"] }), answer.clone());
+        if let Some(receipt) = answer["receipt"]["kite"].as_str() {
+            self.notify(json!({ "type": "ASYNC-RESP", "id": receipt, "result": true }));
+        }
+        for height in heights {
+            let position = json!([465_410_000, 115_520_000, 812_000 + height, height]);
+            let state = json!({ "id": "kite", "timestamp": self.now(), "position": position });
+            self.exchange(
+                json!({ "type": "UAV-INF", "ids": ["kite"] }),
+                json!({ "status": { "kite": state } }),
+            );
+            self.wait(1.5);
+        }
+    }
+
     /// Adds all trials.
     pub(super) fn trials(&mut self) {
         self.over("tcp#2", |session| {
@@ -41,6 +58,9 @@ impl Session {
                 json!({ "type": "UAV-LIST" }),
                 refusal,
             );
+        });
+        self.over("tcp#6", |session| {
+            session.lands(json!({ "receipt": { "kite": "rcpt-60" } }), &[9_000, 9_500, 9_000, 4_000, 0]);
         });
         self.over("udp#1", |session| {
             for (rule, how) in [

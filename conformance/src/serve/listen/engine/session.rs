@@ -104,7 +104,7 @@ impl Session {
     pub(super) fn open(shared: &mut Shared, revision: Revision) -> Rc<Self> {
         // `RandomState` has random keys.
         let sid = format!("{:016x}{:016x}", RandomState::new().hash_one(0), RandomState::new().hash_one(1));
-        let now = Instant::now();
+        let now = shared.now();
         let session = Self {
             revision,
             sid: sid.clone(),
@@ -170,16 +170,16 @@ impl Session {
     }
 
     /// Registers a poll. Returns false if another poll is pending.
-    pub(super) fn start_poll(&self) -> bool {
-        self.last_received.set(Instant::now());
+    pub(super) fn start_poll(&self, now: Instant) -> bool {
+        self.last_received.set(now);
         !self.is_polled.replace(true)
     }
 
     /// Allows the next poll.
-    pub(super) fn end_poll(&self) {
+    pub(super) fn end_poll(&self, now: Instant) {
         self.is_polled.set(false);
         // A client can't send anything else while it waits for a poll.
-        self.last_received.set(Instant::now());
+        self.last_received.set(now);
     }
 
     /// Ends the pending poll, so that the client can switch to a WebSocket.
@@ -188,15 +188,15 @@ impl Session {
     }
 
     /// True if the client has used the session and responded to pings in time, and reads fast enough.
-    pub(super) fn is_alive(&self) -> bool {
+    pub(super) fn is_alive(&self, now: Instant) -> bool {
         let limit = if self.is_used() { PING_INTERVAL + PING_TIMEOUT } else { FIRST_USE_TIMEOUT };
-        !self.queue().has_overflowed() && self.last_received.get().elapsed() < limit
+        !self.queue().has_overflowed() && now < self.last_received.get() + limit
     }
 
     /// Sends a ping if it is due.
-    pub(super) fn ping_if_due(&self) {
-        if self.revision == Revision::Four && self.last_ping.get().elapsed() >= PING_INTERVAL {
-            self.last_ping.set(Instant::now());
+    pub(super) fn ping_if_due(&self, now: Instant) {
+        if self.revision == Revision::Four && now >= self.last_ping.get() + PING_INTERVAL {
+            self.last_ping.set(now);
             self.carrier.push(Kind::Ping, "");
         }
     }
@@ -212,7 +212,7 @@ impl Session {
         if self.queue().is_closed() {
             return false;
         }
-        let now = Instant::now();
+        let now = shared.now();
         self.last_received.set(now);
         let is_request = match packet.kind {
             Kind::Message => self.take_message(shared, &packet.data),

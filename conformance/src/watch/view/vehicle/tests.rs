@@ -10,6 +10,7 @@ use ratatui::crossterm::event::KeyCode;
 use ratatui::style::{Color, Modifier};
 
 use super::*;
+use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::watch::vehicle::tests::{after, grounded, library};
 
@@ -21,7 +22,7 @@ fn with_vehicle<T>(show: impl FnOnce(&Shown<'_>) -> T) -> T {
 }
 
 fn scene<'s>(shown: &'s Shown<'s>, language: &'s str, is_coloured: bool) -> Scene<'s> {
-    Scene { shown, source: "flight.ulg", language, is_coloured, now: Instant::now() }
+    Scene { shown, source: "flight.ulg", language, is_coloured, now: Clock::simulated().now() }
 }
 
 /// Draws a frame after these keys.

@@ -1,0 +1,227 @@
+//! Compares what a file states about its content with the records that were read: its statistics and its indexes.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::hash::{DefaultHasher, Hash, Hasher as _};
+
+use mcap::records::op;
+
+use super::Problem;
+use super::sound::Parts;
+
+/// A set of items, of which only the number and a checksum are stored. The order of the items doesn't matter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Tally {
+    count: u64,
+    sum: u64,
+}
+
+impl Tally {
+    fn add(&mut self, item: impl Hash) {
+        let mut hasher = DefaultHasher::new();
+        item.hash(&mut hasher);
+        self.count += 1;
+        self.sum = self.sum.wrapping_add(hasher.finish());
+    }
+}
+
+/// The items of a kind that a file contains, and those that its index lists.
+#[derive(Clone, Copy, Debug, Default)]
+struct Indexed {
+    found: Tally,
+    listed: Tally,
+}
+
+/// The ids of declared schemas or channels.
+#[derive(Debug, Default)]
+struct Ids {
+    /// Those in the data section.
+    in_data: BTreeSet<u16>,
+    /// Those in the whole file.
+    all: BTreeSet<u16>,
+}
+
+impl Ids {
+    fn add(&mut self, id: u16, is_in_summary: bool) {
+        if !is_in_summary {
+            self.in_data.insert(id);
+        }
+        self.all.insert(id);
+    }
+}
+
+/// The records of a file, and what the file states about them.
+#[derive(Debug, Default)]
+pub(super) struct Census {
+    schemas: Ids,
+    channels: Ids,
+    /// The number of messages of each channel.
+    messages: BTreeMap<u16, u64>,
+    /// Offsets, lengths and sizes.
+    chunks: Indexed,
+    attachments: Indexed,
+    metadata: Indexed,
+    /// The offset of the latest chunk, and the log times of each channel's messages in it.
+    chunk: (u64, BTreeMap<u16, Tally>),
+    /// The log times in the message indexes after the latest chunk.
+    indexes: BTreeMap<u16, Tally>,
+    /// The statistics of the file.
+    statistics: Option<Statistics>,
+}
+
+/// The numbers of records, as a file states them.
+#[derive(Debug)]
+struct Statistics {
+    messages: u64,
+    schemas: u16,
+    channels: u32,
+    attachments: u32,
+    metadata: u32,
+    chunks: u32,
+    /// The messages of each channel. Some writers state no channel.
+    of_channels: BTreeMap<u16, u64>,
+}
+
+impl Census {
+    pub(super) fn schema(&mut self, id: u16, is_in_summary: bool) {
+        self.schemas.add(id, is_in_summary);
+    }
+
+    pub(super) fn channel(&mut self, id: u16, is_in_summary: bool) {
+        self.channels.add(id, is_in_summary);
+    }
+
+    pub(super) fn message(&mut self, channel: u16, time: u64, is_in_chunk: bool) {
+        *self.messages.entry(channel).or_default() += 1;
+        if is_in_chunk {
+            self.chunk.1.entry(channel).or_default().add(time);
+        }
+    }
+
+    /// Adds a chunk: its offset, its length, the size of its records, and their compressed size. Returns the problem with
+    /// the indexes of the chunk before it.
+    pub(super) fn chunk(&mut self, facts: [u64; 4]) -> Option<(u64, Problem)> {
+        let problem = self.close_chunk();
+        self.chunk.0 = facts[0];
+        self.chunks.found.add(facts);
+        problem
+    }
+
+    /// Compares the latest chunk with the indexes after it. Returns the offset of the chunk and the problem.
+    pub(super) fn close_chunk(&mut self) -> Option<(u64, Problem)> {
+        let (offset, messages) = std::mem::take(&mut self.chunk);
+        let mut indexes = std::mem::take(&mut self.indexes);
+        // Some writers list channels without messages.
+        indexes.retain(|_, times| times.count > 0);
+        let is_indexed = !indexes.is_empty() && indexes != messages;
+        is_indexed.then_some((offset, Problem::Index { noun: "messages in a chunk" }))
+    }
+
+    pub(super) fn attachment(&mut self, offset: u64, length: u64) {
+        self.attachments.found.add([offset, length]);
+    }
+
+    /// Takes a record whose content isn't passed on.
+    pub(super) fn record(&mut self, opcode: u8, offset: u64, length: u64, body: &[u8]) -> Option<Problem> {
+        let is_read = match opcode {
+            op::METADATA => {
+                self.metadata.found.add([offset, length]);
+                Some(())
+            }
+            op::MESSAGE_INDEX => self.message_index(body),
+            op::CHUNK_INDEX => chunk_index(body).map(|facts| self.chunks.listed.add(facts)),
+            op::ATTACHMENT_INDEX => place(body).map(|place| self.attachments.listed.add(place)),
+            op::METADATA_INDEX => place(body).map(|place| self.metadata.listed.add(place)),
+            op::STATISTICS => Statistics::read(body).map(|found| self.statistics = Some(found)),
+            _ => Some(()),
+        };
+        is_read.is_none().then_some(Problem::Unreadable { opcode })
+    }
+
+    fn message_index(&mut self, body: &[u8]) -> Option<()> {
+        let mut parts = Parts(body);
+        let channel = parts.u16()?;
+        let length = parts.u32()?;
+        let mut entries = Parts(parts.take(length as usize)?);
+        let times = self.indexes.entry(channel).or_default();
+        while !entries.0.is_empty() {
+            times.add(entries.u64()?);
+            entries.u64()?;
+        }
+        Some(())
+    }
+
+    /// The differences between what the file states and the records that were read.
+    pub(super) fn differences(&self) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        for (noun, Indexed { found, listed }) in
+            [("chunks", self.chunks), ("attachments", self.attachments), ("metadata records", self.metadata)]
+        {
+            if listed.count > 0 && listed != found {
+                problems.push(Problem::Index { noun });
+            }
+        }
+        if let Some(statistics) = &self.statistics {
+            problems.extend(self.wrong_counts(statistics));
+        }
+        problems
+    }
+
+    fn wrong_counts(&self, statistics: &Statistics) -> impl Iterator<Item = Problem> {
+        let declared = |stated: u64, ids: &Ids| {
+            // Writers differ in whether they count declarations that only the summary contains.
+            let (least, most) = (ids.in_data.len() as u64, ids.all.len() as u64);
+            (stated, stated.clamp(least, most))
+        };
+        let counts = [
+            ("messages", (statistics.messages, self.messages.values().sum())),
+            ("schemas", declared(statistics.schemas.into(), &self.schemas)),
+            ("channels", declared(statistics.channels.into(), &self.channels)),
+            ("attachments", (statistics.attachments.into(), self.attachments.found.count)),
+            ("metadata records", (statistics.metadata.into(), self.metadata.found.count)),
+            ("chunks", (statistics.chunks.into(), self.chunks.found.count)),
+        ];
+        let of_channels = statistics.of_channels.iter().map(|(channel, stated)| {
+            ("messages of a channel", (*stated, self.messages.get(channel).copied().unwrap_or_default()))
+        });
+        let all: Vec<_> = counts.into_iter().chain(of_channels).collect();
+        all.into_iter()
+            .filter(|(_, (stated, found))| stated != found)
+            .map(|(noun, (stated, found))| Problem::Count { noun, stated, found })
+    }
+}
+
+/// The offset and the length of a record in an index.
+fn place(body: &[u8]) -> Option<[u64; 2]> {
+    let mut parts = Parts(body);
+    Some([parts.u64()?, parts.u64()?])
+}
+
+/// The facts that the index states about a chunk: its offset, its length, the size of its records, and their compressed
+/// size.
+fn chunk_index(body: &[u8]) -> Option<[u64; 4]> {
+    let mut parts = Parts(body);
+    parts.take(16)?;
+    let (offset, length) = (parts.u64()?, parts.u64()?);
+    parts.text()?;
+    parts.u64()?;
+    parts.text()?;
+    let (packed, size) = (parts.u64()?, parts.u64()?);
+    Some([offset, length, size, packed])
+}
+
+impl Statistics {
+    fn read(body: &[u8]) -> Option<Self> {
+        let mut parts = Parts(body);
+        let (messages, schemas) = (parts.u64()?, parts.u16()?);
+        let [channels, attachments, metadata, chunks] =
+            [parts.u32()?, parts.u32()?, parts.u32()?, parts.u32()?];
+        parts.take(16)?;
+        let length = parts.u32()?;
+        let mut pairs = Parts(parts.take(length as usize)?);
+        let mut of_channels = BTreeMap::new();
+        while !pairs.0.is_empty() {
+            of_channels.insert(pairs.u16()?, pairs.u64()?);
+        }
+        Some(Self { messages, schemas, channels, attachments, metadata, chunks, of_channels })
+    }
+}
