@@ -112,12 +112,13 @@ fn topics(choices: &mut Choices<'_>, unit: &str, encodings: &mut BTreeMap<String
 /// be read that isn't in it.
 pub(super) fn grammar(data: &[u8]) {
     let (text, expected) = written(data);
-    let read = Metadata::parse(&text).unwrap_or_else(|| panic!("unreadable: {text}"));
+    let read = Metadata::parse(text.as_bytes()).unwrap_or_else(|| panic!("unreadable: {text}"));
     assert_eq!(
         (&read.storage, &read.distribution, read.message_count),
         (&expected.storage, &expected.distribution, expected.message_count),
         "{text}"
     );
+    assert!(read.problems.is_empty(), "{:?}: {text}", read.problems);
     assert_eq!((&read.files, &read.encodings), (&expected.files, &expected.encodings), "{text}");
     if let [.., at, byte] = data {
         let mut changed = text.into_bytes();
