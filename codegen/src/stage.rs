@@ -212,9 +212,9 @@ pub fn write_file<T, E: From<io::Error>>(
     };
     let permissions = fs::metadata(&path).ok().map(|metadata| metadata.permissions());
     let stage = Stage::new(folder_of(&path))?;
-    let file = stage.file(permissions)?;
-    let result = fill(file.as_file().try_clone()?)?;
-    file.persist(path).map_err(io::Error::from)?;
+    let staged = stage.file(permissions)?;
+    let result = fill(staged.as_file().try_clone()?)?;
+    staged.persist(path).map_err(io::Error::from)?;
     Ok(result)
 }
 
@@ -356,7 +356,9 @@ mod tests {
         for (name, lock) in [(".uavspec-mine", None), (".uavspec-other", Some("pid 1"))] {
             fs::create_dir(folder.path().join(name)).expect("a folder");
             fs::write(folder.path().join(name).join("notes"), "mine").expect("a file");
-            lock.map(|text| fs::write(folder.path().join(name).join(LOCK), text).expect("a file"));
+            if let Some(text) = lock {
+                fs::write(folder.path().join(name).join(LOCK), text).expect("a file");
+            }
         }
         fs::write(folder.path().join(".uavspec-manifest"), "a file").expect("a file");
         drop(Stage::new(folder.path()).expect("a stage"));
@@ -380,7 +382,9 @@ mod tests {
             let path = folder.path().join(EXCLUSIVE);
             fs::create_dir(&path).expect("a folder");
             fs::write(path.join("notes"), "mine").expect("a file");
-            lock.map(|text| fs::write(path.join(LOCK), text).expect("a file"));
+            if let Some(text) = lock {
+                fs::write(path.join(LOCK), text).expect("a file");
+            }
             let error = Stage::exclusive(folder.path()).expect_err("a folder of others");
             assert!(error.to_string().contains("is not a temporary folder of uavspec"), "{error}");
             assert!(path.join("notes").exists());

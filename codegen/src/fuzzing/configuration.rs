@@ -121,10 +121,10 @@ mod tests {
         let mut file = String::new();
         for (header, keys) in VALID {
             let (_, known) = TABLES.iter().find(|(known, _)| *known == header).expect("a table");
-            file += &format!("{header}\n");
+            let _ = writeln!(file, "{header}");
             for key in keys {
                 let (_, values) = known.iter().find(|(known, _)| known == key).expect("a key");
-                file += &format!("{key} = {}\n", values[0]);
+                let _ = writeln!(file, "{key} = {}", values[0]);
             }
         }
         let plan = Config::parse(Path::new("uavspec.toml"), file.clone()).and_then(Config::plan);

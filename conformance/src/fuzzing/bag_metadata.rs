@@ -1,6 +1,7 @@
 //! Texts of `metadata.yaml` that follow its grammar, in all styles of YAML. Random bytes would rarely be YAML.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 
 use crate::capture::rosbag::metadata::Metadata;
 
@@ -64,7 +65,8 @@ fn written(data: &[u8]) -> (String, Metadata) {
     while !entries.is_empty() {
         let entry = entries.swap_remove(choices.below(entries.len()));
         for line in entry.lines() {
-            text += &format!("{unit}{line}{}\n", choices.of(&["", "", " # note"]));
+            // Writing to a `String` can't fail.
+            let _ = writeln!(text, "{unit}{line}{}", choices.of(&["", "", " # note"]));
         }
     }
     (if choices.below(3) == 2 { text.replace('\n', "\r\n") } else { text }, metadata)
@@ -116,6 +118,7 @@ pub(super) fn grammar(data: &[u8]) {
         (&expected.storage, &expected.distribution, expected.message_count),
         "{text}"
     );
+    assert!(read.problems.is_empty(), "{:?}: {text}", read.problems);
     assert_eq!((&read.files, &read.encodings), (&expected.files, &expected.encodings), "{text}");
     if let [.., at, byte] = data {
         let mut changed = text.into_bytes();

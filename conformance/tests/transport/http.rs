@@ -135,8 +135,8 @@ fn reports_a_server_without_a_web_socket() {
     let proxy = Proxy { answer: Some(("200 OK", "welcome")), ..Proxy::default() }.start(address);
     let error = refusal(&url(("ws", ""), proxy), &Access::default()).to_string();
     let expected = format!(
-        "HTTP status 200 OK: the server doesn't open a WebSocket at http://{proxy}/socket.io/?EIO=4&transport=websocket; \
-         the server says: welcome"
+        "HTTP status 200 OK: the server doesn't open a WebSocket at http://{proxy}/socket.io/; the server says: \
+         welcome"
     );
     assert_eq!(error, expected);
 }

@@ -276,14 +276,21 @@ mod reading {
 
 #[cfg(all(test, unix, feature = "db3"))]
 mod tests {
+    use rusqlite::Connection;
+
     use super::*;
     use crate::capture::rosbag::sqlite::Bag;
-    use crate::fuzzing::bag_file::Content;
+
+    /// A table with the columns that are read.
+    const TOPICS: &str = "CREATE TABLE topics(id INTEGER, name TEXT, type TEXT, serialization_format TEXT)";
 
     /// A run that is killed would leave up to 16 GiB.
     #[test]
     fn a_copy_has_no_name_while_it_is_read() {
-        let bytes = Content::default().to_bytes();
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("bag.db3");
+        Connection::open(&path).expect("a database").execute_batch(TOPICS).expect("a table");
+        let bytes = fs::read(path).expect("a file");
         let (copy, problem) = copy(&mut &bytes[..]);
         assert_eq!(problem, None);
         let copy = copy.expect("a copy");
