@@ -100,7 +100,7 @@ impl Command {
             Self::Translate(args) => translate::run(&args).map(Status::from),
             Self::Breaking(args) => breaking::run(&args),
         };
-        match result {
+        match result.and_then(|status| print::check_output().map(|()| status)) {
             Ok(status) => ExitCode::from(status as u8),
             Err(failure) => {
                 terminal::eprintln!("{failure}");

@@ -18,10 +18,10 @@ pub(crate) use self::guard::GuardedLines;
 pub use self::guard::{Guard, guarded};
 #[cfg(feature = "print")]
 pub use self::parse::{parse, parse_as};
-#[cfg(feature = "cli")]
-pub(crate) use self::print::print_lines;
 #[cfg(feature = "print")]
 pub use self::print::{error, error_with_details, print, print_error, stderr, stdout};
+#[cfg(feature = "cli")]
+pub(crate) use self::print::{lost_output, note_output, print_lines};
 pub use self::shown::{MAX_SHOWN, path, shown};
 
 /// Like `std::println`, with a guarded output.

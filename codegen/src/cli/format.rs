@@ -9,7 +9,7 @@ use std::time::Instant;
 use clap::Args;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
-use super::print::{plural, report};
+use super::print::{plural, protect_inputs, report};
 use crate::difference;
 use crate::failure::Failure;
 use crate::format::{self, Formatted};
@@ -45,6 +45,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     let (changes, loaded) = changes(&plan, &args.files)?;
     report("fmt", &loaded, &loaded.diagnostics, "these files stay unchanged");
     let result = if args.check {
+        protect_inputs(loaded.inputs(&plan))?;
         print(&changes);
         let advice = if changes.is_empty() { "" } else { "; run `fmt`" };
         format!("{} unformatted{advice}", changes.len())
@@ -96,7 +97,6 @@ fn change(sources: &SourceMap, id: SourceId, path: PathBuf, formatted: Formatted
 fn print(changes: &[Change]) {
     let mut stdout = terminal::stdout();
     for Change { shown, old, new, .. } in changes {
-        // It is not an error if the reader closes the pipe early.
-        let _ = stdout.write_all(difference::patch(shown, old, new).as_bytes());
+        terminal::note_output(stdout.write_all(difference::patch(shown, old, new).as_bytes()));
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt::{self, Display, Write as _};
 use std::io::{self, Write as _};
+use std::sync::OnceLock;
 
 #[cfg(feature = "cli")]
 use super::guard::GuardedLines;
@@ -23,15 +24,34 @@ pub fn stderr() -> Guard<anstream::AutoStream<io::Stderr>> {
     Guard::new(anstream::stderr())
 }
 
-/// Prints to standard output. It is not an error if the reader closes the pipe early.
+/// The first error of standard output in this process.
+static LOST: OnceLock<String> = OnceLock::new();
+
+/// Prints to standard output. [`lost_output`] returns the error.
 pub fn print(text: fmt::Arguments<'_>) {
     let text = text.to_string();
     // Only styles must be removed.
-    let _ = if text.contains(ESCAPE) {
+    note_output(if text.contains(ESCAPE) {
         stdout().write_all(text.as_bytes())
     } else {
         Guard::new(io::stdout()).write_all(text.as_bytes())
-    };
+    });
+}
+
+/// Keeps the error of a write to standard output. It is not an error if the reader closes the pipe early.
+pub(crate) fn note_output(written: io::Result<()>) {
+    if let Err(error) = written
+        && error.kind() != io::ErrorKind::BrokenPipe
+    {
+        let _ = LOST.set(error.to_string());
+    }
+}
+
+/// The error if a part of the output of this process is lost, for example because the disk is full.
+#[cfg(feature = "cli")]
+pub(crate) fn lost_output() -> Option<&'static str> {
+    note_output(io::stdout().flush());
+    LOST.get().map(String::as_str)
 }
 
 /// Prints guarded lines to standard output, like [`print`].
@@ -41,11 +61,11 @@ pub(crate) fn print_lines(parts: &[GuardedLines]) {
     let write =
         |to: &mut dyn io::Write| parts.iter().try_for_each(|part| to.write_all(part.text().as_bytes()));
     // Only styles must be removed.
-    let _ = if parts.iter().any(|part| part.text().contains(ESCAPE)) {
+    note_output(if parts.iter().any(|part| part.text().contains(ESCAPE)) {
         write(&mut anstream::stdout())
     } else {
         write(&mut io::stdout())
-    };
+    });
 }
 
 /// Prints to standard error. A message that can't be printed is lost.
