@@ -102,7 +102,11 @@ fn ros2_deviation(case: &Json) -> Option<String> {
         (true, Ok((message, has_warnings))) => {
             let found = declarations(&message, &["type", "name", "default"]);
             let expected = normalised(&case["rosidl_out"].to_string());
-            assert!(found == expected || has_warnings, "{} is read otherwise, without a warning", case["text"]);
+            assert!(
+                found == expected || has_warnings,
+                "{} is read otherwise, without a warning",
+                case["text"]
+            );
             (found != expected).then(|| format!("read as {found}; rosidl reads {expected}"))
         }
         (false, Err(_)) => None,

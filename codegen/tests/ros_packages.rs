@@ -65,13 +65,21 @@ fn packages_in_the_folder_take_precedence_over_built_in_ones() {
         ("kite_msgs/msg/Line.msg", "std_msgs/Header header\n"),
         ("std_msgs/msg/Header.msg", "uint8 own\n"),
     ]);
-    assert_eq!(read(folder.path()), [package("kite_msgs", false, &["Line"]), package("std_msgs", false, &["Header"])]);
+    assert_eq!(
+        read(folder.path()),
+        [package("kite_msgs", false, &["Line"]), package("std_msgs", false, &["Header"])]
+    );
 }
 
 #[test]
 fn other_missing_packages_are_errors() {
-    let folder = folder(&[("uavspec.toml", "[[package]]\nname = \"kite_msgs\"\ndialect = \"ros2\"\ninclude = [\"msg/*.msg\"]\n"),
-        ("msg/Line.msg", "reel_msgs/Reel reel\nstd_msgs/Header header\nstd_msgs/Reel other\n")]);
+    let folder = folder(&[
+        (
+            "uavspec.toml",
+            "[[package]]\nname = \"kite_msgs\"\ndialect = \"ros2\"\ninclude = [\"msg/*.msg\"]\n",
+        ),
+        ("msg/Line.msg", "reel_msgs/Reel reel\nstd_msgs/Header header\nstd_msgs/Reel other\n"),
+    ]);
     let error = read_definitions(folder.path()).expect_err("missing packages").to_string();
     assert!(error.contains("no package `reel_msgs`") && error.contains("has no message `Reel`"), "{error}");
     assert!(!error.contains("`Header`"), "{error}");
