@@ -29,6 +29,7 @@ mod server;
 mod snapshot;
 mod symbol;
 mod tokens;
+mod transport;
 mod uri;
 mod workspace;
 
@@ -42,7 +43,7 @@ use crate::failure::Failure;
 
 /// Serves an editor on standard input and output until the editor ends the session.
 pub fn run(history: &dyn History) -> Result<(), Failure> {
-    let (connection, threads) = Connection::stdio();
+    let (connection, threads) = transport::stdio();
     serve(&connection, history)?;
     // The threads end when the connection is closed.
     drop(connection);

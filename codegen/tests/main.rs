@@ -11,6 +11,7 @@ mod emitters;
 mod fixtures;
 mod format;
 mod format_properties;
+mod growth;
 mod hostile;
 mod imports;
 mod json_schema;

@@ -312,6 +312,31 @@ fn a_report_that_cannot_be_printed_fails_the_run() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn commands_for_definitions_fail_if_their_output_cannot_be_printed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let config = "[[package]]\nname = \"px4\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
+    fs::write(folder.path().join("uavspec.toml"), config).expect("a file");
+    fs::write(folder.path().join("Wind.msg"), "uint64   timestamp # [us] Time\n").expect("a file");
+    for arguments in [
+        &["lint"][..],
+        &["lint", "--rules"],
+        &["lint", "--format", "sarif"],
+        &["lint", "--summary"],
+        &["inspect"],
+        &["fmt", "--check"],
+    ] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full").expect("a device");
+        let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+        let output =
+            command.args(arguments).current_dir(folder.path()).stdout(full).output().expect("it runs");
+        let printed = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {printed}");
+        assert!(printed.contains("error: standard output: "), "{printed}");
+    }
+}
+
 #[test]
 fn prints_json_reports() {
     let folder = tempfile::tempdir().expect("a folder");

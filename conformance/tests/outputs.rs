@@ -75,6 +75,28 @@ fn a_report_never_replaces_a_capture() {
 }
 
 #[test]
+fn commands_for_definitions_never_append_to_their_inputs() {
+    for arguments in [
+        &["lint"][..],
+        &["lint", "--format", "json"],
+        &["inspect"],
+        &["fmt", "--check"],
+        &["inspect", "--package", "px4", "--dialect", "px4", "--input", "msg"],
+    ] {
+        for input in ["msg/Wind.msg", "uavspec.toml"] {
+            if input == "uavspec.toml" && arguments.contains(&"--package") {
+                continue;
+            }
+            let folder = workspace();
+            let output = OpenOptions::new().append(true).open(folder.path().join(input)).expect("a file");
+            let mut command = command(folder.path(), arguments);
+            command.stdout(output);
+            assert_rejected(folder.path(), command, "standard output would overwrite the input");
+        }
+    }
+}
+
+#[test]
 fn a_report_never_replaces_a_file_of_a_bag() {
     let folder = workspace();
     let text =

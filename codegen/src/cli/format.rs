@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
-use super::print::{plural, report};
+use super::print::{plural, protect_inputs, report};
 use super::stopwatch::Stopwatch;
 use crate::difference;
 use crate::failure::Failure;
@@ -44,6 +44,7 @@ pub(super) fn run(args: &FmtArgs) -> Result<bool, Failure> {
     let (changes, loaded) = changes(&plan, &args.files)?;
     report("fmt", &loaded, &loaded.diagnostics, "these files stay unchanged");
     let result = if args.check {
+        protect_inputs(loaded.inputs(&plan))?;
         print(&changes);
         let advice = if changes.is_empty() { "" } else { "; run `fmt`" };
         format!("{} unformatted{advice}", changes.len())

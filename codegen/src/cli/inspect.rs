@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::arguments::DefinitionsArgs;
-use super::print::{print_report, report};
+use super::print::{print_report, protect_inputs, report};
 use crate::diagnostic::has_errors;
 use crate::emit;
 use crate::failure::Failure;
@@ -27,6 +27,7 @@ pub(super) fn run(args: &InspectArgs) -> Result<bool, Failure> {
     if has_errors(&diagnostics) {
         return Ok(false);
     }
+    protect_inputs(loaded.inputs(&plan))?;
     print_report(&json_text::pretty(&emit::inspect::schema(&schema)));
     Ok(true)
 }

@@ -1,8 +1,12 @@
 //! Output to the terminal: results to standard output, messages to standard error.
 
 use std::io;
+use std::path::Path;
+
+use same_file::Handle;
 
 use crate::diagnostic::{Diagnostic, Level};
+use crate::failure::Failure;
 use crate::load::Loaded;
 use crate::render;
 use crate::terminal::{self, GuardedLines};
@@ -16,6 +20,17 @@ pub(super) fn print_results(render: impl FnOnce(bool) -> Vec<GuardedLines>) {
 /// Prints a machine-readable report, whose format escapes all text.
 pub(super) fn print_report(text: &str) {
     terminal::print_unguarded(text);
+}
+
+/// Fails if standard output is redirected to an input.
+pub(super) fn protect_inputs<'i>(mut inputs: impl Iterator<Item = &'i Path>) -> Result<(), Failure> {
+    let is_file = |handle: &Handle| handle.as_file().metadata().is_ok_and(|metadata| metadata.is_file());
+    let Some(output) = Handle::stdout().ok().filter(is_file) else { return Ok(()) };
+    let changed = inputs.find(|input| Handle::from_path(input).is_ok_and(|input| input == output));
+    changed.map_or(Ok(()), |input| {
+        let message = format!("standard output would overwrite the input {}", terminal::path(input));
+        Err(Failure::new(message).with_hint("redirect standard output to another file"))
+    })
 }
 
 /// Prints a text to standard error, with colours if enabled. Removing the colours while writing would take longer.

@@ -9,7 +9,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 
 use self::target::{FormatName, Target};
-use super::print::{print_report, print_results};
+use super::print::{print_report, print_results, protect_inputs};
 use crate::diagnostic::Level;
 use crate::failure::Failure;
 use crate::finding::Finding;
@@ -160,9 +160,11 @@ impl ReportArgs {
         target::check_distinct(&self.report)
     }
 
-    /// Fails if a report would replace an input.
-    pub(super) fn protect<'i>(&self, mut inputs: impl Iterator<Item = &'i Path>) -> Result<(), Failure> {
-        inputs.try_for_each(|input| self.report.iter().try_for_each(|target| target.protect(input)))
+    /// Fails if a report, or standard output, would change an input.
+    pub(super) fn protect<'i>(&self, inputs: impl Iterator<Item = &'i Path>) -> Result<(), Failure> {
+        let inputs: Vec<&Path> = inputs.collect();
+        protect_inputs(inputs.iter().copied())?;
+        inputs.iter().try_for_each(|input| self.report.iter().try_for_each(|target| target.protect(input)))
     }
 
     /// Prints the results to standard output, and writes the report files.

@@ -17,6 +17,8 @@ pub(super) struct Workspace {
     /// The folders of the editor's workspace, each with the root of its project.
     folders: Vec<(PathBuf, Root)>,
     open: BTreeMap<PathBuf, String>,
+    /// Documents that were opened since the last refresh.
+    opened: BTreeSet<PathBuf>,
     /// Open documents that had a project before files changed, and may have none now.
     uncertain: BTreeSet<PathBuf>,
     /// True if definitions were read since the diagnostics were published, or if a project was removed.
@@ -30,6 +32,7 @@ impl Workspace {
             projects: Vec::new(),
             folders: Vec::new(),
             open: BTreeMap::new(),
+            opened: BTreeSet::new(),
             uncertain: BTreeSet::new(),
             is_changed: true,
         };
@@ -63,14 +66,25 @@ impl Workspace {
     pub(super) fn open(&mut self, path: &Path, text: String) {
         self.projects.iter_mut().for_each(|project| project.edit(path, &text));
         self.open.insert(path.to_path_buf(), text);
-        self.refresh();
-        if self.project_of(path).is_none() {
-            // The file may be new.
-            self.reload();
-            self.refresh();
+        self.opened.insert(path.to_path_buf());
+    }
+
+    /// Finds the projects of documents that were opened. Editors open many documents at once, so their projects are read
+    /// once for all of them.
+    fn find_projects(&mut self) {
+        let opened = std::mem::take(&mut self.opened);
+        let is_open = |path: &PathBuf| self.open.contains_key(path) && self.project_of(path).is_none();
+        let alone: Vec<PathBuf> = opened.into_iter().filter(is_open).collect();
+        if alone.is_empty() {
+            return;
         }
-        if self.project_of(path).is_none() {
-            self.add_project_of(path);
+        // The files may be new.
+        self.reload();
+        self.read_changes();
+        for path in alone {
+            if self.project_of(&path).is_none() {
+                self.add_project_of(&path);
+            }
         }
     }
 
@@ -136,6 +150,7 @@ impl Workspace {
     /// Reads the definitions that changed. Adds a project for each open document that lost its project.
     pub(super) fn refresh(&mut self) {
         self.read_changes();
+        self.find_projects();
         for path in std::mem::take(&mut self.uncertain) {
             if self.project_of(&path).is_some() {
                 continue;
@@ -200,4 +215,51 @@ impl Workspace {
 /// True for a project without a configuration file.
 fn is_folder(project: &Project) -> bool {
     matches!(project.root, Root::Folder(_))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    /// A workspace with a number of definitions that were read.
+    fn workspace(folder: &Path, count: usize) -> (Workspace, Vec<(PathBuf, String)>) {
+        let files: Vec<(PathBuf, String)> = (0..count)
+            .map(|number| (folder.join(format!("Wind{number}.msg")), format!("uint8 wind_{number}\n")))
+            .collect();
+        files.iter().for_each(|(path, text)| fs::write(path, text).expect("a file"));
+        let mut workspace = Workspace::new(&[folder.to_path_buf()], Encoding::Utf8);
+        workspace.refresh();
+        assert!(workspace.take_changed());
+        (workspace, files)
+    }
+
+    #[test]
+    fn opening_files_that_were_read_reads_nothing_again() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (mut workspace, files) = workspace(folder.path(), 20);
+        for (path, text) in files {
+            workspace.open(&path, text);
+            workspace.refresh();
+            assert!(!workspace.take_changed() && workspace.document(&path).is_some());
+        }
+    }
+
+    #[test]
+    fn opening_many_files_reads_their_project_once() {
+        for count in [20, 40] {
+            let folder = tempfile::tempdir().expect("a folder");
+            let (mut workspace, files) = workspace(folder.path(), count);
+            for (path, _) in &files {
+                workspace.open(path, "uint8 other\n".to_owned());
+                workspace.open(&path.with_extension("srv"), "---\n".to_owned());
+            }
+            assert!(!workspace.take_changed(), "nothing is read before the files are needed");
+            workspace.refresh();
+            assert!(workspace.take_changed());
+            assert_eq!(workspace.projects.len(), 1);
+            assert!(files.iter().all(|(path, _)| workspace.document(&path.with_extension("srv")).is_some()));
+        }
+    }
 }
