@@ -21,7 +21,7 @@ use super::ValueRules;
 use super::values::{
     Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, entries_in_use, number,
 };
-use crate::model::{Findings, Location, hexadecimal};
+use crate::model::{Findings, Location, SubjectName, hexadecimal};
 use crate::text::start_of;
 
 /// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
@@ -48,7 +48,7 @@ struct Step {
     /// The path of the field, e.g. `events[2].id`. If the field itself is an array, the path contains no index into the
     /// array. In a sequence, the path is relative to the element.
     path: String,
-    /// The subject of findings: the name of the topic and the path without indices.
+    /// The path without indices, after the topic in the subject of findings: `.events.id`.
     subject: String,
     offset: usize,
     count: usize,
@@ -116,13 +116,11 @@ struct Compiler<'c> {
 
 impl Plan {
     /// Compiles a plan for payloads with the layout of `message_type`. The payloads are messages of the `message`
-    /// definition. Without a definition, only the constraints imposed by types apply. Findings name the topic. Time and
-    /// memory are proportional to the number of [nested fields](FieldCounts), which the caller limits.
+    /// definition. Without a definition, only the constraints imposed by types apply. Time and memory are proportional to the number of [nested fields](FieldCounts), which the caller limits.
     pub(crate) fn new(
         message_type: MessageType<'_>,
         message: Option<MessageId>,
         schema: &Schema,
-        topic: &str,
         rules: &'static ValueRules,
     ) -> Self {
         let (messages, coverage) = (HashMap::new(), Coverage::default());
@@ -131,16 +129,22 @@ impl Plan {
         compiler.add(
             message_type,
             message,
-            Within { base: 0, path: "", subject: topic, entries: &[] },
+            Within { base: 0, path: "", subject: "", entries: &[] },
             &mut steps,
         );
         let (fixed, varying): (Vec<Step>, Vec<Step>) = steps.into_iter().partition(Step::is_fixed);
         Self { rules, screen: Screen::new(&fixed), fixed, varying, coverage: compiler.coverage }
     }
 
-    /// Checks a payload. The payload must contain all fields of its format.
-    pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
-        let mut run = Run { payload, location, rules: self.rules, findings };
+    /// Checks a payload of a topic. The payload must contain all fields of its format.
+    pub(crate) fn check(
+        &self,
+        payload: &[u8],
+        topic: SubjectName<'_>,
+        location: Location,
+        findings: &mut Findings,
+    ) {
+        let mut run = Run { payload, topic, location, rules: self.rules, findings };
         if !self.screen.accepts(payload) {
             run.steps(&self.fixed, 0, None);
         }
@@ -471,6 +475,7 @@ fn most(array: &str, message_type: MessageType<'_>) -> Option<u32> {
 /// The check of one payload.
 struct Run<'r> {
     payload: &'r [u8],
+    topic: SubjectName<'r>,
     location: Location,
     rules: &'static ValueRules,
     findings: &'r mut Findings,
@@ -529,9 +534,10 @@ impl Run<'_> {
         // Without an index, the subject contains the whole path.
         let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
         let rule = violation.rule(self.rules);
-        self.findings.report(rule, &step.subject, self.location, values.definition, || {
-            detail.excerpt(hexadecimal(bytes))
-        });
+        let name = &format!("{}{}", self.topic.name, step.subject);
+        let subject = SubjectName { name, ..self.topic };
+        self.findings
+            .report(rule, subject, self.location, values.definition, || detail.excerpt(hexadecimal(bytes)));
     }
 }
 

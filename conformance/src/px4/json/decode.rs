@@ -68,8 +68,11 @@ impl Reading {
         Ok(match (tree, element) {
             (Tree::Object(_), PlacedElement::Message(ty)) => return self.message(tree, ty),
             (_, PlacedElement::Text(room)) => return self.text(tree, room),
-            // The deviation `NaN` isn't kept, because the token isn't JSON.
-            (Tree::Null | Tree::Token("NaN"), _) => Value::Null,
+            (Tree::Null, _) => Value::Null,
+            (Tree::Token("NaN"), _) => {
+                self.dialects.insert(Dialect::BareNan);
+                Value::Null
+            }
             (Tree::Bool(value), _) => (*value).into(),
             (Tree::Int(value), _) => Number::from_i128(*value).map_or(Value::Null, Value::Number),
             (Tree::Float(value, _), _) => (*value).into(),
