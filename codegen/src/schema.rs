@@ -15,10 +15,10 @@
 //! ```
 
 pub(crate) mod bits;
+mod derived;
 pub(crate) mod documentation;
 pub(crate) mod enumeration;
 pub(crate) mod error_codes;
-mod events;
 pub mod fingerprint;
 mod id;
 pub mod json_type;
@@ -26,6 +26,7 @@ pub(crate) mod layout;
 mod model;
 mod restriction;
 
+pub use self::derived::derived_from;
 pub use self::documentation::Docs;
 pub use self::enumeration::{Enum, EnumRef, Member};
 pub use self::error_codes::{ErrorCode, ErrorTable};

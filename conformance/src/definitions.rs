@@ -23,7 +23,7 @@ use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::load::{self, read_definitions_for_captures};
 use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::release;
-use uavspec_codegen::schema::fingerprint::ros_name;
+use uavspec_codegen::schema::fingerprint::{ros_name, service_hash_of_event};
 use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
 use uavspec_codegen::source::Span;
 use uavspec_codegen::translation::{self, Translations};
@@ -33,7 +33,7 @@ use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
 pub(crate) use self::choice::{Clues, FormatClue, JsonClue, TypeClue};
 pub use self::index::Family;
 use self::index::Index;
-pub(crate) use self::index::{ReleaseId, Row, read_schema};
+pub(crate) use self::index::{ReleaseId, Row, newest_ros2, read_schema};
 pub use self::library::Library;
 pub(crate) use self::library::ros_package;
 pub(crate) use self::released::{ReleasedType, released_type};
@@ -158,7 +158,7 @@ impl Definitions {
     }
 
     fn new(name: String, sources: SourceMap, mut schema: Schema) -> Self {
-        schema.add_service_events();
+        schema.add_derived();
         let mut by_topic = HashMap::new();
         for id in schema.packages.iter().flat_map(|package| &package.messages) {
             for topic in &schema.message(*id).topics {
@@ -243,16 +243,17 @@ impl Definitions {
         self.message_of_logged_topic(topic).or_else(unversioned)
     }
 
-    /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`. Parts and events
-    /// of services are messages, such as `px4_msgs/srv/VehicleCommand_Event`.
+    /// The message of a type: `px4/FailsafeFlags`, or in ROS 2 notation `px4_msgs/msg/FailsafeFlags`. The parts of services
+    /// and actions are messages, and so are derived types such as `px4_msgs/srv/VehicleCommand_Event`.
     pub fn message_of_type(&self, ty: &str) -> Option<MessageId> {
         let (package, name) = ty.split_once('/')?;
         let is_in_package = |known: &Package| known.name == package || known.ros_package == package;
-        if let Some(name) = name.strip_prefix("srv/") {
+        let interface = [Kind::Service, Kind::Action]
+            .into_iter()
+            .find_map(|kind| Some((kind, name.strip_prefix(kind.name())?.strip_prefix('/')?)));
+        if let Some((kind, name)) = interface {
             let is_found = |message: &Message| {
-                message.kind == Kind::Service
-                    && message.name == name
-                    && is_in_package(self.schema.package_of(message))
+                message.kind == kind && message.name == name && is_in_package(self.schema.package_of(message))
             };
             let index = self.schema.messages.iter().position(is_found)?;
             return u32::try_from(index).ok().map(MessageId);
@@ -266,15 +267,12 @@ impl Definitions {
             .map(|id| self.current(*id))
     }
 
-    /// The type hashes that a capture may state for a message. Captures state the hash of the service for an event of
-    /// the service.
-    pub(crate) fn type_hashes<'d>(&'d self, message: &'d Message) -> impl Iterator<Item = &'d str> {
-        let service = message.name.strip_suffix("_Event").filter(|_| message.kind == Kind::Service);
-        let interfaces = self.schema.package_of(message).interfaces.iter();
-        let service_hash = interfaces
-            .filter(move |interface| Some(interface.name.as_str()) == service)
-            .filter_map(|interface| interface.type_hash.as_deref());
-        std::iter::once(message.type_hash.as_str()).chain(service_hash)
+    /// True if a capture may state this type hash for a message. Captures state the hash of the service for an event of the
+    /// service.
+    pub(crate) fn has_type_hash(&self, message: &Message, stated: &str) -> bool {
+        let is_stated = |hash: &str| hash.eq_ignore_ascii_case(stated);
+        is_stated(&message.type_hash)
+            || service_hash_of_event(&self.schema, message).is_some_and(|hash| is_stated(&hash))
     }
 
     /// True if a release defines a message with the same fields and this version. A type hash doesn't cover the version.

@@ -26,6 +26,7 @@ mod finding;
 mod reason;
 mod record;
 mod rule;
+mod subject;
 
 pub(crate) use self::application::ApplicationType;
 pub use self::date::Date;
@@ -41,3 +42,4 @@ pub use self::reason::Reason;
 pub(crate) use self::record::{Channel, Message};
 pub use self::record::{Extent, Location};
 pub use self::rule::{Level, Rule, Status};
+pub(crate) use self::subject::SubjectName;

@@ -271,7 +271,7 @@ pub struct Finding {
     pub url: String,
     /// The verdict: fail, warning, known or info.
     pub verdict: Verdict,
-    /// The topic or field that violates the rule.
+    /// The topic or field that violates the rule, with its namespace, or with its instance in a log with several.
     pub subject: String,
     /// The number of findings in this group.
     pub count: u64,

@@ -20,7 +20,7 @@ use uavspec_codegen::source::Span;
 
 use self::sample::Flight;
 use crate::definitions::Definitions;
-use crate::model::{Counted, Detail, Findings, Location, Rule};
+use crate::model::{Counted, Detail, Findings, Location, Rule, SubjectName};
 
 /// All rules, sorted by id.
 pub static RULES: [&Rule; flockwave::RULES.len() + px4::RULES.len()] = {
@@ -148,13 +148,13 @@ impl RuleContext<'_> {
 
     /// Counts a violation of the rule. Returns `None` if its details are not needed.
     pub(crate) fn count_violation(&mut self, subject: &str, location: Location) -> Option<Counted<'_>> {
-        self.findings.count_violation(self.rule, subject, location, None)
+        self.findings.count_violation(self.rule, subject.into(), location, None)
     }
 
     /// Reports a violation, with the location of the violated definition.
-    pub(crate) fn violation_of(
+    pub(crate) fn violation_of<'s>(
         &mut self,
-        subject: &str,
+        subject: impl Into<SubjectName<'s>>,
         location: Location,
         definition: Option<Span>,
         detail: impl FnOnce() -> Detail,

@@ -252,6 +252,10 @@ impl<'t> Follower<'t> {
         let end = result.end.max(self.latest);
         let corruption = result.corruption.iter();
         let corruption = corruption.map(|(location, text)| format!("{location}: {text}")).collect();
+        let topics = self.topics(is_session, &result.coverage.parts);
+        let values_without_lane = self.lanes.more;
+        let mut lanes = self.lanes.finish(start, end);
+        px4::hide_only_channels(&mut lanes);
         Ok(Story {
             version: VERSION,
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
@@ -264,9 +268,9 @@ impl<'t> Follower<'t> {
             corruption,
             unreadable_messages: self.unreadable,
             languages: self.texts.languages(),
-            topics: self.topics(is_session, &result.coverage.parts),
-            values_without_lane: self.lanes.more,
-            lanes: self.lanes.finish(start, end),
+            topics,
+            values_without_lane,
+            lanes,
             is_session,
             clock: result.clock,
             start,

@@ -29,6 +29,7 @@ pub(crate) mod support;
 #[cfg(feature = "tables")]
 mod tables;
 mod texts;
+mod topics;
 mod trials;
 mod ulog;
 mod unread;

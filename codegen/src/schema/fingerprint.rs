@@ -287,13 +287,28 @@ pub(crate) fn service_hash(schema: &Schema, interface: &Interface, package: usiz
         return None;
     };
     let service = format!("{}/srv/{}", schema.packages[package].ros_package, interface.name);
-    let names = [*request, *response].map(|id| ros_name(schema, schema.message(id)));
+    Some(hash_of_service(schema, service, [*request, *response]))
+}
+
+/// The ROS type hash of the service that an event belongs to, or `None` for other messages.
+pub fn service_hash_of_event(schema: &Schema, event: &Message) -> Option<String> {
+    let name = ros_name(schema, event);
+    let service = name.strip_suffix("_Event").filter(|_| event.kind != Kind::Message)?;
+    let mut parts = event.fields.iter().skip(1).filter_map(|field| match field.ty.element {
+        Element::Message(id) => Some(id),
+        _ => None,
+    });
+    Some(hash_of_service(schema, service.to_owned(), [parts.next()?, parts.next()?]))
+}
+
+fn hash_of_service(schema: &Schema, service: String, parts: [MessageId; 2]) -> String {
+    let names = parts.map(|id| ros_name(schema, schema.message(id)));
     let event = format!("{service}_Event");
     let info = "service_msgs/msg/ServiceEventInfo".to_owned();
     let time = "builtin_interfaces/msg/Time".to_owned();
     let at_most_one = Shape::Bounded(1);
-    let mut roots = referenced(schema, [*request, *response]);
-    roots.extend([*request, *response]);
+    let mut roots = referenced(schema, parts);
+    roots.extend(parts);
     let mut described = describe_all(schema, roots);
     described.push((
         event.clone(),
@@ -322,5 +337,5 @@ pub(crate) fn service_hash(schema: &Schema, interface: &Interface, package: usiz
         DescribedField::nested("response_message", response),
         DescribedField::nested("event_message", event),
     ];
-    Some(Description { type_name: service, fields, referenced: described }.hash())
+    Description { type_name: service, fields, referenced: described }.hash()
 }

@@ -23,7 +23,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use uavspec_codegen::dynamic::{DynamicMessage, MessageType};
-use uavspec_codegen::schema::MessageId;
+use uavspec_codegen::schema::{MessageId, derived_from};
 use uavspec_codegen::source::Span;
 
 pub(crate) use self::cdr::decompressed;
@@ -44,7 +44,8 @@ use self::stated::Stated;
 pub use self::summary::{BagSummary, McapSummary};
 use super::coverage::{Parts, Unit};
 use super::release::{ReleaseMatch, release_matches};
-use super::topic::{confirms, definition_of, is_guess, is_same_type};
+use super::summary::names;
+use super::topic::{confirms, definition_of, is_guess, is_same_type, plain};
 use super::{CaptureResult, CheckRun, Logged, Summary};
 use crate::capture::mcap::OWN;
 use crate::definitions::Definitions;
@@ -112,7 +113,7 @@ pub(crate) fn stated_type(
         compare_declared(stated.root(), definitions.types().get(definition)) == Comparison::Equal
     } else if let Some(stated) = metadata.get(HASH).filter(|hash| is_comparable(hash)) {
         let message = definitions.schema.message(definition);
-        definitions.type_hashes(message).any(|hash| hash.eq_ignore_ascii_case(stated))
+        definitions.has_type_hash(message, stated)
     } else {
         return StatedType::Unknown;
     };
@@ -216,6 +217,7 @@ impl<'d> Channels<'d> {
         match (definition, declared.encoding.as_str()) {
             (Some(message_id), "cdr" | "json") => self.read(&mut open, declared, message_id),
             (None, "cdr") => self.read_own(&mut open, declared),
+            (None, "json") if guess.is_none() => open.remark = self.schemas.unused(declared.schema),
             _ => {}
         }
         self.malformed_hash(&open, declared, definition);
@@ -313,11 +315,11 @@ impl<'d> Channels<'d> {
         };
         let Some(check) = self.checker(open, source) else { return };
         if let Some(lacks) = check.lacks_timestamp(definitions) {
-            let Identity { name, location, .. } = &open.identity;
+            let Identity { topic, location, .. } = &open.identity;
             self.run.findings.cover(&px4::FMT_03.rule, 1);
             if lacks {
                 let definition = Some(definitions.schema.message(message_id).span);
-                self.run.findings.report(&px4::FMT_03.rule, name, *location, definition, || {
+                self.run.findings.report(&px4::FMT_03.rule, topic, *location, definition, || {
                     Detail::new("the schema has no `uint64 timestamp` field")
                         .expected("uint64 timestamp")
                         .actual("no such field")
@@ -331,14 +333,25 @@ impl<'d> Channels<'d> {
 
     /// Chooses the reader for the messages of a channel without a definition: they must agree with their own schema.
     fn read_own(&mut self, open: &mut Open, declared: &Declared) {
-        let Some(stated) = self.schemas.own(declared.schema) else { return };
+        let stated = match self.schemas.own(declared.schema) {
+            Ok(stated) => stated,
+            Err(problem) => {
+                open.remark = problem;
+                return;
+            }
+        };
+        if !stated.added().is_empty() {
+            let added = names(stated.added().iter().map(String::as_str));
+            open.remark =
+                Some(format!("the schema lacks {added}, so the built-in definitions of ROS 2 are used"));
+        }
         self.run.opened(&open.identity.channel());
         open.status = CheckStatus::OwnSchema;
         let Some(check) = self.checker(open, TypeSource::Own(Rc::clone(&stated))) else { return };
         open.reading = Reading::Cdr(Box::new(check));
         // For an event of a service, captures state the hash of the service.
-        let is_event = stated.root().name().ends_with("_Event");
-        if let Some(hash) = declared.metadata.get(HASH).filter(|hash| !is_event && is_comparable(hash)) {
+        let is_derived = open.schema.as_ref().is_some_and(|(name, _)| derived_from(&plain(name)).is_some());
+        if let Some(hash) = declared.metadata.get(HASH).filter(|hash| !is_derived && is_comparable(hash)) {
             self.run.findings.cover(&px4::HASH_01.rule, 1);
             if !hash.eq_ignore_ascii_case(stated.type_hash()) {
                 self.report_hash(open, None, stated.type_hash(), hash);
@@ -356,7 +369,7 @@ impl<'d> Channels<'d> {
             return None;
         }
         self.fields += fields;
-        let check = CdrChecker::new(source, definitions, &open.identity.name);
+        let check = CdrChecker::new(source, definitions);
         open.fields = Some(check.fields(definitions).into());
         Some(check)
     }
@@ -364,9 +377,8 @@ impl<'d> Channels<'d> {
     /// True if a channel states the type hash of its definition.
     fn has_defined_hash(&self, declared: &Declared, message_id: MessageId) -> bool {
         let definitions = self.run.definitions;
-        let mut hashes = definitions.type_hashes(definitions.schema.message(message_id));
-        let stated = declared.metadata.get(HASH);
-        stated.is_some_and(|stated| hashes.any(|hash| hash.eq_ignore_ascii_case(stated)))
+        let message = definitions.schema.message(message_id);
+        declared.metadata.get(HASH).is_some_and(|stated| definitions.has_type_hash(message, stated))
     }
 
     /// Compares the hash in a channel's metadata with the hash of its definition.
@@ -381,7 +393,7 @@ impl<'d> Channels<'d> {
         if !is_of_definition {
             return;
         }
-        let is_other = !definitions.type_hashes(message).any(|hash| hash.eq_ignore_ascii_case(stated));
+        let is_other = !definitions.has_type_hash(message, stated);
         if open.differences().is_some() {
             open.has_other_hash = is_other;
             return;
@@ -405,8 +417,8 @@ impl<'d> Channels<'d> {
     fn report_hash(&mut self, open: &Open, definition: Option<Span>, expected: &str, stated: &str) {
         let shortened: String = stated.chars().take(HASH_VERSION.len() + HASH_DIGITS).collect();
         let more = if shortened.len() < stated.len() { "…" } else { "" };
-        let Identity { name, location, .. } = &open.identity;
-        self.run.findings.report(&px4::HASH_01.rule, name, *location, definition, || {
+        let Identity { topic, location, .. } = &open.identity;
+        self.run.findings.report(&px4::HASH_01.rule, topic, *location, definition, || {
             Detail::differs(expected, format!("{}{more}", shortened.escape_debug()))
         });
     }
@@ -417,9 +429,9 @@ impl<'d> Channels<'d> {
         self.run.findings.cover(&px4::FMT_01.rule, 1);
         if let Some(differences) = open.differences() {
             let hash = if open.has_other_hash { "; its hash differs as well" } else { "" };
-            let Identity { name, location, definition, .. } = &open.identity;
+            let Identity { topic, location, definition, .. } = &open.identity;
             let definition = definition.map(|id| self.run.definitions.schema.message(id).span);
-            self.run.findings.report(&px4::FMT_01.rule, name, *location, definition, || {
+            self.run.findings.report(&px4::FMT_01.rule, topic, *location, definition, || {
                 let mut detail = differences.detail();
                 detail.message += hash;
                 detail
@@ -482,7 +494,7 @@ impl<'d> Channels<'d> {
                 let Some(plans) = &self.plans else { return };
                 let origin = MessageOrigin {
                     id: *message_id,
-                    name: channel.topic,
+                    name: channel.full_topic,
                     location,
                     key: None,
                     is_rosbridge: true,

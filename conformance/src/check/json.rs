@@ -368,7 +368,7 @@ impl<'d> JsonChecker<'d> {
         let open = &self.channels.open[at];
         let Some((id, _)) = open.defined else { return self.undefined(at) };
         let origin =
-            MessageOrigin { id, name: &open.name, location, key: open.key, is_rosbridge, shared: None };
+            MessageOrigin { id, name: &open.full_name, location, key: open.key, is_rosbridge, shared: None };
         let dialects = self.plans.explain(origin, tree, &mut self.run.findings);
         let timestamp = self.plans.timestamp(id, tree);
         // A message with findings may have other wrong values, so its values aren't passed to stateful rules.
@@ -459,7 +459,7 @@ impl<'d> JsonChecker<'d> {
     fn finish(mut self, lines: u64, bytes: u64) -> CaptureResult {
         let defined = self.channels.open.iter().filter(|open| open.defined.is_some());
         let compared = defined.map(|open| ComparedTopic {
-            topic: &open.name,
+            topic: &open.full_name,
             definition: open.defined.map(|(id, _)| id),
             is_equal: open.has_keys,
         });
@@ -477,7 +477,7 @@ impl<'d> JsonChecker<'d> {
                 }
                 None => (PartResult::Undefined, Share::default()),
             };
-            parts.add(&open.name, result, tally, values.times(tally.checked, tally.records));
+            parts.add(&open.full_name, result, tally, values.times(tally.checked, tally.records));
             match open.defined {
                 Some((id, _)) => {
                     self.plans.count(id, None, tally.checked, &mut self.run.findings);
@@ -485,7 +485,7 @@ impl<'d> JsonChecker<'d> {
                         types.insert(id);
                     }
                 }
-                None => _ = undefined.insert(open.name),
+                None => _ = undefined.insert(open.full_name),
             }
         }
         let summary = JsonSummary {

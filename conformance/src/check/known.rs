@@ -16,7 +16,8 @@
 //! ```
 //!
 //! Patterns are globs. `*` matches any text, but in `file` it doesn't match `/`. `file` is compared with the path that
-//! was passed to the run.
+//! was passed to the run. `subject` is compared with the name in reports, and also with the name without the instance
+//! and the namespace of the topic.
 //!
 //! Listed rules and cases still run, but their failures don't count. Lists must stay accurate. An entry is therefore
 //! reported as stale ([`Stale`]) in these cases:

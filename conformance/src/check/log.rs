@@ -18,7 +18,7 @@ use crate::capture::input::UpToError;
 use crate::capture::ulog::{Data, Event, FormatSet, Item, Log, LogProblem, Problem, Reader, Record};
 use crate::capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
 use crate::definitions::{BATTERY_STATUS, Clues, Definitions, FormatClue, Library, VEHICLE_STATUS};
-use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule};
+use crate::model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
 use crate::px4::comparison::{Comparison, compare};
 use crate::px4::format_plan::{FormatPlan, FormatPlans};
 use crate::px4::memory::time_offset;
@@ -267,6 +267,8 @@ struct LogChecker<'d> {
     compared: BTreeMap<String, (u64, Comparison)>,
     /// The topics whose subscription has ended.
     parts: Parts,
+    /// The topics with other instances than the first.
+    several: BTreeSet<String>,
     firmware: Option<String>,
     dropouts: u64,
     /// The location of the previous item, if it is a record.
@@ -285,6 +287,7 @@ impl<'d> LogChecker<'d> {
             plans: None,
             compared: BTreeMap::new(),
             parts: Parts::default(),
+            several: BTreeSet::new(),
             firmware: None,
             dropouts: 0,
             latest: None,
@@ -349,6 +352,9 @@ impl<'d> LogChecker<'d> {
         if let Some(before) = &before {
             self.run.closed(&before.channel());
         }
+        if multi_id > 0 {
+            self.several.insert(topic.to_owned());
+        }
         let index = before.as_ref().map_or_else(|| self.run.number_channel(), |before| before.index);
         let open = Open {
             index,
@@ -378,6 +384,7 @@ impl<'d> LogChecker<'d> {
     fn record(&mut self, record: &Record<'_>, offset: u64) {
         let Some(Some(open)) = self.open.get_mut(usize::from(record.subscription.id)) else { return };
         let location = Location::Byte(offset);
+        let subject = SubjectName { name: &open.topic, instance: Some(open.multi_id) };
         let plan = match &mut open.plan {
             Some(plan) => plan,
             empty => {
@@ -408,7 +415,7 @@ impl<'d> LogChecker<'d> {
         // Older releases of PX4 log topics that were never published. Their memory is empty, so no value has a meaning.
         let is_published = timestamp != Some(0) || record.payload.iter().any(|byte| *byte != 0);
         if let Some(values) = plan.values.as_ref().filter(|_| is_published) {
-            values.check(record.payload, location, &mut self.run.findings);
+            values.check(record.payload, subject, location, &mut self.run.findings);
         }
         self.latest = Some(location);
         if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
@@ -479,7 +486,7 @@ impl<'d> LogChecker<'d> {
             return self.run.lost_any(location);
         };
         let definition = open.definition.map(|id| self.run.definitions.schema.message(id).span);
-        self.run.findings.report(rule, &open.topic, location, definition, || detail);
+        self.run.findings.report(rule, open.channel().subject(), location, definition, || detail);
         self.run.lost(open.index, location);
     }
 
@@ -490,6 +497,7 @@ impl<'d> LogChecker<'d> {
         for rule in [&px4::DATA_01.rule, &px4::DATA_02.rule] {
             self.run.findings.cover(rule, self.run.records);
         }
+        self.run.findings.hide_only_instances(|topic| !self.several.contains(topic));
         let formats = formats(log, self.compared, &mut self.run);
         // Records without a definition, or in a different format, aren't fully checked.
         for (topic, comparison) in &formats {

@@ -21,15 +21,13 @@ use crate::check::{definition_of, definition_of_json, is_flockwave, is_guess, sh
 use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::Extent;
-use crate::px4::json::decode;
+use crate::px4::json::{Dialect, decode};
 use crate::text::utf8;
 
 /// A topic or a type of the capture.
 struct Channel<'p> {
     definition: Option<MessageId>,
     topic: Topic<'p>,
-    /// True if messages stay the same.
-    is_kept: bool,
     /// True if the definition is known, or if a stated type or a message with keys showed that there is none.
     is_decided: bool,
     /// True if a message had a definition or keys, so that a type that is stated later doesn't apply.
@@ -183,13 +181,12 @@ impl<'p, 'o> Stream<'p, 'o> {
                 channel.copied += 1;
                 return self.write(value.text);
             }
-            Action::Converted if channel.is_kept => None,
             Action::Converted => {
                 let is_rosbridge = kind == NameKind::Topic;
                 let converted =
                     channel.topic.convert(|converted, losses| converted.json(message, is_rosbridge, losses));
                 let Some(text) = converted else { return Ok(()) };
-                Some(text)
+                text
             }
         };
         let name = channel.topic.report.renamed.as_deref().map(quoted);
@@ -285,9 +282,8 @@ impl<'p, 'o> Stream<'p, 'o> {
         if kind == NameKind::Type {
             topic.report.renamed = topic.renamed_type(name, plan);
         }
-        let is_kept = topic.converted.as_ref().is_some_and(|converted| converted.keeps_json());
         let is_decided = definition.is_some() || !matches!(evidence, Evidence::Name);
-        Channel { definition, topic, is_kept, is_decided, is_final: false, copied: 0 }
+        Channel { definition, topic, is_decided, is_final: false, copied: 0 }
     }
 
     /// Writes a value.
@@ -355,20 +351,20 @@ fn find(
 }
 
 impl Converted<'_> {
-    /// True if both types have equal JSON messages.
-    pub(super) fn keeps_json(&self) -> bool {
-        self.converter.keeps_cdr() && has_same_names(self.source, self.converter.target())
-    }
-
-    /// Converts a JSON message. Counts the losses.
+    /// Converts a JSON message. Counts the losses. `None` if the message stays the same: both types have the same
+    /// messages, and it is JSON.
     pub(super) fn json(
         &self,
         tree: &Tree<'_>,
         is_rosbridge: bool,
         losses: &mut [u64],
-    ) -> Result<String, String> {
+    ) -> Result<Option<String>, String> {
         let (message, dialects) = decode(tree, self.source, is_rosbridge)?;
-        message::write(&self.message(&message, losses)?, dialects)
+        let has_nan = dialects.iter().any(|dialect| dialect == Dialect::BareNan);
+        if !has_nan && self.converter.keeps_cdr() && has_same_names(self.source, self.converter.target()) {
+            return Ok(None);
+        }
+        message::write(&self.message(&message, losses)?, dialects).map(Some)
     }
 }
 

@@ -69,8 +69,6 @@ struct Channel<'p> {
     /// A hash of the declaration.
     digest: u64,
     is_json: bool,
-    /// True if the output contains the payloads of the input.
-    keeps_payloads: bool,
     /// The guess about a JSON channel, until it is decided. Until then, the output doesn't contain the channel.
     guess: Option<Box<Guess>>,
 }
@@ -248,7 +246,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         if let Some(reason) = self.refusal(schema, &topic, &encoding, &metadata) {
             let problem = format!("channel {id}: {reason}");
             let topic = Topic::left_out(&start_of(&topic, MAX_NAME), reason);
-            let channel = Channel { topic, digest, is_json, keeps_payloads: false, guess: None };
+            let channel = Channel { topic, digest, is_json, guess: None };
             self.channels[at] = Some(Box::new(channel));
             return Ok(Some(problem));
         }
@@ -263,7 +261,7 @@ impl<'p, 'o> Stream<'p, 'o> {
         let Some(message_id) = guess else { return self.declare(declared, definition) };
         let topic = Topic::new(&declared.topic, (None, Treatment::Copy), plan, self.settings);
         let guess = Some(Box::new(Guess { message_id, declared, waiting: Vec::new(), size: 0 }));
-        self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, keeps_payloads: true, guess }));
+        self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, guess }));
         Ok(None)
     }
 
@@ -280,15 +278,12 @@ impl<'p, 'o> Stream<'p, 'o> {
         let Declared { id, schema, topic, encoding, mut metadata, digest } = declared;
         let is_json = encoding == "json";
         let mut topic = Topic::new(&topic, treatment, plan, self.settings);
-        let mut keeps_payloads = true;
         let origin = match &topic.converted {
             Some(converted) => {
                 let target = converted.conversion.to;
                 if !is_json || metadata.contains_key(HASH) {
                     metadata.insert(HASH.to_owned(), plan.target_type(target).1.to_owned());
                 }
-                keeps_payloads =
-                    if is_json { converted.keeps_json() } else { converted.converter.keeps_cdr() };
                 if is_json { Origin::Json(target, schema) } else { Origin::Target(target) }
             }
             None => Origin::Input(schema),
@@ -302,7 +297,7 @@ impl<'p, 'o> Stream<'p, 'o> {
                 problem = Some(format!("channel {id}: {}", too_large()));
             }
         }
-        let channel = Channel { topic, digest, is_json, keeps_payloads, guess: None };
+        let channel = Channel { topic, digest, is_json, guess: None };
         self.channels[usize::from(id)] = Some(Box::new(channel));
         Ok(problem)
     }
@@ -450,16 +445,14 @@ impl Channel<'_> {
         if self.topic.report.action == Action::LeftOut {
             return Ok(());
         }
-        let payload = if self.keeps_payloads {
-            Cow::Borrowed(payload)
-        } else {
-            let is_json = self.is_json;
-            let converted = self.topic.convert(|converted, losses| {
+        let is_json = self.is_json;
+        let payload = match self.topic.report.action {
+            Action::Converted => self.topic.convert(|converted, losses| {
                 if is_json { converted.json_payload(payload, losses) } else { converted.cdr(payload, losses) }
-            });
-            let Some(converted) = converted else { return Ok(()) };
-            Cow::Owned(converted)
+            }),
+            _ => Some(Cow::Borrowed(payload)),
         };
+        let Some(payload) = payload else { return Ok(()) };
         output.message(header, &payload)?;
         Ok(())
     }
@@ -559,23 +552,29 @@ fn treatment<'p>(
 }
 
 impl Converted<'_> {
-    /// Converts a CDR payload. Counts the losses.
-    fn cdr(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
+    /// Converts a CDR payload. Counts the losses. A readable payload stays the same if both types have the same payloads.
+    fn cdr<'m>(&self, payload: &'m [u8], losses: &mut [u64]) -> Result<Cow<'m, [u8]>, String> {
         let plain = decompressed(payload)?;
         let order = ByteOrder::of(&plain).map_err(|fault| fault.to_string())?;
         let message = self.source.decode_cdr(&plain).map_err(|error| error.to_string())?;
+        if self.converter.keeps_cdr() {
+            return Ok(Cow::Borrowed(payload));
+        }
         let converted = self.message(&message, losses)?.to_cdr(order).map_err(|error| error.to_string())?;
         // A message that was compressed separately stays compressed.
         match plain {
-            Cow::Borrowed(_) => Ok(converted),
-            Cow::Owned(_) => compressed(Packing::Zstd, &converted).map_err(|error| error.to_string()),
+            Cow::Borrowed(_) => Ok(Cow::Owned(converted)),
+            Cow::Owned(_) => {
+                compressed(Packing::Zstd, &converted).map(Cow::Owned).map_err(|error| error.to_string())
+            }
         }
     }
 
     /// Converts a JSON payload. Counts the losses.
-    fn json_payload(&self, payload: &[u8], losses: &mut [u64]) -> Result<Vec<u8>, String> {
+    fn json_payload<'m>(&self, payload: &'m [u8], losses: &mut [u64]) -> Result<Cow<'m, [u8]>, String> {
         let tree = Tree::read(utf8(payload)?).map_err(|error| error.to_string())?;
         // Foxglove writes bytes as base64, as rosbridge does.
-        self.json(&tree, true, losses).map(String::into_bytes)
+        let text = self.json(&tree, true, losses)?;
+        Ok(text.map_or(Cow::Borrowed(payload), |text| Cow::Owned(text.into_bytes())))
     }
 }

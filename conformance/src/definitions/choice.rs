@@ -18,6 +18,8 @@ pub(crate) struct Clues {
     pub(crate) topic_versions: BTreeMap<String, BTreeSet<u32>>,
     /// The firmware's version, as two numbers.
     pub(crate) version: Option<(u8, u8)>,
+    /// The ROS distribution that a bag states, such as `humble`.
+    pub(crate) distribution: Option<String>,
     /// All topics whose definitions a check may need. `None` if the library reads whole releases, or if the capture
     /// wasn't read to its end.
     pub(crate) needed: Option<BTreeSet<String>>,
@@ -126,8 +128,8 @@ impl Index {
         };
         let agreement = |release: ReleaseId| (count(release), self.count_versions(clues, release));
         let rank = |release: &ReleaseId| {
-            let has_version = self.has_version(*release, clues.version);
-            (agreement(*release), has_version, !self.is_moving(*release), *release)
+            let is_stated = self.is_stated(*release, clues);
+            (agreement(*release), is_stated, !self.is_moving(*release), *release)
         };
         let has_sizes = matches.iter().any(|found| found.by_size.is_some());
         let release = match forced {
@@ -140,7 +142,11 @@ impl Index {
         let is_equal = |other: &ReleaseId| {
             *other == release || forced.is_none() && agreement(*other) == agreement(release)
         };
-        let equal = self.releases_of(family).filter(is_equal).fold(ReleaseSet::default(), ReleaseSet::with);
+        let equal = if self.is_stated(release, clues) {
+            ReleaseSet::default().with(release)
+        } else {
+            self.preferred(family, release, is_equal)
+        };
         let mut choice = Choice { known: matches.len(), ..Choice::without_clues(release) };
         for found in &matches {
             if found.is_ambiguous(equal) {
@@ -248,10 +254,28 @@ impl Index {
         clues.topic_versions.iter().filter(|(name, versions)| has_version(name, versions)).count()
     }
 
-    /// True if the release has this version.
-    fn has_version(&self, release: ReleaseId, version: Option<(u8, u8)>) -> bool {
-        let Some((major, minor)) = version else { return false };
-        self.release(release).name == format!("{major}.{minor}")
+    /// The releases that agree with a capture as well as `release`. If the topics rule out other releases, those whose
+    /// names denote no fixed state count only if no other release agrees as well.
+    fn preferred(
+        &self,
+        family: Family,
+        release: ReleaseId,
+        is_equal: impl Fn(&ReleaseId) -> bool,
+    ) -> ReleaseSet {
+        let is_fixed = |release: &ReleaseId| !self.is_moving(*release);
+        let is_narrowed = self.releases_of(family).filter(is_fixed).any(|other| !is_equal(&other));
+        let is_preferred = |other: &ReleaseId| is_fixed(other) || !is_narrowed || !is_fixed(&release);
+        let equal = self.releases_of(family).filter(is_equal).filter(is_preferred);
+        equal.fold(ReleaseSet::default(), ReleaseSet::with)
+    }
+
+    /// True if a capture states this release: the version of the firmware, or the ROS distribution.
+    fn is_stated(&self, release: ReleaseId, clues: &Clues) -> bool {
+        let name = self.release(release).name;
+        match self.family(release) {
+            Family::Px4 => clues.version.is_some_and(|(major, minor)| name == format!("{major}.{minor}")),
+            Family::Ros2 => clues.distribution.as_deref() == Some(name),
+        }
     }
 }
 
@@ -378,6 +402,67 @@ mod tests {
         // No release has one of this size.
         let unknown = clues(&[("VehicleStatus", 86), ("CpuLoad", 7), ("Cpuload", 7)]).expect("a release");
         assert_eq!(unknown.undecided, [name("Cpuload")].into());
+    }
+
+    /// The messages on a vehicle that states no hashes. DDS pads them to a multiple of four bytes.
+    #[test]
+    fn other_topics_decide_between_definitions_of_the_same_size() {
+        let index = Index::built_in();
+        let clue = |size, version: Option<u32>| TypeClue {
+            size: Some(size),
+            versions: version.into_iter().collect(),
+            ..TypeClue::default()
+        };
+        let choose = |types: &[(&str, u64, Option<u32>)]| {
+            let name = |message: &str| format!("px4_msgs/msg/{message}");
+            let versions =
+                types.iter().filter_map(|(message, _, version)| Some((name(message), [(*version)?].into())));
+            let clues = Clues {
+                types: types
+                    .iter()
+                    .map(|(message, size, version)| (name(message), clue(*size, *version)))
+                    .collect(),
+                topic_versions: versions.collect(),
+                ..Clues::default()
+            };
+            let choice = index.choose(&clues, Family::Px4, None).expect("a release");
+            (index.label(choice.release), choice.undecided.len())
+        };
+        let (flags, status, battery) =
+            (("FailsafeFlags", 100, None), ("VehicleStatus", 88, Some(4)), ("BatteryStatus", 180, Some(1)));
+        assert_eq!(choose(&[flags, status, battery]), ("px4@1.18".to_owned(), 0));
+        assert_eq!(choose(&[flags, battery]), ("px4@1.18".to_owned(), 0));
+        // PX4 1.18 and the main branch have flags of this size, and no topic shows which of them it is.
+        assert_eq!(choose(&[flags, ("Cpuload", 20, None)]).1, 1);
+        // No release with this status has flags of this size.
+        assert_eq!(choose(&[("FailsafeFlags", 89, None), status]).1, 1);
+    }
+
+    #[test]
+    fn a_stated_distribution_is_believed_unless_the_content_disagrees() {
+        let index = Index::built_in();
+        let name = "sensor_msgs/msg/Range";
+        let hash = |label: &str| {
+            let release = index.find(label).expect("a release");
+            index.of_name(name).find(|row| row.releases.contains(release)).expect("a type").type_hash.clone()
+        };
+        let choose = |distribution: Option<&str>, type_hash: Option<String>| {
+            let clue = TypeClue { type_hash, size: Some(60), ..TypeClue::default() };
+            let time = TypeClue { size: Some(12), ..TypeClue::default() };
+            let clues = Clues {
+                types: [(name.to_owned(), clue), ("builtin_interfaces/msg/Time".to_owned(), time)].into(),
+                distribution: distribution.map(str::to_owned),
+                ..Clues::default()
+            };
+            let choice = index.choose(&clues, Family::Ros2, None).expect("a release");
+            (index.label(choice.release), choice.undecided.len())
+        };
+        let jazzy = "ros2@jazzy".to_owned();
+        assert_eq!(choose(None, None), (jazzy.clone(), 1));
+        assert_eq!(choose(Some("humble"), None), ("ros2@humble".to_owned(), 0));
+        assert_eq!(choose(Some("rolling"), None), ("ros2@rolling".to_owned(), 0));
+        assert_eq!(choose(Some("foxy"), None), (jazzy.clone(), 1));
+        assert_eq!(choose(Some("humble"), Some(hash("ros2@jazzy"))), (jazzy, 0));
     }
 
     #[test]

@@ -279,6 +279,16 @@ fn row(line: &str, ids: &HashMap<String, ReleaseId>) -> Option<Row> {
     })
 }
 
+/// The definitions of the newest release of ROS 2 whose name denotes a fixed state, as text.
+pub(crate) fn newest_ros2() -> &'static str {
+    static TEXT: LazyLock<String> = LazyLock::new(|| {
+        let index = Index::built_in();
+        let newest = index.releases_of(Family::Ros2).filter(|release| !index.is_moving(*release)).last();
+        newest.map(|release| index.release(release).text()).unwrap_or_default()
+    });
+    &TEXT
+}
+
 /// Reads the definition with a full ROS name, and its nested definitions, from the text of a release.
 pub(crate) fn read_schema(text: &str, name: &str, dialect: Dialect) -> Schema {
     let text = release::select(text, &BTreeSet::from([name]));

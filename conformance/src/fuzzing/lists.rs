@@ -33,7 +33,7 @@ pub(super) fn known_failures(data: &[u8]) {
         Checked { name: Name::Case("decode-cdr/px4/Event/typical"), outcome: Outcome::Passed },
         Checked { name: Name::Case("decode-cdr/px4/Event/null"), outcome: failure() },
         Checked {
-            name: Name::Rule { rule: &px4::DATA_01.rule, subject: "event", file: "a/b.ulg" },
+            name: Name::Rule { rule: &px4::DATA_01.rule, subject: "event".into(), file: "a/b.ulg" },
             outcome: failure(),
         },
     ];

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use uavspec_codegen::source::Span;
 
-use crate::model::{Detail, Excuse, Level, Location, Rule};
+use crate::model::{Detail, Excuse, Level, Location, Rule, SubjectName};
 
 /// The maximum number of examples for each group.
 pub(crate) const MAX_EXAMPLES: usize = 3;
@@ -23,8 +23,10 @@ const MAX_LATEST: usize = 10_000;
 pub struct Group {
     /// The violated rule.
     pub rule: &'static Rule,
-    /// The subject: a topic, or a field of a topic.
+    /// The subject: a topic with its namespace, or a field of a topic.
     pub subject: String,
+    /// The instance of the topic, if the capture is a log with several instances of it.
+    pub instance: Option<u8>,
     /// The number of findings.
     pub count: u64,
     /// The locations and details of the first findings.
@@ -41,6 +43,11 @@ pub struct Group {
 }
 
 impl Group {
+    /// The subject with the instance.
+    pub(crate) fn name(&self) -> SubjectName<'_> {
+        SubjectName { name: &self.subject, instance: self.instance }
+    }
+
     /// Messages that represent all others: all messages start with a given prefix if and only if these messages do.
     pub fn messages(&self) -> Vec<String> {
         let first = self.examples.iter().map(|(_, detail)| detail.to_string());
@@ -82,8 +89,24 @@ pub enum Verdict {
     NotCovered,
 }
 
-/// The key of a group: the id of the rule, and the subject.
-type Key = (&'static str, String);
+/// The key of a group.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Key {
+    /// The id of the rule.
+    rule: &'static str,
+    subject: String,
+    instance: Option<u8>,
+    /// The location of the violated PX4 or ROS 2 definition. A topic of a bag may have messages of several types.
+    definition: Option<Span>,
+}
+
+impl Key {
+    fn new(rule: &Rule, subject: SubjectName<'_>, definition: Option<Span>) -> Self {
+        let SubjectName { name, instance } = subject;
+        let definition = definition.filter(|_| !rule.is_on_flockwave());
+        Self { rule: rule.id, subject: name.to_owned(), instance, definition }
+    }
+}
 
 /// All findings of a run.
 #[derive(Debug, Default)]
@@ -101,6 +124,7 @@ pub struct Findings {
 #[must_use = "without its details, a violation has no example"]
 pub(crate) struct Counted<'f> {
     group: &'f mut Group,
+    key: Key,
     incomplete: &'f mut Vec<(Key, usize)>,
     location: Location,
 }
@@ -108,10 +132,10 @@ pub(crate) struct Counted<'f> {
 impl Counted<'_> {
     /// Adds the details.
     pub(crate) fn describe(self, detail: Detail) {
-        let Self { group, incomplete, location } = self;
+        let Self { group, key, incomplete, location } = self;
         group.compare(detail.to_string());
         if !group.has_examples() {
-            incomplete.push(((group.rule.id, group.subject.clone()), group.examples.len()));
+            incomplete.push((key, group.examples.len()));
             group.examples.push((location, detail));
         }
     }
@@ -135,15 +159,15 @@ impl Findings {
     }
 
     /// Reports a violation of a rule in `subject`.
-    pub(crate) fn report(
+    pub(crate) fn report<'s>(
         &mut self,
         rule: &'static Rule,
-        subject: &str,
+        subject: impl Into<SubjectName<'s>>,
         location: Location,
         definition: Option<Span>,
         detail: impl FnOnce() -> Detail,
     ) {
-        if let Some(found) = self.count_violation(rule, subject, location, definition) {
+        if let Some(found) = self.count_violation(rule, subject.into(), location, definition) {
             found.describe(detail());
         }
     }
@@ -154,11 +178,11 @@ impl Findings {
     pub(crate) fn count_violation(
         &mut self,
         rule: &'static Rule,
-        subject: &str,
+        subject: SubjectName<'_>,
         location: Location,
         definition: Option<Span>,
     ) -> Option<Counted<'_>> {
-        let key = (rule.id, subject.to_owned());
+        let key = Key::new(rule, subject, definition);
         if !self.groups.contains_key(&key) {
             let is_full = self.groups.len() >= MAX_ALL_GROUPS;
             let counts = self.counts_of(rule);
@@ -170,7 +194,8 @@ impl Findings {
         }
         let group = self.groups.entry(key.clone()).or_insert_with(|| Group {
             rule,
-            subject: subject.to_owned(),
+            subject: key.subject.clone(),
+            instance: key.instance,
             count: 0,
             examples: Vec::new(),
             farthest: None,
@@ -182,16 +207,16 @@ impl Findings {
         match &mut self.latest {
             Some((latest, keys)) if *latest == location => {
                 if keys.len() < MAX_LATEST {
-                    keys.push(key);
+                    keys.push(key.clone());
                 }
             }
-            latest => *latest = Some((location, vec![key])),
+            latest => *latest = Some((location, vec![key.clone()])),
         }
         // An empty common prefix can't get shorter.
         if group.has_examples() && group.common == 0 {
             return None;
         }
-        Some(Counted { group, incomplete: &mut self.incomplete, location })
+        Some(Counted { group, key, incomplete: &mut self.incomplete, location })
     }
 
     /// Removes the findings in a record, if they are the latest findings.
@@ -203,8 +228,14 @@ impl Findings {
     }
 
     /// Removes findings of a rule in `subject`: their number, and the locations of the first ones.
-    pub(crate) fn remove(&mut self, rule: &'static Rule, subject: &str, count: u64, examples: &[Location]) {
-        self.remove_from(&(rule.id, subject.to_owned()), count, examples);
+    pub(crate) fn remove(
+        &mut self,
+        rule: &'static Rule,
+        subject: SubjectName<'_>,
+        definition: Option<Span>,
+        (count, examples): (u64, &[Location]),
+    ) {
+        self.remove_from(&Key::new(rule, subject, definition), count, examples);
     }
 
     fn remove_from(&mut self, key: &Key, count: u64, examples: &[Location]) {
@@ -215,6 +246,14 @@ impl Findings {
             let rule = group.rule;
             self.groups.remove(key);
             self.counts_of(rule).num_groups -= 1;
+        }
+    }
+
+    /// Removes the instance from the groups of topics that have only their first instance.
+    pub(crate) fn hide_only_instances(&mut self, is_only: impl Fn(&str) -> bool) {
+        for group in self.groups.values_mut().filter(|group| group.instance == Some(0)) {
+            let topic = group.subject.split('.').next().unwrap_or_default();
+            group.instance = group.instance.filter(|_| !is_only(topic));
         }
     }
 
@@ -249,22 +288,32 @@ impl Findings {
         self.counts.retain(|(rule, _)| is_kept(rule));
     }
 
-    /// True if a group has enough examples, so further findings are only counted.
+    /// True if a group of a session has enough examples, so further findings are only counted.
     pub(crate) fn has_examples(&self, rule: &Rule, subject: &str) -> bool {
-        let group = self.groups.get(&(rule.id, subject.to_owned()));
-        group.is_some_and(Group::has_examples)
+        self.groups.get(&Key::new(rule, subject.into(), None)).is_some_and(Group::has_examples)
     }
 
     /// Ends the comparison of the messages in a group, so that further findings are only counted. A baseline then can't
     /// rely on a common start of all messages. Returns false if there is no such group.
-    pub(crate) fn settle(&mut self, rule: &Rule, subject: &str) -> bool {
-        let group = self.groups.get_mut(&(rule.id, subject.to_owned()));
+    pub(crate) fn settle(
+        &mut self,
+        rule: &Rule,
+        subject: SubjectName<'_>,
+        definition: Option<Span>,
+    ) -> bool {
+        let group = self.groups.get_mut(&Key::new(rule, subject, definition));
         group.map(|group| group.compare(String::new())).is_some()
     }
 
     /// Counts further findings in a group that has enough examples.
-    pub(crate) fn count(&mut self, rule: &Rule, subject: &str, times: u64) {
-        if let Some(group) = self.groups.get_mut(&(rule.id, subject.to_owned())) {
+    pub(crate) fn count<'s>(
+        &mut self,
+        rule: &Rule,
+        subject: impl Into<SubjectName<'s>>,
+        definition: Option<Span>,
+        times: u64,
+    ) {
+        if let Some(group) = self.groups.get_mut(&Key::new(rule, subject.into(), definition)) {
             group.count += times;
         }
     }
@@ -276,7 +325,7 @@ impl Findings {
 
     /// The groups of a rule.
     pub fn groups_of(&self, rule: &'static Rule) -> impl Iterator<Item = &Group> {
-        let first = (rule.id, String::new());
+        let first = Key::new(rule, "".into(), None);
         self.groups.range(first..).map(|(_, group)| group).take_while(|group| group.rule.id == rule.id)
     }
 

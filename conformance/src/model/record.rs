@@ -6,6 +6,7 @@ use serde::Serialize;
 use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::schema::MessageId;
 
+use super::SubjectName;
 use crate::text::Grouped;
 
 /// The location of a record in its capture.
@@ -75,6 +76,13 @@ pub(crate) struct Channel<'c> {
     pub version: Option<u32>,
     /// The location where the channel was opened.
     pub location: Location,
+}
+
+impl<'c> Channel<'c> {
+    /// The topic as the subject of findings.
+    pub(crate) fn subject(&self) -> SubjectName<'c> {
+        SubjectName { name: self.full_topic, instance: self.multi_id }
+    }
 }
 
 /// A message on a channel.

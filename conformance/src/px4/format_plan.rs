@@ -38,7 +38,7 @@ impl FormatPlan {
     ) -> Self {
         let (shared, all) = shared_fields(format, definition, schema);
         Self {
-            values: has_values.then(|| Plan::new(format, definition, schema, format.name(), rules)),
+            values: has_values.then(|| Plan::new(format, definition, schema, rules)),
             shared_fields: (if has_values { shared } else { 0 }, all),
             timestamp: time_offset(format, "timestamp"),
             utc: time_offset(format, "time_utc_usec"),

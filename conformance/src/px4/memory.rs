@@ -21,7 +21,7 @@ use super::ValueRules;
 use super::values::{
     Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, entries_in_use, number,
 };
-use crate::model::{Findings, Location, Rule, hexadecimal};
+use crate::model::{Findings, Location, Rule, SubjectName, hexadecimal};
 use crate::text::start_of;
 
 /// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
@@ -48,7 +48,7 @@ struct Step {
     /// The path of the field, e.g. `events[2].id`. If the field itself is an array, the path contains no index into the
     /// array. In a sequence, the path is relative to the element.
     path: String,
-    /// The subject of findings: the name of the topic and the path without indices.
+    /// The path without indices, after the topic in the subject of findings: `.events.id`.
     subject: String,
     offset: usize,
     count: usize,
@@ -116,13 +116,11 @@ struct Compiler<'c> {
 
 impl Plan {
     /// Compiles a plan for payloads with the layout of `message_type`. The payloads are messages of the `message`
-    /// definition. Without a definition, only the constraints imposed by types apply. Findings name the topic. Time and
-    /// memory are proportional to the number of [nested fields](FieldCounts), which the caller limits.
+    /// definition. Without a definition, only the constraints imposed by types apply. Time and memory are proportional to the number of [nested fields](FieldCounts), which the caller limits.
     pub(crate) fn new(
         message_type: MessageType<'_>,
         message: Option<MessageId>,
         schema: &Schema,
-        topic: &str,
         rules: &'static ValueRules,
     ) -> Self {
         let (messages, coverage) = (HashMap::new(), Coverage::default());
@@ -131,17 +129,23 @@ impl Plan {
         compiler.add(
             message_type,
             message,
-            Within { base: 0, path: "", subject: topic, entries: &[] },
+            Within { base: 0, path: "", subject: "", entries: &[] },
             &mut steps,
         );
         let (fixed, varying): (Vec<Step>, Vec<Step>) = steps.into_iter().partition(Step::is_fixed);
         Self { rules, screen: Screen::new(&fixed), fixed, varying, coverage: compiler.coverage }
     }
 
-    /// Checks a payload. The payload must contain all fields of its format.
-    pub(crate) fn check(&self, payload: &[u8], location: Location, findings: &mut Findings) {
+    /// Checks a payload of a topic. The payload must contain all fields of its format.
+    pub(crate) fn check(
+        &self,
+        payload: &[u8],
+        topic: SubjectName<'_>,
+        location: Location,
+        findings: &mut Findings,
+    ) {
         let (reported, settled) = (0, Vec::new());
-        let mut run = Run { payload, location, rules: self.rules, findings, reported, settled };
+        let mut run = Run { payload, topic, location, rules: self.rules, findings, reported, settled };
         if !self.screen.accepts(payload) {
             run.steps(&self.fixed, 0, None);
         }
@@ -479,13 +483,14 @@ const MAX_SETTLED: usize = 16;
 /// The check of one payload.
 struct Run<'r> {
     payload: &'r [u8],
+    topic: SubjectName<'r>,
     location: Location,
     rules: &'static ValueRules,
     findings: &'r mut Findings,
     /// The number of findings.
     reported: usize,
-    /// The rules and steps whose further findings are only counted, with their numbers.
-    settled: Vec<(&'static Rule, &'r Step, u64)>,
+    /// The rules and steps whose further findings are only counted, each with the field's definition and the number.
+    settled: Vec<(&'static Rule, &'r Step, Option<Span>, u64)>,
 }
 
 impl<'r> Run<'r> {
@@ -536,14 +541,15 @@ impl<'r> Run<'r> {
     ) {
         let Err(violation) = values.constraint().check_bytes(bytes) else { return };
         let rule = violation.rule(self.rules);
-        let is_same = |(known, at, _): &&mut (&'static Rule, &'r Step, u64)| {
-            std::ptr::eq(*known, rule) && std::ptr::eq(*at, step)
-        };
-        if let Some((_, _, more)) = self.settled.iter_mut().find(is_same) {
+        let mut settled = self.settled.iter_mut();
+        let same = settled.find(|(known, at, ..)| std::ptr::eq(*known, rule) && std::ptr::eq(*at, step));
+        if let Some((.., more)) = same {
             *more += 1;
             return;
         }
-        self.findings.report(rule, &step.subject, self.location, values.definition, || {
+        let name = &self.subject_of(step);
+        let subject = SubjectName { name, ..self.topic };
+        self.findings.report(rule, subject, self.location, values.definition, || {
             let path = joined(&trail.map(Trail::path).unwrap_or_default(), &step.path);
             let path = if step.count > 1 { format!("{path}[{index}]") } else { path };
             let detail = violation.detail(&"", "");
@@ -553,16 +559,22 @@ impl<'r> Run<'r> {
         });
         self.reported += 1;
         let is_full = self.reported > MAX_REPORTED && self.settled.len() < MAX_SETTLED;
-        if is_full && self.findings.settle(rule, &step.subject) {
-            self.settled.push((rule, step, 0));
+        if is_full && self.findings.settle(rule, subject, values.definition) {
+            self.settled.push((rule, step, values.definition, 0));
         }
     }
 
     /// Adds the findings that were only counted.
     fn finish(self) {
-        for (rule, step, more) in self.settled {
-            self.findings.count(rule, &step.subject, more);
+        for (rule, step, definition, more) in &self.settled {
+            let subject = SubjectName { name: &self.subject_of(step), ..self.topic };
+            self.findings.count(rule, subject, *definition, *more);
         }
+    }
+
+    /// The topic and the path of the field.
+    fn subject_of(&self, step: &Step) -> String {
+        format!("{}{}", self.topic.name, step.subject)
     }
 }
 

@@ -289,7 +289,7 @@ fn finding(
     definitions: &Definitions,
     clock: Clock,
 ) -> Finding {
-    let Group { rule, subject, count, examples, definition, known, .. } = group;
+    let Group { rule, count, examples, definition, known, .. } = group;
     let example = |(location, detail): &(_, model::Detail)| Example {
         location: *location,
         path: detail.path.clone(),
@@ -313,7 +313,7 @@ fn finding(
         statement: rule.statement,
         url: uavspec_codegen::report::rule_url(rule.id),
         verdict: if known.is_some() { Verdict::Known } else { verdict },
-        subject: subject.clone(),
+        subject: group.name().to_string(),
         count: *count,
         examples: examples.iter().map(example).collect(),
         definition: definition.map(|span| Definition::new(definitions.line(span))),

@@ -37,11 +37,14 @@ mod time_02;
 mod type_01;
 mod ver_01;
 
+use uavspec_codegen::schema::MessageId;
 use uavspec_runtime::Rule as Demand;
 
 use super::RuleContext;
 use super::sample::{Bag, Encoding, Flight, Lines, Log};
-use crate::model::{ApplicationType, Channel, Detail, Endpoint, Level, Location, Message, Rule, Status};
+use crate::model::{
+    ApplicationType, Channel, Detail, Endpoint, Level, Location, Message, Rule, Status, SubjectName,
+};
 use crate::px4::ValueRules;
 
 /// The rules checked by capture readers.
@@ -296,7 +299,19 @@ impl RuleContext<'_> {
         location: Location,
         detail: impl FnOnce() -> Detail,
     ) {
-        let definition = self.field(channel.definition, name);
-        self.violation_of(&format!("{}.{name}", channel.topic), location, definition, detail);
+        self.violation_in(channel.subject(), (channel.definition, name), location, detail);
+    }
+
+    /// Reports a violation in a field of a topic's messages.
+    fn violation_in(
+        &mut self,
+        topic: SubjectName<'_>,
+        (definition, field): (Option<MessageId>, &str),
+        location: Location,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        let definition = self.field(definition, field);
+        let name = &format!("{}.{field}", topic.name);
+        self.violation_of(SubjectName { name, ..topic }, location, definition, detail);
     }
 }

@@ -3,6 +3,8 @@
 mod arming;
 mod requirements;
 
+use std::collections::{BTreeSet, HashMap};
+
 use uavspec_codegen::dynamic::{DynamicView, Value as FieldValue};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
@@ -100,6 +102,9 @@ pub(super) static TOPICS: [Topic; 9] = [
     Topic { name: "event", kind: TopicKind::Events },
 ];
 
+/// The subject of the first instance of a topic in a log.
+const FIRST_INSTANCE: &str = "instance 0";
+
 /// The number of ranks that a topic's lanes share: one for each field.
 const RANKS: usize = 1_000;
 
@@ -122,8 +127,8 @@ pub(crate) fn topic_name(channel: &Channel<'_>, definitions: &Definitions) -> Op
 #[derive(Default)]
 pub(super) struct Px4 {
     channels: Vec<Option<Open>>,
-    /// The number of channels of each topic that aren't instances.
-    carriers: [usize; TOPICS.len()],
+    /// The number of channels of each full topic outside of logs.
+    carriers: HashMap<String, usize>,
     requirements: Requirements,
     arming: arming::Arming,
 }
@@ -131,7 +136,7 @@ pub(super) struct Px4 {
 /// A channel of a topic.
 struct Open {
     topic: usize,
-    /// The instance; empty for the first.
+    /// The instance in a log; otherwise, the topic with its namespace.
     subject: String,
     definition: MessageId,
     /// The fields that make lanes, once the first message has arrived.
@@ -156,7 +161,7 @@ impl Px4 {
         self.channels.resize_with(count, || None);
         let open = topic_of(channel, definitions).zip(channel.definition).map(|(topic, definition)| Open {
             topic,
-            subject: self.subject(channel, topic),
+            subject: self.subject(channel),
             definition,
             watched: None,
         });
@@ -165,15 +170,16 @@ impl Px4 {
         is_open
     }
 
-    /// The name of a topic's instance. Topics of several vehicles in a bag are numbered.
-    fn subject(&mut self, channel: &Channel<'_>, topic: usize) -> String {
+    /// The name of a topic's channel.
+    fn subject(&mut self, channel: &Channel<'_>) -> String {
         if let Some(instance) = channel.multi_id {
-            return if instance == 0 { String::new() } else { format!("instance {instance}") };
+            return format!("instance {instance}");
         }
-        self.carriers[topic] += 1;
-        match self.carriers[topic] {
-            1 => String::new(),
-            number => format!("channel {number}"),
+        let count = self.carriers.entry(channel.full_topic.to_owned()).or_default();
+        *count += 1;
+        match *count {
+            1 => channel.full_topic.to_owned(),
+            number => format!("{}, channel {number}", channel.full_topic),
         }
     }
 
@@ -202,6 +208,21 @@ impl Px4 {
             TopicKind::Events => event(values, &open.subject, context),
         }
         Some(Ok(name))
+    }
+}
+
+/// Removes the subjects of topics that have a single channel, unless it is another instance than the first.
+pub(super) fn hide_only_channels(lanes: &mut [Lane]) {
+    for Topic { name, kind } in &TOPICS {
+        if !matches!(kind, TopicKind::Fields(_) | TopicKind::Flags(_) | TopicKind::Events) {
+            continue;
+        }
+        let mut of_topic: Vec<&mut Lane> = lanes.iter_mut().filter(|lane| lane.topic == *name).collect();
+        let subjects: BTreeSet<&String> = of_topic.iter().filter_map(|lane| lane.subject.as_ref()).collect();
+        let is_only = |subject: &&String| !subject.starts_with("instance ") || *subject == FIRST_INSTANCE;
+        if subjects.len() == 1 && subjects.iter().all(is_only) {
+            of_topic.iter_mut().for_each(|lane| lane.subject = None);
+        }
     }
 }
 

@@ -383,3 +383,22 @@ fn a_file_that_is_no_capture_has_no_story() {
         assert!(Story::of_bytes(bytes, &definitions, &texts()).is_err(), "{bytes:?}");
     }
 }
+
+/// The topics of several vehicles have the same name.
+#[test]
+fn lanes_of_several_vehicles_name_the_topic() {
+    let definitions = Definitions::built_in();
+    let flight = Flight::new(&definitions);
+    let topic = flight.topic("BatteryStatus").expect("a topic");
+    let sent = flight.messages.iter().find(|sent| sent.topic == topic).expect("a message");
+    let line = |topic: &str| format!("{}\n", json!({ "op": "publish", "topic": topic, "msg": sent.value }));
+    let subjects = |topics: &[&str]| {
+        let text: String = topics.iter().map(|topic| line(topic)).collect();
+        let story = story(text.as_bytes(), &definitions);
+        let lanes = story.lanes.into_iter().filter(|lane| lane.name == "warning");
+        lanes.map(|lane| lane.subject).collect::<Vec<_>>()
+    };
+    let [a, b] = ["/a/fmu/out/battery_status", "/b/fmu/out/battery_status"];
+    assert_eq!(subjects(&[a]), [None]);
+    assert_eq!(subjects(&[a, b]), [Some(a.to_owned()), Some(b.to_owned())]);
+}

@@ -110,6 +110,19 @@ fn a_bag_of_the_target_release_keeps_its_messages() {
 }
 
 #[test]
+fn unreadable_messages_of_unchanged_types_are_left_out() {
+    let mut bag = flight("px4@1.16");
+    let good = bag.messages.len();
+    for (.., payload) in bag.messages.iter_mut().take(3) {
+        payload.truncate(payload.len() - 1);
+    }
+    let (report, output) = converted(&bag.to_bytes(), "px4@1.16", Settings::default());
+    assert_eq!(report.topics.iter().map(|topic| topic.unreadable).sum::<u64>(), 3);
+    assert!(!report.is_complete());
+    assert_eq!(::mcap::MessageStream::new(&output).expect("a bag").count(), good - 3);
+}
+
+#[test]
 fn other_topics_are_copied_unchanged() {
     let mut bag = flight("px4@1.17");
     for (channel, name) in bag.channels.iter_mut().zip(["club_msgs/msg/Winch", "club_msgs/msg/Rope"]) {

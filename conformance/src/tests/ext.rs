@@ -143,13 +143,14 @@ fn id(number: u64) -> u8 {
     u8::try_from(number % 256).expect("a byte")
 }
 
-/// The findings of these rules: the rule, the subject, the count, and the first message.
+/// The findings of these rules: the rule, the subject without the folder of the topic, the count, and the first message.
 fn reported(result: &CaptureResult) -> Vec<String> {
     let groups = result.findings.groups().filter(|group| group.rule.id.starts_with("PX-EXT"));
     groups
         .map(|group| {
             let Value::String(message) = json!(group.examples[0].1.to_string()) else { unreachable!() };
-            format!("{} {} {}: {message}", group.rule.id, group.subject, group.count)
+            let subject = group.subject.replace("/fmu/out/", "").replace("/fmu/in/", "");
+            format!("{} {subject} {}: {message}", group.rule.id, group.count)
         })
         .collect()
 }
@@ -1050,7 +1051,7 @@ fn counts_flags_that_no_mode_requires() {
         let found: Vec<(String, u64)> =
             result.findings.groups().map(|group| (group.subject.clone(), group.count)).collect();
         let example = |flag: &str| {
-            let name = if bytes.starts_with(b"{") { "FailsafeFlags" } else { "failsafe_flags" };
+            let name = if bytes.starts_with(b"{") { "px4/FailsafeFlags" } else { "failsafe_flags" };
             (format!("{name}.{flag}"), 5)
         };
         let expected = ["attitude_invalid", "flight_time_limit_exceeded", "wind_limit_exceeded"].map(example);

@@ -146,89 +146,97 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
         text.replacen(from, to, 1)
     };
     vec![
-        ("PX-ARR-01", value("/raw", json!([1, 2])), "Glider.raw: expected 5 elements, found 2"),
-        ("PX-ARR-01", value("/flaps", json!([0, 0, 0])), "Glider.flaps: expected 2 elements, found 3"),
-        ("PX-ARR-01", value("/name", json!("too long")), "Glider.name: expected at most 4 bytes, found 8"),
-        ("PX-ENUM-01", value("/mode", json!(8)), "Glider.mode: 8 is not a documented value"),
+        ("PX-ARR-01", value("/raw", json!([1, 2])), "px4/Glider.raw: expected 5 elements, found 2"),
+        ("PX-ARR-01", value("/flaps", json!([0, 0, 0])), "px4/Glider.flaps: expected 2 elements, found 3"),
+        (
+            "PX-ARR-01",
+            value("/name", json!("too long")),
+            "px4/Glider.name: expected at most 4 bytes, found 8",
+        ),
+        ("PX-ENUM-01", value("/mode", json!(8)), "px4/Glider.mode: 8 is not a documented value"),
         (
             "PX-JSON-01",
             with(|fields| _ = fields.remove("ratio")),
-            "Glider.ratio: the field is missing; expected a number, or null for NaN",
+            "px4/Glider.ratio: the field is missing; expected a number, or null for NaN",
         ),
         (
             "PX-JSON-01",
             with(|fields| _ = fields.insert("tow".into(), 1.into())),
-            "Glider.tow: Glider has no such field; found 1",
+            "px4/Glider.tow: Glider has no such field; found 1",
         ),
         (
             "PX-JSON-01",
             replaced("\"mode\":7", "\"mode\":7,\"mode\":7"),
-            "Glider.mode: the field appears 2 times",
+            "px4/Glider.mode: the field appears 2 times",
         ),
-        ("PX-JSON-02", value("/is_landed", json!(1)), "Glider.is_landed: expected true or false, found 1"),
+        (
+            "PX-JSON-02",
+            value("/is_landed", json!(1)),
+            "px4/Glider.is_landed: expected true or false, found 1",
+        ),
         (
             "PX-JSON-02",
             value("/raw/4", json!(256)),
-            "Glider.raw: raw[4]: expected an integer from 0 to 255, found 256",
+            "px4/Glider.raw: raw[4]: expected an integer from 0 to 255, found 256",
         ),
         (
             "PX-JSON-02",
             value("/mode", json!(7.5)),
-            "Glider.mode: expected an integer from 0 to 255, found 7.5",
+            "px4/Glider.mode: expected an integer from 0 to 255, found 7.5",
         ),
         (
             "PX-JSON-02",
             value("/serial", json!(1_u64 << 63)),
-            "Glider.serial: expected an integer from -9223372036854775808 to 9223372036854775807, found 9223372036854775808",
+            "px4/Glider.serial: expected an integer from -9223372036854775808 to 9223372036854775807, found 9223372036854775808",
         ),
         (
             "PX-JSON-02",
             value("/speed", json!(1e39)),
-            "Glider.speed: expected a number, or null for NaN, found 1e+39, which is too large for float32",
+            "px4/Glider.speed: expected a number, or null for NaN, found 1e+39, which is too large for float32",
         ),
         (
             "PX-JSON-02",
             value("/marks/1", json!(null)),
-            "Glider.marks: marks[1]: expected an object, found null",
+            "px4/Glider.marks: marks[1]: expected an object, found null",
         ),
         (
             "PX-JSON-02",
             value("/name", json!([68, 0, 0, 0])),
-            "Glider.name: expected a string, found an array of 4",
+            "px4/Glider.name: expected a string, found an array of 4",
         ),
         (
             "PX-JSON-02",
             value("/raw", json!("AQIDBAU=")),
-            "Glider.raw: expected an array of 5, found \"AQIDBAU=\"",
+            "px4/Glider.raw: expected an array of 5, found \"AQIDBAU=\"",
         ),
         (
             "PX-JSON-02",
             replaced("[0.5,null]", "[0.5,NaN]"),
-            "Glider.flaps: flaps[1]: expected a number, or null for NaN, found a bare NaN, which isn't JSON",
+            "px4/Glider.flaps: flaps[1]: expected a number, or null for NaN, found a bare NaN, which isn't JSON",
         ),
         (
             "PX-JSON-02",
             replaced("[0.5,null]", "[-Infinity,null]"),
-            "Glider.flaps: flaps[0]: expected a number, or null for NaN, found a bare -Infinity",
+            "px4/Glider.flaps: flaps[0]: expected a number, or null for NaN, found a bare -Infinity",
         ),
         (
             "PX-JSON-02",
             replaced("\"ratio\":1e+300", "\"ratio\":1e400"),
-            "Glider.ratio: expected a number, or null for NaN, found 1e400, which is too large for float64",
+            "px4/Glider.ratio: expected a number, or null for NaN, found 1e400, which is too large for float64",
         ),
-        ("PX-LEN-01", value("/num_marks", json!(4)), "Glider.num_marks: 4 exceeds the array length 3"),
-        ("PX-NAN-01", value("/speed", json!(null)), "Glider.speed: NaN is not allowed here"),
+        ("PX-LEN-01", value("/num_marks", json!(4)), "px4/Glider.num_marks: 4 exceeds the array length 3"),
+        ("PX-NAN-01", value("/speed", json!(null)), "px4/Glider.speed: NaN is not allowed here"),
         (
             "PX-QUEUE-01",
             format!("{0}\n{0}\n{0}", typed(&good)),
-            "Glider: more than 2 messages with timestamp 1200000 µs",
+            "px4/Glider: more than 2 messages with timestamp 1200000 µs",
         ),
         (
             "PX-RANGE-01",
             value("/marks/1/height", json!(9001)),
-            "Glider.marks.height: marks[1].height: 9001 is outside the range -500 to 9000",
+            "px4/Glider.marks.height: marks[1].height: 9001 is outside the range -500 to 9000",
         ),
-        ("PX-STR-01", value("/name", json!("D\0")), "Glider.name: NUL at byte 1"),
+        ("PX-STR-01", value("/name", json!("D\0")), "px4/Glider.name: NUL at byte 1"),
         (
             "PX-STR-01",
             {
@@ -236,18 +244,18 @@ fn mutants() -> Vec<(&'static str, String, &'static str)> {
                 changed["name"] = json!([68, 255, 0, 0]);
                 published("/glider", &changed)
             },
-            "glider.name: invalid UTF-8 at byte 1",
+            "/glider.name: invalid UTF-8 at byte 1",
         ),
         (
             "PX-TIME-01",
             [60, 61, 62, 61, 64].map(|time| published("/fmu/out/glider", &glider(time * PERIOD))).join("\n"),
-            "glider.timestamp: timestamp 1220000 is earlier than the previous timestamp, 1240000",
+            "/fmu/out/glider.timestamp: timestamp 1220000 is earlier than the previous timestamp, 1240000",
         ),
-        ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "Glider: no message for 420 ms"),
+        ("PX-TIME-02", value("/timestamp", json!(80 * PERIOD)), "px4/Glider: no message for 420 ms"),
         (
             "PX-VER-01",
             published("/fmu/out/glider_v1", &good),
-            "glider_v1: the topic name has version 1, but the definition has version 2",
+            "/fmu/out/glider_v1: the topic name has version 1, but the definition has version 2",
         ),
     ]
 }
@@ -279,13 +287,13 @@ fn reports_every_problem_of_a_message() {
         .map(|(id, text)| (id, text[..text.find(':').unwrap_or(0)].to_owned()))
         .collect();
     let expected = [
-        ("PX-ARR-01", "Glider.raw"),
-        ("PX-JSON-01", "Glider.marks.depth"),
-        ("PX-JSON-01", "Glider.serial"),
-        ("PX-JSON-02", "Glider.marks.height"),
-        ("PX-JSON-02", "Glider.marks.timestamp"),
-        ("PX-JSON-02", "Glider.raw"),
-        ("PX-RANGE-01", "Glider.speed"),
+        ("PX-ARR-01", "px4/Glider.raw"),
+        ("PX-JSON-01", "px4/Glider.marks.depth"),
+        ("PX-JSON-01", "px4/Glider.serial"),
+        ("PX-JSON-02", "px4/Glider.marks.height"),
+        ("PX-JSON-02", "px4/Glider.marks.timestamp"),
+        ("PX-JSON-02", "px4/Glider.raw"),
+        ("PX-RANGE-01", "px4/Glider.speed"),
     ];
     assert_eq!(ids, expected.map(|(id, subject)| (id, subject.to_owned())));
 }

@@ -28,6 +28,9 @@ use crate::fuzzing::bag_file::{Content, metadata};
 /// The built-in definitions, which apply to all captures.
 static FIXED: LazyLock<Library> = LazyLock::new(|| Library::fixed(Definitions::built_in()));
 
+/// The definitions of the release that a capture agrees with.
+static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
+
 /// Checks a file or a folder against the built-in definitions.
 fn checked(path: &Path) -> CaptureResult {
     checked_with(path, &FIXED)

@@ -71,6 +71,13 @@ struct Entry {
     count: Option<u64>,
 }
 
+/// The ROS distribution in the metadata that rosbag2 writes into the files of a bag. They have the form of
+/// `metadata.yaml`, without its only entry.
+pub(crate) fn distribution(text: &str) -> Option<String> {
+    let value = text.lines().find_map(|line| line.strip_prefix("ros_distro:"))?;
+    Some(value.trim().trim_matches(['"', '\'']).to_owned())
+}
+
 /// The folder of a bag, if the path is a folder or its `metadata.yaml`.
 pub(crate) fn folder_of(path: &Path) -> Option<&Path> {
     if path.is_dir() {

@@ -28,6 +28,7 @@ use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, ErrorCode, OpenFlags, Row};
 
+use super::metadata;
 use crate::model::Extent;
 use crate::text::{Grouped, command_line, shown};
 
@@ -243,7 +244,20 @@ impl Bag {
         if self.rows("schema", &["ros_distro"], &[], take).is_err() {
             distribution.clear();
         }
-        distribution
+        if distribution.is_empty() { self.distribution_in_metadata() } else { distribution }
+    }
+
+    /// The ROS distribution in the latest metadata that a recorder wrote into the file; empty if unknown.
+    fn distribution_in_metadata(&self) -> String {
+        let mut found = String::new();
+        let take = |row: &Row<'_>| {
+            found = metadata::distribution(&text(row, 0)?)
+                .filter(|name| name.len() <= MAX_NAME)
+                .unwrap_or_default();
+            Ok(())
+        };
+        let result = self.rows("metadata", &["metadata"], &[], take);
+        if result.is_ok() { found } else { String::new() }
     }
 
     /// Passes the topics to `take`.

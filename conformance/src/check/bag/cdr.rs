@@ -85,9 +85,9 @@ pub(super) struct CdrChecker {
 }
 
 impl CdrChecker {
-    pub(super) fn new(source: TypeSource, definitions: &Definitions, topic: &str) -> Self {
+    pub(super) fn new(source: TypeSource, definitions: &Definitions) -> Self {
         let ty = source.message_type(definitions);
-        let plan = Plan::new(ty, source.definition(), &definitions.schema, topic, &px4::VALUES);
+        let plan = Plan::new(ty, source.definition(), &definitions.schema, &px4::VALUES);
         Self {
             plan,
             timestamp: time_offset(ty, "timestamp"),
@@ -133,7 +133,7 @@ impl CdrChecker {
         let definition = self.source.definition().map(|id| definitions.schema.message(id).span);
         let mut report = |rule: &'static Rule, detail: Detail| {
             let excerpt = || detail.excerpt(hexadecimal(payload));
-            findings.report(rule, channel.topic, location, definition, excerpt);
+            findings.report(rule, channel.subject(), location, definition, excerpt);
         };
         match self.header(payload) {
             Header::Plain => {}
@@ -159,7 +159,7 @@ impl CdrChecker {
             }
         };
         self.messages += 1;
-        self.plan.check(message.memory(), location, findings);
+        self.plan.check(message.memory(), channel.subject(), location, findings);
         let memory = wants_values.then(|| message.memory().to_vec());
         Some(Seen { timestamp: self.timestamp_of(&message), memory })
     }

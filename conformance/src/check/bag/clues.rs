@@ -5,22 +5,32 @@ use std::fs::File;
 use std::io::{self, Read, Seek as _, SeekFrom};
 use std::path::Path;
 
+use uavspec_codegen::schema::derived_from;
+
 use super::cdr::decompressed;
 use super::schemas::{MAX_SCHEMA, MAX_SCHEMAS};
 use super::{HASH, MAX_NAME, Stated, is_comparable};
 use crate::capture::MCAP_MAGIC;
 use crate::capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadata};
+use crate::capture::rosbag::metadata::distribution;
 #[cfg(feature = "db3")]
 use crate::capture::rosbag::sqlite::{Bag, Definition, Facts};
 use crate::check::Source;
 use crate::check::json::Found;
 use crate::check::release::MAX_AHEAD;
-use crate::check::topic::{full_name, plain, service_of};
+use crate::check::topic::{full_name, plain};
 use crate::definitions::{Clues, TypeClue, version_of_topic};
 use crate::model::Endpoint;
 
 /// The maximum number of types.
 const MAX_TYPES: usize = 10_000;
+
+/// The opcodes of metadata records and of their index.
+const METADATA: u8 = 0x0c;
+const METADATA_INDEX: u8 = 0x0d;
+
+/// The maximum length of a metadata record that is read to find the distribution, in bytes.
+const MAX_METADATA: u64 = 4 << 20;
 
 /// The length of an MCAP file's footer record with the magic at the end of the file, in bytes.
 const FOOTER: usize = 9 + 20 + 8;
@@ -28,10 +38,11 @@ const FOOTER: usize = 9 + 20 + 8;
 /// Reads the declarations in an MCAP file: from its summary, if this shows all types, or otherwise from its start.
 pub(super) fn mcap(source: &mut Source<'_>) -> Clues {
     let summary = source.file.and_then(summary).map(declarations).unwrap_or_default();
+    let summary = Clues { distribution: source.file.and_then(indexed_distribution), ..summary };
     let has_hash = |clue: &TypeClue| clue.type_hash.is_some();
     // The summary of a recording lacks the endpoints.
     if !source.file.is_some_and(is_recording)
-        && summary != Clues::default()
+        && !summary.types.is_empty()
         && summary.types.values().all(has_hash)
     {
         return summary;
@@ -57,11 +68,57 @@ pub(super) fn merge(clues: &mut Clues, others: Clues) {
     for (topic, format) in others.formats {
         clues.formats.entry(topic).or_insert(format);
     }
+    clues.distribution = clues.distribution.take().or(others.distribution);
 }
 
 /// Reads the declarations in an MCAP file that is still being written.
 pub(in crate::check) fn recording(path: &Path) -> io::Result<Clues> {
     Ok(declarations(File::open(path)?.take(MAX_AHEAD)))
+}
+
+/// The ROS distribution in the metadata records that the summary of an MCAP file lists.
+fn indexed_distribution(path: &Path) -> Option<String> {
+    let mut summary = summary(path)?;
+    let mut magic = [0; MCAP_MAGIC.len()];
+    summary.read_exact(&mut magic).ok()?;
+    let mut file = File::open(path).ok()?;
+    let mut found = None;
+    for _ in 0..MAX_TYPES {
+        let Some((opcode, length)) = record_head(&mut summary) else { break };
+        if opcode != METADATA_INDEX {
+            io::copy(&mut (&mut summary).take(length), &mut io::sink()).ok()?;
+            continue;
+        }
+        let mut index = Vec::new();
+        (&mut summary).take(length).read_to_end(&mut index).ok()?;
+        let offset = u64::from_le_bytes(*index.first_chunk()?);
+        file.seek(SeekFrom::Start(offset)).ok()?;
+        let (_, length) = record_head(&mut file)
+            .filter(|(opcode, length)| *opcode == METADATA && *length <= MAX_METADATA)?;
+        let mut body = Vec::new();
+        (&mut file).take(length).read_to_end(&mut body).ok()?;
+        found = stated_distribution(&body).or(found);
+    }
+    found
+}
+
+/// The opcode and the length of a record.
+fn record_head(input: &mut impl Read) -> Option<(u8, u64)> {
+    let mut head = [0; 9];
+    input.read_exact(&mut head).ok()?;
+    let [opcode, length @ ..] = head;
+    Some((opcode, u64::from_le_bytes(length)))
+}
+
+/// The ROS distribution that the body of a metadata record states. rosbag2 writes such records.
+fn stated_distribution(body: &[u8]) -> Option<String> {
+    let (_, values) = metadata(body).filter(|(name, _)| name == "rosbag2")?;
+    let in_yaml = || distribution(values.get("serialized_metadata")?);
+    values
+        .get("ROS_DISTRO")
+        .cloned()
+        .or_else(in_yaml)
+        .filter(|name| !name.is_empty() && name.len() <= MAX_NAME)
 }
 
 /// True if this program wrote a file.
@@ -129,6 +186,7 @@ fn declarations(input: impl Read) -> Clues {
                 }
             }
             Event::Metadata { body } => {
+                clues.distribution = stated_distribution(body).or(clues.distribution.take());
                 let values = metadata(body).filter(|(name, _)| name == ENDPOINT).map(|(_, values)| values);
                 let endpoint = values.as_ref().and_then(Endpoint::from_values);
                 let is_used =
@@ -165,7 +223,8 @@ pub(super) fn sqlite(source: &mut Source<'_>) -> Clues {
             hashes.add(&definition.ty, &definition.hash, is_verified, hash);
         }
     });
-    let (mut clues, mut unknown) = (Clues::default(), HashMap::new());
+    let distribution = Some(bag.distribution()).filter(|name| !name.is_empty());
+    let (mut clues, mut unknown) = (Clues { distribution, ..Clues::default() }, HashMap::new());
     let _ = bag.topics(|topic| {
         let stated = Some(&topic.hash).filter(|hash| is_comparable(hash));
         let hash = hashes.of(&topic).and_then(Option::as_ref).or(stated);
@@ -236,10 +295,11 @@ fn definition_hash(definition: &Definition) -> Option<String> {
     is_read.then(|| schema_hash(&definition.ty, definition.text.as_bytes())).flatten()
 }
 
-/// The type hash of a schema. The hash of a service can't be calculated from an event. rosbag2 writes an empty schema for
+/// The type hash of a schema. The hash of a type that ROS 2 derives from a service or an action
+/// isn't that of a definition. rosbag2 writes an empty schema for
 /// types whose definitions it can't find.
 fn schema_hash(name: &str, text: &[u8]) -> Option<String> {
-    if text.is_empty() || service_of(&plain(name)).is_some() {
+    if text.is_empty() || derived_from(&plain(name)).is_some() {
         return None;
     }
     Some(Stated::read(name, text).ok()?.type_hash().to_owned())

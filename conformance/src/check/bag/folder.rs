@@ -22,7 +22,8 @@ const MAX_FILES: usize = 16;
 /// Reads the declarations in the files of a bag's folder.
 pub(in crate::check) fn clues(folder: &Path) -> Clues {
     let Ok(Some(metadata)) = Metadata::read(folder) else { return Clues::default() };
-    let mut clues = Clues::default();
+    let distribution = Some(metadata.distribution).filter(|name| !name.is_empty());
+    let mut clues = Clues { distribution, ..Clues::default() };
     for file in metadata.files.iter().take(MAX_FILES) {
         // The check reports a file that can't be read.
         clues::merge(&mut clues, file_clues(&folder.join(file)).unwrap_or_default());

@@ -32,6 +32,8 @@ pub struct BagChannel {
     pub has_other_hash: bool,
     /// The extent to which the channel was checked.
     pub status: CheckStatus,
+    /// The reason why the channel's schema wasn't used instead of a definition, or a remark on the schema.
+    pub remark: Option<String>,
     /// The release of the definition that the messages were checked against, such as `px4@1.16`.
     pub release: Option<String>,
     /// The mean number of messages per second, with three decimals.
@@ -59,6 +61,8 @@ pub enum Basis {
     Compared(Arc<Comparison>),
     /// There is no schema, or it has no fields.
     NoSchema,
+    /// The schema is only the name of the type.
+    OnlyName,
     /// The encoding of the schema isn't supported, e.g. `ros2idl`.
     Encoding(String),
     /// The schema is invalid; contains the reason.
@@ -108,6 +112,7 @@ impl Basis {
         match self {
             Self::Compared(_) => None,
             Self::NoSchema => Some("no schema with fields".to_owned()),
+            Self::OnlyName => Some("the schema is only the name of the type".to_owned()),
             Self::Encoding(encoding) => Some(format!("the schema encoding `{encoding}` isn't supported")),
             Self::Unreadable(error) => Some(format!("invalid schema: {error}")),
             Self::TooLong => Some("the schema is too long".to_owned()),
@@ -147,6 +152,7 @@ pub(super) struct Open {
     pub(super) fields: Option<Share>,
     pub(super) has_other_hash: bool,
     pub(super) status: CheckStatus,
+    pub(super) remark: Option<String>,
 }
 
 /// The reader for the messages of a channel.
@@ -198,6 +204,7 @@ impl Open {
             tally: Tally::default(),
             fields: None,
             has_other_hash: false,
+            remark: None,
             status: if is_known { CheckStatus::Undefined } else { CheckStatus::Unsupported },
         }
     }
@@ -207,7 +214,7 @@ impl Open {
         let is_equal = match &self.status {
             CheckStatus::Checked(Basis::Compared(comparison)) => **comparison == Comparison::Equal,
             // The hash or the size of the messages is that of the definition.
-            CheckStatus::Checked(Basis::NoSchema | Basis::Encoding(_)) => true,
+            CheckStatus::Checked(Basis::NoSchema | Basis::OnlyName | Basis::Encoding(_)) => true,
             _ => false,
         };
         ComparedTopic { topic: &self.identity.topic, definition: self.identity.definition, is_equal }
@@ -258,6 +265,7 @@ impl Open {
             other_cdr,
             has_other_hash: self.has_other_hash,
             status: self.status,
+            remark: self.remark,
             release: release.map(|release| release.label.clone()),
             rate: self.tally.rate(),
         }

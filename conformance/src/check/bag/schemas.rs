@@ -8,6 +8,7 @@ use std::sync::Arc;
 use uavspec_codegen::schema::MessageId;
 
 use super::{Basis, MAX_CHANNELS, MAX_NAME, Stated, digest, json_schema};
+use crate::check::topic::full_name;
 use crate::definitions::Definitions;
 use crate::px4::comparison::{Comparison, Differences, compare_declared};
 use crate::px4::json::SharedFields;
@@ -56,8 +57,8 @@ struct Schema {
     digest: u64,
     /// The comparisons that channels requested, by definition. The flag is true for JSON messages.
     compared: BTreeMap<(MessageId, bool), ComparedSchema>,
-    /// The types, if they can be read. Set when a channel without a definition requests them.
-    own: OnceCell<Option<Rc<Stated>>>,
+    /// The types, or the reason why they can't be read. Set when a channel without a definition requests them.
+    own: OnceCell<Result<Rc<Stated>, Basis>>,
 }
 
 impl Schemas {
@@ -108,15 +109,28 @@ impl Schemas {
         (&self.all[index].name, &self.all[index].encoding)
     }
 
-    /// The types of a schema, if they can be read.
-    pub(super) fn own(&self, index: Option<usize>) -> Option<Rc<Stated>> {
+    /// The types of a schema. The error is the reason why they can't be read, if there is a text.
+    pub(super) fn own(&self, index: Option<usize>) -> Result<Rc<Stated>, Option<String>> {
+        let schema = index.and_then(|index| self.all.get(index)).ok_or(None)?;
+        let read = || match &schema.text {
+            Err(_) => Err(Basis::TooLong),
+            Ok(text) if text.is_empty() => Err(Basis::NoSchema),
+            Ok(text) if is_name(&schema.name, text) => Err(Basis::OnlyName),
+            Ok(text) if schema.encoding == "ros2msg" => {
+                Stated::read(&schema.name, text).map(Rc::new).map_err(Basis::Unreadable)
+            }
+            Ok(_) => Err(Basis::Encoding(schema.encoding.escape_debug().to_string())),
+        };
+        schema.own.get_or_init(read).clone().map_err(|basis| basis.problem())
+    }
+
+    /// The reason why a schema isn't used for JSON messages without a definition, if there is a text.
+    pub(super) fn unused(&self, index: Option<usize>) -> Option<String> {
         let schema = self.all.get(index?)?;
-        let text = schema.text.as_ref().ok().filter(|text| !text.is_empty())?;
-        if schema.encoding != "ros2msg" {
-            return None;
-        }
-        let read = || Stated::read(&schema.name, text).ok().map(Rc::new);
-        schema.own.get_or_init(read).clone()
+        let has_text = schema.text.as_ref().is_ok_and(|text| !text.is_empty());
+        has_text.then(|| {
+            "JSON messages are checked against definitions, not against schemas in the file".to_owned()
+        })
     }
 
     /// Compares a schema with a definition, for messages in CDR or JSON.
@@ -135,12 +149,19 @@ impl Schemas {
         let compared = compared.or_insert_with(|| match (schema.encoding.as_str(), is_json) {
             // rosbag2 writes an empty schema for types whose definitions it can't find.
             _ if text.is_empty() => Basis::NoSchema.into(),
+            _ if is_name(&schema.name, text) => Basis::OnlyName.into(),
             ("ros2msg", false) => types(&schema.name, text, message_id, definitions),
             ("jsonschema", true) => json(text, message_id, definitions),
             (encoding, _) => Basis::Encoding(encoding.escape_debug().to_string()).into(),
         });
         compared.clone()
     }
+}
+
+/// True if the text of a schema is only the name of the type.
+fn is_name(name: &str, text: &[u8]) -> bool {
+    let text = std::str::from_utf8(text).unwrap_or_default().trim();
+    !name.is_empty() && text.len() <= 2 * MAX_NAME && (text == name || full_name(text) == full_name(name))
 }
 
 /// Compares the text of a `ros2msg` schema with a definition.

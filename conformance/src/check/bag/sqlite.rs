@@ -140,11 +140,35 @@ mod reading {
 
     use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+    use uavspec_codegen::schema::derived_from;
+
     use crate::capture::rosbag::sqlite::{Bag, Definition, Facts, Message, Problem, Topic};
     use crate::check::Logged;
     use crate::check::bag::clues::has_its_hash;
     use crate::check::bag::{BagFile, Channels, Declared, HASH};
     use crate::model::{Extent, Location};
+
+    /// The types of the topics, by the type whose definition also defines them. The definition of a service or an action
+    /// defines all types that ROS 2 derives from it. The flag is true if a topic of the type has no hash.
+    struct TopicTypes<'t>(BTreeMap<&'t str, BTreeMap<&'t str, bool>>);
+
+    impl<'t> TopicTypes<'t> {
+        fn new(topics: &'t [Topic]) -> Self {
+            let mut types = Self(BTreeMap::new());
+            for Topic { ty, hash, .. } in topics {
+                let origin = derived_from(ty).map(|(_, origin)| origin);
+                for defined in [Some(ty.as_str()), origin].into_iter().flatten() {
+                    *types.0.entry(defined).or_default().entry(ty).or_default() |= hash.is_empty();
+                }
+            }
+            types
+        }
+
+        /// The types that a definition defines.
+        fn of(&self, ty: &str) -> impl Iterator<Item = (&'t str, bool)> {
+            self.0.get(ty).into_iter().flatten().map(|(ty, lacks_hash)| (*ty, *lacks_hash))
+        }
+    }
 
     /// A file that is being read.
     pub(super) struct SqliteFile<'c, 'd> {
@@ -177,19 +201,11 @@ mod reading {
             let mut topics = Vec::new();
             let result = database.topics(|topic| topics.push(topic));
             self.report(result);
-            // The flag is true if a topic of this type has no hash.
-            let mut types: BTreeMap<&str, bool> = BTreeMap::new();
-            for topic in &topics {
-                *types.entry(topic.ty.as_str()).or_default() |= topic.hash.is_empty();
-            }
+            let types = TopicTypes::new(&topics);
             let result = database.definitions(|definition| {
-                // The definition of a service is also that of its events.
-                let event = format!("{}_Event", definition.ty);
-                for ty in [&definition.ty, &event] {
-                    if let Some(lacks_hash) = types.get(ty.as_str()) {
-                        let is_verified = *lacks_hash && has_its_hash(&definition);
-                        self.definition(ty, &definition, is_verified);
-                    }
+                for (ty, lacks_hash) in types.of(&definition.ty) {
+                    let is_verified = lacks_hash && has_its_hash(&definition);
+                    self.definition(ty, &definition, is_verified);
                 }
             });
             self.report(result);

@@ -1,7 +1,8 @@
 //! Reads the types that a file declares in the `ros2msg` format.
 //!
 //! The text of the type itself comes first. Before the text of each nested type, there is a line of `=` characters and
-//! a line with the type's name, `MSG: package/Name`.
+//! a line with the type's name, `MSG: package/Name`. For types that ROS 2 derives from a service or an action, there is the
+//! text of the service or the action instead, alone or after a line `SRV: package/srv/Name`.
 //!
 //! Comments are removed first: they aren't part of a type, and may contain annotations that refer to missing
 //! messages.
@@ -11,13 +12,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use uavspec_codegen::diagnostic::{Level, Problem};
 use uavspec_codegen::dynamic::{MessageType, Types};
 use uavspec_codegen::msg::{Dialect, Kind};
-use uavspec_codegen::release::sections;
-use uavspec_codegen::schema::fingerprint::type_hash;
-use uavspec_codegen::schema::{Form, Message, MessageId};
+use uavspec_codegen::release::{Entry, Section, entries, sections, select};
+use uavspec_codegen::schema::fingerprint::{ros_name, type_hash};
+use uavspec_codegen::schema::{Form, Message, MessageId, Schema, derived_from};
 use uavspec_codegen::{PackageInput, SourceMap, read_formats};
 use uavspec_runtime::Number;
 
 use crate::check::topic::plain;
+use crate::definitions::newest_ros2;
 use crate::text::utf8;
 
 /// The package of a type whose name contains no package.
@@ -30,6 +32,7 @@ pub(super) struct Stated {
     root: MessageId,
     type_hash: String,
     version: Option<u32>,
+    added: Vec<String>,
 }
 
 impl Stated {
@@ -37,33 +40,25 @@ impl Stated {
     pub(super) fn read(name: &str, text: &[u8]) -> Result<Self, String> {
         let text = utf8(text)?;
         let name = &plain(name);
-        let root = parts_of(name).ok_or("its name is not a type name")?;
-        let event = Event::of(name, text);
-        let texts = event.as_ref().map_or_else(|| definitions(text), Event::definitions);
+        let stated = files(name, text)?;
+        let standard = missing(&stated);
+        let standard = added(&stated, &standard);
+        let added = standard.iter().map(|file| format!("{}/{}", file.package, file.name)).collect();
+        let files: Vec<File<'_>> = stated.into_iter().chain(standard).collect();
         let mut sources = SourceMap::default();
         let mut packages: BTreeMap<&str, PackageInput> = BTreeMap::new();
-        let mut names = BTreeSet::new();
-        for (name, text) in texts {
-            let (package, name) = match name {
-                None => root,
-                Some(name) => {
-                    parts_of(name).ok_or_else(|| format!("`{}` is not a type name", name.escape_debug()))?
-                }
-            };
-            // Some writers repeat nested types.
-            if !names.insert((package, name)) {
-                continue;
-            }
-            let path = format!("{package}/{name}.msg");
+        for file in &files {
+            let File { package, name, kind, .. } = file;
+            let path = format!("{package}/{name}.{}", kind.name());
             let source = sources
-                .add(path, without_comments(text).into_bytes())
+                .add(path, without_comments(file.text).into_bytes())
                 .map_err(|diagnostic| diagnostic.problem.to_string())?;
-            let form = Form::Msg(Dialect::Ros2);
             let input = packages.entry(package);
-            input.or_insert_with(|| PackageInput::new(package, form, Vec::new())).sources.push(source);
+            let form = Form::Msg(Dialect::Ros2);
+            input.or_insert_with(|| PackageInput::new(*package, form, Vec::new())).sources.push(source);
         }
         let packages: Vec<PackageInput> = packages.into_values().collect();
-        let (schema, diagnostics) = read_formats(&sources, &packages);
+        let (mut schema, diagnostics) = read_formats(&sources, &packages);
         // Names that violate the ROS 2 naming style are accepted.
         let is_fatal = |problem: &Problem| {
             problem.level() == Level::Error && !matches!(problem, Problem::NameStyleRos { .. })
@@ -73,20 +68,24 @@ impl Stated {
             let line = sources.position(diagnostic.span).line;
             return Err(format!("{}:{line}: {}", sources.path(source), diagnostic.problem));
         }
-        let is_root = |id: &&MessageId| schema.message(**id).name == root.1;
-        let messages = schema.packages.iter().filter(|package| package.name == root.0);
-        let found = messages.flat_map(|package| &package.messages).find(is_root).copied();
-        let root = found.ok_or("it doesn't define the type in its name")?;
+        schema.add_derived();
+        let root = root(&schema, name).ok_or("it doesn't define the type in its name")?;
         let stated = Self {
             root,
             type_hash: type_hash(&schema, root),
             version: version(schema.message(root)),
             types: Types::new(&schema),
+            added,
         };
         match stated.root().defect() {
             Some(defect) => Err(format!("it {defect}")),
             None => Ok(stated),
         }
+    }
+
+    /// The names of the types that the schema lacks, and that were taken from the built-in definitions.
+    pub(super) fn added(&self) -> &[String] {
+        &self.added
     }
 
     /// The ROS type hash.
@@ -136,66 +135,84 @@ fn without_comments(text: &str) -> String {
     bare
 }
 
-/// The text of each type. The first type has no name.
-fn definitions(text: &str) -> Vec<(Option<&str>, &str)> {
-    let sections = sections(text, &[Kind::Message]);
-    sections.into_iter().map(|section| (section.heading.map(|(_, name)| name), section.text)).collect()
+/// A definition in the text of a schema.
+#[derive(Debug)]
+struct File<'t> {
+    package: &'t str,
+    name: &'t str,
+    kind: Kind,
+    text: &'t str,
 }
 
-/// The event of a service. rosbag2 records the text of the `.srv` file for it.
-struct Event<'t> {
-    /// The definition of the event.
-    text: String,
-    /// The names of the request and the response.
-    parts: [String; 2],
-    request: &'t str,
-    response: &'t str,
-    /// The definitions of nested types.
-    nested: Vec<(Option<&'t str>, &'t str)>,
-}
-
-impl<'t> Event<'t> {
-    /// Splits the text of a service. `None` for other types, and for the definition of the event itself.
-    fn of(name: &str, text: &'t str) -> Option<Self> {
-        let service = name.strip_suffix("_Event").filter(|service| service.contains("/srv/"))?;
-        let mut nested = definitions(text);
-        let (_, own) = nested.remove(0);
-        let mut at = 0;
-        let separator = own.split_inclusive('\n').find(|line| {
-            at += line.len();
-            line.trim_end() == "---"
-        })?;
-        let (request, response) = (&own[..at - separator.len()], &own[at..]);
-        let (_, short) = parts_of(service)?;
-        let text = format!(
-            "service_msgs/ServiceEventInfo info\n{short}_Request[<=1] request\n{short}_Response[<=1] response\n"
-        );
-        let parts = ["_Request", "_Response"].map(|suffix| format!("{service}{suffix}"));
-        Some(Self { text, parts, request, response, nested })
+/// The definitions in the text of the schema `name`. Some writers repeat nested types.
+fn files<'t>(name: &'t str, text: &'t str) -> Result<Vec<File<'t>>, String> {
+    if text.lines().any(|line| line.starts_with("IDL: ")) {
+        return Err("it contains IDL, which isn't supported".to_owned());
     }
-
-    /// The text of each type, as in a schema of the event itself.
-    fn definitions(&self) -> Vec<(Option<&str>, &str)> {
-        let [request, response] = &self.parts;
-        let own = [(None, &*self.text), (Some(&**request), self.request), (Some(&**response), self.response)];
-        // The text of the service doesn't need these types. Its own definition of a type takes precedence.
-        own.into_iter().chain(self.nested.iter().copied()).chain(EVENT_TYPES).collect()
+    let mut names = BTreeSet::new();
+    let mut files = Vec::new();
+    for Section { heading, text } in sections(text, &[Kind::Message, Kind::Service, Kind::Action]) {
+        let (kind, name) = match heading {
+            Some(heading) => heading,
+            // The text of a service or an action defines all types that ROS 2 derives from it.
+            None if text.trim().is_empty() && derived_from(name).is_some() => continue,
+            None => derived_from(name).filter(|_| has_parts(text)).unwrap_or((Kind::Message, name)),
+        };
+        let (package, name) =
+            parts_of(name).ok_or_else(|| format!("`{}` is not a type name", name.escape_debug()))?;
+        if names.insert((package, name, kind)) {
+            files.push(File { package, name, kind, text });
+        }
     }
+    Ok(files)
 }
 
-/// The types that the event of each service contains.
-const EVENT_TYPES: [(Option<&str>, &str); 2] = [
-    (
-        Some("service_msgs/ServiceEventInfo"),
-        "uint8 event_type\nbuiltin_interfaces/Time stamp\nchar[16] client_gid\nint64 sequence_number\n",
-    ),
-    (Some("builtin_interfaces/Time"), "int32 sec\nuint32 nanosec\n"),
-];
+/// True if the text is that of a service or an action.
+fn has_parts(text: &str) -> bool {
+    text.lines().any(|line| line.trim_end() == "---")
+}
 
-/// The package and the name of `package/msg/Name`, `package/srv/Name`, `package/Name` or `Name`.
+/// The definitions of ROS 2 that files refer to but that none of them contains, as a text, with the definitions that they
+/// contain.
+fn missing(files: &[File<'_>]) -> String {
+    let known: BTreeSet<_> = files.iter().map(|file| (file.package, file.name)).collect();
+    let referred = files.iter().flat_map(|file| file.text.lines()).filter_map(|line| {
+        let ty = line.split_whitespace().next()?;
+        parts_of(ty.split('[').next()?).filter(|(package, _)| *package != NO_PACKAGE)
+    });
+    let missing = referred.filter(|name| !known.contains(name));
+    let missing: BTreeSet<String> = missing.map(|(package, name)| format!("{package}/msg/{name}")).collect();
+    if missing.is_empty() {
+        return String::new();
+    }
+    select(newest_ros2(), &missing.iter().map(String::as_str).collect())
+}
+
+/// The definitions in a text that files lack.
+fn added<'t>(files: &[File<'_>], text: &'t str) -> Vec<File<'t>> {
+    let known: BTreeSet<_> = files.iter().map(|file| (file.package, file.name)).collect();
+    let messages = entries(text)
+        .filter(|entry| entry.kind == Kind::Message && !known.contains(&(entry.package, entry.name)));
+    messages.map(|Entry { kind, package, name, text }| File { package, name, kind, text }).collect()
+}
+
+/// The message with a full name; otherwise, one with this package and this name.
+fn root(schema: &Schema, name: &str) -> Option<MessageId> {
+    let (package, short) = parts_of(name)?;
+    let ids = || (0..).map(MessageId).take(schema.messages.len());
+    let is_named = |id: &MessageId| {
+        let message = schema.message(*id);
+        message.name == short && schema.package_of(message).name == package
+    };
+    let is_full = |id: &MessageId| ros_name(schema, schema.message(*id)) == name;
+    ids().filter(is_named).find(is_full).or_else(|| ids().find(is_named))
+}
+
+/// The package and the name of `package/msg/Name`, `package/srv/Name`, `package/action/Name`, `package/Name` or `Name`.
 fn parts_of(name: &str) -> Option<(&str, &str)> {
     let (package, name) = name.rsplit_once('/').unwrap_or((NO_PACKAGE, name));
-    let package = ["/msg", "/srv"].iter().find_map(|kind| package.strip_suffix(kind)).unwrap_or(package);
+    let package =
+        ["/msg", "/srv", "/action"].iter().find_map(|kind| package.strip_suffix(kind)).unwrap_or(package);
     let is_word = |word: &str| {
         word.starts_with(|first: char| first.is_ascii_alphabetic())
             && word.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')

@@ -98,6 +98,7 @@ enum ChannelResult {
 
 impl<'c> Row<'c> {
     fn new(channel: &'c BagChannel) -> Self {
+        let remark = || channel.remark.clone().unwrap_or_default();
         let (result, message) = match &channel.status {
             CheckStatus::Checked(Basis::Compared(comparison)) => match &**comparison {
                 Comparison::Differs(differences) => {
@@ -107,8 +108,8 @@ impl<'c> Row<'c> {
                 Comparison::Equal | Comparison::Undefined => (ChannelResult::Equal, String::new()),
             },
             CheckStatus::Checked(basis) => (ChannelResult::ByName, basis.problem().unwrap_or_default()),
-            CheckStatus::OwnSchema => (ChannelResult::OwnSchema, String::new()),
-            CheckStatus::Undefined => (ChannelResult::Undefined, String::new()),
+            CheckStatus::OwnSchema => (ChannelResult::OwnSchema, remark()),
+            CheckStatus::Undefined => (ChannelResult::Undefined, remark()),
             CheckStatus::Unsupported => (ChannelResult::Unsupported, String::new()),
         };
         let (schema, schema_encoding) =
@@ -199,12 +200,22 @@ fn lines(channels: &[BagChannel], dialects: Dialects, releases: &[ReleaseMatch])
         with_result(ChannelResult::ByName).count(),
         with_result(ChannelResult::Undefined).count() + with_result(ChannelResult::OwnSchema).count(),
     );
-    let schema = |row: &Row<'_>| row.schema.map_or_else(|| "no schema".to_owned(), shown);
+    let undefined = |row: &Row<'_>| {
+        let schema = row.schema.map_or_else(|| "no schema".to_owned(), shown);
+        if row.message.is_empty() { schema } else { format!("{schema}: {}", shown(&row.message)) }
+    };
+    let has_remark = |row: &&Row<'_>| !row.message.is_empty();
     let mut line = Line::new("definitions", text)
         .list("differs", messages(ChannelResult::Differs))
         .list("by name", messages(ChannelResult::ByName))
         .list("not read", rows.iter().filter_map(|row| Some((row.topic, row.not_read()?))))
-        .list("undefined", with_result(ChannelResult::Undefined).map(|row| (row.topic, schema(row))));
+        .list("undefined", with_result(ChannelResult::Undefined).map(|row| (row.topic, undefined(row))))
+        .list(
+            "own schema",
+            with_result(ChannelResult::OwnSchema)
+                .filter(has_remark)
+                .map(|row| (row.topic, shown(&row.message))),
+        );
     line.lists.push(List { label: "dialect", items: dialects.iter().map(|one| one.to_string()).collect() });
     release_lines(releases, line)
 }

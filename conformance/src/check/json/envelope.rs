@@ -42,7 +42,7 @@ impl NameKind {
 /// A topic or type in the capture.
 #[derive(Debug)]
 pub(super) struct Open {
-    /// The name in findings.
+    /// The name without its namespace.
     pub(super) name: String,
     /// The name with its namespace.
     pub(super) full_name: String,

@@ -58,10 +58,13 @@ mod tests {
         let lists = Lists::parse([("new.toml".to_owned(), text.clone().into_bytes())]).expect(&text);
         let is_known = |name| lists.excuse(name, &["any message".to_owned()]).is_some();
         for subject in subjects {
-            assert!(is_known(Name::Rule { rule, subject, file: "a.ulg" }), "{subject}: {text}");
+            assert!(
+                is_known(Name::Rule { rule, subject: subject.into(), file: "a.ulg" }),
+                "{subject}: {text}"
+            );
         }
-        assert!(!is_known(Name::Rule { rule, subject: "odd a \"subject\"", file: "a.ulg" }));
-        assert!(!is_known(Name::Rule { rule: RULES[1], subject: "UAV-INF", file: "a.ulg" }));
+        assert!(!is_known(Name::Rule { rule, subject: "odd a \"subject\"".into(), file: "a.ulg" }));
+        assert!(!is_known(Name::Rule { rule: RULES[1], subject: "UAV-INF".into(), file: "a.ulg" }));
         assert!(is_known(Name::Case("decode-cdr/px4/Event/{a,b}")));
         assert!(!is_known(Name::Case("decode-cdr/px4/Event/a")));
     }

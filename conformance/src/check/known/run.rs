@@ -9,10 +9,10 @@ use crate::rules::RULES;
 pub(crate) fn rule_outcomes<'r>(file: &'r str, findings: &'r Findings) -> impl Iterator<Item = Checked<'r>> {
     let rules = RULES.iter().map(move |rule| {
         let outcome = if findings.covered(rule) > 0 { Outcome::Passed } else { Outcome::Idle };
-        Checked { name: Name::Rule { rule, subject: "", file }, outcome }
+        Checked { name: Name::Rule { rule, subject: "".into(), file }, outcome }
     });
     let groups = findings.groups().map(move |group| {
-        let name = Name::Rule { rule: group.rule, subject: &group.subject, file };
+        let name = Name::Rule { rule: group.rule, subject: group.name(), file };
         Checked { name, outcome: Outcome::Failed(group.messages()) }
     });
     rules.chain(groups)
@@ -21,7 +21,7 @@ pub(crate) fn rule_outcomes<'r>(file: &'r str, findings: &'r Findings) -> impl I
 /// The results for a file that couldn't be read: no rule was run.
 pub(crate) fn unread_outcome(file: &str) -> impl Iterator<Item = Checked<'_>> {
     let unread = move |rule: &&'static Rule| Checked {
-        name: Name::Rule { rule, subject: "", file },
+        name: Name::Rule { rule, subject: "".into(), file },
         outcome: Outcome::NotRun,
     };
     RULES.iter().map(unread)
@@ -30,7 +30,7 @@ pub(crate) fn unread_outcome(file: &str) -> impl Iterator<Item = Checked<'_>> {
 /// Marks the findings in a file as known if an entry excuses them.
 pub(crate) fn excuse_findings(lists: &Lists, file: &str, findings: &mut Findings) {
     findings.excuse(|group| {
-        let name = Name::Rule { rule: group.rule, subject: &group.subject, file };
+        let name = Name::Rule { rule: group.rule, subject: group.name(), file };
         lists.excuse(name, &group.messages()).cloned()
     });
 }

@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::finding::Finding;
 
-use super::{Entry, Lists, Selector};
-use crate::model::Rule;
-use crate::model::{Date, Excuse, ExcuseKind};
+use super::{Entry, Lists, Pattern, Selector};
+use crate::check::topic::topic_of;
+use crate::model::{Date, Excuse, ExcuseKind, Rule, SubjectName};
 
 /// The maximum length, in bytes, of a pattern that is underlined in full in messages. Automatic fixes may write
 /// patterns of any length.
@@ -30,7 +30,7 @@ pub(crate) enum Name<'r> {
         /// The rule.
         rule: &'static Rule,
         /// The subject of the violation; empty if there is none.
-        subject: &'r str,
+        subject: SubjectName<'r>,
         /// The path of the file as passed to the run.
         file: &'r str,
     },
@@ -261,12 +261,28 @@ impl Selector {
             (Self::Rule { rule, subject, file }, Name::Rule { rule: id, subject: name, file: path }) => {
                 rule.id == id.id
                     && file.as_ref().is_none_or(|file| file.is_match(path))
-                    && (!has_subject || subject.as_ref().is_none_or(|subject| subject.is_match(name)))
+                    && (!has_subject || subject.as_ref().is_none_or(|pattern| is_named(name, rule, pattern)))
             }
             (Self::Case(pattern), Name::Case(name)) => pattern.is_match(name),
             (Self::Rule { .. }, Name::Case(_)) | (Self::Case(_), Name::Rule { .. }) => false,
         }
     }
+}
+
+/// True if a pattern matches a subject: its full name, the name without the instance, or the name that also lacks the
+/// namespace of the topic.
+fn is_named(subject: SubjectName<'_>, rule: &Rule, pattern: &Pattern) -> bool {
+    let SubjectName { name, .. } = subject;
+    let is_full = pattern.is_match(&subject.to_string()) || pattern.is_match(name);
+    is_full || !rule.is_on_flockwave() && pattern.is_match(&without_namespace(name))
+}
+
+/// The name of a topic or field without the namespace of the topic: `locked.data` of `/kite/winch/locked.data`.
+fn without_namespace(name: &str) -> String {
+    let last = name.rfind('/').map_or(0, |at| at + 1);
+    let end = name[last..].find('.').map_or(name.len(), |at| last + at);
+    let (topic, field) = name.split_at(end);
+    format!("{}{field}", topic_of(topic))
 }
 
 impl Entry {

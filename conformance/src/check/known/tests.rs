@@ -24,7 +24,7 @@ fn case(name: &str, outcome: Outcome) -> Checked<'_> {
 
 fn of_rule<'r>(id: &str, subject: &'r str, file: &'r str, outcome: Outcome) -> Checked<'r> {
     let rule = rule(id).expect("a rule");
-    Checked { name: Name::Rule { rule, subject, file }, outcome }
+    Checked { name: Name::Rule { rule, subject: subject.into(), file }, outcome }
 }
 
 fn failed(message: &str) -> Outcome {

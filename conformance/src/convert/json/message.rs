@@ -6,7 +6,7 @@ use uavspec_codegen::dynamic::{DynamicMessage, MessageType, PlacedElement};
 use crate::json::base64;
 use crate::px4::json::{Dialect, Dialects, is_bytes};
 
-/// Writes a message with these deviations.
+/// Writes a message with these deviations. `NaN` becomes `null`, because the token isn't JSON.
 pub(super) fn write(message: &DynamicMessage<'_>, dialects: Dialects) -> Result<String, String> {
     let text = message.view().to_json_text().map_err(|error| error.to_string())?;
     let has = |wanted| dialects.iter().any(|dialect| dialect == wanted);

@@ -68,8 +68,11 @@ impl Reading {
         Ok(match (tree, element) {
             (Tree::Object(_), PlacedElement::Message(ty)) => return self.message(tree, ty),
             (_, PlacedElement::Text(room)) => return self.text(tree, room),
-            // The deviation `NaN` isn't kept, because the token isn't JSON.
-            (Tree::Null | Tree::Token("NaN"), _) => Value::Null,
+            (Tree::Null, _) => Value::Null,
+            (Tree::Token("NaN"), _) => {
+                self.dialects.insert(Dialect::BareNan);
+                Value::Null
+            }
             (Tree::Bool(value), _) => (*value).into(),
             (Tree::Float(value, _), PlacedElement::Scalar(scalar)) if scalar.is_float() => (*value).into(),
             (Tree::Int(_) | Tree::Float(..), _) => {

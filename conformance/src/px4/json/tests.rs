@@ -147,8 +147,8 @@ fn found_in_both(tow: &str, text: &str) -> Vec<(&'static str, String, u64)> {
     plans.explain(origin, &Tree::read(text).expect("JSON"), &mut in_json);
     let types = Types::new(&schema);
     let message = types.get(id).from_json_text(text).expect("a message");
-    let plan = Plan::new(types.get(id), Some(id), &schema, "m", &crate::rules::px4::VALUES);
-    plan.check(message.memory(), location, &mut in_memory);
+    let plan = Plan::new(types.get(id), Some(id), &schema, &crate::rules::px4::VALUES);
+    plan.check(message.memory(), "m".into(), location, &mut in_memory);
 
     let found = listed(&in_json);
     assert_eq!(found, listed(&in_memory), "{tow} {text}");

@@ -83,7 +83,7 @@ impl<'t> Message<'t> {
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();
         let subject = if field.is_empty() { name } else { format!("{name}.{field}").into() };
-        context.violation_of(&subject, self.exchange.record.location, deviation.definition, || {
+        context.violation_of(&*subject, self.exchange.record.location, deviation.definition, || {
             let Mismatch { path, expected, actual } = &deviation.mismatch;
             Detail::differs(expected, actual).at(path).excerpt(self.exchange.excerpt())
         });

@@ -48,7 +48,7 @@ impl Checker for Instances {
         let first = *self.known.entry((channel.topic.to_owned(), multi_id)).or_insert(channel.index);
         if first != channel.index {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, channel.location, definition, || {
+            context.violation_of(channel.subject(), channel.location, definition, || {
                 Detail::new(format!("a second subscription to instance {multi_id}"))
                     .expected("one active subscription")
                     .actual("two")

@@ -19,7 +19,7 @@ use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::{Form, MessageId};
 use uavspec_runtime::Number;
 
-use super::{Channel, Checker, Interest, Location, Message, RuleContext};
+use super::{Channel, Checker, Detail, Interest, Location, Message, RuleContext, SubjectName};
 
 /// The maximum difference between two times that count as equal, in µs. A component uses the clock of its computer,
 /// which is synchronized with the flight controller to within a few milliseconds.
@@ -65,6 +65,8 @@ pub(super) struct Request {
 #[derive(Clone, Debug)]
 pub(super) struct Reply {
     pub(super) topic: String,
+    /// The instance of the topic in a log.
+    pub(super) instance: Option<u8>,
     pub(super) request_id: u8,
     pub(super) registration_id: u8,
     /// A hash of all values except the time. `None` if the rule doesn't compare replies.
@@ -72,6 +74,19 @@ pub(super) struct Reply {
     pub(super) time: Option<u64>,
     pub(super) definition: Option<MessageId>,
     pub(super) location: Location,
+}
+
+impl Reply {
+    /// Reports a violation in a field of the reply.
+    pub(super) fn violation(
+        &self,
+        field: &str,
+        context: &mut RuleContext<'_>,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        let topic = SubjectName { name: &self.topic, instance: self.instance };
+        context.violation_in(topic, (self.definition, field), self.location, detail);
+    }
 }
 
 /// A rule on requests, replies and registrations.
@@ -83,7 +98,7 @@ pub(super) trait Listener: Default {
     fn started(&mut self, _time: u64) {}
 
     /// Handles a request on this topic.
-    fn request(&mut self, _topic: &str, _request: Request, _context: &mut RuleContext<'_>) {}
+    fn request(&mut self, _topic: SubjectName<'_>, _request: Request, _context: &mut RuleContext<'_>) {}
 
     /// Handles a reply.
     fn reply(&mut self, _reply: Reply, _context: &mut RuleContext<'_>) {}
@@ -177,14 +192,23 @@ impl<L: Listener> Talk<L> {
             Role::Request => {
                 let id = number(values, "request_id")?;
                 let mask = number(values, "valid_registrations_mask");
-                self.request(channel.topic, Request { id, time, mask, definition, location }, context);
+                let request = Request { id, time, mask, definition, location };
+                self.request(channel.subject(), request, context);
             }
             Role::Reply => {
                 let request_id = number(values, "request_id")?;
                 let registration_id = number(values, "registration_id")?;
                 let digest = if L::COMPARES_REPLIES { Some(digest(values)?) } else { None };
-                let topic = channel.topic.to_owned();
-                let reply = Reply { topic, request_id, registration_id, digest, time, definition, location };
+                let reply = Reply {
+                    topic: channel.full_topic.to_owned(),
+                    instance: channel.multi_id,
+                    request_id,
+                    registration_id,
+                    digest,
+                    time,
+                    definition,
+                    location,
+                };
                 self.listener.reply(reply, context);
             }
             Role::Registration => {
@@ -205,7 +229,7 @@ impl<L: Listener> Talk<L> {
         Some(())
     }
 
-    fn request(&mut self, topic: &str, request: Request, context: &mut RuleContext<'_>) {
+    fn request(&mut self, topic: SubjectName<'_>, request: Request, context: &mut RuleContext<'_>) {
         let before = self.latest.replace((request.id, request.time));
         // A message may be recorded twice.
         if before == self.latest {

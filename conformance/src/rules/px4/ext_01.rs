@@ -10,7 +10,7 @@ use uavspec::px4::ArmingCheckReply;
 
 use super::bug::{Bug, Side};
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status, SubjectName};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -59,7 +59,7 @@ struct Answers {
 }
 
 impl Listener for Answers {
-    fn request(&mut self, _: &str, request: Request, context: &mut RuleContext<'_>) {
+    fn request(&mut self, _: SubjectName<'_>, request: Request, context: &mut RuleContext<'_>) {
         let is_next = self.requests.push(request);
         for reply in self.waiting.take().into_iter().filter(|_| is_next) {
             context.covered();
@@ -103,8 +103,7 @@ fn is_answer(reply: &Reply, request: Option<&Request>) -> bool {
 
 fn report_violation(reply: &Reply, latest: u8, context: &mut RuleContext<'_>) {
     let before = latest.wrapping_sub(1);
-    let definition = context.field(reply.definition, "request_id");
-    context.violation_of(&format!("{}.request_id", reply.topic), reply.location, definition, || {
+    reply.violation("request_id", context, || {
         let Reply { request_id, registration_id, .. } = reply;
         let text = format!(
             "registration {registration_id} answers request {request_id}, but the latest request is {latest}"

@@ -16,7 +16,7 @@ use uavspec::px4::ArmingCheckReply;
 
 use super::bug::{Bug, Side};
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status, SubjectName};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -131,7 +131,7 @@ impl Listener for Registrations {
         self.start = time;
     }
 
-    fn request(&mut self, _: &str, request: Request, context: &mut RuleContext<'_>) {
+    fn request(&mut self, _: SubjectName<'_>, request: Request, context: &mut RuleContext<'_>) {
         self.check_suspects(request.id, context);
         self.request_id = Some(request.id);
         self.is_masked = request.mask.is_some();
@@ -276,8 +276,7 @@ impl Registrations {
 const RELEASED: &str = "was released before the request";
 
 fn report_violation(reply: &Reply, what: &str, context: &mut RuleContext<'_>) {
-    let definition = context.field(reply.definition, "registration_id");
-    context.violation_of(&format!("{}.registration_id", reply.topic), reply.location, definition, || {
+    reply.violation("registration_id", context, || {
         let id = reply.registration_id;
         Detail::new(format!("registration id {id} {what}"))
             .expected("an id from a RegisterExtComponentReply")

@@ -17,7 +17,7 @@ use uavspec::px4::ArmingCheckReply;
 
 use super::bug::{Bug, Side};
 use super::ext::{Ids, Listener, Reply, Request, Requests, Talk, Waiting, is_later};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status, SubjectName};
 use crate::rules::sample::Flight;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
@@ -92,7 +92,7 @@ impl Default for Silence {
 }
 
 impl Listener for Silence {
-    fn request(&mut self, topic: &str, request: Request, context: &mut RuleContext<'_>) {
+    fn request(&mut self, topic: SubjectName<'_>, request: Request, context: &mut RuleContext<'_>) {
         if !self.requests.push(request) {
             self.requests_sent.clear();
         }
@@ -151,7 +151,7 @@ impl Silence {
     }
 
     /// Checks the oldest request, once two more requests have arrived.
-    fn check_oldest(&mut self, topic: &str, context: &mut RuleContext<'_>) {
+    fn check_oldest(&mut self, topic: SubjectName<'_>, context: &mut RuleContext<'_>) {
         let Some(oldest) = self.requests_sent.pop_front() else { return };
         let Some(next) = self.requests_sent.front() else { return };
         for id in oldest.required.iter().filter(|id| next.required.contains(*id)) {
@@ -173,7 +173,7 @@ impl Silence {
     }
 }
 
-fn report_violation(topic: &str, sent: &SentRequest, id: u8, context: &mut RuleContext<'_>) {
+fn report_violation(topic: SubjectName<'_>, sent: &SentRequest, id: u8, context: &mut RuleContext<'_>) {
     let definition = context.defined(sent.request.definition);
     context.violation_of(topic, sent.request.location, definition, || {
         let request = sent.request.id;

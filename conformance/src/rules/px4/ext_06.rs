@@ -15,7 +15,7 @@ use uavspec::px4::ArmingCheckReply;
 
 use super::bug::{Bug, Side};
 use super::ext::{Listener, Reply, Request, Requests, Talk};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status};
+use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status, SubjectName};
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {
@@ -66,7 +66,7 @@ struct Repetitions {
 impl Listener for Repetitions {
     const COMPARES_REPLIES: bool = true;
 
-    fn request(&mut self, _: &str, request: Request, _: &mut RuleContext<'_>) {
+    fn request(&mut self, _: SubjectName<'_>, request: Request, _: &mut RuleContext<'_>) {
         if !self.requests.push(request) {
             self.replies.clear();
         }
@@ -114,8 +114,7 @@ fn is_to_same_request(first: &Reply, second: &Reply) -> bool {
 }
 
 fn report_violation(reply: &Reply, context: &mut RuleContext<'_>) {
-    let definition = context.field(reply.definition, "request_id");
-    context.violation_of(&format!("{}.request_id", reply.topic), reply.location, definition, || {
+    reply.violation("request_id", context, || {
         let Reply { request_id, registration_id, .. } = reply;
         let text = format!(
             "registration {registration_id} answers request {request_id} twice, with different values"

@@ -16,7 +16,7 @@ use super::bug::{Bug, Side};
 use super::ext::{number, px4_message};
 use super::{
     Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, Px4Rule, Rule,
-    RuleContext, Status,
+    RuleContext, Status, SubjectName,
 };
 use crate::rules::sample::Flight;
 
@@ -78,6 +78,8 @@ struct Registration {
 /// A reply whose name differs from the name in the request.
 struct OtherReply {
     topic: String,
+    /// The instance of the topic in a log.
+    instance: Option<u8>,
     name: Vec<u8>,
     definition: Option<MessageId>,
     location: Location,
@@ -156,9 +158,13 @@ impl Registrations {
         if request.names.iter().any(|known| known == name) {
             request.is_right = true;
         } else if request.other.is_none() {
-            let (topic, name) = (channel.topic.to_owned(), name.to_owned());
-            let (definition, location) = (channel.definition, message.location);
-            request.other = Some(OtherReply { topic, name, definition, location });
+            request.other = Some(OtherReply {
+                topic: channel.full_topic.to_owned(),
+                instance: channel.multi_id,
+                name: name.to_owned(),
+                definition: channel.definition,
+                location: message.location,
+            });
         }
     }
 }
@@ -180,8 +186,8 @@ fn id_and_name(values: DynamicView<'_>) -> Option<(u64, &[u8])> {
 }
 
 fn report_violation(id: u64, names: &[Vec<u8>], reply: &OtherReply, context: &mut RuleContext<'_>) {
-    let definition = context.field(reply.definition, "name");
-    context.violation_of(&format!("{}.name", reply.topic), reply.location, definition, || {
+    let topic = SubjectName { name: &reply.topic, instance: reply.instance };
+    context.violation_in(topic, (reply.definition, "name"), reply.location, || {
         let names: Vec<String> = names.iter().map(|name| quoted(name)).collect();
         let (expected, actual) = (names.join(" or "), quoted(&reply.name));
         Detail::new(format!(

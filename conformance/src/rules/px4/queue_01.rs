@@ -81,7 +81,7 @@ impl Checker for Bursts {
         context.covered();
         if burst.count == length.saturating_add(1) {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, message.location, definition, || {
+            context.violation_of(channel.subject(), message.location, definition, || {
                 Detail::new(format!(
                     "more than {length} messages with timestamp {timestamp} µs, but the queue holds only {length}"
                 ))

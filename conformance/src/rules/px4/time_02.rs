@@ -106,7 +106,9 @@ impl Checker for Gaps {
             let order = rhythm.order.get_or_insert_default();
             if !order.is_lost && logged < order.logged {
                 order.is_lost = true;
-                context.findings.remove(context.rule, channel.topic, order.found, &order.examples);
+                let definition = context.defined(channel.definition);
+                let found = (order.found, &*order.examples);
+                context.findings.remove(context.rule, channel.subject(), definition, found);
                 *context.coverage -= order.checked;
             }
             order.logged = logged;
@@ -139,7 +141,7 @@ impl Checker for Gaps {
                 }
             }
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, message.location, definition, || {
+            context.violation_of(channel.subject(), message.location, definition, || {
                 let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
                 let period = time_text(period);
                 Detail::new(format!("no message for {pause}, but the period is {period}"))

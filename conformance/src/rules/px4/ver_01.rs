@@ -65,7 +65,7 @@ impl Checker for Versions {
         };
         if version != expected.to_string() && !is_elsewhere() {
             let definition = context.defined(channel.definition);
-            context.violation_of(channel.topic, channel.location, definition, || {
+            context.violation_of(channel.subject(), channel.location, definition, || {
                 Detail::new(format!(
                     "the topic name has version {version}, but {source} has version {expected}"
                 ))

@@ -250,7 +250,7 @@ fn reads_a_version_suffix_unless_a_topic_has_that_name() {
     let result = check_published(&["sonde_v3"]);
     assert_eq!((violated(&result), covered(&result, "PX-VER-01")), (vec![], 1));
     let result = check_published(&["sonde_v3", "sonde_v4"]);
-    let message = "sonde_v4: the topic name has version 4, but the definition has version 3";
+    let message = "/fmu/out/sonde_v4: the topic name has version 4, but the definition has version 3";
     assert_eq!(violated(&result), [("PX-VER-01", message.to_owned())]);
 }
 

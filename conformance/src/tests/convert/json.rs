@@ -305,7 +305,7 @@ fn the_notation_of_bytes_stays_the_same() {
         "px4@1.15",
         "px4@1.17",
     );
-    assert_eq!(report.topics[0].unreadable, 0);
+    assert_eq!(report.topics[0].unreadable, 1);
 }
 
 #[test]
@@ -372,4 +372,27 @@ fn every_part_of_a_truncated_file_is_converted_or_reported() {
         assert_eq!(output.lines().count(), usize::from(cut >= first), "{cut}");
         assert_eq!(report.is_complete(), [first, first + 1].contains(&cut), "{cut}");
     }
+}
+
+/// Both releases define the message alike.
+#[test]
+fn messages_of_unchanged_types_are_read() {
+    let good = message("px4@1.18", "VehicleAttitude");
+    let without = |key: &str| {
+        let mut message: serde_json::Value = serde_json::from_str(&good).expect("JSON");
+        message.as_object_mut().expect("an object").remove(key);
+        message.to_string()
+    };
+    let line = |message: &str| format!("{{\"type\": \"px4/VehicleAttitude\", \"message\": {message}}}\n");
+    let nan = without("delta_q_reset").replacen('{', "{\"delta_q_reset\": [NaN, 1.0, NaN, 0.5], ", 1);
+    let lines: String = [good.clone(), nan, without("q"), good.replacen('{', "{\"winch\": 1, ", 1)]
+        .map(|message| line(&message))
+        .concat();
+    let (report, output) = converted(lines.as_bytes(), "px4@1.18", "px4@1.17");
+    let topic = &report.topics[0];
+    assert_eq!((topic.action, topic.messages, topic.unreadable), (Action::Converted, 4, 2), "{topic:?}");
+    assert!(!report.is_complete());
+    let found: Vec<&str> = output.lines().collect();
+    assert_eq!((found.len(), found[0]), (2, line(&good).trim_end()));
+    assert!(found[1].contains("\"delta_q_reset\":[null,1.0,null,0.5]"), "{}", found[1]);
 }

@@ -88,7 +88,7 @@ fn instances_of_a_topic_have_its_type() {
     let result = check_bytes(published("/fmu/out/glider/1", &wrong).as_bytes());
     assert_eq!(
         violated(&result),
-        [("PX-RANGE-01", "glider.speed: 61 is outside the range 0 to 60".to_owned())]
+        [("PX-RANGE-01", "/fmu/out/glider/1.speed: 61 is outside the range 0 to 60".to_owned())]
     );
 }
 
@@ -108,7 +108,7 @@ fn reads_and_names_the_dialect_of_rosbridge() {
     assert_eq!(dialects, ["base64 for arrays of uint8 (rosbridge)", "numbers for char[N] (ROS 2)"]);
     message["raw"] = json!("AQID");
     let result = check_bytes(published("/glider", &message).as_bytes());
-    assert_eq!(violated(&result), [("PX-ARR-01", "glider.raw: expected 5 elements, found 3".to_owned())]);
+    assert_eq!(violated(&result), [("PX-ARR-01", "/glider.raw: expected 5 elements, found 3".to_owned())]);
 }
 
 #[test]
@@ -141,7 +141,7 @@ fn check_times(topic: &str, times: &[u64]) -> (Vec<(&'static str, String)>, u64)
 #[test]
 fn only_a_single_early_message_has_a_wrong_time() {
     const EPOCH: u64 = 1_700_000_000_000_000;
-    let text = "glider.timestamp: timestamp 50 is earlier than the previous timestamp, 60";
+    let text = "/fmu/out/glider.timestamp: timestamp 50 is earlier than the previous timestamp, 60";
     let wrong = vec![("PX-TIME-01", text.to_owned())];
     assert_eq!(check_times("/fmu/out/glider", &[20, 40, 60, 50, 100]), (wrong, 4));
     // A long pause loses its influence.

@@ -6,6 +6,7 @@ use std::fs;
 use crate::capture::ulog::{Log, Reader};
 use crate::check::{CaptureResult, check_capture, check_json};
 use crate::definitions::Definitions;
+use crate::model::Group;
 use crate::px4::comparison::{Comparison, compare};
 use uavspec_codegen::dynamic::Types;
 
@@ -54,15 +55,22 @@ fn unpad(value: &mut serde_json::Value) {
 fn findings(result: &CaptureResult, topics: &[String]) -> Vec<(&'static str, String, u64, Vec<String>)> {
     let of_both =
         ["PX-ENUM-01", "PX-LEN-01", "PX-NAN-01", "PX-QUEUE-01", "PX-RANGE-01", "PX-STR-01", "PX-TIME-01"];
-    let is_wanted =
-        |subject: &str| topics.iter().any(|topic| Some(topic.as_str()) == subject.split('.').next());
-    let groups = result.findings.groups().filter(|group| is_wanted(&group.subject));
+    // The topics of the JSON messages are `/0/battery_status`.
+    let name = |group: &Group| match group.subject.strip_prefix('/').and_then(|name| name.split_once('/')) {
+        Some((instance, name)) => format!("{name} {instance}"),
+        None => format!("{} {}", group.subject, group.instance.unwrap_or(0)),
+    };
+    let is_wanted = |group: &&Group| {
+        let name = name(group);
+        topics.iter().any(|topic| name.split(['.', ' ']).next() == Some(topic.as_str()))
+    };
+    let groups = result.findings.groups().filter(is_wanted);
     let groups = groups.filter(|group| !matches!(group.rule.id, "PX-BOOL-01" | "PX-FMT-01" | "PX-TIME-02"));
     groups
         .map(|group| {
             assert!(of_both.contains(&group.rule.id), "{group:?}");
             let message = group.examples.iter().map(|(_, detail)| detail.to_string()).collect();
-            (group.rule.id, group.subject.clone(), group.count, message)
+            (group.rule.id, name(group), group.count, message)
         })
         .collect()
 }

@@ -46,7 +46,7 @@ fn longer(change: impl Fn(&mut Glider)) -> Vec<u8> {
 #[test]
 fn reads_differing_schemas_and_checks_common_fields() {
     let result = checked(&longer(|_| ()));
-    let message = "glider: additional fields: number (uint64); its hash differs as well".to_owned();
+    let message = "/glider: additional fields: number (uint64); its hash differs as well".to_owned();
     assert_eq!(violated(&result), [("PX-FMT-01", message.clone())], "the hash is part of the difference");
     assert_eq!((result.checked, result.duration, corrupt_count(&result)), (60, 59 * PERIOD, vec![]));
     let found = differences(&result);
@@ -61,11 +61,11 @@ fn reads_differing_schemas_and_checks_common_fields() {
     }));
     let ids: Vec<(&str, String)> = violated(&result);
     let expected = [
-        ("PX-BOOL-01", "glider.is_landed: expected 0 or 1, found 7"),
+        ("PX-BOOL-01", "/glider.is_landed: expected 0 or 1, found 7"),
         ("PX-FMT-01", message.as_str()),
-        ("PX-RANGE-01", "glider.marks.height: marks[2].height: -501 is outside the range -500 to 9000"),
-        ("PX-RANGE-01", "glider.speed: 61 is outside the range 0 to 60"),
-        ("PX-STR-01", "glider.name: invalid UTF-8 at byte 0"),
+        ("PX-RANGE-01", "/glider.marks.height: marks[2].height: -501 is outside the range -500 to 9000"),
+        ("PX-RANGE-01", "/glider.speed: 61 is outside the range 0 to 60"),
+        ("PX-STR-01", "/glider.name: invalid UTF-8 at byte 0"),
     ];
     assert_eq!(ids, expected.map(|(id, text)| (id, text.to_owned())));
 }
@@ -85,7 +85,7 @@ fn checks_counts_against_the_array_in_the_schema() {
         let found = violated(&checked(&file(&records.concat())));
         let found: Vec<_> = found.into_iter().filter(|(rule, _)| *rule != "PX-FMT-01").collect();
         let message =
-            ("PX-LEN-01", format!("glider.num_marks: {num_marks} exceeds the array length {marks}"));
+            ("PX-LEN-01", format!("/glider.num_marks: {num_marks} exceeds the array length {marks}"));
         assert_eq!(found, if is_violating { vec![message] } else { vec![] }, "{num_marks} of {marks}");
     }
 }
@@ -103,23 +103,23 @@ fn compares_the_topic_version_with_the_schema_in_the_file() {
         (
             "/fmu/out/glider_v2",
             of_version(3),
-            "glider_v2: the topic name has version 2, but its schema has version 3",
+            "/fmu/out/glider_v2: the topic name has version 2, but its schema has version 3",
         ),
         (
             "/fmu/out/glider_v3",
             of_version(2),
-            "glider_v3: the topic name has version 3, but its schema has version 2",
+            "/fmu/out/glider_v3: the topic name has version 3, but its schema has version 2",
         ),
         ("/fmu/out/glider_v2", without.clone(), ""),
         (
             "/fmu/out/glider_v3",
             without,
-            "glider_v3: the topic name has version 3, but the definition has version 2",
+            "/fmu/out/glider_v3: the topic name has version 3, but the definition has version 2",
         ),
         (
             "/fmu/out/glider_v3",
             "int8 a[".to_owned(),
-            "glider_v3: the topic name has version 3, but the definition has version 2",
+            "/fmu/out/glider_v3: the topic name has version 3, but the definition has version 2",
         ),
         ("/fmu/out/glider_v3_1", of_version(3), ""),
         ("/fmu/out/glider_velocity", of_version(2), ""),
@@ -188,7 +188,10 @@ fn checks_incomparable_schemas_by_name() {
         let result = checked(&file(&records.concat()));
         let problem = basis(&result).problem().expect("it can't be compared");
         assert!(problem.starts_with(expected), "{problem}");
-        assert_eq!(violated(&result), [("PX-BOOL-01", "any.is_landed: expected 0 or 1, found 2".to_owned())]);
+        assert_eq!(
+            violated(&result),
+            [("PX-BOOL-01", "/any.is_landed: expected 0 or 1, found 2".to_owned())]
+        );
         assert_eq!(result.checked, 1);
     }
 }
@@ -275,7 +278,7 @@ fn compares_the_declared_parts_of_json_schemas() {
         json!(["timestamp", "speed", "flaps", "mode", "num_marks", "marks", "name"]);
     let result = with(&partly.to_string());
     assert_eq!(differences(&result).optional, ["is_landed"]);
-    assert_eq!(violated(&result), [("PX-FMT-01", "x: fields that aren't required: is_landed".to_owned())]);
+    assert_eq!(violated(&result), [("PX-FMT-01", "/x: fields that aren't required: is_landed".to_owned())]);
 
     for nothing in ["{}", r#"{"type": "object"}"#, "true", "[]", "7", r##"{"$ref": "#"}"##] {
         assert_eq!(basis(&with(nothing)), &Basis::NoSchema, "{nothing}");
@@ -338,7 +341,7 @@ fn checks_the_common_fields_of_json_messages() {
         (Some(json!("fast")), "PX-JSON-02", "expected a number, or null for NaN, found \"fast\""),
         (None, "PX-JSON-01", "the field is missing; expected a number, or null for NaN"),
     ] {
-        assert_eq!(with("speed", value), [(id, format!("glider.speed: {expected}"))]);
+        assert_eq!(with("speed", value), [(id, format!("/glider.speed: {expected}"))]);
     }
 }
 

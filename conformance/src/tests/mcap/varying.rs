@@ -100,7 +100,7 @@ fn strings_with_another_bound_are_a_difference() {
         message(3, &payload),
     ];
     let result = check_mcap(&file(&records.concat())[..], &DEFINITIONS);
-    let expected = "rope: fields of a different type: name (string<=6, defined as string<=4)";
+    let expected = "/tow/rope: fields of a different type: name (string<=6, defined as string<=4)";
     assert_eq!((violated(&result), result.checked), (vec![("PX-FMT-01", expected.to_owned())], 1));
 }
 
@@ -126,20 +126,20 @@ fn each_mutant_violates_its_rule() {
     // The label 😀 has two code units, which are a pair of surrogates.
     let label = at(&[0x3d, 0xd8, 0, 0, 0, 0xde, 0, 0]);
     for (id, payload, message) in [
-        ("PX-BOOL-01", with(knots + 1, 9), "rope.knots: knots[1]: expected 0 or 1, found 9"),
-        ("PX-CDR-02", with(name + 4, b'x'), "rope: name at byte "),
-        ("PX-CDR-02", with(label + 2, 1), "rope: strands[1].label at byte "),
-        ("PX-CDR-02", with(knots - 4, 200), "rope: knots at byte "),
-        ("PX-CDR-02", with(name - 4, 255), "rope: name at byte "),
-        ("PX-ENUM-01", value("/strands/1/kind", json!(2)), "rope.strands.kind: strands[1].kind: 2 "),
-        ("PX-RANGE-01", value("/tension", json!(11.0)), "rope.tension: 11 is outside the range 0 to 10"),
-        ("PX-STR-01", with(name + 1, 0xff), "rope.name: invalid UTF-8 at byte 1"),
-        ("PX-STR-01", with(at(b"mast"), 0xff), "rope.ends: ends[1]: invalid UTF-8 at byte 0"),
-        ("PX-STR-01", with(at(b"blue"), 0xff), "rope.marks: marks[1]: invalid UTF-8 at byte 0"),
+        ("PX-BOOL-01", with(knots + 1, 9), "/tow/rope.knots: knots[1]: expected 0 or 1, found 9"),
+        ("PX-CDR-02", with(name + 4, b'x'), "/tow/rope: name at byte "),
+        ("PX-CDR-02", with(label + 2, 1), "/tow/rope: strands[1].label at byte "),
+        ("PX-CDR-02", with(knots - 4, 200), "/tow/rope: knots at byte "),
+        ("PX-CDR-02", with(name - 4, 255), "/tow/rope: name at byte "),
+        ("PX-ENUM-01", value("/strands/1/kind", json!(2)), "/tow/rope.strands.kind: strands[1].kind: 2 "),
+        ("PX-RANGE-01", value("/tension", json!(11.0)), "/tow/rope.tension: 11 is outside the range 0 to 10"),
+        ("PX-STR-01", with(name + 1, 0xff), "/tow/rope.name: invalid UTF-8 at byte 1"),
+        ("PX-STR-01", with(at(b"mast"), 0xff), "/tow/rope.ends: ends[1]: invalid UTF-8 at byte 0"),
+        ("PX-STR-01", with(at(b"blue"), 0xff), "/tow/rope.marks: marks[1]: invalid UTF-8 at byte 0"),
         (
             "PX-STR-01",
             with(label + 1, 0),
-            "rope.strands.label: strands[1].label: unpaired surrogate at code unit 1",
+            "/tow/rope.strands.label: strands[1].label: unpaired surrogate at code unit 1",
         ),
     ] {
         let found = violated(&checked(&payload));
@@ -174,7 +174,7 @@ fn counts_each_violation_in_a_sequence() {
     assert_eq!(groups.len(), 1);
     assert_eq!(
         (groups[0].rule.id, groups[0].subject.as_str(), groups[0].count),
-        ("PX-BOOL-01", "rope.knots", 2)
+        ("PX-BOOL-01", "/tow/rope.knots", 2)
     );
     let details: Vec<_> =
         groups[0].examples.iter().map(|(_, detail)| (&*detail.path, &*detail.actual)).collect();

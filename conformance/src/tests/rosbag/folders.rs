@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Read;
 use std::path::Path;
 
-use super::{FIXED, assert_same, checked, corrupt, flight, summary, violated};
+use super::{FIXED, LIBRARY, assert_same, checked, corrupt, flight, summary, violated};
 use crate::capture::input::files;
 use crate::check::check_path;
 use crate::fuzzing::bag_file::{Content, metadata};
@@ -176,4 +176,82 @@ fn a_file_of_a_bag_that_grows_while_it_is_read_is_named() {
     assert_eq!((result.records, result.checked), (content.messages.len() as u64, result.records));
     let [reason] = &result.cut_short[..] else { panic!("{:?}", result.cut_short) };
     assert!(reason.starts_with("bag_0.db3: the file grew from "), "{reason}");
+}
+
+/// A bag with a message whose type two distributions define differently, and which states neither a schema nor a hash.
+fn ranges() -> Content {
+    let ty = "sensor_msgs/msg/Range";
+    let empty_header = [&[0; 8][..], &1_u32.to_le_bytes(), &[0; 4]].concat();
+    // Until Humble, the message has no variance.
+    let payload = [&[0, 1, 0, 0][..], &empty_header, &[0; 16]].concat();
+    Content {
+        definitions: Vec::new(),
+        topics: vec![(1, ["/range", ty, "cdr", ""].map(str::to_owned))],
+        messages: vec![(1, 1, payload)],
+    }
+}
+
+/// The release that a capture is checked against, and the number of checked messages.
+fn release(path: &Path) -> (String, u64) {
+    let result = check_path(path, None, &LIBRARY, &|input| input).expect("a capture").result;
+    let releases: Vec<String> = result.summary.releases().iter().map(|found| found.release.clone()).collect();
+    (releases.join(" "), result.checked)
+}
+
+#[test]
+fn a_bag_may_state_its_distribution() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    let content = ranges();
+    let states = |distribution: &str, yaml: &str| {
+        let path = path(&format!("{distribution}{}.db3", yaml.len()));
+        content.write(&path);
+        let bag = rusqlite::Connection::open(&path).expect("a database");
+        bag.execute("UPDATE schema SET ros_distro = ?1", [distribution]).expect("a row");
+        bag.execute_batch("CREATE TABLE metadata(id INTEGER PRIMARY KEY, metadata TEXT NOT NULL)")
+            .expect("a table");
+        bag.execute("INSERT INTO metadata VALUES (NULL, ?1)", [yaml]).expect("a row");
+        release(&path)
+    };
+    assert_eq!(states("humble", ""), ("ros2@humble".to_owned(), 1));
+    assert_eq!(states("", "version: 6\nros_distro: humble\n"), ("ros2@humble".to_owned(), 1));
+    assert_eq!(states("", "").1, 0);
+    // The folder of a bag states it in `metadata.yaml`.
+    let bag = path("bag");
+    fs::create_dir(&bag).expect("a folder");
+    content.write(&bag.join("a.db3"));
+    rusqlite::Connection::open(bag.join("a.db3"))
+        .and_then(|bag| bag.execute_batch("UPDATE schema SET ros_distro = ''"))
+        .expect("a database");
+    for (distribution, expected) in [("humble", 1), ("unknown", 0)] {
+        let text = metadata("sqlite3", &["a.db3"], 1).replace("jazzy", distribution);
+        fs::write(bag.join("metadata.yaml"), text).expect("a file");
+        assert_eq!(release(&bag).1, expected, "{distribution}");
+    }
+}
+
+#[test]
+fn an_mcap_file_may_state_its_distribution() {
+    let pair = |key: &str, value: &str| [mcap::text(key.as_bytes()), mcap::text(value.as_bytes())].concat();
+    let record = |key: &str, value: &str| {
+        mcap::record(0x0c, &[&mcap::text(b"rosbag2"), &mcap::text(&pair(key, value))])
+    };
+    let (_, _, payload) = &ranges().messages[0];
+    let data = [
+        mcap::schema(1, "sensor_msgs/msg/Range", "ros2msg", b""),
+        mcap::channel(1, 1, "/range", "cdr", &[]),
+        mcap::message(1, payload),
+    ]
+    .concat();
+    let humble = record("serialized_metadata", "version: 8\nros_distro: humble\n");
+    let other = record("ROS_DISTRO", "humble");
+    let unknown = record("serialized_metadata", "version: 8\nros_distro: \"\"\n");
+    for (before, after, expected) in
+        [(&humble, &unknown, 1), (&unknown, &humble, 1), (&other, &unknown, 1), (&unknown, &unknown, 0)]
+    {
+        let bytes = mcap::file(&[&before[..], &data, &after[..]].concat());
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("a.mcap"), bytes).expect("a file");
+        assert_eq!(release(&folder.path().join("a.mcap")).1, expected);
+    }
 }

@@ -102,6 +102,7 @@ fn summaries(text: &str) -> Vec<Summary> {
         messages: 1,
         other_cdr: 1,
         has_other_hash: false,
+        remark: Some(name()),
         status,
         release: Some(name()),
         rate: Some(1.0),

@@ -202,7 +202,7 @@ impl<'d> Known<'d> {
                 findings.cover(rule, count * times);
             }
             for (rule, subject, count) in &outcome.violations {
-                findings.count(rule, subject, count * times);
+                findings.count(rule, subject, None, count * times);
             }
         }
     }
