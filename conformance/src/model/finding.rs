@@ -396,6 +396,28 @@ mod tests {
         findings.groups().flat_map(Group::messages).collect()
     }
 
+    /// Texts are made for a limited number of findings.
+    #[test]
+    fn findings_of_a_settled_group_are_only_counted() {
+        let rule = rule("PX-BOOL-01").expect("a rule");
+        let mut findings = reported(&["odd 2", "odd 3", "odd 4"]);
+        let mut described = 0;
+        let mut report = |findings: &mut Findings| {
+            findings.report(rule, "glider.is_landed", Location::Line(9), None, || {
+                described += 1;
+                Detail::new("odd 5")
+            });
+        };
+        report(&mut findings);
+        assert!(findings.settle(rule, "glider.is_landed"));
+        (0..10_000).for_each(|_| report(&mut findings));
+        findings.count(rule, "glider.is_landed", 7);
+        assert_eq!((described, findings.groups().map(|group| group.count).sum::<u64>()), (1, 10_011));
+        // No start is common to all messages, because some are unknown.
+        assert_eq!(messages_of(&findings), ["odd 2", "odd 3", "odd 4", ""]);
+        assert!(!findings.settle(rule, "glider.mode"));
+    }
+
     #[test]
     fn the_number_of_groups_is_limited_and_no_violation_is_lost() {
         use crate::rules::RULES;

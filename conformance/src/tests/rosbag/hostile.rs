@@ -112,7 +112,7 @@ fn a_flipped_bit_hides_no_message() {
     let intact = checked_bytes(&bytes);
     assert_eq!((intact.extent, intact.records), (Extent::Whole, 60));
     let mut random = Random(19);
-    for _ in 0..extent(8_000, 600) {
+    for _ in 0..extent(4_000, 200) {
         let mut flipped = bytes.clone();
         let at = random.index(bytes.len());
         flipped[at] ^= 1 << random.below(8);
