@@ -20,9 +20,9 @@ mod located;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use self::built_in::BuiltIn;
 #[cfg(feature = "lsp")]
 pub(crate) use self::config::PlannedPackage;
-use self::built_in::BuiltIn;
 pub(crate) use self::config::{Config, Inputs, Plan};
 pub(crate) use self::dialect::detected;
 pub use self::discovery::{FoundPackage, find_packages, package_name};

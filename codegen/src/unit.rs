@@ -325,12 +325,31 @@ mod tests {
     #[test]
     fn knows_units_with_prefixes_and_combined_units() {
         for unit in [
-            "mW", "mrad", "kN", "uA", "µV", "mOhm", "GPa", "kVA", "cd", "lm", "kg*m^2", "Nm/A", "V/(m/s)", "1/m^2",
-            "W/m²", "rad/s/V", "(deg/s)^2", "m^-1", "mol/m^3",
+            "mW",
+            "mrad",
+            "kN",
+            "uA",
+            "µV",
+            "mOhm",
+            "GPa",
+            "kVA",
+            "cd",
+            "lm",
+            "kg*m^2",
+            "Nm/A",
+            "V/(m/s)",
+            "1/m^2",
+            "W/m²",
+            "rad/s/V",
+            "(deg/s)^2",
+            "m^-1",
+            "mol/m^3",
         ] {
             assert!(is_known(unit), "{unit}");
         }
-        for text in ["", "parsec", "m/parsec", "m/", "/s", "m^", "m^x", "(m", "((m))", "m s", "mgA", "1/", "m//s"] {
+        for text in
+            ["", "parsec", "m/parsec", "m/", "/s", "m^", "m^x", "(m", "((m))", "m s", "mgA", "1/", "m//s"]
+        {
             assert!(!is_known(text), "{text}");
         }
         assert_eq!(lookup("mW").map(|unit| (unit.symbol, unit.name)), Some(("mW", "milliwatts")));

@@ -329,7 +329,10 @@ fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -
         terminal::eprintln!("warning: {file} is left out: it refers to a package that isn't in the folder");
     }
     if library.has_built_in_packages() {
-        terminal::eprintln!("note: the built-in definitions of ROS 2 fill the packages that {} lacks", library.name());
+        terminal::eprintln!(
+            "note: the built-in definitions of ROS 2 fill the packages that {} lacks",
+            library.name()
+        );
     }
     Ok(library.with_schemas(Arc::new(load_schemas(schemas)?)))
 }

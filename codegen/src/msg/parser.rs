@@ -5,8 +5,8 @@ mod value;
 
 use uavspec_runtime::Scalar;
 
-pub(crate) use self::separator::is_separator;
 use self::separator::ROSIDL;
+pub(crate) use self::separator::is_separator;
 use super::annotation;
 use super::ast::{Comment, Definition, Element, Item, Line, Name, Part, Shape, Type};
 use super::kind::{Dialect, Kind};
@@ -129,7 +129,11 @@ impl<'s> LineParser<'s, '_> {
         if self.dialect == Dialect::Ros2 && self.at > 0 && !self.is_at_end() {
             let text = self.line.split('#').next().unwrap_or(self.line).trim_end().to_owned();
             let problem = Problem::NotPortable { tool: ROSIDL, text, instead: Some(String::new()) };
-            self.report_with(problem, self.span.part(0..self.at), "remove the spaces at the start of the line");
+            self.report_with(
+                problem,
+                self.span.part(0..self.at),
+                "remove the spaces at the start of the line",
+            );
         }
     }
 

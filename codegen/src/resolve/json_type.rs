@@ -19,8 +19,7 @@ use crate::schema::json_type::{
 use crate::schema::{Docs, Stated};
 use crate::source::Span;
 use crate::table::type_table::{
-    self, Body, Definitions, Direction, ExpressionKind, MessageDefinition, PartDefinition,
-    TypeDefinition,
+    self, Body, Definitions, Direction, ExpressionKind, MessageDefinition, PartDefinition, TypeDefinition,
 };
 use crate::table::{Page, Text, type_table::Expression as Written};
 

@@ -85,8 +85,7 @@ impl<'s> Resolver<'s> {
         let id = self.by_name.get(&(*self.package_by_name.get(package)?, name)).copied()?;
         let full = format!("{package}/{name}");
         let hint = format!("write `{full}`");
-        let problem =
-            Problem::NotPortable { tool: "rosidl", text: short.to_owned(), instead: Some(full) };
+        let problem = Problem::NotPortable { tool: "rosidl", text: short.to_owned(), instead: Some(full) };
         self.report(Diagnostic::new(problem, span.part(0..short.len())).with_hint(hint));
         Some(id)
     }

@@ -608,7 +608,10 @@ fn real_logs_have_the_known_results() {
                     || matches!(group.rule.id, "PX-TIME-02" | "PX-QUEUE-01");
                 assert!(is_known, "{}: {group:?}", path.display());
                 if group.subject == "battery_status.max_error" {
-                    assert!(group.messages().iter().all(|text| text.starts_with("0 is outside")), "{group:?}");
+                    assert!(
+                        group.messages().iter().all(|text| text.starts_with("0 is outside")),
+                        "{group:?}"
+                    );
                     odd += group.count;
                 }
             }

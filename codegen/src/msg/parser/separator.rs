@@ -32,11 +32,8 @@ pub(super) fn check(line: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
         text: line.to_owned(),
         instead: (!has_comment).then(|| SEPARATOR.to_owned()),
     };
-    let hint = if has_comment {
-        "move the comment to a separate line"
-    } else {
-        "remove the spaces after `---`"
-    };
+    let hint =
+        if has_comment { "move the comment to a separate line" } else { "remove the spaces after `---`" };
     diagnostics.push(Diagnostic::new(problem, span).with_hint(hint));
 }
 

@@ -96,9 +96,8 @@ fn shifted(base: &str, shift: &str) -> Result<Value, LiteralError> {
 fn is_numeric(text: &str) -> bool {
     let unsigned = text.trim_start_matches(['+', '-', '\u{2212}', '(', '~', ' ']);
     let is_based = ["0x", "0X", "0b", "0B", "0o", "0O"].iter().any(|base| unsigned.starts_with(base));
-    let is_part = |c: char| {
-        c.is_ascii_hexdigit() || is_operator(c) || matches!(c, 'x' | 'X' | '.' | '-' | ' ' | '+')
-    };
+    let is_part =
+        |c: char| c.is_ascii_hexdigit() || is_operator(c) || matches!(c, 'x' | 'X' | '.' | '-' | ' ' | '+');
     is_number(text)
         || unsigned.starts_with(|c: char| c.is_ascii_digit())
             && (is_based || text.len() > unsigned.len() || text.contains(is_operator))
@@ -109,8 +108,23 @@ fn is_numeric(text: &str) -> bool {
 fn is_operator(character: char) -> bool {
     matches!(
         character,
-        '<' | '>' | '*' | '^' | '|' | '&' | '~' | '(' | ')' | ',' | '_' | '\u{d7}' | '\u{2212}' | '\u{b2}'
-            | '\u{b3}' | '\u{b9}' | '\u{2070}' | '\u{2074}'..='\u{2079}' | '\u{207b}'
+        '<' | '>'
+            | '*'
+            | '^'
+            | '|'
+            | '&'
+            | '~'
+            | '('
+            | ')'
+            | ','
+            | '_'
+            | '\u{d7}'
+            | '\u{2212}'
+            | '\u{b2}'
+            | '\u{b3}'
+            | '\u{b9}'
+            | '\u{2070}'
+            | '\u{2074}'..='\u{2079}' | '\u{207b}'
     )
 }
 
@@ -119,10 +133,8 @@ mod tests {
     use super::*;
 
     fn set(values: &[&str]) -> (SetValues, Vec<&'static str>) {
-        let entries: Vec<Entry<'_>> = values
-            .iter()
-            .map(|value| Entry { value, span: Span::default(), description: "" })
-            .collect();
+        let entries: Vec<Entry<'_>> =
+            values.iter().map(|value| Entry { value, span: Span::default(), description: "" }).collect();
         let mut diagnostics = Vec::new();
         let found = super::values("Flag", &entries, Span::default(), &mut diagnostics);
         (found, diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect())
@@ -154,12 +166,31 @@ mod tests {
     #[test]
     fn other_numbers_are_errors() {
         for text in [
-            "0.5", "1.0", "1e3", "-0.5", ".5", "2^3", "2**3", "2\u{2076}\u{b3}", "1 << -1", "1 << 0.5", "1,000", "0x",
-            "1 | 2", "(1)", "~1", "\u{2212}1", "1__0", "4 >> 1", "1 <<",
+            "0.5",
+            "1.0",
+            "1e3",
+            "-0.5",
+            ".5",
+            "2^3",
+            "2**3",
+            "2\u{2076}\u{b3}",
+            "1 << -1",
+            "1 << 0.5",
+            "1,000",
+            "0x",
+            "1 | 2",
+            "(1)",
+            "~1",
+            "\u{2212}1",
+            "1__0",
+            "4 >> 1",
+            "1 <<",
         ] {
             assert_eq!(set(&[text]).1, ["invalid-literal"], "{text}");
         }
-        for text in ["9223372036854775808", "-9223372036854775809", "0xffffffffffffffff", "1 << 63", "1 << 200"] {
+        for text in
+            ["9223372036854775808", "-9223372036854775809", "0xffffffffffffffff", "1 << 63", "1 << 200"]
+        {
             assert_eq!(set(&[text]).1, ["constant-out-of-range"], "{text}");
         }
     }
@@ -167,7 +198,19 @@ mod tests {
     #[test]
     fn names_and_quoted_values_are_strings() {
         for text in [
-            "good", "3d", "2.4GHz", "1st", "1-5", "2026-01-31", "1.2.3", "16-bit", "<none>", "a << b", "inf", "0", "1.5",
+            "good",
+            "3d",
+            "2.4GHz",
+            "1st",
+            "1-5",
+            "2026-01-31",
+            "1.2.3",
+            "16-bit",
+            "<none>",
+            "a << b",
+            "inf",
+            "0",
+            "1.5",
         ] {
             let quoted = format!("\"{text}\"");
             let written = if matches!(text, "0" | "1.5") { quoted.as_str() } else { text };

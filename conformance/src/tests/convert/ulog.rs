@@ -48,7 +48,8 @@ fn differing(found: &Checked) -> Vec<&str> {
 /// between releases.
 fn violations(found: &Checked) -> BTreeSet<(&str, String)> {
     let groups = found.result.findings.groups();
-    let groups = groups.filter(|group| !["PX-ENUM-01", "PX-QUEUE-01", "PX-RANGE-01"].contains(&group.rule.id));
+    let groups =
+        groups.filter(|group| !["PX-ENUM-01", "PX-QUEUE-01", "PX-RANGE-01"].contains(&group.rule.id));
     groups.map(|group| (group.rule.id, group.subject.clone())).collect()
 }
 
