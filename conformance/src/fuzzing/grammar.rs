@@ -8,7 +8,7 @@ const MAX_DEPTH: usize = 12;
 /// The maximum length of a text, in bytes.
 const MAX_TEXT: usize = 20_000;
 
-/// The alternatives by name. The first name is the start. `<name>` in an alternative stands for a text with this name.
+/// The alternatives by name. The first name is the start. In an alternative, a text with this name replaces `<name>`.
 /// The first alternative of each name must end.
 pub(super) struct Grammar(pub &'static [(&'static str, &'static [&'static str])]);
 
