@@ -7,7 +7,6 @@ pub(crate) mod bag_file;
 mod bag_metadata;
 mod captures;
 mod conversions;
-mod grammar;
 mod lists;
 #[cfg(feature = "schemas")]
 mod schemas;
@@ -47,9 +46,6 @@ pub const TARGETS: &[Target] = &[
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },
     Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
     Target { name: "known-failures", check: lists::known_failures, seeds: lists::known_failure_seeds },
-    Target { name: "known-failure-lists", check: lists::assembled, seeds: grammar::seeds },
-    #[cfg(feature = "schemas")]
-    Target { name: "body-schema-keywords", check: schemas::assembled, seeds: grammar::seeds },
     #[cfg(feature = "schemas")]
     Target { name: "body-schema", check: schemas::body_schema, seeds: schemas::body_schema_seeds },
     Target { name: "http", check: transports::http, seeds: transports::http_seeds },

@@ -233,20 +233,6 @@ fn reports_the_case_that_hangs() {
     assert!(matches!(verdict, Verdict::TimedOut { .. }), "{verdict:?}");
 }
 
-/// Each case costs a whole time limit, so a run of all cases would take hours.
-#[test]
-fn gives_up_on_a_testee_that_hangs_in_every_case() {
-    let selected = &all_cases()[..100];
-    let outcome = patiently(|clock| {
-        run_cases(selected, &Options { max_silences: 3, ..impatient(&["hang"], clock) })
-    });
-    let why = outcome.gave_up.as_deref();
-    assert_eq!(why, Some("gave up after the testee stopped responding 3 times"));
-    let counts = outcome.counts();
-    assert_eq!((counts.failed, counts.not_run), (2, 98), "the first silence has many pending requests");
-    assert_eq!(outcome.restarts, 2);
-}
-
 #[test]
 fn reports_the_case_with_an_endless_line() {
     let (verdict, _) = culprit("endless", options);

@@ -103,7 +103,7 @@ pub(super) struct TestArgs {
     ///
     /// The run ends after this many successive restarts of a process without an identified cause. Each of the parallel
     /// --jobs counts its own restarts. A case that crashes the testee costs one restart. A case that hangs also costs the
-    /// time of --timeout. The run also ends after the testee stopped responding ten times.
+    /// time of --timeout. Parallel --jobs reduce the total time.
     #[arg(long, value_name = "N", default_value = "20")]
     max_restarts: u32,
     /// Number of parallel processes.

@@ -1,6 +1,5 @@
 //! The target for baselines.
 
-use super::grammar::Grammar;
 use crate::check::known::{Checked, ListError, Lists, Name, Outcome, Scope};
 use crate::model::Date;
 use crate::rules::px4;
@@ -46,70 +45,6 @@ pub(super) fn known_failures(data: &[u8]) {
         assert!(left.iter().all(|stale| !stale.is_fixable()), "{left:?} is left");
     }
 }
-
-/// Reads a list of keys and values that occur in lists.
-pub(super) fn assembled(data: &[u8]) {
-    known_failures(GRAMMAR.text(data).as_bytes());
-}
-
-/// Lists, some of them with mistakes.
-const GRAMMAR: Grammar = Grammar(&[
-    ("list", &["<entry>", "<entry><list>", "# <text>\n<list>", "<head> <list>"]),
-    ("entry", &["<head>\n<members>\n", "<head> # <text>\r\n<members>", "<members>"]),
-    ("head", &["[[known]]", "[[flaky]]", "[known]", "[[ known ]]", "[[known.more]]", "[[other]]"]),
-    (
-        "members",
-        &["reason = <string>\n", "<member>\n<members>", "<member>\n\n<members>", "<member>, <members>"],
-    ),
-    (
-        "member",
-        &[
-            "case = <string>",
-            "rule = \"PX-DATA-01\"",
-            "rule = <string>",
-            "subject = <string>",
-            "file = <string>",
-            "message = <string>",
-            "link = <string>",
-            "expires = <date>",
-            "case = [<string>, <string>]",
-            "case.reason = <string>",
-            "<text> = <string>",
-        ],
-    ),
-    ("string", &["\"<text>\"", "'<text>'", "\"\"\"<text>\"\"\"", "<date>", "\"", "true"]),
-    (
-        "text",
-        &[
-            "decode-cdr/px4/Event/*",
-            "*",
-            "**/<text>",
-            "[<text>",
-            "{a,<text>}",
-            "event",
-            "a/b.ulg",
-            "/flaps/0",
-            "\\u00e9\\U0010ffff",
-            "\u{1F6F8}",
-            "\\x",
-            "?",
-            "",
-        ],
-    ),
-    (
-        "date",
-        &[
-            "2027-06-30",
-            "2020-02-29",
-            "2021-02-29",
-            "0000-00-00",
-            "2026-05-09T00:00:00Z",
-            "07:32:00",
-            "9999-12-31",
-            "1e400",
-        ],
-    ),
-]);
 
 fn failure() -> Outcome {
     Outcome::Failed(vec!["/flaps/0: expected NaN".to_owned()])

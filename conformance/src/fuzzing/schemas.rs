@@ -2,12 +2,10 @@
 
 use std::fs;
 
-use serde_json::Value;
 use uavspec_codegen::schema::json_type::Direction;
 use uavspec_codegen::terminal::shown;
 
 use super::DEFINITIONS;
-use super::grammar::Grammar;
 use crate::flockwave::body_schema::Schemas;
 use crate::json::Tree;
 
@@ -49,83 +47,6 @@ fn loaded(data: &[u8]) -> Option<Schemas> {
         }
     }
 }
-
-/// Loads a schema that consists of keywords, and compares the result with the compiler's own reading of references.
-pub(super) fn assembled(data: &[u8]) {
-    let text = GRAMMAR.text(data);
-    body_schema(text.as_bytes());
-    let value: Value = serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error}: {text}"));
-    let Some(schemas) = loaded(text.as_bytes()) else { return };
-    let has_address = ["$id", "$schema", ".json"].iter().any(|word| text.contains(word));
-    let expected = jsonschema::validator_for(&value).ok().filter(|_| !has_address);
-    let Some(expected) = expected else { return };
-    for body in BODIES {
-        let tree = Tree::read(body).unwrap_or_else(|error| panic!("{error:?}"));
-        let deviations = schemas.check(TYPE, Direction::Response, &tree).unwrap_or_default();
-        let is_valid = expected.is_valid(&serde_json::from_str(body).unwrap_or_default());
-        assert_eq!(deviations.is_empty(), is_valid, "{text}: {body}: {deviations:?}");
-    }
-}
-
-/// Schemas of the draft 2020-12, with references, anchors and ids.
-const GRAMMAR: Grammar = Grammar(&[
-    ("root", &["{<members>}", "{\"$defs\":{\"a\":<schema>,\"b\":<schema>},<members>}", "<schema>"]),
-    ("schema", &["true", "{}", "{<members>}", "{<members>}", "false"]),
-    ("members", &["<member>", "<member>,<members>"]),
-    (
-        "member",
-        &[
-            "\"type\":<type>",
-            "\"$ref\":<reference>",
-            "\"allOf\":[<schema>,<schema>]",
-            "\"anyOf\":[<schema>,<schema>]",
-            "\"oneOf\":[<schema>,<schema>]",
-            "\"not\":<schema>",
-            "\"if\":<schema>,\"then\":<schema>,\"else\":<schema>",
-            "\"properties\":{\"lift\":<schema>,\"ids\":<schema>,\"at\":<schema>}",
-            "\"patternProperties\":{\"^l\":<schema>}",
-            "\"additionalProperties\":<schema>",
-            "\"unevaluatedProperties\":<schema>",
-            "\"items\":<schema>",
-            "\"prefixItems\":[<schema>]",
-            "\"contains\":<schema>,\"maxContains\":1",
-            "\"propertyNames\":<schema>",
-            "\"dependentSchemas\":{\"lift\":<schema>}",
-            "\"dependentRequired\":{\"lift\":[\"at\"]}",
-            "\"required\":[\"lift\"]",
-            "\"const\":{\"$ref\":\"#/none\"}",
-            "\"enum\":[1,2.5,\"kite\",{\"$ref\":<reference>}]",
-            "\"minimum\":0,\"exclusiveMaximum\":3",
-            "\"maxLength\":3,\"pattern\":\"^k\"",
-            "\"uniqueItems\":true,\"maxItems\":1",
-            "\"minProperties\":2",
-            "\"default\":{\"$ref\":\"#/none\"}",
-            "\"$anchor\":\"top\"",
-            "\"$dynamicAnchor\":\"top\"",
-            "\"$dynamicRef\":<reference>",
-            "\"$id\":\"Glider\"",
-            "\"$schema\":\"http://json-schema.org/draft-07/schema#\"",
-            "\"definitions\":{\"old\":{\"exclusiveMinimum\":true}}",
-            "\"exclusiveMinimum\":true",
-        ],
-    ),
-    ("type", &["\"object\"", "\"number\"", "[\"array\",\"string\"]", "\"null\"", "\"altitude\""]),
-    (
-        "reference",
-        &[
-            "\"#/$defs/a\"",
-            "\"#/$defs/b\"",
-            "\"#\"",
-            "\"#top\"",
-            "\"#/%24defs/a\"",
-            "\"#/properties/lift\"",
-            "\"#/allOf/1\"",
-            "\"SOAR-INF.json#/$defs/b\"",
-            "\"Glider\"",
-            "\"#/none\"",
-        ],
-    ),
-]);
 
 pub(super) fn body_schema_seeds() -> Vec<Vec<u8>> {
     [

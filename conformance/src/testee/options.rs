@@ -23,8 +23,6 @@ pub struct Options {
     pub jobs: usize,
     /// The maximum number of consecutive restarts of one job without finding a case that crashes the testee by itself.
     pub max_restarts: u32,
-    /// The maximum number of times that the testee stops responding, in all jobs. Each takes a whole time limit.
-    pub max_silences: u32,
     /// The maximum length of a line, in bytes.
     pub line_limit: usize,
     /// The clock of the time limits. The run only reads it, so another thread must move simulated time.
@@ -42,7 +40,6 @@ impl Options {
             start_timeout: Duration::from_secs(30),
             jobs: 1,
             max_restarts: 20,
-            max_silences: 10,
             line_limit: LINE_LIMIT,
             clock: Clock::real(),
         }

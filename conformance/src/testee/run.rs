@@ -86,8 +86,6 @@ struct State {
     verdicts: Vec<(usize, Verdict)>,
     protocol_remarks: ProtocolRemarks,
     restarts: u32,
-    /// The number of times that a process stopped responding.
-    silences: u32,
     gave_up: Option<String>,
 }
 
@@ -290,9 +288,6 @@ impl<'s, 'r> Worker<'s, 'r> {
     fn process_ended(&mut self, end: End) {
         let Some(mut link) = self.link.take() else { return };
         let stderr = link.kill();
-        if matches!(end, End::Silent) {
-            self.count_silence();
-        }
         if let (1, 1, Some(id)) = (self.pending.len(), self.num_sent, self.pending.front().copied()) {
             self.pending.clear();
             let after = self.shared.options.timeout;
@@ -314,17 +309,6 @@ impl<'s, 'r> Worker<'s, 'r> {
         };
         self.suspicion = Some(format!("{how} with {} pending requests", self.pending.len()));
         self.pending.drain(..).rev().for_each(|id| self.suspects.push_front(id));
-    }
-
-    /// Gives up if the testee has stopped responding too often: most of the other cases would take as long.
-    fn count_silence(&mut self) {
-        let limit = self.shared.options.max_silences;
-        let mut state = self.shared.state();
-        state.silences += 1;
-        if state.silences >= limit {
-            let why = format!("gave up after the testee stopped responding {limit} times");
-            state.gave_up.get_or_insert(why);
-        }
     }
 
     /// Closes standard input, and checks that the testee ends properly.

@@ -60,7 +60,7 @@ impl UnreadTimes {
         self.count += 1;
     }
 
-    /// The line of a report, if there are such times.
+    /// The line of a report. `None` if all times can be read.
     fn line(&self) -> Option<Line> {
         let text = format!(
             "{} can't be read, so these records have no time: expected seconds since 1970, or a date with a time zone, \

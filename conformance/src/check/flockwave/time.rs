@@ -23,7 +23,8 @@ pub(super) fn seconds(value: &Tree<'_>) -> Option<f64> {
 
 /// A time in seconds since 1970, from a number of seconds, milliseconds, microseconds or nanoseconds.
 pub(super) fn of_number(value: f64) -> Option<f64> {
-    let is_plausible = |seconds: &f64| (0.0..TOO_LATE).contains(seconds);
+    // Small negative numbers would be rounded to 0.
+    let is_plausible = |seconds: &f64| value >= 0.0 && *seconds < TOO_LATE;
     // A float can't hold nanoseconds since 1970, but microseconds.
     let smaller = UNITS.into_iter().map(|unit| (value / unit * 1e6).round() / 1e6);
     std::iter::once(value).chain(smaller).find(is_plausible)
