@@ -308,9 +308,13 @@ fn print_unknown_rule(problem: &str, id: &str) {
 
 /// The command line of this run, without secrets.
 fn command() -> String {
-    let arguments = std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned());
-    let arguments = shown_words(arguments);
+    let arguments = words();
     command_line(["uavspec"].into_iter().chain(arguments.iter().map(String::as_str)))
+}
+
+/// The arguments of the command line, without secrets.
+fn words() -> Vec<String> {
+    shown_words(std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()))
 }
 
 /// Loads the definitions at a path, or the built-in definitions. Errors are printed.

@@ -41,5 +41,6 @@ pub use self::finding::{Findings, Group, Verdict};
 pub use self::reason::Reason;
 pub(crate) use self::record::{Channel, Message};
 pub use self::record::{Extent, Location};
+pub(crate) use self::rule::DISPUTED;
 pub use self::rule::{Level, Rule, Status};
 pub(crate) use self::subject::SubjectName;

@@ -37,6 +37,7 @@ mod commands;
 mod connections;
 mod coverage;
 mod landing;
+mod on_crash;
 mod options;
 mod selection;
 mod session;
@@ -73,8 +74,9 @@ use crate::flockwave::transport::endpoint::Endpoint;
 use crate::flockwave::transport::secrets::Secrets;
 use crate::json::base64;
 use crate::model::Rule;
-use crate::rules::flockwave::trial::{Attempt, Request};
+use crate::rules::flockwave::trial::{AFTER_REQUEST, Attempt, Request};
 use crate::rules::flockwave::{BEFORE_LOGIN, FlockwaveRule, env_07, sio_01, udp_02};
+use crate::text::shown;
 
 /// The time limit for connecting. Until then, refused connections are retried, because the server may be starting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
@@ -177,6 +179,7 @@ fn probe_through<'d>(
         requests: 0,
         silences: 0,
         stops: 0,
+        is_refused: false,
         slowest: Duration::ZERO,
         end: options.clock.now() + options.limit + options.observe,
         flights: BTreeMap::new(),
@@ -239,6 +242,8 @@ struct Probe<'p, 'd> {
     silences: u32,
     /// The number of times that the server stopped serving.
     stops: u32,
+    /// True if a new connection failed while the probe waited for the server.
+    is_refused: bool,
     /// The longest time that the server has taken to answer.
     slowest: Duration,
     /// The time after which no further requests are sent.
@@ -333,7 +338,10 @@ impl Probe<'_, '_> {
             self.tape.forget();
             self.sleep(PAUSE);
         }
-        self.failure = Some(if self.tape.is_identified() {
+        let refused = self.session.as_ref().filter(|session| session.is_refused_login());
+        self.failure = Some(if let Some(why) = refused.and_then(Session::trouble) {
+            why
+        } else if self.tape.is_identified() {
             "the server doesn't answer".to_owned()
         } else {
             format!("this is not a Flockwave server: {}", self.why_unknown())
@@ -372,13 +380,7 @@ impl Probe<'_, '_> {
         let is_over = self.stop.is_requested() || self.unsent != (0, 0);
         let rest = self.cut_short.as_deref().or(is_over.then_some(reason)).or(self.failure.as_deref());
         let rest = rest.unwrap_or("not selected").to_owned();
-        if self.unsent != (0, 0) {
-            let (requests, trials) = self.unsent;
-            let unsent = format!("{} and {}", plural(requests, "request"), plural(trials as u64, "trial"));
-            self.cut_short.get_or_insert(format!("{reason}: {unsent} were not sent"));
-        } else if self.stop.is_requested() {
-            self.cut_short.get_or_insert(reason.to_owned());
-        }
+        self.count_unsent(reason);
         let hidden = |text: String| self.secrets.hide(&text).into_owned();
         let danger = self.danger().map(hidden);
         let (mut result, unrecorded) = self.tape.finish();
@@ -388,6 +390,18 @@ impl Probe<'_, '_> {
         let (failure, cut_short) = (self.failure.map(hidden), self.cut_short.map(hidden));
         let left_out = self.left_out.map(hidden);
         Probed { result, requests, notes, failure, cut_short, left_out, unrecorded, danger }
+    }
+
+    /// Adds the numbers of requests and trials that were not sent to the reason for the early end.
+    fn count_unsent(&mut self, reason: &str) {
+        if self.unsent != (0, 0) {
+            let (requests, trials) = self.unsent;
+            let unsent = format!("{} and {}", plural(requests, "request"), plural(trials as u64, "trial"));
+            let reason = self.cut_short.take().unwrap_or_else(|| reason.to_owned());
+            self.cut_short = Some(format!("{reason}: {unsent} were not sent"));
+        } else if self.stop.is_requested() {
+            self.cut_short.get_or_insert(reason.to_owned());
+        }
     }
 
     /// Sends a request on the survey's connection, and waits for the answer. A missing answer violates a rule.
@@ -419,6 +433,7 @@ impl Probe<'_, '_> {
             return None;
         }
         if !self.ensure_connected() {
+            self.unsent.0 += 1;
             return None;
         }
         let id = self.next_id();
@@ -443,18 +458,20 @@ impl Probe<'_, '_> {
     fn unanswered(&mut self, type_name: &str) {
         self.silences += 1;
         let is_open = self.session.as_ref().is_some_and(|session| !session.is_over());
-        if !is_open
+        if self.stop.is_due()
+            || is_open && self.post(&json!({ "type": "SYS-VER" }), None, self.patience()).is_some()
             || self.stop.is_due()
-            || self.post(&json!({ "type": "SYS-VER" }), None, self.patience()).is_some()
         {
             return;
         }
-        if self.stop.is_due() {
+        if is_open {
+            self.note(format!("a connection stopped answering after {type_name}; the probe connected again"));
+            self.leave();
+        } else if !self.stop.commanded().is_safe() {
+            // Landing needs a connection at once.
             return;
         }
-        self.note(format!("a connection stopped answering after {type_name}; the probe connected again"));
-        self.leave();
-        self.recover(&format!("after a request: {type_name}"));
+        self.recover(&format!("{AFTER_REQUEST}{type_name}"));
     }
 
     /// Sends a request, and waits for its answer.
@@ -508,9 +525,9 @@ impl Probe<'_, '_> {
         let answer = self.post(&body, Some(plain()), self.patience());
         self.coverage.sent("AUTH-REQ", answer.as_ref());
         let is_accepted = answer.as_ref().is_some_and(|answer| answer["body"]["result"] == true);
-        if answer.is_some() && !is_accepted {
+        if let Some(answer) = answer.filter(|_| !is_accepted) {
             // Further attempts could lock the account.
-            self.cut_short("the server refused the login".to_owned());
+            self.cut_short(refused_login(&answer));
         }
         is_accepted
     }
@@ -561,6 +578,13 @@ impl Probe<'_, '_> {
             self.cut_short.get_or_insert(why);
         }
     }
+}
+
+/// Describes the refusal of a login, with the server's reason.
+fn refused_login(answer: &Value) -> String {
+    let reason = answer["body"]["reason"].as_str().or_else(|| answer["error"]["message"].as_str());
+    let reason = reason.map_or_else(String::new, |reason| format!(": {}", shown(reason)));
+    format!("the server refused the login{reason}")
 }
 
 /// The default trial, which tests only that the server answers a request.

@@ -279,6 +279,9 @@ pub struct Finding {
     pub examples: Vec<Example>,
     /// The definition line that the rule refers to.
     pub definition: Option<Definition>,
+    /// The URL of the page of the specification.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub specification: Option<String>,
     /// The command that reproduces the finding.
     pub reproduce: String,
     /// The matching entry of a baseline.
@@ -468,7 +471,7 @@ impl RuleReport {
             level: rule.level,
             status: rule.status.to_string(),
             dispute: match rule.status {
-                Status::Disputed(dispute) => Some(dispute),
+                Status::Disputed(dispute) | Status::DisputedCases(dispute) => Some(dispute),
                 Status::Normative | Status::Advisory => None,
             },
             statement: rule.statement,

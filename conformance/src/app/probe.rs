@@ -60,6 +60,8 @@ const INCOMPLETE: &str = "the probe was cut short or interrupted, or too little 
 pub(super) struct ProbeArgs {
     /// URL of a Flockwave server (tcp, udp, http, socketio), or of a PX4 vehicle (dds, zenoh, foxglove, rosbridge).
     ///
+    /// Several URLs of Flockwave servers are probed one after the other, and share one report.
+    ///
     /// Servers: tcp://HOST:PORT, udp://HOST:PORT, http://HOST:PORT/PATH or socketio://HOST:PORT. Socket.IO URLs may end
     /// in ?protocol=4 or ?protocol=5 (default), and &transport=polling or &transport=websocket (default). With TLS:
     /// tcps, https or socketios.
@@ -68,8 +70,8 @@ pub(super) struct ProbeArgs {
     /// ?domain=NUMBER. Vehicles require a program that was built with the feature `live`, or with the feature of the
     /// transport, such as `dds`.
     #[allow(clippy::doc_markdown, reason = "the help would show the marks of a link")]
-    #[arg(value_name = "URL")]
-    target: Target,
+    #[arg(value_name = "URL", required = true)]
+    targets: Vec<Target>,
     #[command(flatten)]
     vehicle: VehicleArgs,
     /// Time to listen for notifications (default: 3).
@@ -105,6 +107,12 @@ pub(super) struct ProbeArgs {
     /// The probe goes on with other requests meanwhile.
     #[arg(long, value_name = "SECONDS", value_parser = timeout)]
     timeout: Option<Duration>,
+    /// Shell command that restarts the server after it has stopped serving.
+    ///
+    /// The probe waits until the server serves again, and goes on. Without this option, the probe ends if the server
+    /// doesn't serve again by itself, and the outcome says how much was left.
+    #[arg(long, value_name = "COMMAND")]
+    on_crash: Option<String>,
     /// Time to wait for the UAVs of --uav to appear (default: 30).
     ///
     /// If one of them doesn't appear, the probe is incomplete.
@@ -148,9 +156,13 @@ pub(super) fn run(args: &ProbeArgs) -> Status {
         terminal::error(problem, None);
         return Status::Usage;
     }
-    let probed = match &args.target {
-        Target::Server(endpoint) => probe_server(args, endpoint),
-        Target::Vehicle(address) => vehicle::probe_vehicle(args, address),
+    let vehicle = args.targets.iter().find_map(|target| match target {
+        Target::Server(_) => None,
+        Target::Vehicle(address) => Some(address),
+    });
+    let probed = match vehicle {
+        Some(address) => vehicle::probe_vehicle(args, address),
+        None => probe_servers(args),
     };
     match probed {
         Ok(status) | Err(status) => status,
@@ -160,11 +172,33 @@ pub(super) fn run(args: &ProbeArgs) -> Status {
 impl ProbeArgs {
     /// An error if an option doesn't apply to the target.
     fn misplaced(&self) -> Option<String> {
-        let (given, noun) = match self.target {
-            Target::Server(_) => (self.vehicle.given(), "PX4 vehicles"),
-            Target::Vehicle(_) => (self.given_for_server(), "Flockwave servers"),
+        if self.targets.len() > 1 {
+            let is_vehicle = |target: &Target| matches!(target, Target::Vehicle(_));
+            let problem = if self.targets.iter().any(is_vehicle) {
+                Some("several URLs: all must be URLs of Flockwave servers")
+            } else if self.record.is_some() {
+                Some("--record: probe one URL at a time, because a recording contains one server")
+            } else {
+                None
+            };
+            if let Some(problem) = problem {
+                return Some(problem.to_owned());
+            }
+        }
+        let (given, noun) = match self.targets.first() {
+            Some(Target::Vehicle(_)) => (self.given_for_server(), "Flockwave servers"),
+            _ => (self.vehicle.given(), "PX4 vehicles"),
         };
         given.map(|option| format!("{option} applies only to {noun}"))
+    }
+
+    /// The Flockwave servers.
+    fn endpoints(&self) -> Vec<&Endpoint> {
+        let servers = self.targets.iter().filter_map(|target| match target {
+            Target::Server(endpoint) => Some(endpoint),
+            Target::Vehicle(_) => None,
+        });
+        servers.collect()
     }
 
     /// The first given option that applies only to Flockwave servers.
@@ -177,6 +211,7 @@ impl ProbeArgs {
             ("--no-trials", self.no_trials),
             ("--limit", self.limit.is_some()),
             ("--timeout", self.timeout.is_some()),
+            ("--on-crash", self.on_crash.is_some()),
             ("--schema", !self.schemas.is_empty()),
         ];
         options
@@ -187,52 +222,75 @@ impl ProbeArgs {
     }
 }
 
-fn probe_server(args: &ProbeArgs, endpoint: &Endpoint) -> Result<Status, Status> {
+/// A server that was probed.
+struct ProbedServer {
+    url: String,
+    probed: Probed,
+    /// The duration of the probe, in milliseconds.
+    elapsed: u128,
+}
+
+fn probe_servers(args: &ProbeArgs) -> Result<Status, Status> {
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
     let outputs = start_reports(args)?;
     let baselines = args.baseline.read()?;
-    let options = options(args, endpoint, &definitions)?;
-    let record = recording(args)?;
+    let options = options(args, &definitions)?;
+    let mut record = recording(args)?;
     interrupt::install(&options)?;
     // The last line, even if reporting fails.
     let mut danger = Danger::new(&options.stop);
-    let progress = Progress::steps("steps");
-    let started = Clock::real().now();
-    let mut probed = probe(endpoint, &options, &definitions, record, &|done, all| progress.set(done, all));
-    let elapsed = (Clock::real().now() - started).as_millis();
-    drop(progress);
-    danger.known = probed.danger.take();
+    let mut servers = Vec::new();
+    for endpoint in args.endpoints() {
+        let progress = Progress::steps("steps");
+        let started = Clock::real().now();
+        let mut probed =
+            probe(endpoint, &options, &definitions, record.take(), &|done, all| progress.set(done, all));
+        let elapsed = (Clock::real().now() - started).as_millis();
+        drop(progress);
+        danger.known = probed.danger.take();
+        servers.push(ProbedServer { url: endpoint.to_string(), probed, elapsed });
+        if danger.known.is_some() || options.stop.is_requested() {
+            break;
+        }
+    }
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !options.stop.is_requested() && danger.known.is_none();
-    Ok(report_server(args, outputs, probed, &definitions, &required, baselines, (settings, elapsed)))
+    Ok(report_servers(args, outputs, servers, &definitions, &required, baselines, settings))
 }
 
-/// Prints and writes the reports about a server.
-fn report_server(
+/// Prints and writes the reports about servers.
+fn report_servers(
     args: &ProbeArgs,
     outputs: Outputs<'_>,
-    probed: Probed,
+    servers: Vec<ProbedServer>,
     definitions: &Definitions,
     required: &[&'static Rule],
     baselines: Baselines,
-    (settings, elapsed): (Settings, u128),
+    settings: Settings,
 ) -> Status {
-    let path = args.target.to_string();
-    let unreadable: Vec<Unreadable> =
-        probed.failure.into_iter().map(|message| Unreadable { path: path.clone(), message }).collect();
-    for unreadable in &unreadable {
-        terminal::error(format_args!("{path}: {}", unreadable.message), None);
+    let (mut all, mut unreadable, mut unrecorded) = (Vec::new(), Vec::new(), None);
+    let rest = args.endpoints().into_iter().skip(servers.len());
+    unreadable.extend(rest.map(|endpoint| not_probed(endpoint, "the probe was ended before")));
+    for ProbedServer { url: path, probed, elapsed } in servers {
+        let Probed { result, requests, notes, failure, cut_short, left_out, .. } = probed;
+        unrecorded = unrecorded.or(probed.unrecorded);
+        // If nothing came from the server, the failure says everything.
+        let is_silent = failure.is_some() && result.records == 0;
+        if let Some(message) = &failure {
+            terminal::error(format_args!("{path}: {message}"), None);
+            unreadable.push(Unreadable { path: path.clone(), message: message.clone() });
+        }
+        if !is_silent {
+            // If the probe failed, what was checked says little.
+            let cut_short = cut_short.or(failure).into_iter().chain(left_out).collect();
+            all.push(CheckedCapture { path, result, notes, requests, cut_short, elapsed });
+        }
     }
-    let cut_short = probed.cut_short.into_iter().chain(probed.left_out).collect();
-    let (result, notes, requests) = (probed.result, probed.notes, probed.requests);
-    // If nothing came from the server, the failure says everything.
-    let is_silent = !unreadable.is_empty() && result.records == 0;
-    let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed };
-    let checked = (!is_silent).then_some(checked);
     let settings = Settings { is_unrecorded: args.record.is_none(), ..settings };
-    let status = report(outputs, checked, unreadable, definitions, required, baselines, settings);
-    match (probed.unrecorded, &args.record) {
+    let settings = Settings { probe: Some(reproducing_words()), ..settings };
+    let status = report(outputs, all, unreadable, definitions, required, baselines, settings);
+    match (unrecorded, &args.record) {
         (Some(error), Some(path)) => {
             terminal::error(
                 format_args!("{}: can't write the recording: {error}", terminal::path(path)),
@@ -244,10 +302,14 @@ fn report_server(
     }
 }
 
+fn not_probed(endpoint: &Endpoint, why: &str) -> Unreadable {
+    Unreadable { path: endpoint.to_string(), message: format!("not probed: {why}") }
+}
+
 /// Prints and writes the reports.
 fn report(
     mut outputs: Outputs<'_>,
-    mut checked: Option<CheckedCapture>,
+    mut all: Vec<CheckedCapture>,
     unreadable: Vec<Unreadable>,
     definitions: &Definitions,
     required: &[&'static Rule],
@@ -258,15 +320,15 @@ fn report(
         for file in &unreadable {
             count_unread(lists, sums, &file.path);
         }
-        if let Some(checked) = &checked {
+        for checked in &all {
             count_capture(lists, sums, checked);
         }
     });
-    if let Some(checked) = &mut checked {
+    for checked in &mut all {
         baselines.excuse(checked);
     }
     let settings = Settings { command: Some(super::command()), ..settings };
-    if let Some(checked) = checked {
+    for checked in all {
         outputs.add(Subject::from_capture(checked, definitions, &settings), &Origin::default(), None);
     }
     let (totals, command) = (outputs.finish(), super::command());
@@ -290,8 +352,15 @@ fn start_reports(args: &ProbeArgs) -> Result<Outputs<'_>, Status> {
 }
 
 /// The options of the probe. Unknown names are printed as errors.
-fn options(args: &ProbeArgs, endpoint: &Endpoint, definitions: &Definitions) -> Result<Options, Status> {
-    let selection = Selection::new(args.only.clone(), args.skip.clone(), definitions, endpoint);
+fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Status> {
+    // Each transport has other trials. A name must be known for one of the servers.
+    let mut selection = Ok(Selection::default());
+    for endpoint in args.endpoints() {
+        selection = Selection::new(args.only.clone(), args.skip.clone(), definitions, endpoint);
+        if selection.is_ok() {
+            break;
+        }
+    }
     let selection = selection.map_err(|problem| {
         terminal::error(problem, None);
         Status::Usage
@@ -303,6 +372,7 @@ fn options(args: &ProbeArgs, endpoint: &Endpoint, definitions: &Definitions) -> 
     Ok(Options {
         limit: args.limit.unwrap_or(options.limit),
         timeout: args.timeout.unwrap_or(options.timeout),
+        on_crash: args.on_crash.clone(),
         uav_timeout: args.uav_timeout.unwrap_or(options.uav_timeout),
         landing_limit: args.landing_limit.unwrap_or(options.landing_limit),
         trust,
@@ -310,6 +380,42 @@ fn options(args: &ProbeArgs, endpoint: &Endpoint, definitions: &Definitions) -> 
         warn: interrupt::print_later,
         ..options
     })
+}
+
+/// The options that select parts of the probe, or that concern only its outputs. True if the option has a value.
+const NOT_REPRODUCING: [(&str, bool); 15] = [
+    ("--allow-incomplete", false),
+    ("--baseline", true),
+    ("--deny", true),
+    ("--fix-baseline", false),
+    ("--format", true),
+    ("--min-coverage", true),
+    ("--no-trials", false),
+    ("--on-crash", true),
+    ("--only", true),
+    ("--record", true),
+    ("--report", true),
+    ("--require", true),
+    ("--skip", true),
+    ("--write-baseline", true),
+    ("--limit", true),
+];
+
+/// The words of the command line that are required to see a finding again, without the URLs.
+fn reproducing_words() -> Vec<String> {
+    let mut words = super::words().into_iter();
+    let mut kept = vec!["uavspec".to_owned()];
+    while let Some(word) = words.next() {
+        let name = word.split('=').next().unwrap_or_default();
+        let dropped = NOT_REPRODUCING.iter().find(|(option, _)| *option == name);
+        match dropped {
+            Some((_, true)) if name == word => _ = words.next(),
+            Some(_) => {}
+            None if word.parse::<Target>().is_ok() => {}
+            None => kept.push(word),
+        }
+    }
+    kept
 }
 
 /// A time that a request may stay unanswered. A shorter time would cause false findings.

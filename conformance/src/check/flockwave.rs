@@ -169,7 +169,7 @@ impl<'d> FlockwaveChecker<'d> {
             return self.read(report.text.as_bytes(), location, is_last);
         }
         let record = SessionRecord {
-            connection: Connection { index, name: report.name, is_ordered: is_ordered(report.name) },
+            connection: connection(index, report.name),
             direction: Direction::In,
             time,
             text: report.text,
@@ -309,8 +309,7 @@ impl<'d> FlockwaveChecker<'d> {
         };
         let index = self.connection(name.unwrap_or_default())?;
         let connection_name = std::mem::take(&mut self.names[index]);
-        let connection =
-            Connection { index, name: &connection_name, is_ordered: name.is_some_and(is_ordered) };
+        let connection = connection(index, &connection_name);
         let value = match content {
             Content::Message(value) => Some(value),
             Content::Raw | Content::Event => None,
@@ -360,6 +359,7 @@ impl<'d> FlockwaveChecker<'d> {
                 self.run.sessions.opened(record.connection.index);
             }
             "closed" => self.run.disconnected(record.connection, record.note),
+            "failed" => self.run.sessions.failed(record.connection.index, record.note),
             _ => {}
         }
     }
@@ -373,7 +373,8 @@ impl<'d> FlockwaveChecker<'d> {
         self.run.records += u64::from(is_from_server);
         let Some(message) = record.value else { return };
         let name = message.get("body").and_then(|body| body.get("type")).and_then(Tree::as_str);
-        let is_answer = message.get("refs").is_some_and(|refs| *refs != Tree::Null);
+        let is_answer = message.get("refs").is_some_and(|refs| *refs != Tree::Null)
+            || self.run.sessions.is_answer_to_unknown(record, self.run.definitions.body_schemas());
         let direction = match (is_answer, is_from_server) {
             (true, _) => json_type::Direction::Response,
             (false, true) if name != Some("SYS-PING") => json_type::Direction::Notification,
@@ -414,8 +415,7 @@ impl<'d> FlockwaveChecker<'d> {
     /// Returns the result. `bytes` is the number of bytes read.
     pub fn finish(mut self, bytes: u64) -> CaptureResult {
         for (index, name) in self.names.iter().enumerate() {
-            let is_ordered = !name.is_empty() && is_ordered(name);
-            self.run.disconnected(Connection { index, name, is_ordered }, None);
+            self.run.disconnected(connection(index, name), None);
         }
         self.reports.report_counted(&mut self.run.findings);
         let parts = self.parts();
@@ -452,11 +452,21 @@ impl<'d> FlockwaveChecker<'d> {
     }
 }
 
+/// A connection. Messages without a connection have an empty name.
+fn connection(index: usize, name: &str) -> Connection<'_> {
+    let is_ordered = !name.is_empty() && is_ordered(name);
+    let is_lossy = name.is_empty() || begins(name, "udp");
+    Connection { index, name, is_ordered, is_lossy }
+}
+
 /// True if a connection with this name delivers messages in order. A name that starts with `udp` denotes UDP. A name
 /// that starts with `http` denotes many connections, one for each request.
 fn is_ordered(name: &str) -> bool {
-    let begins = |with: &str| name.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with));
-    !begins("udp") && !begins("http")
+    !begins(name, "udp") && !begins(name, "http")
+}
+
+fn begins(name: &str, with: &str) -> bool {
+    name.get(..with.len()).is_some_and(|start| start.eq_ignore_ascii_case(with))
 }
 
 /// True if a bare message is a request. If a type has both requests and notifications, the fields decide.

@@ -16,7 +16,7 @@ use crate::flockwave::session::{Exchange, Sessions, message_excerpt};
 use crate::json::Tree;
 use crate::model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
 use crate::rules::px4::Interest;
-use crate::rules::{RuleContext, px4};
+use crate::rules::{RuleContext, flockwave, px4};
 use crate::text::{Grouped, shown};
 
 /// The maximum number of distinct corrupt parts to report.
@@ -297,10 +297,10 @@ impl<'d> CheckRun<'d> {
                 text: "",
                 value: None,
                 trial: None,
-                note: why,
+                note: request.failure.as_deref().or(why),
                 location: request.location,
             };
-            self.record(&Exchange::unanswered(&record, serial, request));
+            self.record(&Exchange::unanswered(&record, serial, request.clone()));
         }
     }
 
@@ -317,7 +317,10 @@ impl<'d> CheckRun<'d> {
             let time = record.time.or_else(|| request.and_then(|request| request.time));
             detail.time = time.and_then(microseconds);
             record.connection.name.clone_into(&mut detail.connection);
-            detail.request = request.map(|request| request.excerpt.clone()).unwrap_or_default();
+            detail.only = flockwave::shown_by(exchange).unwrap_or_default();
+            if detail.request.is_empty() {
+                detail.request = request.map(|request| request.excerpt.clone()).unwrap_or_default();
+            }
             // The record of a checked status report has no value, but its text is complete.
             let line = Tree::read(record.text).ok();
             let bare = line.as_ref().filter(|line| line.get("$fw.version").is_some());

@@ -129,6 +129,8 @@ pub(crate) enum Fault {
     Value,
     /// The field isn't allowed.
     Further,
+    /// The field isn't allowed, and it holds requested objects that belong into another field.
+    Misplaced,
 }
 
 /// A step of the path to a value in a body.

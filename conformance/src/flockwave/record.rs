@@ -14,6 +14,9 @@ pub(crate) struct Connection<'c> {
     /// UDP, which may lose, repeat or reorder messages. Also false if the capture doesn't distinguish connections.
     /// Checks that depend on earlier messages are then uncertain.
     pub is_ordered: bool,
+    /// True if messages may be lost, so a missing answer proves nothing. True for UDP, and if the capture doesn't
+    /// distinguish connections. False for HTTP, where each request has its own response.
+    pub is_lossy: bool,
 }
 
 /// The direction of a record, from the client's point of view.

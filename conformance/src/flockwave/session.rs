@@ -42,6 +42,12 @@ const MEMORY_LIMIT: usize = 8 << 20;
 /// character has up to four bytes.
 const MAX_ID: usize = 256;
 
+/// The maximum length of the stored reason of a failure, in characters.
+const MAX_FAILURE: usize = 200;
+
+/// The maximum number of stored ids that are not strings, for each connection.
+const MAX_ODD_IDS: usize = 64;
+
 /// The maximum number of receipts in a message.
 const MAX_RECEIPTS: usize = 10_000;
 
@@ -90,6 +96,10 @@ struct State {
     /// The number of messages without a readable id that a message without `refs` may still answer. Text that can't be
     /// read may contain any number of messages, so it sets this number to the maximum.
     num_without_id: u64,
+    /// The id of the latest request, if it has one.
+    latest_request: Option<String>,
+    /// The ids of the first such messages that are not strings, as JSON.
+    odd_ids: Vec<String>,
     /// The latest time.
     latest: f64,
     /// The time of the server's latest message.
@@ -115,6 +125,15 @@ impl State {
         let (low, high) = self.clock?;
         let drift = time.map_or(0.0, |time| (time - self.clock_time).max(0.0) * MAX_DRIFT);
         Some((low - drift, high + drift))
+    }
+
+    /// Adds an id, unless it is a string.
+    fn add_odd_id(&mut self, id: Option<&Tree<'_>>) {
+        let Some(id) = id.filter(|id| !matches!(id, Tree::Text(_))) else { return };
+        let text = id.to_string();
+        if self.odd_ids.len() < MAX_ODD_IDS && text.len() <= MAX_ID {
+            self.odd_ids.push(text);
+        }
     }
 
     /// Adds a message without a usable id.
@@ -176,10 +195,24 @@ impl Sessions {
         schemas: BodySchemas<'_>,
     ) -> Exchange<'t> {
         let mut exchange = Exchange::new(record, self.reliable_time(record));
+        exchange.answers_unknown = self.answers_unknown(&exchange, schemas);
         exchange.deviations = exchange.deviations_from(schemas);
         self.resolve(&mut exchange);
-        self.count_answer(&exchange, schemas);
+        exchange.note_misplaced();
+        let refs = exchange.message().and_then(|message| message.get("refs"));
+        let is_null_copy = exchange.role == Role::Notification && refs.is_some();
+        exchange.copies_id &= exchange.answers_unknown || !is_null_copy;
+        if exchange.answers_unknown || is_null_copy {
+            let state = &mut self.states[record.connection.index];
+            state.num_without_id = state.num_without_id.saturating_sub(1);
+        }
         exchange
+    }
+
+    /// True if a record is the answer to a message that has no usable id. Such an answer has no `refs` either, or copies
+    /// an id that is null. Its type isn't usual for notifications.
+    pub(crate) fn is_answer_to_unknown(&self, record: &SessionRecord<'_>, schemas: BodySchemas<'_>) -> bool {
+        self.answers_unknown(&Exchange::new(record, None), schemas)
     }
 
     /// Like [`follow`](Self::follow), for the exchange of a notification that has already been checked.
@@ -196,6 +229,10 @@ impl Sessions {
         exchange.clock = state.clock_at(exchange.time).filter(|_| !is_adjusted);
         exchange.is_clock_set_back = self.is_clock_set_back;
         exchange.serial = state.serial;
+        exchange.copies_id = exchange
+            .message()
+            .and_then(|message| message.get("refs"))
+            .is_some_and(|refs| !matches!(refs, Tree::Text(_)) && state.odd_ids.contains(&refs.to_string()));
         match exchange.role {
             Role::Event | Role::Unanswered => {}
             // Like a lost message, an unreadable message may have been any message.
@@ -240,6 +277,18 @@ impl Sessions {
         let serial = self.next_serial();
         self.grow(connection);
         self.states[connection] = State { serial, is_whole: true, ..State::default() };
+    }
+
+    /// Handles the failure of the latest request over HTTP. Each request over HTTP fails on its own.
+    pub(crate) fn failed(&mut self, connection: usize, why: Option<&str>) {
+        let Some(state) = self.states.get(connection) else { return };
+        let Some(id) = &state.latest_request else { return };
+        let key = (state.serial, Side::Client, id.clone());
+        if let Some(request) = self.open.remove(&key) {
+            let failure = why.map(|why| why.chars().take(MAX_FAILURE).collect());
+            let size = id.len() + request.size() + MAX_FAILURE;
+            self.open.insert(key, SentRequest { failure, ..request }, size);
+        }
     }
 
     /// Handles text from the client that can't be read. The server may be able to read and answer it.
@@ -325,9 +374,12 @@ impl Sessions {
             }
             release(&mut self.operations, state.serial, &request);
         }
-        let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else {
+        let id = exchange.id.filter(|id| id.len() <= MAX_ID);
+        state.latest_request = id.filter(|_| side == Side::Client).map(str::to_owned);
+        let Some(id) = id else {
             // The answer to this message may have any `refs`.
             state.is_whole = false;
+            state.add_odd_id(exchange.record.value.and_then(|message| message.get("id")));
             return state.add_without_id();
         };
         let key = (state.serial, side, id.to_owned());
@@ -456,20 +508,19 @@ impl Sessions {
         }
     }
 
-    /// Counts a message without `refs` as the answer to a message without an id, if it isn't a usual notification.
-    fn count_answer(&mut self, exchange: &Exchange<'_>, schemas: BodySchemas<'_>) {
-        let is_notification = exchange.role == Role::Notification;
-        let Some(message) = exchange.message().filter(|_| is_notification) else { return };
+    /// True if a message without `refs` answers a message without an id.
+    fn answers_unknown(&self, exchange: &Exchange<'_>, schemas: BodySchemas<'_>) -> bool {
+        let state = self.states.get(exchange.record.connection.index);
+        let is_expected = state.is_some_and(|state| state.num_without_id > 0);
+        if !is_expected || exchange.role != Role::Notification || exchange.message().is_none() {
+            return false;
+        }
         // The description of OBJ-CMD says that results are sent in notifications of this type.
         let is_usual = |name: &str| {
             let is_defined = schemas.is_defined(name, json_type::Direction::Notification);
             name == "OBJ-CMD" || is_defined || !schemas.has(name)
         };
-        // The message may also copy an id that is null.
-        if message.get("refs").is_some() || exchange.type_name.is_some_and(|name| !is_usual(name)) {
-            let state = &mut self.states[exchange.record.connection.index];
-            state.num_without_id = state.num_without_id.saturating_sub(1);
-        }
+        exchange.type_name.is_some_and(|name| !is_usual(name))
     }
 
     /// Records the id of a server's message.

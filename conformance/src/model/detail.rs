@@ -37,6 +37,16 @@ pub struct Detail {
     pub connection: String,
     /// The request to which the record belongs, shortened; may be empty.
     pub request: String,
+    /// The rule or the message type whose requests show the finding again in a probe; may be empty.
+    pub only: String,
+    /// True if the specification contradicts itself about this case. False if it does so about all cases of the rule.
+    pub is_disputed: bool,
+}
+
+impl From<String> for Detail {
+    fn from(message: String) -> Self {
+        Self::new(message)
+    }
 }
 
 impl Detail {
@@ -61,6 +71,12 @@ impl Detail {
     #[must_use]
     pub(crate) fn actual(self, actual: impl Into<String>) -> Self {
         Self { actual: actual.into(), ..self }
+    }
+
+    /// Sets whether the specification contradicts itself about this case.
+    #[must_use]
+    pub(crate) fn disputed(self, is_disputed: bool) -> Self {
+        Self { is_disputed, ..self }
     }
 
     /// Sets both the path in the record and the part of the subject to `path`.

@@ -42,15 +42,21 @@ pub enum Status {
     /// The specification contradicts itself. Contains a description of the contradiction. Data that follows one part of
     /// the specification must not fail, so the level is never [`Level::Must`].
     Disputed(&'static str),
+    /// The specification requires the rule, but contradicts itself about some cases. Contains a description of these
+    /// cases. The finding of such a case is disputed.
+    DisputedCases(&'static str),
     /// The rule follows from the specification or its purpose.
     Advisory,
 }
 
+/// The name of [`Status::Disputed`].
+pub(crate) const DISPUTED: &str = "disputed";
+
 impl fmt::Display for Status {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.pad(match self {
-            Self::Normative => "normative",
-            Self::Disputed(_) => "disputed",
+            Self::Normative | Self::DisputedCases(_) => "normative",
+            Self::Disputed(_) => DISPUTED,
             Self::Advisory => "advisory",
         })
     }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use serde_json::json;
 
+use super::on_crash::OnCrash;
 use super::session::{self, Path, Session};
 use super::{CONNECT_TIMEOUT, PACE, Probe};
 use crate::flockwave::record::Trial;
@@ -21,8 +22,17 @@ const RESTART_TIMEOUTS: u32 = 2;
 /// The number of times that a server may stop serving before the probe ends.
 const MAX_STOPS: u32 = 3;
 
+/// The same number if a command restarts the server.
+const MAX_RESTARTS: u32 = 200;
+
+/// The minimum time to wait until a command has restarted the server.
+const RESTART_LIMIT: Duration = Duration::from_secs(30);
+
 /// The maximum number of reconnections to a server that closes its connections.
 const MAX_RECONNECTS: u32 = 20;
+
+/// The cause if no message ended the service.
+const BY_ITSELF: &str = "by itself";
 
 /// The maximum number of connections that wait for late answers.
 const MAX_LINGERING: usize = 16;
@@ -90,6 +100,14 @@ impl Probe<'_, '_> {
             self.cut_short(why);
             return false;
         }
+        // A server that is being shut down may still accept connections. It doesn't stop because of the next request.
+        let is_safe = self.stop.commanded().is_safe();
+        if is_safe
+            && self.post(&json!({ "type": "SYS-VER" }), None, self.pace()).is_none()
+            && !self.stop.is_due()
+        {
+            return self.recover(BY_ITSELF) && self.ensure_connected();
+        }
         true
     }
 
@@ -151,6 +169,7 @@ impl Probe<'_, '_> {
     /// Waits until the server serves a new connection. A message from one client must not affect others, so a server
     /// that stopped serving them violates a rule. Returns false if the probe can't continue.
     pub(super) fn recover(&mut self, after: &str) -> bool {
+        self.is_refused = false;
         // A server that announced its end may restart.
         let is_ending = std::mem::take(&mut self.is_ending);
         let trial = (!is_ending).then_some(Trial { rule: &env_27::RULE.rule, how: after });
@@ -162,17 +181,44 @@ impl Probe<'_, '_> {
             return true;
         }
         self.stops += 1;
-        let (stopped_at, until) =
-            (self.clock.now(), (self.clock.now() + self.patience() * RESTART_TIMEOUTS).min(self.end));
-        while self.stops < MAX_STOPS && self.clock.now() < until && !self.stop.is_due() {
+        let is_back = self.wait_for_restart(after);
+        // Over UDP, a few lost datagrams prove nothing, but many do, and so does a message from the system.
+        let is_certain = (self.is_refused || !is_back) && !self.is_exclusive;
+        if is_certain && matches!(self.endpoint, Endpoint::Udp(_)) {
+            let why =
+                if self.is_refused { "no server listens on the port" } else { "no answer to many requests" };
+            self.refused(None, &io::Error::other(why), trial);
+        }
+        if !is_back {
+            self.cut_short(format!("the server stopped serving {after}"));
+        }
+        is_back
+    }
+
+    /// Waits until a server that stopped serving serves again. Returns false if it doesn't do so in time.
+    fn wait_for_restart(&mut self, after: &str) -> bool {
+        let stopped_at = self.clock.now();
+        let (max, limit) = match &self.options.on_crash {
+            Some(_) => (MAX_RESTARTS, RESTART_LIMIT.max(self.patience() * RESTART_TIMEOUTS)),
+            None => (MAX_STOPS, self.patience() * RESTART_TIMEOUTS),
+        };
+        if self.stops >= max || self.stop.is_due() {
+            return false;
+        }
+        let mut command = self.options.on_crash.as_deref().map(OnCrash::start);
+        let until = (self.clock.now() + limit).min(self.end);
+        while self.clock.now() < until && !self.stop.is_due() {
             self.sleep(PAUSE);
+            if let Some(problem) = command.as_mut().and_then(OnCrash::problem) {
+                self.note(problem);
+                command = None;
+            }
             if self.serves(None, PACE) {
                 let seconds = ((self.clock.now() - stopped_at) + self.patience()).as_secs();
                 self.note(format!("the server stopped serving {after}; it served again after {seconds} s"));
                 return true;
             }
         }
-        self.cut_short(format!("the server stopped serving {after}"));
         false
     }
 
@@ -199,6 +245,9 @@ impl Probe<'_, '_> {
     /// Finds out whether the server serves a second connection next to the witness. If it doesn't, there is no witness.
     pub(super) fn test_witness(&mut self) {
         self.ensure_witness();
+        if matches!(self.endpoint, Endpoint::Udp(_)) && !self.serves(None, self.patience()) {
+            return self.is_exclusive = true;
+        }
         if self.witness.is_none() {
             return;
         }
@@ -289,7 +338,10 @@ impl Probe<'_, '_> {
             Ok(session) => {
                 self.session = Some(session);
                 self.log_in();
-                self.post(&json!({ "type": "SYS-VER" }), trial, patience).is_some()
+                let is_served = self.post(&json!({ "type": "SYS-VER" }), trial, patience).is_some();
+                // The system reports if no server listens on the port of datagrams.
+                self.is_refused |= !is_served && self.session.as_ref().is_some_and(Session::is_over);
+                is_served
             }
             Err(error) => {
                 self.refused(None, &error, trial);

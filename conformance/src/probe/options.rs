@@ -27,6 +27,8 @@ pub struct Options {
     pub limit: Duration,
     /// The time that a request may stay unanswered. A shorter wait proves nothing, so it never causes a finding.
     pub timeout: Duration,
+    /// A shell command that restarts the server after it has stopped serving.
+    pub on_crash: Option<String>,
     /// The time that an operation of a UAV may take until it progresses or ends. A shorter wait proves nothing, so it never
     /// causes a finding.
     pub progress_timeout: Duration,
@@ -56,6 +58,7 @@ impl Options {
             uavs,
             limit,
             timeout: TIMEOUT,
+            on_crash: None,
             progress_timeout: commands::PROGRESS_TIMEOUT,
             uav_timeout: survey::NAMED_UAV_TIMEOUT,
             landing_limit: landing::LANDING_LIMIT,

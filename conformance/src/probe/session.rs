@@ -1,6 +1,6 @@
 //! A probe's connection. All of its messages are recorded.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
@@ -13,7 +13,7 @@ use super::tape::Tape;
 use crate::clock::Clock;
 use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::access::Access;
-use crate::flockwave::transport::client::{Client, Network, Received, connect_with};
+use crate::flockwave::transport::client::{Client, Network, Received, connect_with, http_status};
 use crate::flockwave::transport::endpoint::Endpoint;
 
 /// The maximum number of unanswered requests whose ids are stored.
@@ -100,6 +100,8 @@ pub(super) struct Session {
     clock: Clock,
     /// The requests without an answer, by id, each with the time when it was sent.
     waiting: BTreeMap<String, Instant>,
+    /// The ids of answered requests.
+    answered: BTreeSet<String>,
     /// The time of the latest answer that left a request waiting, where this request was sent together with the answered
     /// one or later.
     answered_at: Option<Instant>,
@@ -115,6 +117,8 @@ pub(super) struct Session {
     is_announced: bool,
     /// The reason why the latest failed HTTP request failed.
     failed: Option<String>,
+    /// The HTTP status of that request's response.
+    failed_status: Option<u16>,
     /// The reason for the end of the connection, if it has ended.
     end: Option<String>,
 }
@@ -139,6 +143,7 @@ impl Session {
             stop: path.stop.clone(),
             clock: path.clock.clone(),
             waiting: BTreeMap::new(),
+            answered: BTreeSet::new(),
             answered_at: None,
             unread: VecDeque::new(),
             bare: 0,
@@ -146,6 +151,7 @@ impl Session {
             is_draining: false,
             is_announced: false,
             failed: None,
+            failed_status: None,
             end: None,
         })
     }
@@ -207,6 +213,11 @@ impl Session {
         self.failed.clone().or_else(|| self.is_over().then(|| self.why_over()))
     }
 
+    /// True if the latest HTTP request failed because of a missing or wrong login.
+    pub(super) fn is_refused_login(&self) -> bool {
+        matches!(self.failed_status, Some(401 | 403 | 407))
+    }
+
     /// True if a missing answer on this connection may still arrive.
     pub(super) fn is_pending(&self) -> bool {
         // A server may handle one request after the other.
@@ -226,6 +237,11 @@ impl Session {
     /// The number of requests without an answer.
     pub(super) fn num_waiting(&self) -> usize {
         self.waiting.len()
+    }
+
+    /// True if this request was answered.
+    pub(super) fn has_answer(&self, id: &str) -> bool {
+        self.answered.contains(id)
     }
 
     /// True if this request has no answer yet.
@@ -250,9 +266,11 @@ impl Session {
                 if self.is_one_shot()
                     && matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::TimedOut) =>
             {
-                tape.failed(&self.name, &error.to_string());
-                self.failed = Some(error.to_string());
-                self.waiting.retain(|waiting, _| Some(waiting.as_str()) != id);
+                // A server may refuse a malformed message.
+                let is_refusal = http_status(&error).is_some_and(|status| (400..500).contains(&status));
+                let trial = trial.filter(|_| id.is_none() && !is_refusal);
+                self.failed_status = http_status(&error);
+                self.fails(tape, id, &error.to_string(), trial);
             }
             sent => {
                 if sent.is_ok() && self.is_one_shot() {
@@ -263,6 +281,13 @@ impl Session {
         }
     }
 
+    /// Records that the latest HTTP request has no valid response.
+    fn fails(&mut self, tape: &mut Tape<'_>, id: Option<&str>, why: &str, trial: Option<Trial<'_>>) {
+        tape.failed(&self.name, why, trial);
+        self.failed = Some(why.to_owned());
+        self.waiting.retain(|waiting, _| Some(waiting.as_str()) != id);
+    }
+
     /// Records a message that is sent with `send_raw`.
     pub(super) fn note(
         &mut self,
@@ -271,7 +296,8 @@ impl Session {
         id: Option<&str>,
         trial: Option<Trial<'_>>,
     ) {
-        tape.message(&self.name, Direction::Out, text, trial);
+        // A message without an id can't be answered, so it tests nothing by itself.
+        tape.message(&self.name, Direction::Out, text, trial.filter(|_| id.is_some()));
         self.sent_at = self.clock.now();
         if let Some(id) = id.filter(|_| self.waiting.len() < MAX_WAITING) {
             self.waiting.insert(id.to_owned(), self.clock.now());
@@ -323,8 +349,8 @@ impl Session {
             match link.client().receive(until.min(self.clock.now() + NOTICE_TIME)) {
                 // Blank lines and empty answers are no messages.
                 Ok(Received::Message(bytes)) if bytes.trim_ascii().is_empty() => {
-                    if self.is_one_shot() {
-                        self.unread.pop_front();
+                    if let Some(Some(id)) = self.unread.pop_front().filter(|_| self.is_one_shot()) {
+                        self.fails(tape, Some(&id), "the response is empty", None);
                     }
                 }
                 Ok(Received::Message(bytes)) => match self.enveloped(bytes) {
@@ -335,7 +361,7 @@ impl Session {
                             return Some(message);
                         }
                     }
-                    Err(bytes) => tape.failed(&self.name, &String::from_utf8_lossy(&bytes)),
+                    Err(bytes) => tape.other_event(&self.name, &bytes),
                 },
                 Ok(Received::OtherEvent(bytes)) => tape.other_event(&self.name, &bytes),
                 Ok(Received::TooLong) => tape.too_long(&self.name),
@@ -367,6 +393,10 @@ impl Session {
 
     /// Waits for the answer to a request.
     pub(super) fn answer(&mut self, tape: &mut Tape<'_>, id: &str, until: Instant) -> Option<Value> {
+        // Nothing more arrives for an HTTP request that has failed.
+        if self.is_one_shot() && !self.awaits(id) {
+            return None;
+        }
         self.find(tape, until, |message| message["refs"] == id)
     }
 
@@ -397,8 +427,8 @@ impl Session {
     }
 
     /// Adds an envelope to an HTTP answer that has none. The specification doesn't define this transport, and some
-    /// servers answer with only the body, since each HTTP response belongs to a known request. If the request has no
-    /// id, an answer without an envelope is an error.
+    /// servers answer with only the body, since each HTTP response belongs to a known request. An answer to a request
+    /// without an id gets none, and is returned as an error.
     fn enveloped(&mut self, bytes: Vec<u8>) -> Result<Vec<u8>, Vec<u8>> {
         let request = self.unread.pop_front().flatten();
         let Some(body) = bare(&bytes).filter(|_| self.is_one_shot()) else { return Ok(bytes) };
@@ -414,6 +444,9 @@ impl Session {
         self.stop.commanded().received(&message["body"]);
         if let Some(refs) = message["refs"].as_str() {
             let answered = self.waiting.remove(refs);
+            if answered.is_some() && self.answered.len() < MAX_WAITING {
+                self.answered.insert(refs.to_owned());
+            }
             if answered.is_some_and(|sent_at| self.waiting.values().any(|waiting| *waiting >= sent_at)) {
                 self.answered_at = Some(self.clock.now());
             }

@@ -71,11 +71,12 @@ impl Probe<'_, '_> {
             self.coverage.not_sent(&["AUTH-REQ"], "the server has no login with the method basic");
         } else if !self.log_in() {
             self.has_login = false;
-            self.cut_short = None;
+            let reason =
+                self.cut_short.take().unwrap_or_else(|| "the server didn't answer AUTH-REQ".to_owned());
             // A server without a login refuses both requests. AUTH-RESP is an answer to the login, not a refusal.
-            if !is_refused || self.coverage.refused("AUTH-REQ") == 0 {
-                self.failure =
-                    Some("the server refused the login; check the name and password of --login".to_owned());
+            let has_no_login = is_refused && self.coverage.refused("AUTH-REQ") > 0;
+            if !has_no_login && !(may_be_logged_in && self.is_logged_in(is_required)) {
+                self.failure = Some(format!("{reason}; check the name and password of --login"));
                 return false;
             }
         }
@@ -90,6 +91,16 @@ impl Probe<'_, '_> {
         let refusal = self.query(json!({ "type": UNKNOWN_TYPE }));
         self.unknown_type = refusal.as_ref().and_then(|answer| reason(answer, UNKNOWN_TYPE));
         self.cut_short.is_none() && self.failure.is_none() && !self.stop.is_due()
+    }
+
+    /// True if the client is logged in without AUTH-REQ, because each HTTP request contains the login.
+    fn is_logged_in(&mut self, is_required: bool) -> bool {
+        let user = self.discover(json!({ "type": "AUTH-WHOAMI" }));
+        if user.is_some_and(|answer| answer["body"]["user"].as_str().is_some_and(|user| !user.is_empty())) {
+            return true;
+        }
+        let served = self.discover(json!({ "type": "UAV-LIST" }));
+        is_required && served.is_some_and(|answer| answer["body"]["type"] == "UAV-LIST")
     }
 
     /// Requests the UAVs, their states, and other objects.

@@ -138,10 +138,10 @@ impl<'d> Tape<'d> {
         self.line(connection, "event", &content, trial);
     }
 
-    /// Records an HTTP request without a valid response.
-    pub(super) fn failed(&mut self, connection: &str, why: &str) {
+    /// Records that the latest HTTP request has no valid response.
+    pub(super) fn failed(&mut self, connection: &str, why: &str, trial: Option<Trial<'_>>) {
         let content = format!("\"event\":\"failed\",\"why\":{}", quoted(why));
-        self.line(connection, "event", &content, None);
+        self.line(connection, "event", &content, trial);
     }
 
     /// Records the end of a connection.

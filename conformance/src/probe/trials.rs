@@ -9,7 +9,7 @@ use super::tape::Tape;
 use crate::flockwave::record::Trial;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::model::Rule;
-use crate::rules::flockwave::trial::{self, Attempt, Sent, Step};
+use crate::rules::flockwave::trial::{self, Attempt, Step};
 
 /// The minimum time limit for late answers.
 const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
@@ -34,10 +34,7 @@ impl Probe<'_, '_> {
             self.test_witness();
         }
         for (at, (rule, attempt)) in attempts.iter().enumerate() {
-            if self.failure.is_some() || self.cut_short.is_some() {
-                return;
-            }
-            if self.must_stop().is_some() {
+            if self.failure.is_some() || self.cut_short.is_some() || self.must_stop().is_some() {
                 self.unsent.1 = attempts.len() - at;
                 return;
             }
@@ -71,7 +68,7 @@ impl Probe<'_, '_> {
         // If the server has crashed, further trials are meaningless.
         if !is_served && !self.stop.is_due() {
             let colon = if how.is_empty() { "" } else { ", " };
-            self.recover(&format!("after a trial: {}{colon}{how}", rule.id));
+            self.recover(&format!("{}{}{colon}{how}", trial::AFTER_TRIAL, rule.id));
         }
     }
 
@@ -95,8 +92,9 @@ impl Probe<'_, '_> {
         let needed = if session.is_lossy() { &ids[..] } else { &ids[ids.len().saturating_sub(1)..] };
         let pace = self.pace();
         let mut until = self.clock.now() + pace;
-        let is_open = |session: &Session| needed.iter().all(|id| session.awaits(id)) && !needed.is_empty();
-        while is_open(session) && self.clock.now() < until {
+        let is_open =
+            |session: &Session| !needed.is_empty() && !needed.iter().any(|id| session.has_answer(id));
+        while is_open(session) && session.is_waiting() && self.clock.now() < until {
             let before = session.num_waiting();
             if session.receive(&mut self.tape, until).is_none() {
                 break;
@@ -117,34 +115,29 @@ impl Probe<'_, '_> {
     }
 }
 
-/// The trial that is recorded with a message. A message without an id can't be answered, so it tests nothing by itself.
-fn trial_of<'t>(sent: &Sent, trial: Trial<'t>) -> Option<Trial<'t>> {
-    sent.id().is_some().then_some(trial)
-}
-
 fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
     // A finding already reports that an earlier message has no answer.
     if session.is_over() {
         return;
     }
     match step {
-        Step::Send(sent) => session.send(tape, &sent.text, sent.id(), trial_of(sent, trial)),
+        Step::Send(sent) => session.send(tape, &sent.text, sent.id(), Some(trial)),
         Step::Together(all) if !session.is_stream() => {
             for sent in all {
-                session.send(tape, &sent.text, sent.id(), trial_of(sent, trial));
+                session.send(tape, &sent.text, sent.id(), Some(trial));
             }
         }
         Step::Together(all) => {
             let mut bytes = Vec::new();
             for sent in all {
-                session.note(tape, &sent.text, sent.id(), trial_of(sent, trial));
+                session.note(tape, &sent.text, sent.id(), Some(trial));
                 bytes.extend_from_slice(&sent.text);
                 bytes.push(b'\n');
             }
             session.send_raw(tape, &bytes);
         }
         Step::Pieces(sent, count, pause) => {
-            session.note(tape, &sent.text, sent.id(), trial_of(sent, trial));
+            session.note(tape, &sent.text, sent.id(), Some(trial));
             let line = [&sent.text[..], b"\n"].concat();
             for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
                 if at > 0 {

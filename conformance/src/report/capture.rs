@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use crate::check::{CaptureResult, Clock, Coverage, Describe, ReleaseMatch, Summary};
 use crate::definitions::Definitions;
-use crate::model::{self, Extent, Findings, Group, Rule};
+use crate::model::{self, DISPUTED, Extent, Findings, Group, Rule};
 use crate::probe::RequestType;
-use crate::rules::{RULES, px4};
+use crate::rules::{RULES, flockwave, px4};
 
 use super::outcome::{NO_VIOLATIONS, capitalized, plural};
 use super::totals::{is_violated, kinds_of_violations};
@@ -58,9 +58,18 @@ pub struct Settings {
     pub arguments: Vec<String>,
     /// The command that reproduces the findings, if it isn't `check`.
     pub command: Option<String>,
+    /// The words of the command that probes a server again, without the URL and the selected parts.
+    pub probe: Option<Vec<String>>,
 }
 
 impl Settings {
+    /// The command that probes a server again, but sends only the requests of a rule or a message type.
+    fn showing(&self, only: &str, url: &str) -> Option<String> {
+        let selection = if only.is_empty() { vec![] } else { vec!["--only", only] };
+        let words = self.probe.as_ref()?.iter().map(String::as_str).chain(selection);
+        Some(crate::text::command_line(words.chain([url])))
+    }
+
     /// The command that checks a capture again.
     pub(crate) fn command(&self, path: &str) -> String {
         if let Some(command) = &self.command {
@@ -114,7 +123,10 @@ impl Subject {
             .map(|rule| rule_verdict(rule, findings, settings.verdict(findings, rule)))
             .collect();
         let command = settings.command(&path);
+        let url = path.clone();
         let finding = |group: &Group| {
+            let only = group.examples.first().map_or("", |(_, detail)| detail.only.as_str());
+            let command = settings.showing(only, &url).unwrap_or_else(|| command.clone());
             finding(group, settings.verdict(findings, group.rule), &command, definitions, result.clock)
         };
         let corruption = result.corruption.iter();
@@ -306,10 +318,11 @@ fn finding(
         connection: detail.connection.clone(),
         request: detail.request.clone(),
     };
+    let is_disputed = examples.first().is_some_and(|(_, detail)| detail.is_disputed);
     Finding {
         rule: rule.id,
         level: rule.level,
-        status: rule.status.to_string(),
+        status: if is_disputed { DISPUTED.to_owned() } else { rule.status.to_string() },
         statement: rule.statement,
         url: uavspec_codegen::report::rule_url(rule.id),
         verdict: if known.is_some() { Verdict::Known } else { verdict },
@@ -317,6 +330,7 @@ fn finding(
         count: *count,
         examples: examples.iter().map(example).collect(),
         definition: definition.map(|span| Definition::new(definitions.line(span))),
+        specification: flockwave::page(rule, subject, definition.map(|span| definitions.line(span).file)),
         reproduce: command.to_owned(),
         known: known.as_ref().map(Known::from),
     }

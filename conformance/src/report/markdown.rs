@@ -168,6 +168,7 @@ fn write_group(page: &mut Page, rule: &RuleReport, group: &Group, is_single: boo
     if let Some(definition) = &finding.definition {
         item(&format!("defined in {}", text(&definition.to_string())), definition.text.trim());
     }
+    item("specification", finding.specification.as_deref().unwrap_or_default());
     item("known", finding.known.as_ref().map_or("", |known| &known.reason));
     quote(page, "Request", &first.request);
     quote(page, if first.request.is_empty() { "Excerpt" } else { "Answer" }, &first.excerpt);

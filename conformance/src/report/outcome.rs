@@ -133,7 +133,7 @@ impl Outcome {
         unreadable: &[Unreadable],
         remarks: Vec<String>,
     ) -> Self {
-        let mut outcome = Self::for_subjects(totals);
+        let mut outcome = Self::for_subjects(action, totals);
         if !remarks.is_empty() && outcome.kind < OutcomeKind::DoesNotConform {
             let text = "Does not conform";
             outcome = Self { remarks: outcome.remarks, ..Self::new(OutcomeKind::DoesNotConform, text) };
@@ -151,7 +151,7 @@ impl Outcome {
         outcome
     }
 
-    fn for_subjects(totals: &Totals) -> Self {
+    fn for_subjects(action: Action, totals: &Totals) -> Self {
         if let Some(only) = totals.only() {
             return only.outcome.clone();
         }
@@ -161,7 +161,8 @@ impl Outcome {
         };
         let (count, status) = totals.with(worst);
         let (must, should) = totals.violated();
-        let files = format!("{count} of {} files", totals.subjects);
+        let noun = if action == Action::Probe { "servers" } else { "files" };
+        let files = format!("{count} of {} {noun}", totals.subjects);
         let warnings = (should > 0).then(|| plural(should, "warning"));
         let text = match (worst, warnings) {
             (OutcomeKind::Conforms | OutcomeKind::Nothing, None) => "Conforms".to_owned(),

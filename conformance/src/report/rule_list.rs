@@ -97,7 +97,7 @@ pub(crate) fn matrix_json(rows: &[Row]) -> String {
 /// The contradiction in the specification, for a disputed rule.
 fn dispute(rule: &Rule) -> Option<&'static str> {
     match rule.status {
-        Status::Disputed(contradiction) => Some(contradiction),
+        Status::Disputed(contradiction) | Status::DisputedCases(contradiction) => Some(contradiction),
         Status::Normative | Status::Advisory => None,
     }
 }

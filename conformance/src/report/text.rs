@@ -132,14 +132,14 @@ fn requests(requests: &[RequestType], text: &mut String) -> fmt::Result {
     let sent = requests.iter().filter(|request| request.sent > 0).count();
     let refused =
         requests.iter().filter(|request| request.refused > 0 && request.refused == request.answered);
+    let refused: Vec<&str> = refused.map(|request| request.name.as_str()).collect();
     if !requests.is_empty() {
-        let refused = refused.count();
-        label(
-            PLAIN,
-            "requests",
-            &format!("{sent} of {} types sent, {refused} refused", requests.len()),
-            text,
-        )?;
+        let counts = format!("{sent} of {} types sent, {} refused", requests.len(), refused.len());
+        label(PLAIN, "requests", &counts, text)?;
+    }
+    if !refused.is_empty() {
+        // The report lists no other place where these types stand.
+        label(PLAIN, "  refused", &refused.join(", "), text)?;
     }
     for (reason, types) in reasons {
         let listed = names(types.iter().copied());

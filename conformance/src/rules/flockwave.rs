@@ -41,6 +41,7 @@ mod env_03;
 mod env_03j;
 mod env_04;
 mod env_05;
+pub(crate) mod env_05i;
 mod env_06;
 pub(crate) mod env_07;
 mod env_08;
@@ -162,6 +163,8 @@ use self::malformed::Malformed;
 use self::per_connection::PerConnection;
 use self::sample::Session;
 pub(crate) use self::served::BEFORE_LOGIN;
+pub(crate) use self::source::page;
+pub(crate) use self::trial::shown_by;
 use self::trial::{Attempt, Request, SHORT_PAUSE, Sent, Step, Strain, Trial};
 pub(crate) use self::val_01::plausible;
 pub(crate) use self::view::{Message, StatusReport};
@@ -172,7 +175,7 @@ use crate::json::Tree;
 use crate::model::{Detail, Level, Location, Rule, Status};
 
 /// All Flockwave rules, sorted by id.
-pub static RULES: [&FlockwaveRule; 134] = [
+pub static RULES: [&FlockwaveRule; 135] = [
     &ack_01::RULE,
     &ack_03::RULE,
     &ack_04::RULE,
@@ -211,6 +214,7 @@ pub static RULES: [&FlockwaveRule; 134] = [
     &env_03j::RULE,
     &env_04::RULE,
     &env_05::RULE,
+    &env_05i::RULE,
     &env_06::RULE,
     &env_07::RULE,
     &env_08::RULE,

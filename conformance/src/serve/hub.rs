@@ -20,7 +20,7 @@ use super::skybrush;
 use super::uav::Uav;
 use super::world::World;
 use crate::rules::flockwave::{FlockwaveRule, Outgoing};
-use crate::rules::flockwave::{ack_06, asy_04, asy_04i, asy_14, env_19, env_22, env_27, obj_del_02};
+use crate::rules::flockwave::{ack_06, asy_04, asy_04i, asy_14, env_05i, env_19, env_22, env_27, obj_del_02};
 
 /// The step of the simulation, in seconds.
 const STEP: f64 = 0.05;
@@ -235,7 +235,20 @@ impl Hub {
         if self.is_stuck {
             return true;
         }
+        if self.has_bug(&env_05i::RULE) {
+            self.refuse_odd_id(id, bytes);
+        }
         self.take(id, Incoming::parse(bytes))
+    }
+
+    /// Refuses a request whose id is not a string, with a copy of the id.
+    fn refuse_odd_id(&self, id: SessionId, bytes: &[u8]) -> Option<()> {
+        let message: Value = serde_json::from_slice(bytes).ok()?;
+        let odd = message.get("id").filter(|id| !id.is_string())?;
+        let mut answer = envelope("odd", None, value(&refusal("the id must be a string".to_owned())));
+        answer["refs"] = odd.clone();
+        self.sessions.get(&id)?.sink.send(&answer.to_string());
+        Some(())
     }
 
     /// Processes a parsed message. Returns true if it is a valid request.

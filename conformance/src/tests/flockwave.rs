@@ -4,6 +4,7 @@ mod certain;
 mod gaps;
 mod limits;
 mod operations;
+mod service;
 mod times;
 
 use crate::tests::support;
@@ -607,8 +608,8 @@ fn reports_the_deviations_of_real_servers() {
             ("FW-ASY-22", 28),
             ("FW-CONN-INF-03", 197),
             ("FW-ENV-15", 1),
-            ("FW-ENV-18", 4),
-            ("FW-ENV-26", 11_050),
+            ("FW-ENV-18", 3),
+            ("FW-ENV-26", 11_048),
             ("FW-ERR-01", 3),
             ("FW-ERR-02", 2890),
             ("FW-ERR-03", 14),
@@ -618,7 +619,7 @@ fn reports_the_deviations_of_real_servers() {
             ("FW-ERR-09", 11),
             ("FW-ERR-10", 20),
             ("FW-INF-01", 1),
-            ("FW-VAL-01", 2),
+            ("FW-WTH-01", 2),
         ]
     );
 }

@@ -162,5 +162,5 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !stop.is_requested();
     settings.is_unrecorded = args.record.is_none();
-    Ok(report(outputs, Some(checked), Vec::new(), &definitions, &required, baselines, settings))
+    Ok(report(outputs, vec![checked], Vec::new(), &definitions, &required, baselines, settings))
 }

@@ -23,6 +23,10 @@ const VISITS_PER_DEVIATION: usize = 8;
 /// The maximum number of object fields that a message lists.
 const MAX_LISTED: usize = 12;
 
+/// The maximum number of undefined fields that a message lists in place of a missing one, and their maximum length in
+/// characters.
+const MAX_INSTEAD: (usize, usize) = (3, 32);
+
 /// The maximum number of allowed values that a message lists.
 const MAX_VALUES: usize = 16;
 
@@ -228,7 +232,7 @@ impl<'c> Check<'c> {
         for (index, field) in object.fields.iter().enumerate() {
             if field.is_required && !self.seen[start + index] && !self.is_full() {
                 self.path.push(At::Field(field));
-                self.deviates(Fault::Absent, self.describe(&field.schema), "nothing".to_owned());
+                self.deviates(Fault::Absent, self.describe(&field.schema), nothing_but(object, members));
                 self.path.pop();
             }
         }
@@ -408,4 +412,16 @@ fn repeated<'v>(values: &'v [Tree<'_>]) -> Option<&'v Tree<'v>> {
         (_, Some(number)) => !integers.insert(number),
         (other, None) => others.len() < MAX_COMPARED && !others.insert(format!("{other:?}")),
     })
+}
+
+/// Describes the absence of a field. The undefined fields of the object may have been sent in its place.
+fn nothing_but(object: &Object, members: &[(Cow<'_, str>, Tree<'_>)]) -> String {
+    let keys = members.iter().map(|(key, _)| key.as_ref());
+    let undefined = keys.filter(|key| object.field(key, 0).is_none() && key.chars().count() <= MAX_INSTEAD.1);
+    let listed: Vec<String> = undefined.take(MAX_INSTEAD.0).map(|key| format!("`{key}`")).collect();
+    match listed.len() {
+        0 => "nothing".to_owned(),
+        1 => format!("nothing, but the undefined field {}", listed[0]),
+        _ => format!("nothing, but the undefined fields {}", listed.join(", ")),
+    }
 }

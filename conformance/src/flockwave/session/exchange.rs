@@ -4,10 +4,10 @@ use std::borrow::Cow;
 
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::{Named, SentRequest};
-use crate::flockwave::body_schema::{BodySchemas, Deviation};
+use super::{Named, SentRequest, parts};
+use crate::flockwave::body_schema::{BodySchemas, Deviation, Fault, Step};
 use crate::flockwave::record::{self, SessionRecord};
-use crate::json::Tree;
+use crate::json::{Tree, pointer};
 use crate::model::Rule;
 use crate::text::{start_of, without_login};
 
@@ -100,6 +100,10 @@ pub(crate) struct Exchange<'t> {
     pub opened: Vec<Named>,
     /// True if a message without `refs` may answer a message of the client that has no readable id.
     pub may_answer_unknown: bool,
+    /// True if a message without `refs` answers such a message, because it isn't a usual notification.
+    pub answers_unknown: bool,
+    /// True if `refs` is a copy of a client's id that is not a string.
+    pub copies_id: bool,
     /// The operations that the record reports on.
     pub operations: Vec<Named>,
     /// The bounds of the server's clock offset that were known before this record, in seconds. A positive offset means
@@ -144,6 +148,8 @@ impl<'t> Exchange<'t> {
             request: None,
             is_id_in_use: false,
             may_answer_unknown: false,
+            answers_unknown: false,
+            copies_id: false,
             opened: Vec::new(),
             operations: Vec::new(),
             clock: None,
@@ -229,6 +235,7 @@ impl<'t> Exchange<'t> {
         match self.role {
             Role::Request => Some(Direction::Request),
             Role::Response => Some(Direction::Response),
+            Role::Notification if self.answers_unknown => Some(Direction::Response),
             Role::Notification => Some(Direction::Notification),
             Role::Event | Role::Unreadable | Role::Unanswered => None,
         }
@@ -238,6 +245,30 @@ impl<'t> Exchange<'t> {
     pub(super) fn deviations_from(&self, schemas: BodySchemas<'_>) -> Option<Vec<Deviation>> {
         let body = self.body.filter(|_| self.is_from_server())?;
         schemas.deviations(self.type_name?, self.direction()?, body)
+    }
+
+    /// Marks the undefined fields that hold requested objects: the answer should name these objects in another field.
+    pub(super) fn note_misplaced(&mut self) {
+        let Some(objects) = self.same_type_request().and_then(|request| request.objects.clone()) else {
+            return;
+        };
+        let Some(parts) = self.type_name.and_then(parts) else { return };
+        let body = self.body;
+        for deviation in self.deviations.iter_mut().flatten() {
+            let [Step::Other] = &deviation.steps[..] else { continue };
+            let Some(Tree::Object(fields)) = body.filter(|_| deviation.fault == Some(Fault::Further)) else {
+                continue;
+            };
+            let is_reported =
+                |object: &str| parts.reply_fields.iter().any(|part| has_key(body, part, object));
+            let is_misplaced =
+                |name: &str| keys(body, name).any(|object| objects.contains(object) && !is_reported(object));
+            let path = &deviation.mismatch.path;
+            let found = fields.iter().find(|(name, _)| pointer(&["body", name]) == *path);
+            if found.is_some_and(|(name, _)| is_misplaced(name)) {
+                deviation.fault = Some(Fault::Misplaced);
+            }
+        }
     }
 
     /// A field of the body.
@@ -274,6 +305,19 @@ impl<'t> Exchange<'t> {
     pub(crate) fn excerpt(&self) -> String {
         start_of(&without_login(self.record.text), MAX_EXCERPT).into_owned()
     }
+}
+
+/// The keys of the object in a field of a body.
+fn keys<'t>(body: Option<&'t Tree<'t>>, name: &str) -> impl Iterator<Item = &'t str> {
+    let members = match body.and_then(|body| body.get(name)) {
+        Some(Tree::Object(members)) => &members[..],
+        _ => &[],
+    };
+    members.iter().map(|(key, _)| key.as_ref())
+}
+
+fn has_key(body: Option<&Tree<'_>>, name: &str, wanted: &str) -> bool {
+    keys(body, name).any(|key| key == wanted)
 }
 
 /// The text of a message, reduced to the field at a JSON pointer. The password of a login is not shown.

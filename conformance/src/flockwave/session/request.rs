@@ -29,6 +29,8 @@ pub(crate) struct SentRequest {
     pub location: Location,
     /// For an unanswered request: the time from the request to the latest server message, in seconds.
     pub waited: Option<f64>,
+    /// The reason why the server's answer is no message, over HTTP.
+    pub failure: Option<String>,
     /// True if the request has a version and a type, as every Flockwave request must.
     pub is_sound: bool,
     /// The start of the request's text.
@@ -65,6 +67,7 @@ impl SentRequest {
             time: exchange.time,
             location: exchange.record.location,
             waited: None,
+            failure: None,
             is_sound: exchange.is_sound(),
             excerpt: exchange
                 .record

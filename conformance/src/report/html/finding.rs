@@ -24,6 +24,9 @@ pub(super) fn article(rule: &RuleReport, group: &Group, is_single: bool) -> Mark
                     (definition(finding.definition.as_ref()))
                     (known(finding.known.as_ref()))
                 }
+                @if let Some(page) = &finding.specification {
+                    p.aside { a href=(page) { "Specification" } }
+                }
                 (exchange(first))
                 (other_examples(group, others))
             }

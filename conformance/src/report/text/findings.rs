@@ -7,7 +7,7 @@ use anstyle::Style;
 
 use super::{FAIL, PLAIN, WARN};
 use crate::check::names;
-use crate::model::Level;
+use crate::model::{DISPUTED, Level};
 use crate::report::by_rule;
 use crate::report::{Example, Finding, Subject, Verdict};
 use crate::rules::px4;
@@ -87,6 +87,7 @@ pub(super) fn write(merged: &Merged<'_>, subject: &Subject, text: &mut String) -
         let exchange = exchange.into_iter().filter(|(_, content)| !content.is_empty());
         details.extend(exchange.map(|(name, content)| format!("{name}{}", excerpt(content))));
     }
+    details.extend(finding.specification.iter().map(|page| format!("specification: {page}")));
     details.extend(known.map(ToString::to_string));
     for detail in details {
         writeln!(text, "{:DETAIL$}{}", "", wrapped(&detail, DETAIL, DETAIL + 2))?;
@@ -105,7 +106,7 @@ fn place(finding: &Finding, example: &Example, subject: &Subject) -> String {
     if let Some(line) = &finding.definition {
         let _ = write!(place, "   {line}");
     }
-    if finding.status == "disputed" {
+    if finding.status == DISPUTED {
         place.push_str("   disputed");
     }
     place

@@ -1,8 +1,8 @@
 //! `FW-ASY-02`.
 
 use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_09, mutant, reply,
-    source,
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_09,
+    mutant, reply, source,
 };
 use crate::flockwave::session::OPERATIONS;
 
@@ -24,7 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
               `receipt` while the operation is pending.",
     },
     checks: &[Check::Exchange(check)],
-    covers: &[],
+    covers: &[Attribution::misplaced(&OPERATIONS)],
     bug: Bug::message("The response omits the last object in the request.", |out| {
         out.drop_last(&OPERATIONS);
     })

@@ -13,7 +13,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ASY-22",
         name: "Type of a result",
         level: Level::Should,
-        status: Status::Disputed(
+        status: Status::DisputedCases(
             "For the result of ASYNC-RESP, the specification text requires an object, but its example has a number, \
              and the JSON Schema allows any value. This rule requires the type that an immediate response would have.",
         ),
@@ -85,6 +85,7 @@ fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
                 .at("/body/result")
                 .expected(expected)
                 .actual(found.to_string())
+                .disputed(true)
                 .excerpt(exchange.excerpt())
         });
     }

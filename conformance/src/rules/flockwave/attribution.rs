@@ -39,6 +39,11 @@ impl Attribution {
         Self { types, path, faults }
     }
 
+    /// Creates an attribution for requested objects that are in an undefined field of the body.
+    pub(super) const fn misplaced(types: &'static [&'static str]) -> Self {
+        Self::new(types, "*", &[Fault::Misplaced])
+    }
+
     fn matches(&self, type_name: &str, deviation: &Deviation) -> bool {
         self.types.contains(&type_name)
             && deviation.fault.is_some_and(|fault| self.faults.contains(&fault))

@@ -82,11 +82,12 @@ pub(super) fn unique(message: &Message<'_>, context: &mut RuleContext<'_>, name:
     }
 }
 
-/// Checks each list of error codes. `FW-UST-ERRORS` reports values that are not integers.
-pub(super) fn codes(
+/// Checks each list of error codes. `FW-UST-ERRORS` reports values that are not integers. Findings of disputed cases have
+/// a different subject, so that they form a separate group.
+pub(super) fn codes<V: Into<Detail>>(
     message: &Message<'_>,
     context: &mut RuleContext<'_>,
-    violation: impl Fn(&[i128]) -> Option<String>,
+    violation: impl Fn(&[i128]) -> Option<V>,
 ) {
     for (uav, state) in states(message, "UAV-INF") {
         let Some(Tree::List(values)) = state.get("errors") else { continue };
@@ -95,12 +96,17 @@ pub(super) fn codes(
             continue;
         }
         context.covered();
-        if let Some(message_text) = violation(&codes) {
-            message.violates(context, || {
-                let reported: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
-                let path = pointer(&["body", "status", uav, "errors"]);
-                Detail::new(message_text).at(path).actual(format!("[{}]", reported.join(", ")))
-            });
+        let Some(detail) = violation(&codes).map(V::into) else { continue };
+        let is_disputed = detail.is_disputed;
+        let complete = || {
+            let reported: Vec<String> = codes.iter().take(16).map(ToString::to_string).collect();
+            let path = pointer(&["body", "status", uav, "errors"]);
+            detail.at(path).actual(format!("[{}]", reported.join(", ")))
+        };
+        if is_disputed {
+            message.violates_in("errors", context, complete);
+        } else {
+            message.violates(context, complete);
         }
     }
 }

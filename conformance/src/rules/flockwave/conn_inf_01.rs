@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant,
+    reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -21,7 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",
     },
     checks: &[Check::Exchange(check)],
-    covers: &[],
+    covers: &[Attribution::misplaced(&["CONN-INF"])],
     bug: Bug::message("CONN-INF omits the last connection in the request.", |out| {
         out.drop_last(&["CONN-INF"]);
     }),

@@ -5,8 +5,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, inf_01, mutant, reply,
-    source,
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, inf_01,
+    mutant, reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -26,7 +26,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         fix: "Add every requested object or path to `devices` or `success`, or to `error` with a reason.",
     },
     checks: &[Check::Exchange(check)],
-    covers: &[],
+    covers: &[Attribution::misplaced(&["DEV-LIST", "DEV-SUB", "DEV-UNSUB"])],
     bug: Bug::message("DEV-LIST and DEV-INF omit the last object or path in the request.", |out| {
         out.drop_last(&["DEV-LIST", "DEV-INF"]);
     })

@@ -4,13 +4,20 @@
 //! reported only under two conditions. First, no response arrives before the connection or the recording ends. Second,
 //! the server still sends messages long after the request ([`MAX_SECONDS`]). A probe waits for the response and marks
 //! the request as a test of this rule. If a request tests another rule, that rule checks the request.
+//!
+//! A server that is being shut down closes connections without a response. If the server closed a connection and has
+//! answered the same request before, its behaviour therefore proves nothing; FW-ENV-27 reports messages that end the
+//! service.
+
+use std::collections::BTreeSet;
 
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Session, Status,
-    env_25, mutant, served, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Session,
+    SessionCheck, Status, env_24, env_25, mutant, served, source,
 };
+use crate::flockwave::session::SentRequest;
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {
@@ -29,7 +36,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         fix: "Answer every request. Send ACK-NAK with a reason if the type is unknown or no handler produces a \
               response.",
     },
-    checks: &[Check::Exchange(check)],
+    checks: &[Check::Session(|| Box::new(Answered::default()))],
     covers: &[],
     bug: Bug::message("Requests of unknown types are not answered.", |out| {
         if out.refuses_unknown_type() {
@@ -52,6 +59,16 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             },
             also: &[],
         },
+        Mutant {
+            name: "a connection that the server closes in place of a response",
+            make: || {
+                mutant::over("tcp#9", |session| {
+                    session.tries(&env_24::RULE.rule, "", json!({ "type": "RTK-SURVEY" }));
+                    session.closed("eof");
+                })
+            },
+            also: &[],
+        },
     ],
 };
 
@@ -67,21 +84,55 @@ fn may_be_slow(type_name: &str) -> bool {
         && !["-INF", "-LIST"].iter().any(|end| type_name.ends_with(end))
 }
 
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    let Some(request) = &exchange.request else { return };
+/// The maximum number of remembered requests.
+const MAX_ANSWERED: usize = 1_000;
+
+/// The type, the objects and the filter of a request.
+type Key = (Option<String>, Option<BTreeSet<String>>, Option<BTreeSet<String>>);
+
+/// The requests that the server has answered on any connection.
+#[derive(Default)]
+struct Answered(BTreeSet<Key>);
+
+impl SessionCheck for Answered {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        let Some(request) = &exchange.request else { return };
+        let is_closed_by_server = exchange.record.note.is_some_and(|note| note != "client");
+        let is_shut_down = exchange.role == Role::Unanswered
+            && is_closed_by_server
+            && request.trial.is_some()
+            && request.failure.is_none();
+        if !(is_shut_down && self.0.contains(&key(request))) {
+            check(exchange, request, context);
+        }
+        if exchange.role == Role::Response && exchange.is_from_server() && self.0.len() < MAX_ANSWERED {
+            self.0.insert(key(request));
+        }
+    }
+}
+
+fn key(request: &SentRequest) -> Key {
+    (request.type_name.clone(), request.objects.clone(), request.filter.clone())
+}
+
+fn check(exchange: &Exchange<'_>, request: &SentRequest, context: &mut RuleContext<'_>) {
+    let connection = exchange.record.connection;
     // A malformed request doesn't require a response.
-    if !request.is_sound || !exchange.record.connection.is_ordered {
+    if !request.is_sound || connection.is_lossy {
         return;
     }
     if let Some((tested, _)) = &request.trial {
-        // If a request tests another rule, that rule checks it. FW-ENV-25 is an exception, because it checks only the
-        // order of responses.
-        if tested.id == RULE.rule.id {
-            served::tried(exchange, context);
+        // If a request tests another rule, that rule checks it. FW-ENV-24 and FW-ENV-25 are exceptions, because they
+        // check only responses.
+        if [RULE.rule.id, env_24::RULE.rule.id].contains(&tested.id) {
+            served::tried_as(tested, exchange, context, |detail| detail);
         }
         if tested.id != env_25::RULE.rule.id {
             return;
         }
+    }
+    if !connection.is_ordered {
+        return;
     }
     if exchange.role == Role::Response {
         return context.covered();

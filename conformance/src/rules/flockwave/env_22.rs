@@ -4,8 +4,8 @@
 //! either request is accepted.
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Malformed, Mutant, Rule, Sent, Status, Step, Strain, Trial,
-    malformed, mutant, served, source,
+    Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Malformed, Mutant, Rule, RuleContext, Sent,
+    Status, Step, Strain, Trial, body, malformed, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -14,7 +14,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         name: "Malformed requests do no harm",
         level: Level::Info,
         status: Status::Advisory,
-        statement: "After a malformed request, the server keeps serving the connection.",
+        statement: "After a malformed request, the server keeps serving the connection. Over HTTP, it answers the \
+                    request itself, at least with a status from 200 to 499.",
         source: source::DERIVED,
         applies_to: "probe requests that test this rule",
         why: "A server that mishandles a malformed request may end the client's session or hang for all clients.",
@@ -24,18 +25,34 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         fix: "Catch decoding errors for each message. Answer with ACK-NAK and the reason if the request has an id, \
               then continue with the next message.",
     },
-    checks: &[Check::Exchange(|exchange, context| {
-        served::tried(exchange, context);
-    })],
+    checks: &[Check::Exchange(check)],
     covers: &[],
     bug: Bug::behaviour("A malformed request ends the connection."),
     trial: Some(Trial::Attempts(Strain::Malformed, |_| attempts())),
-    mutants: &[Mutant {
-        name: "no response to the next request",
-        make: || mutant::unanswered("tcp#9", &RULE.rule),
-        also: &[],
-    }],
+    mutants: &[
+        Mutant {
+            name: "no response to the next request",
+            make: || mutant::unanswered("tcp#9", &RULE.rule),
+            also: &[],
+        },
+        Mutant {
+            name: "an HTTP request that fails",
+            make: || mutant::then(|session| session.failed(&RULE.rule, "no body", "HTTP status 500")),
+            also: &[],
+        },
+    ],
 };
+
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    served::tried(exchange, context);
+    let how = exchange.tried(&RULE.rule).filter(|_| exchange.record.text == "failed");
+    if let Some((how, why)) = how.zip(exchange.record.note) {
+        context.covered();
+        context.violation("HTTP", exchange.record.location, || {
+            Detail::new(format!("{how}: {}", body::quoted(why))).expected("a response").actual("none")
+        });
+    }
+}
 
 /// The id of malformed requests that have a valid id.
 const ID: &str = "malformed";

@@ -1,8 +1,8 @@
 //! `FW-ENV-24`.
 //!
-//! The probe sends requests of each family, and a request of an unknown type on the same connection. A family counts as
-//! unhandled if the server serves none of the family's requests, and refuses them in the same way as the request of an
-//! unknown type. ACK has no requests, so it is not tested.
+//! The probe sends requests of each family, and a request of an unknown type. A family counts as unhandled if the server
+//! serves none of the family's requests on any connection, and refuses them in the same way as the request of an unknown
+//! type. ACK has no requests, so it is not tested. `FW-ENV-07` reports requests without a response.
 //!
 //! A request that names objects may also be refused because the objects don't exist. Such a refusal counts only if its
 //! reason contains the type of the request.
@@ -10,13 +10,14 @@
 //! Before login, a server may refuse every request in the same way. If the server reports that it requires a login,
 //! connections without a login are not checked.
 
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
-    RuleContext, SessionCheck, Status, Tree, env_07, mutant, served, source,
+    RuleContext, Session, SessionCheck, Status, Tree, env_07, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
@@ -46,8 +47,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "DEV requests are refused as if their type were unknown",
             make: || {
-                mutant::over("tcp#9", |session| {
-                    session.logs_in();
+                refused(|session| {
                     for (rule, name) in
                         [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
                     {
@@ -61,8 +61,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "CONN requests are refused without a reason, as if their type were unknown",
             make: || {
-                mutant::over("tcp#9", |session| {
-                    session.logs_in();
+                refused(|session| {
                     for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
                         session.tries_and_receives(
                             rule,
@@ -75,17 +74,18 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             },
             also: &[],
         },
-        Mutant {
-            name: "no response to the requests in a family",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    session.tries(&RULE.rule, "", json!({ "type": "RTK-LIST" }));
-                })
-            },
-            also: &[],
-        },
     ],
 };
+
+/// A session with these refusals. In the conforming session, the server serves all families.
+#[allow(clippy::unnecessary_wraps)] // like all mutants
+fn refused(add: impl FnOnce(&mut Session)) -> Option<Vec<u8>> {
+    let mut session = Session::opened();
+    session.logs_in();
+    add(&mut session);
+    session.closed("client");
+    Some(session.to_bytes())
+}
 
 /// The families that have requests.
 const FAMILIES: [&str; 9] = ["ASYNC", "AUTH", "CONN", "DEV", "EXT", "OBJ", "RTK", "SYS", "UAV"];
@@ -102,15 +102,17 @@ struct Families {
     is_login_needed: bool,
     /// The reasons for refusing an unknown type.
     unknown: BTreeSet<String>,
+    /// The families with a request that was served on any connection.
+    served: BTreeSet<&'static str>,
     connections: PerConnection<Refusals>,
+    /// The refusals on connections that ended.
+    ended: BTreeMap<&'static str, Family>,
 }
 
 /// The refused requests on a connection.
 #[derive(Default)]
 struct Refusals {
     is_logged_in: bool,
-    /// The families with a request that was served.
-    served: BTreeSet<&'static str>,
     /// The families with refused requests that test the rule.
     families: BTreeMap<&'static str, Family>,
 }
@@ -124,10 +126,7 @@ struct Family {
 impl SessionCheck for Families {
     fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
         if let Some(refusals) = self.connections.closed(exchange) {
-            return self.check_family(refusals, context);
-        }
-        if !exchange.record.connection.is_ordered {
-            return;
+            return self.add_ended(refusals);
         }
         if let Some(body) = exchange.response("AUTH-INF") {
             self.is_login_needed |= body.get("required") == Some(&Tree::Bool(true));
@@ -148,15 +147,28 @@ impl SessionCheck for Families {
             && exchange.is_from_server()
             && served::refusal(exchange).is_none();
         if let Some(family) = requested_family(exchange).filter(|_| is_served) {
-            self.connections.get(exchange).served.insert(family);
+            self.served.insert(family);
         }
-        if served::tried(exchange, context) {
+        if exchange.role == Role::Response && exchange.tried(context.rule).is_some() {
+            context.covered();
             self.add(exchange);
         }
     }
 
     fn corruption(&mut self, _: Location) {
         self.connections.clear();
+    }
+
+    fn end(&mut self, context: &mut RuleContext<'_>) {
+        for (name, family) in std::mem::take(&mut self.ended) {
+            if !self.served.contains(name) && family.reasons.is_subset(&self.unknown) {
+                context.violation(name, family.location, || {
+                    Detail::new("requests are refused as if their type were unknown")
+                        .expected("a handler")
+                        .actual("none")
+                });
+            }
+        }
     }
 }
 
@@ -177,22 +189,19 @@ impl Families {
             refused.reasons.insert(reason);
         } else {
             // Only a server that handles the family gives so many different reasons.
-            refusals.served.insert(family);
+            self.served.insert(family);
         }
     }
 
-    fn check_family(&self, refusals: Refusals, context: &mut RuleContext<'_>) {
+    /// Adds the refusals on a connection that ended.
+    fn add_ended(&mut self, refusals: Refusals) {
         if self.is_login_needed && !refusals.is_logged_in {
             return;
         }
         for (name, family) in refusals.families {
-            let is_absent = !refusals.served.contains(name) && family.reasons.is_subset(&self.unknown);
-            if is_absent {
-                context.violation(name, family.location, || {
-                    Detail::new("requests are refused as if their type were unknown")
-                        .expected("a handler")
-                        .actual("none")
-                });
+            match self.ended.entry(name) {
+                Entry::Vacant(entry) => drop(entry.insert(family)),
+                Entry::Occupied(entry) => entry.into_mut().reasons.extend(family.reasons),
             }
         }
     }

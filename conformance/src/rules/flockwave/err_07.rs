@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant,
+    source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -11,7 +12,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         id: "FW-ERR-07",
         name: "One of several alternative codes",
         level: Level::Should,
-        status: Status::Disputed(
+        status: Status::DisputedCases(
             "The specification text for code 65 names 131 as the alternative, but 131 is unrelated. This rule uses \
              132.",
         ),
@@ -33,8 +34,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     mutants: &[
         Mutant { name: "two low-battery codes", make: || mutant::errors(&[66, 134]), also: &[] },
         Mutant { name: "two geofence codes", make: || mutant::errors(&[71, 201]), also: &[] },
+        Mutant { name: "a disputed pair of codes", make: || mutant::errors(&[65, 132]), also: &[] },
     ],
 };
+
+/// The code about whose alternative the specification contradicts itself.
+const DISPUTED: i128 = 65;
 
 const ALTERNATIVES: [&[i128]; 5] = [&[65, 132], &[66, 134, 199], &[133, 197], &[71, 201], &[72, 139]];
 
@@ -44,6 +49,8 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
             let mut found = group.iter().filter(|code| codes.contains(code));
             found.next().zip(found.next())
         });
-        conflict.map(|(one, other)| format!("{one} and {other} are alternatives"))
+        conflict.map(|(one, other)| {
+            Detail::new(format!("{one} and {other} are alternatives")).disputed(*one == DISPUTED)
+        })
     });
 }

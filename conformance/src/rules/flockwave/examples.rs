@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use uavspec_codegen::schema::json_type::Direction;
 
-use super::{RULES, env_07, env_24, env_25};
+use super::{RULES, env_07, env_24, env_25, env_27};
 use crate::check::check_capture;
 use crate::definitions::Definitions;
 use crate::json::Tree;
@@ -106,6 +106,8 @@ impl<'d> Recording<'d> {
         let message = text.strip_prefix(EVENT).and_then(|text| text.strip_suffix(']')).unwrap_or(text);
         if message.starts_with('{') || !self.incomplete.is_empty() {
             self.incomplete += message;
+        } else if self.rule.id == env_27::RULE.rule.id {
+            self.record(&json!({ "dir": "out", "raw": message }).to_string());
         }
         let Ok(value) = serde_json::from_str::<Value>(&self.incomplete) else { return };
         self.incomplete.clear();

@@ -3,7 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant,
+    reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -22,7 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         fix: "Add an entry for every requested id or path: its data, or a reason in `error`.",
     },
     checks: &[Check::Exchange(check)],
-    covers: &[],
+    covers: &[Attribution::misplaced(&TYPES)],
     bug: Bug::message("BCN-INF and similar responses omit the last object in the request.", |out| {
         out.drop_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
     }),
@@ -31,6 +32,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         Mutant {
             name: "BCN-INF has no data for a requested object",
             make: || mutant::reply("BCN-INF", |body| body["status"] = json!({})),
+            also: &[],
+        },
+        Mutant {
+            name: "UAV-PREFLT has its data in an undefined field",
+            make: || {
+                mutant::reply("UAV-PREFLT", |body| {
+                    body["result"] = body["status"].take();
+                    mutant::remove(body, "status");
+                })
+            },
             also: &[],
         },
         Mutant {

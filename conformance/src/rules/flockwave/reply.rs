@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Detail, Exchange, OPERATIONS, Reference, Role, RuleContext, Tree, body};
+use super::{Detail, Exchange, Fault, OPERATIONS, Reference, Role, RuleContext, Tree, body};
+use crate::flockwave::body_schema::Deviation;
 use crate::flockwave::session::parts;
 use crate::json::pointer;
 
@@ -47,9 +48,13 @@ pub(super) fn partition(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, 
     let wrong: Vec<(&String, Vec<&str>)> = wrong.collect();
     if !wrong.is_empty() {
         exchange.violates(context, || {
-            let reported = wrong.iter().take(MAX_LISTED_ITEMS).map(|(object, found)| match found.len() {
-                0 => format!("{} in none", body::quoted(object)),
-                _ => format!("{} in {}", body::quoted(object), found.join(" and ")),
+            let reported = wrong.iter().take(MAX_LISTED_ITEMS).map(|(object, found)| {
+                let place = match (found.len(), undefined_part(exchange, object)) {
+                    (0, None) => "none".to_owned(),
+                    (0, Some(part)) => format!("{}, which is not defined", body::quoted(part)),
+                    _ => found.join(" and "),
+                };
+                format!("{} in {place}", body::quoted(object))
             });
             let mut reported: Vec<String> = reported.collect();
             if wrong.len() > MAX_LISTED_ITEMS {
@@ -91,6 +96,16 @@ pub(super) fn replied<'u>(
     let name = exchange.type_name.filter(|name| exchange.response(name).is_some() && types.contains(name))?;
     let request = exchange.same_type_request()?.objects.as_ref()?;
     Some((request, parts(name)?.reply_fields))
+}
+
+/// The undefined field of a response that holds an object.
+fn undefined_part<'u>(exchange: &'u Exchange<'_>, object: &str) -> Option<&'u str> {
+    let misplaced = |deviation: &&Deviation| deviation.fault == Some(Fault::Misplaced);
+    let mut parts = exchange.deviations.iter().flatten().filter(misplaced);
+    parts.find_map(|deviation| {
+        let part = deviation.mismatch.path.strip_prefix("/body/")?;
+        named(exchange, part).any(|other| other == object).then_some(part)
+    })
 }
 
 /// The objects named in one part of a response: the keys of a map, or the strings of a list.

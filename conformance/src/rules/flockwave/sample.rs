@@ -116,6 +116,19 @@ impl Session {
         self.marks_trial(rule, how);
     }
 
+    /// Adds an HTTP request that fails and tests a rule.
+    pub(crate) fn failed(&mut self, rule: &Rule, how: &str, reason: &str) {
+        self.noted("failed", "why", reason);
+        self.marks_trial(rule, how);
+    }
+
+    /// Adds client text that is not a message.
+    pub(crate) fn sends_raw(&mut self, text: &str) {
+        let mut line = self.next("out");
+        line["raw"] = text.into();
+        self.lines.push(line);
+    }
+
     /// Adds server text that is not a message.
     pub(crate) fn send_raw(&mut self, text: &str) {
         let mut line = self.next("in");
@@ -124,7 +137,7 @@ impl Session {
     }
 
     /// Closes the connection.
-    fn closed(&mut self, reason: &str) {
+    pub(crate) fn closed(&mut self, reason: &str) {
         self.noted("closed", "why", reason);
     }
 
@@ -166,7 +179,8 @@ impl Session {
         self.time += seconds;
     }
 
-    fn line(&mut self, direction: &str, message: Value) {
+    /// Adds a message without an envelope of its own.
+    pub(crate) fn line(&mut self, direction: &str, message: Value) {
         let mut line = self.next(direction);
         line["msg"] = message;
         self.lines.push(line);

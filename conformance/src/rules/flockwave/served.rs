@@ -4,13 +4,16 @@
 //! Trials are marked in the session. A refused request counts as not served, so trials use only requests that a server
 //! has no other reason to refuse.
 
-use super::{Detail, Exchange, Role, Rule, RuleContext, Tree, body, mutant, reply};
+use super::{Detail, Exchange, Role, Rule, RuleContext, Tree, body, env_27, mutant, reply};
 
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "probe requests that test this rule";
 
 /// The trial with the first request of a probe: the server must respond, but may demand a login.
 pub(crate) const BEFORE_LOGIN: &str = "before the login";
+
+/// The start of the reason for the end of a connection over UDP if no server listens on the port.
+const REFUSED_DATAGRAM: &str = "connection refused";
 
 /// The name of the mutant without a response.
 pub(super) const UNANSWERED: &str = "no response";
@@ -35,29 +38,46 @@ pub(super) fn no_connection(rule: &Rule) -> Option<Vec<u8>> {
 /// connection. A missing response is not reported if the session does not show the end of the connection, or if
 /// messages may be lost.
 pub(super) fn tried(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) -> bool {
-    let Some(how) = exchange.tried(context.rule) else { return false };
+    tried_as(context.rule, exchange, context, |detail| detail)
+}
+
+/// Like [`tried`], for a request that may test another rule. `complete` changes the details of the violation.
+pub(super) fn tried_as(
+    tested: &Rule,
+    exchange: &Exchange<'_>,
+    context: &mut RuleContext<'_>,
+    complete: impl FnOnce(Detail) -> Detail,
+) -> bool {
+    let Some(how) = exchange.tried(tested) else { return false };
     let (problem, actual) = match exchange.role {
         Role::Response => {
             context.covered();
             return true;
         }
-        Role::Unanswered if is_over(exchange) => ("no response", "none"),
+        Role::Unanswered if is_over(exchange, tested) => ("no response", "none"),
         Role::Event if exchange.record.text == "refused" => ("no connection", "none"),
         _ => return false,
     };
     context.covered();
-    unserved(exchange, context, problem, actual, how);
+    unserved(exchange, context, (problem, actual, how), complete);
     false
 }
 
-/// True if the session is complete enough that any response would appear in it.
-fn is_over(exchange: &Exchange<'_>) -> bool {
-    exchange.record.note.is_some() && exchange.record.connection.is_ordered
+/// True if the session is complete enough that any response would appear in it. Over UDP, a missing response proves
+/// only that the service ended, and only if the system reports that no server listens.
+fn is_over(exchange: &Exchange<'_>, tested: &Rule) -> bool {
+    let has_no_server = |note: &str| tested.id == env_27::RULE.rule.id && note.starts_with(REFUSED_DATAGRAM);
+    exchange.record.note.is_some_and(|note| !exchange.record.connection.is_lossy || has_no_server(note))
 }
 
 /// Reports a trial without a response or without a connection. The subject of the finding is the part of `how` before
 /// the first colon, so similar trials are grouped.
-fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, problem: &str, actual: &str, how: &str) {
+fn unserved(
+    exchange: &Exchange<'_>,
+    context: &mut RuleContext<'_>,
+    (problem, actual, how): (&str, &str, &str),
+    complete: impl FnOnce(Detail) -> Detail,
+) {
     let type_name = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
     let how = if how == BEFORE_LOGIN { "" } else { how };
     let (group, kind) = how.split_once(": ").unwrap_or((how, ""));
@@ -71,7 +91,9 @@ fn unserved(exchange: &Exchange<'_>, context: &mut RuleContext<'_>, problem: &st
         };
         let request = type_name.map_or_else(String::new, |name| format!(" to {}", body::quoted(name)));
         let kind = if kind.is_empty() { String::new() } else { format!(" ({kind})") };
-        Detail::new(format!("{problem}{request}{kind}{cause}")).expected("a response").actual(actual)
+        complete(
+            Detail::new(format!("{problem}{request}{kind}{cause}")).expected("a response").actual(actual),
+        )
     });
 }
 

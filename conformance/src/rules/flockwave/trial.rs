@@ -4,9 +4,13 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-use super::RULES;
+use super::{Exchange, RULES};
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::model::Rule;
+
+/// The starts of the descriptions with which a probe checks the server after a trial and after a request.
+pub(crate) const AFTER_TRIAL: &str = "after a trial: ";
+pub(crate) const AFTER_REQUEST: &str = "after a request: ";
 
 /// A short pause between the parts of a message.
 pub(super) const SHORT_PAUSE: Duration = Duration::from_millis(60);
@@ -166,6 +170,27 @@ pub(crate) fn attempts(endpoint: &Endpoint) -> Vec<(&'static Rule, Attempt)> {
     }
     all.sort_by_key(|(strain, ..)| *strain);
     all.into_iter().map(|(_, rule, attempt)| (rule, attempt)).collect()
+}
+
+/// The rule or the message type whose requests show a finding again: the rule that the request tests, or the type of
+/// the request.
+pub(crate) fn shown_by(exchange: &Exchange<'_>) -> Option<String> {
+    let request = exchange.request.as_ref();
+    let of_request =
+        request.and_then(|request| request.trial.as_ref()).map(|(rule, how)| (*rule, how.as_str()));
+    let tried = of_request.or_else(|| exchange.record.trial.map(|trial| (trial.rule, trial.how)));
+    let (rule, how) = tried.unzip();
+    // FW-ENV-27 checks the server after a trial or a request.
+    let how = how.unwrap_or_default();
+    if let Some(trial) = how.strip_prefix(AFTER_TRIAL) {
+        return trial.split(',').next().map(str::to_owned);
+    }
+    if let Some(type_name) = how.strip_prefix(AFTER_REQUEST) {
+        return Some(type_name.to_owned());
+    }
+    let has_trial = |rule: &&Rule| super::rule(rule.id).is_some_and(|entry| entry.trial.is_some());
+    let tested = rule.filter(has_trial).map(|rule| rule.id.to_owned());
+    tested.or_else(|| request?.type_name.clone())
 }
 
 #[cfg(test)]

@@ -1,7 +1,8 @@
 //! `FW-UAV-INF-01`.
 
 use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
+    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant,
+    reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
@@ -20,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",
     },
     checks: &[Check::Exchange(check)],
-    covers: &[],
+    covers: &[Attribution::misplaced(&["UAV-INF"])],
     bug: Bug::message("UAV-INF omits the last UAV in the request.", |out| {
         out.drop_last(&["UAV-INF"]);
     }),

@@ -71,7 +71,10 @@ impl SessionCheck for Trials {
         if let Some(trials) = self.connections.closed(exchange) {
             for (how, outcome) in trials {
                 context.covered();
-                if !outcome.is_answered && (self.has_received || self.is_silence_reported) {
+                let is_reported = self.has_received || self.is_silence_reported;
+                if !outcome.is_answered && is_reported {
+                    // The service may have ended, so further trials prove nothing until the server sends something.
+                    self.has_received = false;
                     let subject = if how.is_empty() { "message" } else { how.as_str() };
                     context.violation(subject, outcome.location, || {
                         Detail::new("no response to any request").expected("a response").actual("none")

@@ -1,8 +1,8 @@
 //! `FW-UDP-03`.
 
 use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Strain, Trial, mutant, source,
-    trial, udp,
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Strain, Trial, env_27, mutant,
+    source, trial, udp,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 
@@ -26,7 +26,9 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Session(|| Box::new(udp::Trials::if_server_sends()))],
     covers: &[],
-    bug: Bug::behaviour("Over UDP, a datagram that is not JSON ends the service.").needs(Needs::Udp),
+    bug: Bug::behaviour("Over UDP, a datagram that is not JSON ends the service.")
+        .needs(Needs::Udp)
+        .with(&[&env_27::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
         Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },

@@ -77,7 +77,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
 };
 
 /// The range of plausible timestamps in milliseconds, from 2001-01-01 up to 2100-01-01.
-const TIMES: (i64, i64) = (978_307_200_000, 4_102_444_800_000);
+pub(super) const TIMES: (i64, i64) = (978_307_200_000, 4_102_444_800_000);
 
 /// The range of plausible altitudes, in mm.
 const ALTITUDES: (i64, i64) = (-20_000_000, 100_000_000);
@@ -99,8 +99,8 @@ const VALUES: [(&str, usize, (i64, i64)); 10] = [
     ("velocityXYZ", 2, VELOCITIES),
 ];
 
-/// The message types with a `timestamp` in the body or in each state.
-const TIMED: [&str; 7] = ["BCN-INF", "CONN-INF", "DOCK-INF", "SYS-TIME", "UAV-INF", "WTH-AT", "WTH-INF"];
+/// The message types with a `timestamp` in the body or in each state. `FW-WTH-01` checks the timestamps of weather data.
+const TIMED: [&str; 5] = ["BCN-INF", "CONN-INF", "DOCK-INF", "SYS-TIME", "UAV-INF"];
 
 /// The range of plausible values for an element of a field in UAV states.
 pub(crate) fn plausible(field: &str, index: usize) -> Option<(i64, i64)> {
@@ -130,9 +130,8 @@ fn check_timestamps(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     }
     let states = body::members(exchange.body, "status").iter();
     let states = states.map(|(id, state)| (pointer(&["body", "status", id]), state));
-    let weather = exchange.field("weather").map(|weather| ("/body/weather".to_owned(), weather));
     let body = exchange.body.map(|body| ("/body".to_owned(), body));
-    for (path, holder) in states.chain(weather).chain(body) {
+    for (path, holder) in states.chain(body) {
         if let Some(detail) = implausible_time(holder.get("timestamp"), context) {
             exchange.violates_in("timestamp", context, || detail.at(path + "/timestamp"));
         }
@@ -158,7 +157,7 @@ fn implausible_time(value: Option<&Tree<'_>>, context: &mut RuleContext<'_>) -> 
 }
 
 /// True if a value is within a range, or is not a number.
-fn is_within(value: &Tree<'_>, (low, high): (i64, i64)) -> bool {
+pub(super) fn is_within(value: &Tree<'_>, (low, high): (i64, i64)) -> bool {
     #[allow(clippy::cast_precision_loss)] // the limits are small enough
     match value {
         Tree::Int(value) => (i128::from(low)..=i128::from(high)).contains(value),

@@ -79,6 +79,18 @@ impl<'t> Message<'t> {
         self.exchange.violates_in(field, context, detail);
     }
 
+    /// Reports that the message violates the rule, with a subject that several types of messages share.
+    pub(super) fn violates_as(
+        &self,
+        subject: &str,
+        context: &mut RuleContext<'_>,
+        detail: impl FnOnce() -> Detail,
+    ) {
+        if let Some(found) = context.count_violation(subject, self.exchange.record.location) {
+            found.describe(detail().excerpt(self.exchange.excerpt()));
+        }
+    }
+
     /// Reports a body schema violation in a field or in the whole body.
     pub(super) fn deviates(&self, context: &mut RuleContext<'_>, field: &str, deviation: &Deviation) {
         let name = self.exchange.subject();

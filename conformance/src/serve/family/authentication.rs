@@ -33,6 +33,10 @@ fn log_in(hub: &mut Hub, session: SessionId, request: &auth_req::Request) -> aut
     let Some((name, password)) = hub.options.login.clone() else {
         return failed("this server requires no login");
     };
+    // Over HTTP, each request may contain the login.
+    if hub.session(session).is_some_and(|session| session.user.is_some()) {
+        return failed("already authenticated");
+    }
     if request.method != AuthenticationMethod::Basic {
         return failed("unsupported method; expected basic");
     }

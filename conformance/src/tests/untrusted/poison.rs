@@ -251,6 +251,7 @@ fn finding(finding: &mut Finding, text: &str) {
         status: _,
         statement: _,
         url: _,
+        specification: _,
         verdict: _,
         subject,
         count: _,

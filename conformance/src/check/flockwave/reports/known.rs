@@ -136,7 +136,7 @@ impl<'d> Known<'d> {
         );
         let message = Tree::read(&text).ok()?;
         let record = SessionRecord {
-            connection: Connection { index: 0, name: "", is_ordered: false },
+            connection: Connection { index: 0, name: "", is_ordered: false, is_lossy: true },
             direction: Direction::In,
             time: None,
             text: &text,

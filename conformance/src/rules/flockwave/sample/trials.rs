@@ -62,6 +62,11 @@ impl Session {
         self.over("tcp#6", |session| {
             session.lands(json!({ "receipt": { "kite": "rcpt-60" } }), &[9_000, 9_500, 9_000, 4_000, 0]);
         });
+        self.over("tcp#7", |session| {
+            let ping = json!({ "type": "SYS-PING" });
+            session.line("out", json!({ "$fw.version": "1.0", "id": 17, "body": ping }));
+            session.notify(json!({ "type": "ACK-NAK", "reason": "The id isn't a string" }));
+        });
         self.over("udp#1", |session| {
             for (rule, how) in [
                 (&udp_02::RULE.rule, "any request"),

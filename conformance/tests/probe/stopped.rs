@@ -1,0 +1,198 @@
+//! Probes of servers that stop serving, and of servers over HTTP.
+
+use super::*;
+
+/// Options of a probe without a survey, which uses only these rules, trials or types.
+fn selected(url: &str, only: &[&str]) -> Options {
+    let endpoint: Endpoint = url.parse().expect("an endpoint");
+    let only = only.iter().map(|name| (*name).to_owned()).collect();
+    let selection = Selection::new(only, Vec::new(), &DEFINITIONS, &endpoint).expect("known names");
+    Options { limit: Duration::from_secs(45), selection, ..short_options() }
+}
+
+/// A reference server with this bug, and its URL.
+fn buggy(transport: Transport, rule: &str, login: Option<(String, String)>) -> (Server, String) {
+    let bug = flockwave::rule(rule);
+    assert_eq!(bug.is_none(), rule.is_empty());
+    let options = serve::Options { bug, login, ..serve::Options::default() };
+    let free = SocketAddr::from(([127, 0, 0, 1], 0));
+    let server = Server::start(options, &[(transport, free)]).expect("it starts");
+    let url = server.listening()[0].to_string();
+    (server, url)
+}
+
+/// The messages of the findings of a rule.
+fn messages(probed: &Probed, rule: &str) -> Vec<String> {
+    let groups = probed.result.findings.groups().filter(|group| group.rule.id == rule);
+    groups.flat_map(|group| &group.examples).map(|(_, detail)| detail.to_string()).collect()
+}
+
+#[test]
+fn names_the_datagram_that_ended_the_service() {
+    let (server, url) = buggy(Transport::Udp, "FW-UDP-03", None);
+    let probed = probed(&url, &selected(&url, &["FW-UDP", "FW-ENV-22", "FW-ENV-27"]));
+    drop(server);
+    let found = messages(&probed, "FW-ENV-27");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].contains("the service ended after `not a message`"), "{found:?}");
+    let reason = probed.cut_short.as_deref().expect("a reason");
+    let expected = "the server stopped serving after a trial: FW-UDP-03, after a datagram that is not JSON: words: \
+                    0 requests and ";
+    assert!(reason.starts_with(expected), "{reason}");
+}
+
+/// The server closes its only connection in place of an answer.
+#[test]
+fn names_the_request_that_ended_the_service() {
+    let script = |line: &mut Line, segment: &[u8]| {
+        if String::from_utf8_lossy(segment).contains("OBJ-LIST") {
+            return line.end(line.number);
+        }
+        answer_all(line, segment);
+    };
+    let probed = simulated(short_options(), |clock| Scripted::new(clock, script).accepting(1));
+    let found = messages(&probed, "FW-ENV-27");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(found[0].contains("OBJ-LIST"), "{found:?}");
+    let group = probed.result.findings.groups().find(|group| group.rule.id == "FW-ENV-27");
+    assert_eq!(group.expect("a group").examples[0].1.only, "OBJ-LIST");
+    let reason = probed.cut_short.expect("a reason");
+    assert!(reason.starts_with("the server stopped serving after a request: OBJ-LIST: "), "{reason}");
+}
+
+/// No message ended the service of a server that is shut down. It accepts a last connection, and closes it.
+#[test]
+fn a_server_that_is_shut_down_violates_nothing() {
+    let count = Cell::new(0);
+    let script = move |line: &mut Line, segment: &[u8]| {
+        if segment.is_empty() {
+            return;
+        }
+        if count.replace(count.get() + 1) < 10 {
+            answer_all(line, segment);
+        }
+        if count.get() >= 10 {
+            line.end(line.number);
+        }
+    };
+    let probed = simulated(short_options(), |clock| Scripted::new(clock, script).accepting(2));
+    let found = rules(&probed);
+    assert!(!found.contains("FW-ENV-27") && !found.contains("FW-ENV-24"), "{:?}", trials(&probed));
+    assert!(!found.contains("FW-ENV-07"), "{:?}", trials(&probed));
+    let reason = probed.cut_short.expect("a reason");
+    assert!(reason.starts_with("the server stopped serving by itself"), "{reason}");
+}
+
+/// Like the protocol's reference server, the server then refuses AUTH-REQ, because the client is logged in.
+#[test]
+fn http_basic_is_a_login() {
+    let login = ("pilot".to_owned(), "soar".to_owned());
+    let (server, url) = buggy(Transport::Http, "", Some(login.clone()));
+    let with =
+        |login: Option<(String, String)>| probed(&url, &Options { login, ..selected(&url, &["UAV-LIST"]) });
+    let right = with(Some(login.clone()));
+    assert_eq!((right.failure.as_deref(), right.cut_short.as_deref()), (None, None));
+    assert_eq!(rules(&right), BTreeSet::new());
+    let without = with(None);
+    let failure = without.failure.as_deref().expect("a reason");
+    assert!(failure.contains("--login"), "{failure}");
+    let wrong = with(Some((login.0, "sink".to_owned())));
+    let failure = wrong.failure.as_deref().expect("a reason");
+    assert!(failure.contains("the server refused the login"), "{failure}");
+    drop(server);
+}
+
+#[test]
+fn a_refused_login_has_the_reason_of_the_server() {
+    let (server, url) = buggy(Transport::Tcp, "", Some(("pilot".to_owned(), "soar".to_owned())));
+    let login = Some(("pilot".to_owned(), "sink".to_owned()));
+    let probed = probed(&url, &Options { login, ..short_options() });
+    drop(server);
+    let failure = probed.failure.as_deref().expect("a reason");
+    let expected =
+        "the server refused the login: wrong name or password; check the name and password of --login";
+    assert_eq!(failure, expected);
+}
+
+/// Each HTTP request has its own response, so nothing gets lost.
+#[test]
+fn a_missing_answer_over_http_is_a_violation() {
+    let (server, url) = buggy(Transport::Http, "FW-ENV-07", None);
+    let probed = probed(&url, &Options { limit: Duration::from_secs(45), ..short_options() });
+    drop(server);
+    let found = messages(&probed, "FW-ENV-07");
+    assert!(found.len() == 1 && found[0].contains("HTTP status 500"), "{found:?}");
+    assert_eq!(rules(&probed), BTreeSet::from(["FW-ENV-07"]));
+}
+
+#[test]
+fn a_malformed_message_that_fails_over_http_is_reported() {
+    let (server, url) = buggy(Transport::Http, "FW-ENV-22", None);
+    let probed = probed(&url, &selected(&url, &["FW-ENV-22"]));
+    drop(server);
+    let found = messages(&probed, "FW-ENV-22");
+    assert!(!found.is_empty() && found.iter().all(|text| text.contains("HTTP status 500")), "{found:?}");
+}
+
+/// Passes received segments to a function until it returns false.
+#[cfg(unix)]
+fn segments(mut stream: &TcpStream, mut take: impl FnMut(&[u8]) -> bool) {
+    let mut piece = vec![0; 1 << 16];
+    while let Ok(length) = stream.read(&mut piece) {
+        if length == 0 || !take(&piece[..length]) {
+            return;
+        }
+    }
+}
+
+/// A command restarts the server, and the probe goes on.
+#[cfg(unix)]
+#[test]
+fn a_command_restarts_the_server() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mark = folder.path().join("restarted");
+    let restarted = mark.clone();
+    let url = serve(move |stream, _| {
+        // The server serves until the first text that is no JSON, and again after the restart.
+        let mut number = 0;
+        segments(&stream, |segment| {
+            if segment.starts_with(b"not a message") {
+                let _ = std::fs::remove_file(&restarted);
+            }
+            let answers = segment.split(|byte| *byte == b'\n').filter_map(|line| answer(line, &mut number));
+            let answers: String = answers.collect();
+            !restarted.exists() || (&stream).write_all(answers.as_bytes()).is_ok()
+        });
+    });
+    std::fs::write(&mark, "").expect("a file");
+    let on_crash = Some(format!("touch '{}'", mark.display()));
+    let only = ["FW-TCP-03", "FW-TCP-04", "FW-ENV-27"];
+    let probed = probed(&url, &Options { on_crash, ..selected(&url, &only) });
+    assert_eq!((probed.failure.as_deref(), probed.cut_short.as_deref()), (None, None), "{:?}", probed.notes);
+    let found = messages(&probed, "FW-ENV-27");
+    assert!(found.len() == 1 && found[0].contains("not a message"), "{found:?}");
+    assert!(probed.notes.iter().any(|note| note.contains("it served again")), "{:?}", probed.notes);
+}
+
+#[test]
+fn several_servers_have_one_report_with_the_shortest_commands() {
+    let (first, one) = buggy(Transport::Tcp, "FW-SYS-VER-02", None);
+    let (second, other) = buggy(Transport::Tcp, "", None);
+    let folder = tempfile::tempdir().expect("a folder");
+    let report = folder.path().join("report.json");
+    let reported = format!("json={}", report.display());
+    let arguments = ["probe", "--observe", "0.1", "--no-trials", "--report", &reported, &one, &other];
+    let (status, printed, errors) = uavspec(&arguments);
+    drop((first, second));
+    assert_eq!((status, errors.as_str()), (Some(1), ""), "{printed}");
+    let report: Value = serde_json::from_slice(&std::fs::read(report).expect("a report")).expect("JSON");
+    let paths: Vec<&Value> =
+        report["subjects"].as_array().expect("a list").iter().map(|subject| &subject["path"]).collect();
+    assert_eq!(paths, [&json!(one), &json!(other)]);
+    let finding = &report["subjects"][0]["findings"][0];
+    assert_eq!(finding["reproduce"], format!("uavspec probe --observe 0.1 --only SYS-VER {one}"));
+    let page = "https://doc.collmot.com/public/skybrush-protocol-spec/latest/messages/sys.html";
+    assert_eq!(finding["specification"], page);
+    let text = report["outcome"]["text"].as_str().expect("a text");
+    assert!(text.contains("1 of 2 servers"), "{text}");
+}
