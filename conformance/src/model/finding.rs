@@ -295,12 +295,7 @@ impl Findings {
 
     /// Ends the comparison of the messages in a group, so that further findings are only counted. A baseline then can't
     /// rely on a common start of all messages. Returns false if there is no such group.
-    pub(crate) fn settle(
-        &mut self,
-        rule: &Rule,
-        subject: SubjectName<'_>,
-        definition: Option<Span>,
-    ) -> bool {
+    pub(crate) fn settle(&mut self, rule: &Rule, subject: SubjectName<'_>, definition: Option<Span>) -> bool {
         let group = self.groups.get_mut(&Key::new(rule, subject, definition));
         group.map(|group| group.compare(String::new())).is_some()
     }
@@ -409,13 +404,13 @@ mod tests {
             });
         };
         report(&mut findings);
-        assert!(findings.settle(rule, "glider.is_landed"));
+        assert!(findings.settle(rule, "glider.is_landed".into(), None));
         (0..10_000).for_each(|_| report(&mut findings));
-        findings.count(rule, "glider.is_landed", 7);
+        findings.count(rule, "glider.is_landed", None, 7);
         assert_eq!((described, findings.groups().map(|group| group.count).sum::<u64>()), (1, 10_011));
         // No start is common to all messages, because some are unknown.
         assert_eq!(messages_of(&findings), ["odd 2", "odd 3", "odd 4", ""]);
-        assert!(!findings.settle(rule, "glider.mode"));
+        assert!(!findings.settle(rule, "glider.mode".into(), None));
     }
 
     #[test]
