@@ -3,10 +3,9 @@
 use std::io;
 use std::path::Path;
 
-use same_file::Handle;
-
 use crate::diagnostic::{Diagnostic, Level};
 use crate::failure::Failure;
+use crate::identity::Identity;
 use crate::load::Loaded;
 use crate::render;
 use crate::terminal::{self, GuardedLines};
@@ -24,9 +23,8 @@ pub(super) fn print_report(text: &str) {
 
 /// Fails if standard output is redirected to an input.
 pub(super) fn protect_inputs<'i>(mut inputs: impl Iterator<Item = &'i Path>) -> Result<(), Failure> {
-    let is_file = |handle: &Handle| handle.as_file().metadata().is_ok_and(|metadata| metadata.is_file());
-    let Some(output) = Handle::stdout().ok().filter(is_file) else { return Ok(()) };
-    let changed = inputs.find(|input| Handle::from_path(input).is_ok_and(|input| input == output));
+    let Some(output) = Identity::standard_output() else { return Ok(()) };
+    let changed = inputs.find(|input| Identity::of(input).is_some_and(|input| input.is_same(&output)));
     changed.map_or(Ok(()), |input| {
         let message = format!("standard output would overwrite the input {}", terminal::path(input));
         Err(Failure::new(message).with_hint("redirect standard output to another file"))

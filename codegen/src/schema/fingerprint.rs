@@ -87,6 +87,8 @@ fn write_fields(schema: &Schema, message: &Message, output: &mut impl fmt::Write
 
 /// The type numbers in a ROS type description (`type_description_interfaces/msg/FieldType`).
 mod type_id {
+    use uavspec_runtime::Scalar;
+
     pub(super) const NESTED: u32 = 1;
     pub(super) const STRING: u32 = 17;
     pub(super) const WSTRING: u32 = 18;
@@ -96,8 +98,7 @@ mod type_id {
     pub(super) const BOUNDED_SEQUENCE: u32 = 96;
     pub(super) const UNBOUNDED_SEQUENCE: u32 = 144;
 
-    pub(super) fn of(scalar: super::Scalar) -> u32 {
-        use super::Scalar;
+    pub(super) fn of(scalar: Scalar) -> u32 {
         match scalar {
             Scalar::Int8 => 2,
             // ROS 2 converts `char` to `uint8` before hashing.

@@ -330,7 +330,11 @@ fn finding(
         count: *count,
         examples: examples.iter().map(example).collect(),
         definition: definition.map(|span| Definition::new(definitions.line(span))),
-        specification: flockwave::page(rule, &group.subject, definition.map(|span| definitions.line(span).file)),
+        specification: flockwave::page(
+            rule,
+            &group.subject,
+            definition.map(|span| definitions.line(span).file),
+        ),
         reproduce: command.to_owned(),
         known: known.as_ref().map(Known::from),
     }
