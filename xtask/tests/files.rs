@@ -121,7 +121,7 @@ fn a_report_replaces_no_input_and_no_other_report() {
         assert_eq!(read(&folder, input), before);
     }
     let (_, errors) = run(&folder, &["lint", "--report", "json=a,sarif=a"], 2);
-    assert!(errors.contains("two reports have the path a"), "{errors}");
+    assert!(errors.contains("the reports a and a are the same file"), "{errors}");
     let (_, errors) = run(&folder, &["lint", "--report", "json=absent/a.json"], 2);
     assert!(errors.contains("absent/a.json: can't write the report"), "{errors}");
 }

@@ -8,6 +8,7 @@ use std::process::{Command, Stdio};
 
 use support::{write, xtask};
 use tempfile::TempDir;
+use uavspec_codegen::stage::Stage;
 
 const WIND: &str = "uint64 timestamp  # [us] Since start\n";
 
@@ -69,7 +70,11 @@ fn a_package_name_is_never_a_path() {
 
 /// Creates the temporary folder of a killed run.
 fn abandon(folder: &Path) {
-    write(folder, ".uavspec-stage/.lock", "");
+    fs::create_dir_all(folder).expect("a folder");
+    let stage = Stage::claim(folder).expect("a temporary folder");
+    let mark = fs::read_to_string(stage.path().join(".lock")).expect("a mark");
+    drop(stage);
+    write(folder, ".uavspec-stage/.lock", &mark);
     write(folder, ".uavspec-stage/0", "text");
 }
 

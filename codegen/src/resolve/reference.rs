@@ -41,21 +41,15 @@ impl<'s> Resolver<'s> {
         span: Span,
     ) -> Option<MessageId> {
         let own = self.schema.messages[index].package;
-        let found = match package {
-            Some(package) => {
-                let Some(package) = self.package_by_name.get(package).copied() else {
-                    self.report(Diagnostic::new(
-                        Problem::UnknownPackage { package: package.to_owned() },
-                        span,
-                    ));
-                    return None;
-                };
-                (package, self.by_name.get(&(package, name)).copied())
-            }
-            None => {
-                let found = self.by_name.get(&(own, name)).copied();
-                (own, found.or_else(|| self.well_known(own, name, span)))
-            }
+        let found = if let Some(package) = package {
+            let Some(package) = self.package_by_name.get(package).copied() else {
+                self.report(Diagnostic::new(Problem::UnknownPackage { package: package.to_owned() }, span));
+                return None;
+            };
+            (package, self.by_name.get(&(package, name)).copied())
+        } else {
+            let found = self.by_name.get(&(own, name)).copied();
+            (own, found.or_else(|| self.well_known(own, name, span)))
         };
         if let (package, None) = found {
             let problem = Problem::UnknownType {

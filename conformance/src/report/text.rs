@@ -138,8 +138,7 @@ fn requests(requests: &[RequestType], text: &mut String) -> fmt::Result {
         label(PLAIN, "requests", &counts, text)?;
     }
     if !refused.is_empty() {
-        // The report lists no other place where these types stand.
-        label(PLAIN, "  refused", &refused.join(", "), text)?;
+        label(PLAIN, "  refused", &shown(&refused.join(", ")), text)?;
     }
     for (reason, types) in reasons {
         let listed = names(types.iter().copied());

@@ -58,9 +58,9 @@ pub(super) fn named(members: &[Named], separator: &str) -> Vec<String> {
 fn record(name: &str, documentation: &str, properties: &[Property], uses: &mut Uses) -> String {
     uses.recent.insert("TypedDict");
     let types: Vec<String> = properties.iter().map(|property| property_type(property, uses)).collect();
-    let used: HashSet<&str> = types.iter().flat_map(|ty| words(ty)).collect();
+    let type_names: HashSet<&str> = types.iter().map(String::as_str).flat_map(words).collect();
     // In a class body, an attribute name would shadow the name of a type.
-    if properties.iter().all(|property| is_attribute(&property.key) && !used.contains(&*property.key)) {
+    if properties.iter().all(|property| is_attribute(&property.key) && !type_names.contains(&*property.key)) {
         let members: Vec<String> = properties
             .iter()
             .zip(&types)
