@@ -181,9 +181,11 @@ impl Probe<'_, '_> {
             return true;
         }
         self.stops += 1;
+        // The request that was just sent shows this.
+        let is_shown = self.is_refused;
         let is_back = self.wait_for_restart(after);
         // Over UDP, a few lost datagrams prove nothing, but many do, and so does a message from the system.
-        let is_certain = (self.is_refused || !is_back) && !self.is_exclusive;
+        let is_certain = !is_shown && (self.is_refused || !is_back) && !self.is_exclusive;
         if is_certain && matches!(self.endpoint, Endpoint::Udp(_)) {
             let why =
                 if self.is_refused { "no server listens on the port" } else { "no answer to many requests" };

@@ -7,8 +7,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, SessionCheck,
-    Status, body, env_22, mutant, served, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Role, Rule, RuleContext,
+    SessionCheck, Status, body, env_22, mutant, served, source,
 };
 use crate::flockwave::record::Direction;
 use crate::flockwave::session::message_excerpt;
@@ -77,6 +77,9 @@ struct Suspects {
     sent: Vec<Suspect>,
     /// The suspects of the trial with this description.
     blamed: (String, Vec<Suspect>),
+    /// The suspects at the time when the server closed a connection. The probe may find out later that no other cause
+    /// explains this end.
+    ended: PerConnection<Vec<Suspect>>,
     /// True if the server closed a connection. It may be shutting down, so further messages are no suspects until the
     /// next response.
     is_doubtful: bool,
@@ -114,14 +117,17 @@ impl Suspects {
             }
             _ if tried.is_some() => {
                 let how = tried.map_or("", |trial| trial.how);
-                if !self.sent.is_empty() || self.blamed.0 != how {
-                    self.blamed = (how.to_owned(), self.sent.clone());
+                let ended = std::mem::take(self.ended.get(exchange));
+                let suspects = if ended.is_empty() { self.sent.clone() } else { ended };
+                if !suspects.is_empty() || self.blamed.0 != how {
+                    self.blamed = (how.to_owned(), suspects);
                 }
             }
-            Role::Event => {
-                self.is_doubtful |=
-                    record.text == "closed" && record.note.is_some_and(|note| note != "client");
+            Role::Event if record.text == "closed" && record.note.is_some_and(|note| note != "client") => {
+                self.is_doubtful = true;
+                self.ended.get(exchange).clone_from(&self.sent);
             }
+            Role::Event => {}
             _ if record.direction == Direction::Out => self.add(exchange),
             _ => {}
         }
