@@ -148,7 +148,7 @@ fn reports_noise_from_the_start() {
         assert!(!result.corruption.is_empty(), "{start:?}");
         assert_locations("noise", &result, start.len() + noise.len());
     }
-    for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
+    for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfd{\0}\0", b"\x01\x02"] {
         let expected = format!(
             "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found the bytes {:02x} ",
             start[0]
