@@ -162,7 +162,7 @@ fn reports_noise_from_the_start() {
             b"# Notes\nfine {day}\n",
             "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found `# Notes\\n`",
         ),
-        (b"%PDF-1.7\n%\xe2", "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found `%PDF-1.7`"),
+        (b"%FDF-1.7\n%\xe2", "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found `%FDF-1.7`"),
     ] {
         assert_eq!(unknown(start).as_deref(), Some(reason));
     }
