@@ -476,8 +476,10 @@ fn is_request(message: &Tree<'_>, definitions: &Definitions) -> bool {
     if message.get("refs").is_some_and(|refs| *refs != Tree::Null) {
         return false;
     }
-    if !definitions.defined_schemas().is_defined(name, json_type::Direction::Notification) {
-        return true;
+    let schemas = definitions.defined_schemas();
+    if !schemas.is_defined(name, json_type::Direction::Notification) {
+        // An acknowledgment without `refs` answers a request without an id.
+        return !schemas.has(name) || schemas.is_defined(name, json_type::Direction::Request);
     }
     let has_result = ["status", "values"].iter().any(|key| body.get(key).is_some());
     let has_request = parts(name).is_some_and(|parts| body.get(parts.request_field).is_some());

@@ -31,7 +31,7 @@ pub(crate) use self::vocabulary::parts;
 #[cfg(test)]
 pub(crate) use self::vocabulary::{OPERATION, PARTS};
 use crate::flockwave::body_schema::BodySchemas;
-use crate::flockwave::record::{Direction, SessionRecord};
+use crate::flockwave::record::{Connection, Direction, SessionRecord};
 use crate::json::Tree;
 use crate::model::Location;
 
@@ -94,7 +94,8 @@ struct State {
     /// The sent data whose id is unknown. A later answer may refer to it.
     unknown: Unknown,
     /// The number of messages without a readable id that a message without `refs` may still answer. Text that can't be
-    /// read may contain any number of messages, so it sets this number to the maximum.
+    /// read may contain any number of messages, and a capture may lack any number, so both set this number to the
+    /// maximum.
     num_without_id: u64,
     /// The id of the latest request, if it has one.
     latest_request: Option<String>,
@@ -120,6 +121,16 @@ struct State {
 }
 
 impl State {
+    /// The state of a connection whose earlier records are unknown.
+    fn partial(serial: u64) -> Self {
+        Self { serial, num_without_id: u64::MAX, ..Self::default() }
+    }
+
+    /// True if a message without `refs` may be an answer. Datagrams may overtake each other or be lost.
+    fn may_answer_unknown(&self, connection: Connection<'_>) -> bool {
+        self.num_without_id > 0 || !connection.is_ordered
+    }
+
     /// The bounds of the server's clock offset at this time, in seconds.
     fn clock_at(&self, time: Option<f64>) -> Option<(f64, f64)> {
         let (low, high) = self.clock?;
@@ -250,7 +261,7 @@ impl Sessions {
     pub(crate) fn ended(&mut self, connection: usize) -> (u64, Vec<SentRequest>) {
         let serial = self.next_serial();
         let Some(state) = self.states.get_mut(connection) else { return (serial, Vec::new()) };
-        let state = std::mem::replace(state, State { serial, ..State::default() });
+        let state = std::mem::replace(state, State::partial(serial));
         let (serial, last_received) = (state.serial, state.last_received);
         let is_sound = !state.is_time_lost;
         let waited = |request: SentRequest| SentRequest {
@@ -313,8 +324,7 @@ impl Sessions {
         self.past.clear();
         self.operations.clear();
         for state in &mut self.states {
-            state.is_whole = false;
-            state.clock = None;
+            (state.is_whole, state.num_without_id, state.clock) = (false, u64::MAX, None);
         }
     }
 
@@ -322,7 +332,7 @@ impl Sessions {
     fn lose_connection(&mut self, connection: usize) {
         let serial = self.next_serial();
         let state = &mut self.states[connection];
-        *state = State { serial, is_whole: false, clock: None, ..state.clone() };
+        *state = State { serial, is_whole: false, num_without_id: u64::MAX, clock: None, ..state.clone() };
     }
 
     fn next_serial(&mut self) -> u64 {
@@ -334,7 +344,7 @@ impl Sessions {
     fn grow(&mut self, connection: usize) {
         while self.states.len() <= connection {
             let serial = self.next_serial();
-            self.states.push(State { serial, ..State::default() });
+            self.states.push(State::partial(serial));
         }
     }
 
@@ -431,7 +441,8 @@ impl Sessions {
             && connection.is_ordered
             && !self.open.has_forgotten()
             && !self.past.has_forgotten();
-        if exchange.refs.is_none() && state.unknown != Unknown::Message {
+        // A server may copy an id that isn't a string from a message that the capture lacks.
+        if exchange.refs.is_none() && is_certain {
             exchange.reference = Reference::Unknown;
         }
         let Some(refs) = exchange.refs.filter(|refs| refs.len() <= MAX_ID) else { return };
@@ -468,7 +479,8 @@ impl Sessions {
 
     fn notification(&mut self, exchange: &mut Exchange<'_>) {
         self.send(exchange, true);
-        exchange.may_answer_unknown = self.states[exchange.record.connection.index].num_without_id > 0;
+        let connection = exchange.record.connection;
+        exchange.may_answer_unknown = self.states[connection.index].may_answer_unknown(connection);
         if exchange.type_name == Some("SYS-CLOSE") {
             self.states[exchange.record.connection.index].ending = exchange.time;
         }
@@ -510,8 +522,9 @@ impl Sessions {
 
     /// True if a message without `refs` answers a message without an id.
     fn answers_unknown(&self, exchange: &Exchange<'_>, schemas: BodySchemas<'_>) -> bool {
-        let state = self.states.get(exchange.record.connection.index);
-        let is_expected = state.is_some_and(|state| state.num_without_id > 0);
+        let connection = exchange.record.connection;
+        let state = self.states.get(connection.index);
+        let is_expected = state.is_none_or(|state| state.may_answer_unknown(connection));
         if !is_expected || exchange.role != Role::Notification || exchange.message().is_none() {
             return false;
         }

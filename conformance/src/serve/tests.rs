@@ -151,6 +151,7 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
     session.send_request("lose", &json!({ "type": "OBJ-CMD", "ids": ["glider-5"], "command": "lose" }));
     session.send_request("list", &json!({ "type": "UAV-LIST" }));
     session.raw(r#"{"$fw.version":"1.0","id":"broken"}"#);
+    session.raw(r#"{"$fw.version":"1.0","id":17,"body":{"type":"SYS-PING"}}"#);
     session.hub.end();
     session.take_received()
 }

@@ -148,7 +148,7 @@ fn reports_noise_from_the_start() {
         assert!(!result.corruption.is_empty(), "{start:?}");
         assert_locations("noise", &result, start.len() + noise.len());
     }
-    for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfe{\0}\0", b"\x01\x02"] {
+    for start in [&b"ULoG\x01\x12\x35\x01"[..], &[0; 20], &noise, b"\xff\xfd{\0}\0", b"\x01\x02"] {
         let expected = format!(
             "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found the bytes {:02x} ",
             start[0]
@@ -162,7 +162,7 @@ fn reports_noise_from_the_start() {
             b"# Notes\nfine {day}\n",
             "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found `# Notes\\n`",
         ),
-        (b"%PDF-1.7\n%\xe2", "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found `%PDF-1.7`"),
+        (b"%FDF-1.7\n%\xe2", "unknown file type: expected ULog, MCAP, rosbag2 or JSON, found `%FDF-1.7`"),
     ] {
         assert_eq!(unknown(start).as_deref(), Some(reason));
     }

@@ -1,8 +1,10 @@
 //! Tests that legal sessions have no findings, and that one cause has one finding.
 
+use std::collections::BTreeMap;
+
 use serde_json::{Value, json};
 
-use super::{DEFINITIONS, checked, covered, done, ping, violated, violated_by};
+use super::{DEFINITIONS, checked, covered, done, on_connection, ping, violated, violated_by, with_lines};
 use crate::check::FlockwaveChecker;
 use crate::rules::flockwave::sample::Session;
 
@@ -89,6 +91,27 @@ fn a_server_may_copy_an_unusual_id() {
         let expected = if id.is_string() { vec![] } else { vec![("FW-ENV-05I", 1)] };
         assert_eq!(violated_by(&session), expected, "{id}");
         assert!(checked(&session.to_bytes()).coverage.is_full(), "{id}");
+    }
+}
+
+/// A server that refuses a message without a valid id has no valid id to refer to.
+#[test]
+fn a_capture_may_lack_a_message_without_a_valid_id() {
+    for refs in [None, Some(json!(null)), Some(json!(17)), Some(json!({}))] {
+        let mut session = Session::opened();
+        session.notify(json!({ "type": "ACK-NAK", "reason": "The id is missing" }));
+        if let (Some(line), Some(refs)) = (session.lines.last_mut(), &refs) {
+            line["msg"]["refs"] = refs.clone();
+        }
+        assert_eq!(violated_by(&session).len(), 1, "{refs:?}: the client has sent nothing");
+        let [opened, refusal] = &session.lines[..] else { panic!("two lines") };
+        for before in
+            [String::new(), format!("{opened}\nno JSON"), opened.to_string().replace("connect", "closed")]
+        {
+            let result = checked(format!("{before}\n{refusal}\n").as_bytes());
+            assert_eq!(violated(&result), BTreeMap::new(), "{refs:?} after {before}");
+        }
+        assert_eq!(violated_by(&with_lines(on_connection("udp#1", &session))), [], "{refs:?}");
     }
 }
 
