@@ -66,6 +66,7 @@ const STATUS: &str = "Exit status:
 
 /// Arguments of `serve`.
 #[derive(Args, Debug)]
+#[allow(clippy::struct_excessive_bools)] // options of a command line
 #[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{LIMITS}\n\n{STATUS}"))]
 pub(super) struct ServeArgs {
     /// Serve TCP: one message per line.

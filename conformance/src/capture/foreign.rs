@@ -73,7 +73,7 @@ const MAVLINK: &str = "MAVLink messages: check the log that the flight controlle
 
 const WEB_PAGE: &str = "a web page: the download may have required a login; download the file again";
 
-/// The first bytes of MAVLink packets, in versions 1 and 2.
+/// The first bytes of `MAVLink` packets, in versions 1 and 2.
 const MAVLINK_PACKETS: [u8; 2] = [0xfe, 0xfd];
 
 /// The times that telemetry logs may have, in µs since 1970: from 2000 to 2100.
@@ -93,7 +93,7 @@ fn is_web_page(start: &[u8]) -> bool {
         .any(|tag| text.get(..tag.len()).is_some_and(|found| found.eq_ignore_ascii_case(tag.as_bytes())))
 }
 
-/// Describes MAVLink packets. In telemetry logs, the time in µs precedes each packet.
+/// Describes `MAVLink` packets. In telemetry logs, the time in µs precedes each packet.
 fn mavlink(start: &[u8]) -> Option<&'static str> {
     let is_packet = |at: usize| {
         // The length of the payload, and a source that is a vehicle or a ground station.

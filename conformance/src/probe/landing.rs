@@ -174,8 +174,8 @@ impl Probe<'_, '_> {
         for uav in uavs {
             let single =
                 if is_refused { Some(self.urge(&json!({ "type": "UAV-INF", "ids": [uav] }))?) } else { None };
-            let status = single.as_ref().unwrap_or(&together)["body"]["status"][uav.as_str()].clone();
-            states.insert(uav, status);
+            let answer = single.as_ref().unwrap_or(&together);
+            states.insert(uav.clone(), answer["body"]["status"][uav.as_str()].clone());
         }
         Ok(states)
     }
@@ -221,8 +221,13 @@ impl Probe<'_, '_> {
         let was_refused = commanded.is_refused(effect, uav);
         let outcome = attempt.receipt().and_then(|receipt| commanded.outcome(receipt));
         drop(commanded);
-        let status = states.get(uav).unwrap_or(&Value::Null);
-        Evidence { now: self.clock.now(), status, flight: self.flights.get_mut(uav), was_refused, outcome }
+        Evidence {
+            now: self.clock.now(),
+            status: states.get(uav).unwrap_or(&Value::Null),
+            flight: self.flights.get_mut(uav),
+            was_refused,
+            outcome,
+        }
     }
 
     /// Connects again if necessary. Returns the name of the connection.

@@ -75,7 +75,7 @@ impl Probe<'_, '_> {
                 self.cut_short.take().unwrap_or_else(|| "the server didn't answer AUTH-REQ".to_owned());
             // A server without a login refuses both requests. AUTH-RESP is an answer to the login, not a refusal.
             let has_no_login = is_refused && self.coverage.refused("AUTH-REQ") > 0;
-            if !has_no_login && !(may_be_logged_in && self.is_logged_in(is_required)) {
+            if !(has_no_login || may_be_logged_in && self.is_logged_in(is_required)) {
                 self.failure = Some(format!("{reason}; check the name and password of --login"));
                 return false;
             }

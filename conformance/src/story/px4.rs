@@ -217,11 +217,13 @@ pub(super) fn hide_only_channels(lanes: &mut [Lane]) {
         if !matches!(kind, TopicKind::Fields(_) | TopicKind::Flags(_) | TopicKind::Events) {
             continue;
         }
-        let mut of_topic: Vec<&mut Lane> = lanes.iter_mut().filter(|lane| lane.topic == *name).collect();
+        let of_topic: Vec<&mut Lane> = lanes.iter_mut().filter(|lane| lane.topic == *name).collect();
         let subjects: BTreeSet<&String> = of_topic.iter().filter_map(|lane| lane.subject.as_ref()).collect();
         let is_only = |subject: &&String| !subject.starts_with("instance ") || *subject == FIRST_INSTANCE;
         if subjects.len() == 1 && subjects.iter().all(is_only) {
-            of_topic.iter_mut().for_each(|lane| lane.subject = None);
+            for lane in of_topic {
+                lane.subject = None;
+            }
         }
     }
 }

@@ -233,8 +233,8 @@ impl Claim {
     fn of(folder: &Path) -> io::Result<Self> {
         let is_new = !folder.exists();
         fs::create_dir_all(folder)?;
-        let _new = is_new.then(|| NewFolder(folder.to_owned()));
-        Ok(Self { stage: Stage::claim(folder)?, _new })
+        let new = is_new.then(|| NewFolder(folder.to_owned()));
+        Ok(Self { stage: Stage::claim(folder)?, _new: new })
     }
 
     /// The files and folders that others created.

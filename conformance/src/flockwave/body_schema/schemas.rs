@@ -76,22 +76,22 @@ struct Problem {
     path: PathBuf,
     /// The location in the file, as a line and column or as a JSON pointer; may be empty.
     location: String,
-    /// The problem, and how to fix it.
-    problem: String,
+    /// The reason, and how to fix it.
+    reason: String,
 }
 
 impl Problem {
-    fn new(path: &Path, problem: impl Into<String>) -> Self {
-        Self { path: path.to_owned(), location: String::new(), problem: problem.into() }
+    fn new(path: &Path, reason: impl Into<String>) -> Self {
+        Self { path: path.to_owned(), location: String::new(), reason: reason.into() }
     }
 }
 
 impl fmt::Display for SchemaError {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (number, Problem { path, location, problem }) in self.problems.iter().enumerate() {
+        for (number, Problem { path, location, reason }) in self.problems.iter().enumerate() {
             let line = if number == 0 { "" } else { "\n" };
             let location = if location.is_empty() { String::new() } else { format!(":{location}") };
-            write!(formatter, "{line}{}{location}: {problem}", terminal::path(path))?;
+            write!(formatter, "{line}{}{location}: {reason}", terminal::path(path))?;
         }
         Ok(())
     }

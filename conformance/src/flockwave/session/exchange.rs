@@ -72,6 +72,7 @@ pub(crate) struct ConnectionId {
 
 /// A record with its context in the session.
 #[derive(Clone, Debug)]
+#[allow(clippy::struct_excessive_bools)] // the flags are independent
 pub(crate) struct Exchange<'t> {
     /// The record.
     pub record: &'t SessionRecord<'t>,

@@ -28,13 +28,13 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("An id that is not a string is copied to `refs`."),
     trial: None,
     mutants: &[
-        Mutant { name: "`refs` that copies a number", make: || copied(json!(17)), also: &[] },
-        Mutant { name: "`refs` that copies null", make: || copied(json!(null)), also: &[] },
+        Mutant { name: "`refs` that copies a number", make: || copied(&json!(17)), also: &[] },
+        Mutant { name: "`refs` that copies null", make: || copied(&json!(null)), also: &[] },
     ],
 };
 
 /// The conforming session with a request that has an invalid id, and its refusal with the same id in `refs`.
-fn copied(id: Value) -> Option<Vec<u8>> {
+fn copied(id: &Value) -> Option<Vec<u8>> {
     mutant::over("tcp#9", |session| {
         let request = json!({ "$fw.version": "1.0", "id": id, "body": { "type": "SYS-PING" } });
         session.line("out", request);

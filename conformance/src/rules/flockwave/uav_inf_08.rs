@@ -96,9 +96,7 @@ impl Latest {
         timestamp: Option<&Tree<'_>>,
         context: &mut RuleContext<'_>,
     ) -> Option<Detail> {
-        let Some(now) = timestamp.filter(|_| uav.len() <= MAX_ID).and_then(Tree::as_integer) else {
-            return None;
-        };
+        let now = timestamp.filter(|_| uav.len() <= MAX_ID).and_then(Tree::as_integer)?;
         context.covered();
         let Some(latest) = self.0.get_mut(connection.serial, uav) else {
             self.0.insert(connection.serial, uav, now, uav.len());

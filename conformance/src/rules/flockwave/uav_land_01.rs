@@ -105,9 +105,11 @@ impl SessionCheck for Descents {
         accept(landings, exchange, now);
         for (uav, state) in body::members(exchange.body_of("UAV-INF"), "status") {
             let Some(landing) = landings.get_mut(uav.as_ref()) else { continue };
-            let Some(height) = landing.see(state, now, context) else { continue };
-            landings.remove(uav.as_ref());
-            if let Some(height) = height {
+            let progress = landing.see(state, now, context);
+            if !matches!(progress, Progress::Undecided) {
+                landings.remove(uav.as_ref());
+            }
+            if let Progress::Ignored { height } = progress {
                 let path = || pointer(&["body", "status", uav, "position", "3"]);
                 exchange.violates(context, || {
                     Detail::new(format!("{} accepted UAV-LAND but did not descend", body::quoted(uav)))
@@ -174,25 +176,34 @@ fn add(landings: &mut BTreeMap<String, Landing>, uav: &str, accepted: Option<f64
     );
 }
 
+/// The effect of a UAV-LAND command.
+enum Progress {
+    /// Later states decide.
+    Undecided,
+    /// The UAV descends, or its states don't show that it doesn't.
+    Settled,
+    /// The UAV hasn't descended from this height in mm.
+    Ignored { height: i128 },
+}
+
 impl Landing {
-    /// Takes a state of the UAV. Returns `Some` if the command needs no more attention, with the height in mm of a UAV
-    /// that hasn't descended.
-    fn see(&mut self, state: &Tree<'_>, now: f64, context: &mut RuleContext<'_>) -> Option<Option<i128>> {
-        let since = self.accepted?;
-        let Some((timestamp, height)) = timestamp_and_height(state) else { return Some(None) };
+    /// Takes a state of the UAV.
+    fn see(&mut self, state: &Tree<'_>, now: f64, context: &mut RuleContext<'_>) -> Progress {
+        let Some(since) = self.accepted else { return Progress::Undecided };
+        let Some((timestamp, height)) = timestamp_and_height(state) else { return Progress::Settled };
         let first = *self.first.get_or_insert(timestamp);
         let highest = height.max(self.highest.unwrap_or(height));
         self.highest = Some(highest);
         if height <= IN_AIR {
             // The UAV may be on the ground, or may have started to climb.
-            return (now - since >= REACTION).then_some(None);
+            return if now - since < REACTION { Progress::Undecided } else { Progress::Settled };
         }
         let has_descended = highest.saturating_sub(height) >= DESCENT;
         if !has_descended && (now - since < REACTION || timestamp <= first || is_braking(state)) {
-            return None;
+            return Progress::Undecided;
         }
         context.covered();
-        Some((!has_descended).then_some(height))
+        if has_descended { Progress::Settled } else { Progress::Ignored { height } }
     }
 }
 

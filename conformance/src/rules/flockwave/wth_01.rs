@@ -96,9 +96,8 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
 fn check_timestamp(message: &Message<'_>, context: &mut RuleContext<'_>, weather: &Tree<'_>, path: &[&str]) {
     context.covered();
     let found = weather.get("timestamp");
-    let is_valid =
-        |found: &&Tree<'_>| found.as_integer().is_some() && val_01::is_within(found, val_01::TIMES);
-    if found.filter(is_valid).is_some() {
+    let is_valid = |found: &Tree<'_>| found.as_integer().is_some() && val_01::is_within(found, val_01::TIMES);
+    if found.is_some_and(is_valid) {
         return;
     }
     message.violates_as(SUBJECT, context, || {
