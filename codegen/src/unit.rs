@@ -309,7 +309,7 @@ mod tests {
         }
     }
 
-    /// The values of `SI_Unit` in MAVLink's XML schema.
+    /// The values of `SI_Unit` in the XML schema of `MAVLink`.
     const MAVLINK: &str = "s ds cs ms us ns Hz MHz km dam m m/s m/s/s m/s*5 dm dm/s cm cm^2 cm/s mm mm/s mm/h K degC \
         cdegC rad rad/s mrad/s deg deg/2 ddeg/s deg/s cdeg cdeg/s degE5 degE7 rpm V cV mV A cA mA mAh Ah mT gauss \
         mgauss hJ W mG g kg Pa hPa kPa mbar % d% c% dB dBm KiB KiB/s MiB MiB/s bytes bytes/s bits/s pix dpix g/min \

@@ -229,8 +229,8 @@ mod tests {
                 sender.send(7).expect("a receiver");
                 clock.now() - start
             });
-            let received = clock.poll(start + SECOND * 9, SECOND * 5, || receiver.try_recv().ok());
-            assert_eq!((received, clock.now() - start), (Some(7), SECOND * 2));
+            let value = clock.poll(start + SECOND * 9, SECOND * 5, || receiver.try_recv().ok());
+            assert_eq!((value, clock.now() - start), (Some(7), SECOND * 2));
             assert_eq!(other.join().expect("no panic"), SECOND * 2);
         });
         clock.sleep_until(start);

@@ -87,9 +87,9 @@ fn scripted(options: Options, script: impl Fn(&mut Line, &[u8]) + 'static) -> Pr
 /// Probes a reference server. The recording is copied.
 fn referenced(options: Options, served: serve::Options, copy: &Shared) -> Probed {
     let clock = Clock::simulated();
-    let server = InMemory::new(served, &clock);
+    let network = InMemory::new(served, &clock);
     let copy: Box<dyn std::io::Write> = Box::new(copy.clone());
-    probe_on(&server, &ENDPOINT, &Options { clock, ..options }, &DEFINITIONS, Some(copy))
+    probe_on(&network, &ENDPOINT, &Options { clock, ..options }, &DEFINITIONS, Some(copy))
 }
 
 /// Asserts that a check of the recording has the same findings.
@@ -282,7 +282,8 @@ fn ends_in_time_with_slow_bytes() {
 
 #[test]
 fn ends_in_time_with_an_endless_line() {
-    let url = serve(|mut stream, _| while stream.write_all(&[b'x'; 1 << 16]).is_ok() {});
+    let piece = vec![b'x'; 1 << 16];
+    let url = serve(move |mut stream, _| while stream.write_all(&piece).is_ok() {});
     let probed = probed(&url, &short_options());
     let failure = probed.failure.as_deref().expect("a reason");
     assert!(failure.starts_with("this is not a Flockwave server: "), "{failure}");

@@ -88,9 +88,10 @@ fn patiently<T>(run: impl FnOnce(&Clock) -> T) -> T {
                 clock.sleep(Duration::from_secs(4) / PATIENCE);
             }
         });
-        // Dropped at the end, also after a panic.
-        let _running = running;
-        run(&clock)
+        // A panic drops `running` as well.
+        let outcome = run(&clock);
+        drop(running);
+        outcome
     })
 }
 

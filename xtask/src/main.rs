@@ -187,6 +187,6 @@ fn build(package: &str) -> Result<PathBuf, String> {
     let built = built.map_err(|error| format!("cannot run cargo: {error}"))?;
     let printed = String::from_utf8_lossy(&built.stdout);
     let messages = printed.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
-    let programs = messages.filter_map(|message| Some(PathBuf::from(message["executable"].as_str()?)));
-    programs.last().filter(|_| built.status.success()).ok_or_else(|| format!("{package} doesn't build"))
+    let mut programs = messages.filter_map(|message| Some(PathBuf::from(message["executable"].as_str()?)));
+    programs.next_back().filter(|_| built.status.success()).ok_or_else(|| format!("{package} doesn't build"))
 }

@@ -67,7 +67,9 @@ mod tests {
         for (which, has_range) in [(BuiltIn::Referenced, true), (BuiltIn::All, false)] {
             let mut sources = SourceMap::default();
             let mut packages = ros_packages(which, &mut sources);
-            packages.iter_mut().for_each(|package| package.select = None);
+            for package in &mut packages {
+                package.select = None;
+            }
             let (schema, diagnostics) = crate::read(&sources, &packages);
             assert_eq!(diagnostics, []);
             let has = |name| schema.messages.iter().any(|message| message.name == name);

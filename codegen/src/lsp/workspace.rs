@@ -228,7 +228,9 @@ mod tests {
         let files: Vec<(PathBuf, String)> = (0..count)
             .map(|number| (folder.join(format!("Wind{number}.msg")), format!("uint8 wind_{number}\n")))
             .collect();
-        files.iter().for_each(|(path, text)| fs::write(path, text).expect("a file"));
+        for (path, text) in &files {
+            fs::write(path, text).expect("a file");
+        }
         let mut workspace = Workspace::new(&[folder.to_path_buf()], Encoding::Utf8);
         workspace.refresh();
         assert!(workspace.take_changed());

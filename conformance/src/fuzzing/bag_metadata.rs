@@ -95,7 +95,7 @@ fn topics(choices: &mut Choices<'_>, unit: &str, encodings: &mut BTreeMap<String
         let (name, encoding) = (format!("/kite{number}/winch"), choices.of(&["cdr", "json", "odd one"]));
         encodings.insert(name.clone(), encoding.to_owned());
         let [name, value] = [&name, encoding].map(|text| choices.scalar(text, false));
-        text += &if choices.below(2) == 0 {
+        let topic = if choices.below(2) == 0 {
             format!(
                 "\n- topic_metadata:\n{unit}{unit}{unit}name: {name}\n{unit}{unit}{unit}serialization_format: {value}\n  message_count: 1"
             )
@@ -104,6 +104,7 @@ fn topics(choices: &mut Choices<'_>, unit: &str, encodings: &mut BTreeMap<String
                 "\n- {{topic_metadata: {{name: {name}, serialization_format: {value}}}, message_count: 1}}"
             )
         };
+        text.push_str(&topic);
     }
     if count == 0 { text + " []" } else { text }
 }

@@ -222,12 +222,12 @@ mod tests {
     }
 
     /// A reply to the command, and the seconds, codes and timestamp of each status that follows.
-    fn on_ground(effect: Effect, reply: Option<Reply>, states: &[(u64, Value, u64)]) -> Result<(), String> {
+    fn on_ground(effect: Effect, reply: Option<Reply>, seen: &[(u64, Value, u64)]) -> Result<(), String> {
         let start = Clock::simulated().now();
         let mut undoing = Undoing::new(effect, Duration::from_secs(10));
         undoing.sent("tcp#1", start, reply);
         let mut result = Err("no state".to_owned());
-        for (seconds, codes, timestamp) in states {
+        for (seconds, codes, timestamp) in seen {
             let status = match codes {
                 Value::Null => Value::Null,
                 codes => json!({ "errors": codes, "timestamp": timestamp }),
@@ -238,15 +238,15 @@ mod tests {
         result
     }
 
-    fn refusal() -> Option<Reply> {
-        Some(Reply::Refusal("not armed".to_owned()))
+    fn refusal() -> Reply {
+        Reply::Refusal("not armed".to_owned())
     }
 
     #[test]
     fn the_status_decides_that_motors_have_stopped() {
         let stopped = |reply, states: &[(u64, Value, u64)]| on_ground(Effect::MotorsOn, reply, states);
         // An answer without information needs a new status that shows it.
-        for reply in [Some(Reply::Missing), refusal()] {
+        for reply in [Some(Reply::Missing), Some(refusal())] {
             assert_eq!(stopped(reply.clone(), &[(0, json!([1]), 1), (1, json!([1]), 2)]), Ok(()));
             for states in [
                 vec![(0, json!([1]), 1)],
@@ -312,15 +312,15 @@ mod tests {
     }
 
     /// True if a UAV that refuses to land is made to return: its height in m and its codes each second.
-    fn returns(states: &[(i64, Value)]) -> bool {
+    fn returns(seen: &[(i64, Value)]) -> bool {
         let start = Clock::simulated().now();
         let mut undoing = Undoing::new(Effect::Airborne, Duration::from_secs(10));
         let mut flight = Flight::new(Altitude::AboveHome(0));
         let mut has_returned = false;
-        for (second, (height, codes)) in states.iter().enumerate() {
+        for (second, (height, codes)) in seen.iter().enumerate() {
             let now = start + Duration::from_secs(second as u64);
             if undoing.is_due("tcp#1", now, None) {
-                undoing.sent("tcp#1", now, refusal());
+                undoing.sent("tcp#1", now, Some(refusal()));
             }
             let status =
                 json!({ "timestamp": second, "position": [1, 2, 3, height * 1_000], "errors": codes });

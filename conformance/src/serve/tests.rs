@@ -157,7 +157,7 @@ fn transcript(bug: Option<&'static FlockwaveRule>) -> Vec<String> {
 }
 
 /// The bodies of the responses to requests, in order.
-fn responses(options: Options, requests: &[Value]) -> Vec<Value> {
+fn responses(options: &Options, requests: &[Value]) -> Vec<Value> {
     let mut session = TestSession::new(None, None);
     session.hub.options.is_for_skybrush = options.is_for_skybrush;
     session.take_received();
@@ -183,7 +183,7 @@ fn takes_numbers_that_clients_write_as_text() {
         json!({ "type": "PRM-GET", "ids": ["glider-1", "glider-2"], "name": "CRUISE_SPEED" }),
         json!({ "type": "PRM-SET-MANY", "ids": ["glider-1"], "parameters": { "LIGHT_MODE": "red" } }),
     ];
-    let bodies = responses(Options::default(), &requests);
+    let bodies = responses(&Options::default(), &requests);
     let data = |at: usize| bodies[at]["result"].to_string();
     assert!(data(0).contains("charged to 90 %") && data(1).contains("charged to 36 %"), "{bodies:?}");
     assert_eq!(bodies[2]["error"]["glider-1"], "expected the charge in percent");
@@ -208,7 +208,7 @@ fn stores_the_configuration_of_a_show() {
         json!({ "type": "SHOW-CRTH-START" }),
         json!({ "type": "RTK-SURVEY" }),
     ];
-    let bodies = responses(Options::default(), &requests);
+    let bodies = responses(&Options::default(), &requests);
     assert_eq!(bodies[0]["configuration"]["start"]["authorized"], false);
     assert_eq!([&bodies[1]["type"], &bodies[4]["type"]], ["ACK-ACK", "ACK-ACK"]);
     assert_eq!(bodies[2]["configuration"]["start"], start);
@@ -234,7 +234,7 @@ fn answers_as_skybrush_live_expects() {
         json!({ "type": "X-GLIDE-INF" }),
         json!({ "type": "X-SHOW-CRTH-START" }),
     ];
-    let bodies = responses(Options { is_for_skybrush: true, ..Options::default() }, &requests);
+    let bodies = responses(&Options { is_for_skybrush: true, ..Options::default() }, &requests);
     let types: Vec<&str> = bodies.iter().map(|body| body["type"].as_str().expect("a type")).collect();
     let expected =
         ["UAV-PREFLT", "X-RTK-SOURCE", "ACK-ACK", "ACK-ACK", "RTK-SURVEY", "ACK-NAK", "X-SHOW-CRTH-START"];
@@ -243,7 +243,7 @@ fn answers_as_skybrush_live_expects() {
     assert_eq!(bodies[0]["result"], bodies[0]["status"]);
     assert_eq!(bodies[4]["settings"]["duration"], 30.0);
 
-    let bodies = responses(Options::default(), &requests);
+    let bodies = responses(&Options::default(), &requests);
     assert!(bodies[0].get("result").is_none());
     assert_eq!([&bodies[1]["type"], &bodies[3]["type"]], ["ACK-NAK", "RTK-SURVEY"]);
 }

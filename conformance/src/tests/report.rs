@@ -104,13 +104,14 @@ fn read_html(page: &str) -> (String, BTreeSet<String>) {
                 for (attribute, value) in &tag.attributes {
                     let value = String::from_utf8_lossy(value).into_owned();
                     match &***attribute {
-                        b"href" => match value.strip_prefix('#') {
-                            Some(target) => _ = targets.insert(target.to_owned()),
-                            None => {
+                        b"href" => {
+                            if let Some(target) = value.strip_prefix('#') {
+                                targets.insert(target.to_owned());
+                            } else {
                                 let known = ["https://uavspec.dev/", "https://doc.collmot.com/public/"];
                                 assert!(known.iter().any(|start| value.starts_with(start)), "{value}");
                             }
-                        },
+                        }
                         b"id" => assert!(anchors.insert(value.clone()), "duplicate anchor {value}"),
                         other => assert!(!other.starts_with(b"on") && *other != b"src"[..], "{name}"),
                     }

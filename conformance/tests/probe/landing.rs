@@ -55,13 +55,9 @@ impl Sky {
         Options { clock: self.clock.clone(), ..Options::new(Duration::ZERO, None, vec![UAV.to_owned()]) }
     }
 
-    fn probe(&self, network: &dyn Network, options: &Options) -> Probed {
-        probe_on(network, &ENDPOINT, options, &DEFINITIONS, None)
-    }
-
     /// Probes with a function that is called with the type of each request.
     fn flown(&self, at: impl Fn(&str) -> Pass + 'static, change: impl FnOnce(Options) -> Options) -> Probed {
-        self.probe(&self.watched(at), &change(self.options()))
+        probed_over(&self.watched(at), &change(self.options()))
     }
 
     /// The height of the UAV above home in mm, and its error codes. The first request is sent before.
@@ -95,6 +91,10 @@ impl Sky {
     fn count(&self, type_name: &str) -> usize {
         self.requests.types().iter().filter(|name| *name == type_name).count()
     }
+}
+
+fn probed_over(network: &dyn Network, options: &Options) -> Probed {
+    probe_on(network, &ENDPOINT, options, &DEFINITIONS, None)
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn null_results_neither_delay_a_landing_nor_make_a_uav_return() {
 #[test]
 fn null_results_of_commands_to_motors_lose_no_flight() {
     let sky = Sky::with_nulls();
-    let probed = sky.probe(&sky.watched(|_| Pass::Forward), &sky.all_options());
+    let probed = probed_over(&sky.watched(|_| Pass::Forward), &sky.all_options());
     assert_eq!((&probed.danger, &probed.cut_short), (&None, &None));
     assert_eq!(rules(&probed), BTreeSet::from(["FW-ASY-22"]));
     assert_eq!(sky.count("UAV-MOTOR"), 2, "{:?}", sky.requests.types());
@@ -261,7 +261,7 @@ fn a_landing_needs_no_answer() {
             }),
             ..sky.watched(|_| Pass::Forward)
         };
-        let probed = sky.probe(&network, &sky.options());
+        let probed = probed_over(&network, &sky.options());
         assert_eq!(probed.danger, None, "{lost:?}: {:?}", sky.requests.types());
         sky.assert_safe(lost[0]);
     }
@@ -281,7 +281,7 @@ fn a_uav_whose_state_is_not_reported_is_told_to_land_again_and_again() {
         })
     };
     let options = Options { landing_limit: Duration::from_secs(60), ..sky.options() };
-    let probed = sky.probe(&network, &options);
+    let probed = probed_over(&network, &options);
     let danger = probed.danger.expect("a UAV");
     assert!(danger.contains("didn't answer UAV-INF"), "{danger}");
     assert!(sky.count("UAV-LAND") >= 5, "{:?}", sky.requests.types());
@@ -317,7 +317,7 @@ fn an_ignored_command_to_land_is_sent_again_soon_and_is_a_finding() {
 /// The number of requests of a flight without an interruption.
 fn number_of_requests() -> usize {
     let sky = Sky::new(serve::Options::default());
-    let probed = sky.probe(&sky.watched(|_| Pass::Forward), &sky.all_options());
+    let probed = probed_over(&sky.watched(|_| Pass::Forward), &sky.all_options());
     assert_eq!((probed.danger, probed.cut_short), (None, None));
     sky.requests.types().len()
 }
@@ -337,7 +337,7 @@ fn an_interrupt_at_any_request_leaves_safe_uavs_and_right_reasons() {
             Pass::Forward
         };
         let options = Options { stop: stop.clone(), ..sky.all_options() };
-        let probed = sky.probe(&sky.watched(watch), &options);
+        let probed = probed_over(&sky.watched(watch), &options);
         let context = format!("request {number} of {all}");
         assert_eq!((&probed.danger, stop.at_risk()), (&None, None), "{context}");
         assert_eq!(rules(&probed), BTreeSet::new(), "{context}");
@@ -376,7 +376,7 @@ fn waits_for_named_uavs_that_appear_late() {
     let late = |seconds| {
         let appearances = vec![(UAV.to_owned(), Duration::from_secs(seconds))];
         let sky = Sky::new(serve::Options { appearances, ..serve::Options::default() });
-        let probed = sky.probe(&sky.watched(|_| Pass::Forward), &sky.all_options());
+        let probed = probed_over(&sky.watched(|_| Pass::Forward), &sky.all_options());
         assert_eq!((&probed.danger, &probed.cut_short), (&None, &None));
         (sky, probed)
     };

@@ -11,13 +11,17 @@ use uavspec_conformance::transport::{Client, Endpoint, Network, Received};
 
 use super::proxy::Pass;
 
+type Watch = Rc<dyn Fn(&[u8]) -> Pass>;
+
+type Hears = Rc<dyn Fn(&[u8]) -> bool>;
+
 /// A network whose requests and messages pass functions.
 pub(crate) struct Watched<N> {
     pub(crate) network: N,
     /// Decides which requests are forwarded.
-    pub(crate) watch: Rc<dyn Fn(&[u8]) -> Pass>,
+    pub(crate) watch: Watch,
     /// True for messages from the server that arrive.
-    pub(crate) hears: Rc<dyn Fn(&[u8]) -> bool>,
+    pub(crate) hears: Hears,
 }
 
 impl<N> Watched<N> {
@@ -29,8 +33,8 @@ impl<N> Watched<N> {
 /// A client of a watched network.
 struct WatchedClient {
     client: Box<dyn Client>,
-    watch: Rc<dyn Fn(&[u8]) -> Pass>,
-    hears: Rc<dyn Fn(&[u8]) -> bool>,
+    watch: Watch,
+    hears: Hears,
     is_cut: bool,
 }
 

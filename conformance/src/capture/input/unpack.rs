@@ -129,7 +129,7 @@ mod tests {
             assert_eq!(read(bytes), (text.clone(), None));
         }
         for packed in [&gzip, &zstd] {
-            let zeros = [&packed[..], &[0; 70_000]].concat();
+            let zeros = [&packed[..], &vec![0; 70_000]].concat();
             assert_eq!(read(&zeros), (text.clone(), None), "zeros after the data");
             for twice in [[&packed[..], packed].concat(), [&zeros[..], packed].concat()] {
                 assert_eq!(read(&twice), (text.repeat(2), None), "several members");
