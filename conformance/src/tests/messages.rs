@@ -106,7 +106,9 @@ fn texts_and_sequences_are_read() {
 
     let folder = TempDir::new().expect("a folder");
     fs::write(folder.path().join("Note.msg"), NOTE).expect("a file");
-    let package = Definitions::load(folder.path()).expect("definitions").schema.packages[0].name.clone();
+    let schema = Definitions::load(folder.path()).expect("definitions").schema;
+    let note = schema.messages.iter().find(|message| message.name == "Note").expect("the message");
+    let package = &schema.packages[note.package].name;
     let options = Options { definitions: Some(folder.path().to_owned()), ..Options::default() };
     let line = format!(r#"{{"type": "{package}/Note", "message": {{"text": "hello", "marks": [1, 2]}}}}"#);
     let lines = format!("{line}\n{line}\n").into_bytes();
