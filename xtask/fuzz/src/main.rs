@@ -28,11 +28,7 @@ const OWN_TARGETS: &[Target] = &[
     Target { name: "fixes", check: definitions::fixes, seeds: seeds::files },
     Target { name: "edits", check: fuzzing::edits, seeds: seeds::edits },
     Target { name: "configuration", check: fuzzing::configuration, seeds: seeds::configurations },
-    Target {
-        name: "configuration-grammar",
-        check: fuzzing::configuration_grammar,
-        seeds: seeds::choices,
-    },
+    Target { name: "configuration-grammar", check: fuzzing::configuration_grammar, seeds: seeds::choices },
     Target { name: "hints", check: fuzzing::hints, seeds: seeds::hints },
     Target { name: "translations", check: fuzzing::translations, seeds: seeds::translations },
     Target { name: "known-findings", check: fuzzing::known_findings, seeds: seeds::known_findings },
