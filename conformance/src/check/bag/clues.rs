@@ -161,6 +161,12 @@ fn declarations(input: impl Read) -> Clues {
                 room -= if is_read { text.len() } else { 0 };
                 schemas.insert(id, (name, hash));
             }
+            // Another file may follow, whose ids are different.
+            Event::Header { .. } => {
+                schemas.clear();
+                unknown.clear();
+                json.clear();
+            }
             Event::Channel { metadata, .. } if metadata.contains_key(OWN) => {}
             Event::Channel { id, schema, topic, encoding, metadata } if encoding == "cdr" => {
                 let Some((name, hash)) = schemas.get(&schema) else { continue };

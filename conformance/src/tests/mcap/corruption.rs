@@ -1,10 +1,13 @@
 //! Tests of corrupt files: readable parts are checked, and unreadable parts are reported with their location.
 
+use std::fs;
 use std::io::{self, Read};
 
 use crate::capture::mcap::{Event, Problem, Reader};
-use crate::check::{Basis, CheckStatus};
+use crate::check::{Basis, CheckStatus, check_path};
+use crate::definitions::Library;
 use crate::model::Location;
+use crate::rules::sample::{Encoding, Flight};
 
 use super::file::{
     FORMS, Form, MAGIC, channel, chunk, chunked, end, file, header, message, raw_chunk, record, schema,
@@ -128,6 +131,22 @@ fn reads_files_that_follow_each_other() {
     let result = checked(&[first, cut[..cut.len() - 30].to_vec()].concat());
     assert!(!result.corruption.is_empty());
     assert_eq!((result.records, result.checked), (2, 2));
+}
+
+#[test]
+fn all_files_that_follow_each_other_show_the_release() {
+    let release = Library::release("px4@1.15").expect("a release");
+    let flight = Encoding::Mcap.write(&Flight::new(release.base())).expect("a bag");
+    // The ids of its schemas are those of other types in the flight.
+    let others = (1..20).map(|id| schema(id, "club_msgs/msg/Rope", "ros2msg", b"uint8 length\n"));
+    let first = file(&others.collect::<Vec<_>>().concat());
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("flight.mcap");
+    for bytes in [flight.clone(), [first, flight].concat()] {
+        fs::write(&path, bytes).expect("a file");
+        let found = check_path(&path, None, &Library::built_in(), &|input| input).expect("a bag");
+        assert_eq!((found.definitions.name.as_str(), violated(&found.result)), ("PX4 1.15", vec![]));
+    }
 }
 
 #[test]
