@@ -530,8 +530,10 @@ impl Sessions {
         }
         // The description of OBJ-CMD says that results are sent in notifications of this type.
         let is_usual = |name: &str| {
-            let is_defined = schemas.is_defined(name, json_type::Direction::Notification);
-            name == "OBJ-CMD" || is_defined || !schemas.has(name)
+            let defined = schemas.defined_schemas;
+            // A user's schemas may be for one direction only.
+            let is_defined = defined.is_defined(name, json_type::Direction::Notification);
+            name == "OBJ-CMD" || is_defined || !defined.has(name)
         };
         exchange.type_name.is_some_and(|name| !is_usual(name))
     }
