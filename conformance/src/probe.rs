@@ -468,7 +468,7 @@ impl Probe<'_, '_> {
             self.note(format!("a connection stopped answering after {type_name}; the probe connected again"));
             self.leave();
         } else if !self.stop.commanded().is_safe() {
-            // Landing needs a connection at once.
+            // Landing needs a connection immediately.
             return;
         }
         self.recover(&format!("{AFTER_REQUEST}{type_name}"));

@@ -63,7 +63,7 @@ fn rows(sources: &SourceMap, id: SourceId, definition: &Definition<'_>, dialect:
     rows
 }
 
-/// Adds a separator. Its comment moves to the end of the part above, because rosidl accepts no text after `---`. The
+/// Adds a separator. Its comment moves to the end of the part above, because rosidl rejects text after `---`. The
 /// blank line keeps it from becoming the comment of the part.
 fn push_separator(line: &str, rows: &mut Vec<Row>) {
     if let Some((_, text)) = line.split_once('#') {

@@ -14,7 +14,7 @@ const DISTRIBUTION: &str = "jazzy";
 /// The built-in packages that a reader needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BuiltIn {
-    /// Those that the definitions refer to. Only the referenced messages appear in the output.
+    /// The packages that the definitions refer to. Only the referenced messages appear in the output.
     Referenced,
     /// All messages that don't differ between distributions, because captures also contain other messages.
     All,

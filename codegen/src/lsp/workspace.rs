@@ -69,8 +69,8 @@ impl Workspace {
         self.opened.insert(path.to_path_buf());
     }
 
-    /// Finds the projects of documents that were opened. Editors open many documents at once, so their projects are read
-    /// once for all of them.
+    /// Finds the projects of documents that were opened. Editors open many documents together, so each project is read once
+    /// for all of its documents.
     fn find_projects(&mut self) {
         let opened = std::mem::take(&mut self.opened);
         let is_open = |path: &PathBuf| self.open.contains_key(path) && self.project_of(path).is_none();

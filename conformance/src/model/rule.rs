@@ -43,7 +43,7 @@ pub enum Status {
     /// the specification must not fail, so the level is never [`Level::Must`].
     Disputed(&'static str),
     /// The specification requires the rule, but contradicts itself about some cases. Contains a description of these
-    /// cases. The finding of such a case is disputed.
+    /// cases. Findings in these cases are disputed.
     DisputedCases(&'static str),
     /// The rule follows from the specification or its purpose.
     Advisory,

@@ -24,7 +24,7 @@ impl Tally {
     }
 }
 
-/// The items of a kind that a file contains, and those that its index lists.
+/// The items of a kind that a file contains, and the items that its index lists.
 #[derive(Clone, Copy, Debug, Default)]
 struct Indexed {
     found: Tally,

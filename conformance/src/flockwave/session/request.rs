@@ -29,7 +29,7 @@ pub(crate) struct SentRequest {
     pub location: Location,
     /// For an unanswered request: the time from the request to the latest server message, in seconds.
     pub waited: Option<f64>,
-    /// The reason why the server's answer is no message, over HTTP.
+    /// The reason why the server's answer over HTTP isn't a message.
     pub failure: Option<String>,
     /// True if the request has a version and a type, as every Flockwave request must.
     pub is_sound: bool,
