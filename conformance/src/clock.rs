@@ -21,7 +21,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use self::simulation::Participant;
 
-/// A time in which something happens.
+/// The maximum wait without a time limit, about a year. Conditions are then checked again.
 const LONG: Duration = Duration::from_secs(1 << 25);
 
 /// A source of time. Clones are for the same thread; [`spawn`](Self::spawn) passes a clock to another thread.
