@@ -20,7 +20,7 @@
 //! # Ok::<(), std::io::Error>(())
 //! ```
 
-use std::fs::{self, DirBuilder, File, Metadata, OpenOptions, Permissions};
+use std::fs::{self, File, Metadata, OpenOptions, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Read as _, Seek as _, Write};
 use std::path::{Path, PathBuf};
 
@@ -64,10 +64,7 @@ pub struct Stage {
 impl Stage {
     /// Creates a temporary folder in `folder`, and removes abandoned ones.
     pub fn new(folder: &Path) -> io::Result<Self> {
-        let mut builder = tempfile::Builder::new();
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(PRIVATE));
-        let path = builder.prefix(PREFIX).tempdir_in(folder)?.keep();
+        let path = private(PREFIX).tempdir_in(folder)?.keep();
         let lock = OpenOptions::new().read(true).write(true).create_new(true).open(path.join(LOCK))?;
         wait_for(&lock)?;
         let stage = Self::mark(path, lock)?;
@@ -97,14 +94,11 @@ impl Stage {
     fn exclusive_with(folder: &Path, lock: fn(&File) -> io::Result<()>) -> io::Result<Self> {
         let user = owner(&tempfile::tempfile_in(folder)?.metadata()?);
         for _ in 0..MAX_ATTEMPTS {
-            let path = folder.join(EXCLUSIVE);
-            let mut builder = DirBuilder::new();
-            #[cfg(unix)]
-            std::os::unix::fs::DirBuilderExt::mode(&mut builder, PRIVATE);
-            match builder.create(&path) {
-                Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(error),
-                _ => {}
-            }
+            let path = match private(EXCLUSIVE).rand_bytes(0).tempdir_in(folder) {
+                Ok(created) => created.keep(),
+                Err(error) if error.kind() == ErrorKind::AlreadyExists => folder.join(EXCLUSIVE),
+                Err(error) => return Err(error),
+            };
             if let Some(stage) = Self::take_over(path, user, lock)? {
                 remove_files(&stage.path);
                 stage.remove_abandoned(folder);
@@ -185,6 +179,15 @@ impl Stage {
             }
         }
     }
+}
+
+/// Creates folders that only this user may read, with names that start with `prefix`.
+fn private(prefix: &str) -> tempfile::Builder<'_, '_> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(PRIVATE));
+    builder
 }
 
 /// The folder that contains a file.
