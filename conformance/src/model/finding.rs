@@ -249,6 +249,21 @@ impl Findings {
         }
     }
 
+    /// Changes the details of an earlier finding, if they are known.
+    pub(crate) fn amend(
+        &mut self,
+        rule: &Rule,
+        subject: &str,
+        location: Location,
+        change: impl FnOnce(&mut Detail),
+    ) {
+        let group = self.groups.get_mut(&Key::new(rule, subject.into(), None));
+        let mut examples = group.into_iter().flat_map(|group| &mut group.examples);
+        if let Some((_, detail)) = examples.find(|(found, _)| *found == location) {
+            change(detail);
+        }
+    }
+
     /// Removes the instance from the groups of topics that have only their first instance.
     pub(crate) fn hide_only_instances(&mut self, is_only: impl Fn(&str) -> bool) {
         for group in self.groups.values_mut().filter(|group| group.instance == Some(0)) {

@@ -9,7 +9,8 @@ use super::tape::Tape;
 use crate::flockwave::record::Trial;
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::model::Rule;
-use crate::rules::flockwave::trial::{self, Attempt, Step};
+use crate::rules::flockwave::env_27;
+use crate::rules::flockwave::trial::{self, Attempt, SENT_ALONE, Sent, Step};
 
 /// The minimum time limit for late answers.
 const LATE_ANSWER_TIME: Duration = Duration::from_millis(400);
@@ -49,31 +50,66 @@ impl Probe<'_, '_> {
         self.step();
         self.catch_up();
         let trial = Trial { rule, how };
-        match self.connect(endpoint.as_ref()) {
-            Ok(session) => self.session = Some(session),
-            // Some trials test whether the server accepts a connection to a different endpoint.
-            Err(error) if endpoint.is_some() => return self.refused(endpoint.as_ref(), &error, Some(trial)),
-            Err(error) => {
-                self.refused(None, &error, None);
-                return self.cut_short(format!("can't connect for a trial: {error}"));
-            }
-        }
-        self.log_in();
-        let Some(mut session) = self.session.take() else { return };
-        if self.cut_short.is_some() {
-            return self.close(session);
-        }
-        let is_served = self.carry_out(&mut session, steps, trial);
+        let Some(mut session) = self.open(endpoint.as_ref(), trial) else { return };
+        let is_served = self.carry_out(&mut session, steps, Some(trial));
+        let suspects = suspects(&session, steps);
         self.close(session);
         // If the server has crashed, further trials are meaningless.
         if !is_served && !self.stop.is_due() {
             let colon = if how.is_empty() { "" } else { ", " };
-            self.recover(&format!("{}{}{colon}{how}", trial::AFTER_TRIAL, rule.id));
+            let after = format!("{}{}{colon}{how}", trial::AFTER_TRIAL, rule.id);
+            let stops = self.stops;
+            if self.recover(&after) && self.stops > stops && suspects.len() > 1 {
+                self.isolate(&suspects, &format!("{after}{SENT_ALONE}"));
+            }
         }
     }
 
-    /// Performs the steps of a trial, and waits for the answers. Returns true if the last request was answered.
-    fn carry_out(&mut self, session: &mut Session, steps: &[Step], trial: Trial<'_>) -> bool {
+    /// Opens a connection for a trial, and logs in.
+    fn open(&mut self, endpoint: Option<&Endpoint>, trial: Trial<'_>) -> Option<Session> {
+        match self.connect(endpoint) {
+            Ok(session) => self.session = Some(session),
+            // Some trials test whether the server accepts a connection to a different endpoint.
+            Err(error) if endpoint.is_some() => {
+                self.refused(endpoint, &error, Some(trial));
+                return None;
+            }
+            Err(error) => {
+                self.refused(None, &error, None);
+                self.cut_short(format!("can't connect for a trial: {error}"));
+                return None;
+            }
+        }
+        self.log_in();
+        let session = self.session.take()?;
+        if self.cut_short.is_some() {
+            self.close(session);
+            return None;
+        }
+        Some(session)
+    }
+
+    /// Sends each of these messages alone, until one of them ends the service again. The server serves.
+    fn isolate(&mut self, suspects: &[&Sent], after: &str) {
+        let stops = self.stops;
+        for sent in suspects {
+            if self.stops > stops || self.must_stop().is_some() {
+                return;
+            }
+            self.ensure_witness();
+            let trial = Trial { rule: &env_27::RULE.rule, how: after };
+            let Some(mut session) = self.open(None, trial) else { return };
+            // The trial's rule has checked these messages before.
+            self.carry_out(&mut session, &[Step::Send((*sent).clone()), Step::request("alone")], None);
+            self.close(session);
+            if self.stop.is_due() || !self.recover(after) {
+                return;
+            }
+        }
+    }
+
+    /// Performs the steps of a trial, and waits for the answers. Returns true if the last message was answered.
+    fn carry_out(&mut self, session: &mut Session, steps: &[Step], trial: Option<Trial<'_>>) -> bool {
         let grace = LATE_ANSWER_TIME.max(self.slowest * 4);
         for (at, step) in steps.iter().enumerate() {
             if self.stop.is_due() {
@@ -111,33 +147,42 @@ impl Probe<'_, '_> {
         if is_open(session) && !session.is_over() {
             self.silences += 1;
         }
-        !is_open(session)
+        // A last message that can't be answered doesn't show whether the server still serves.
+        !needed.is_empty() && !is_open(session)
     }
 }
 
-fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Trial<'_>) {
+/// The messages that may have ended the service: those after the latest answered request.
+fn suspects<'s>(session: &Session, steps: &'s [Step]) -> Vec<&'s Sent> {
+    let sent: Vec<&Sent> = steps.iter().flat_map(Step::messages).collect();
+    let is_answered = |sent: &&Sent| sent.id().is_some_and(|id| session.has_answer(id));
+    let first = sent.iter().rposition(is_answered).map_or(0, |at| at + 1);
+    sent.into_iter().skip(first).filter(|sent| !sent.is_control).collect()
+}
+
+fn perform(session: &mut Session, tape: &mut Tape<'_>, step: &Step, trial: Option<Trial<'_>>) {
     // A finding already reports that an earlier message has no answer.
     if session.is_over() {
         return;
     }
     match step {
-        Step::Send(sent) => session.send(tape, &sent.text, sent.id(), Some(trial)),
+        Step::Send(sent) => session.send(tape, &sent.text, sent.id(), trial),
         Step::Together(all) if !session.is_stream() => {
             for sent in all {
-                session.send(tape, &sent.text, sent.id(), Some(trial));
+                session.send(tape, &sent.text, sent.id(), trial);
             }
         }
         Step::Together(all) => {
             let mut bytes = Vec::new();
             for sent in all {
-                session.note(tape, &sent.text, sent.id(), Some(trial));
+                session.note(tape, &sent.text, sent.id(), trial);
                 bytes.extend_from_slice(&sent.text);
                 bytes.push(b'\n');
             }
             session.send_raw(tape, &bytes);
         }
         Step::Pieces(sent, count, pause) => {
-            session.note(tape, &sent.text, sent.id(), Some(trial));
+            session.note(tape, &sent.text, sent.id(), trial);
             let line = [&sent.text[..], b"\n"].concat();
             for (at, piece) in line.chunks(line.len().div_ceil(*count)).enumerate() {
                 if at > 0 {

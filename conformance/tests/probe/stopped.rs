@@ -61,6 +61,91 @@ fn names_the_datagram_after_which_nothing_is_answered() {
     assert_names_datagram(&compared(|tape| probe_on(&server, &endpoint, &options, &DEFINITIONS, Some(tape))));
 }
 
+/// A server that stops serving when it reads a fatal line, and serves again from the connection with this number after
+/// that. `is_fatal` takes the number of the line in its segment, and the segment from this line on.
+fn mortal(restart: usize, is_fatal: impl Fn(usize, &str) -> bool) -> impl Fn(&mut Line, &[u8]) {
+    let dead_connections = Cell::new(None);
+    move |line, segment| {
+        if segment.is_empty() {
+            dead_connections
+                .set(dead_connections.get().map(|count| count + 1).filter(|count| *count < restart));
+        }
+        let lines = line.lines(segment);
+        let mut rest = &*String::from_utf8_lossy(&lines);
+        for (number, text) in String::from_utf8_lossy(&lines).split_inclusive('\n').enumerate() {
+            if is_fatal(number, rest) {
+                dead_connections.set(Some(0));
+            }
+            if dead_connections.get().is_none() {
+                answer_all(line, text.as_bytes());
+            }
+            rest = rest.get(text.len()..).unwrap_or_default();
+        }
+    }
+}
+
+/// The trial that sends several requests together.
+const TOGETHER: [&str; 2] = ["FW-ENV-25", "FW-ENV-27"];
+
+/// The end of a finding with the suspects of this trial if the server reads none of its requests.
+const UNCLEAR: &str = "or one of the 5 messages after it";
+
+#[test]
+fn sends_several_suspects_alone_to_name_the_message_that_ended_the_service() {
+    let probed = tried(&TOGETHER, mortal(2, |_, rest| rest.contains("CONN-LIST")));
+    let found = messages(&probed, "FW-ENV-27");
+    assert_eq!(violations(&probed)["FW-ENV-27"], 1, "{found:?}");
+    assert!(found[0].contains("(FW-ENV-25, sent alone); the service ended after `"), "{found:?}");
+    assert!(found[0].contains("CONN-LIST") && !found[0].contains("or one of"), "{found:?}");
+    let again = probed.notes.iter().filter(|note| note.contains("it served again")).count();
+    assert_eq!(again, 2, "{:?}", probed.notes);
+}
+
+#[test]
+fn a_service_that_ends_only_once_has_several_suspects() {
+    let is_over = Cell::new(false);
+    let is_fatal = move |_, rest: &str| rest.contains("CONN-LIST") && !is_over.replace(true);
+    let found = messages(&tried(&TOGETHER, mortal(2, is_fatal)), "FW-ENV-27");
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert!(
+        found[0].contains(&format!("{UNCLEAR}; sent alone, none of them ended the service")),
+        "{found:?}"
+    );
+}
+
+/// Nothing is sent again if the server stays away, or after an interruption.
+#[test]
+fn suspects_stay_unclear_without_a_server_or_after_an_interruption() {
+    for restart in [usize::MAX, 2] {
+        let stop = Stop::default();
+        let requested = stop.clone();
+        let sent_alone = Rc::new(Cell::new(0));
+        let count = Rc::clone(&sent_alone);
+        let is_fatal = move |number, rest: &str| {
+            if number == 0 && rest.contains("together-") && rest.lines().count() == 1 {
+                count.set(count.get() + 1);
+                requested.request();
+            }
+            rest.contains("CONN-LIST")
+        };
+        let probed = scripted(Options { stop, ..trying(&TOGETHER) }, mortal(restart, is_fatal));
+        assert!(probed.cut_short.is_some());
+        assert_eq!(sent_alone.get(), usize::from(restart == 2));
+        let found = messages(&probed, "FW-ENV-27");
+        assert!(found.len() == 1 && found[0].ends_with(UNCLEAR), "{found:?}");
+    }
+}
+
+/// The last message of a trial may have no answer. Then the probe asks whether the server still serves.
+#[test]
+fn names_a_message_without_an_answer_at_the_end_of_a_trial() {
+    let is_fatal = |number: usize, rest: &str| number > 0 && rest.starts_with("not a message");
+    let found = messages(&tried(&["FW-TCP-03", "FW-ENV-27"], mortal(2, is_fatal)), "FW-ENV-27");
+    assert_eq!(found.len(), 1, "{found:?}");
+    let expected = "a segment with a message and a non-JSON line); the service ended after `not a message`";
+    assert!(found[0].contains(expected), "{found:?}");
+}
+
 fn assert_names_datagram(probed: &Probed) {
     let found = messages(probed, "FW-ENV-27");
     assert_eq!(found.len(), 1, "{found:?}");

@@ -49,18 +49,25 @@ pub(super) fn tried_as(
     complete: impl FnOnce(Detail) -> Detail,
 ) -> bool {
     let Some(how) = exchange.tried(tested) else { return false };
-    let (problem, actual) = match exchange.role {
-        Role::Response => {
-            context.covered();
-            return true;
-        }
-        Role::Unanswered if is_over(exchange, tested) => ("no response", "none"),
-        Role::Event if exchange.record.text == "refused" => ("no connection", "none"),
-        _ => return false,
-    };
-    context.covered();
-    unserved(exchange, context, (problem, actual, how), complete);
+    if exchange.role == Role::Response {
+        context.covered();
+        return true;
+    }
+    if let Some(problem) = problem(exchange, tested) {
+        context.covered();
+        unserved(exchange, context, (problem, how), complete);
+    }
     false
+}
+
+/// The reason why a request that tests a rule was not served.
+pub(super) fn problem(exchange: &Exchange<'_>, tested: &Rule) -> Option<&'static str> {
+    exchange.tried(tested)?;
+    match exchange.role {
+        Role::Unanswered if is_over(exchange, tested) => Some("no response"),
+        Role::Event if exchange.record.text == "refused" => Some("no connection"),
+        _ => None,
+    }
 }
 
 /// True if the session is complete enough that any response would appear in it. Over UDP, a missing response proves
@@ -75,7 +82,7 @@ fn is_over(exchange: &Exchange<'_>, tested: &Rule) -> bool {
 fn unserved(
     exchange: &Exchange<'_>,
     context: &mut RuleContext<'_>,
-    (problem, actual, how): (&str, &str, &str),
+    (problem, how): (&str, &str),
     complete: impl FnOnce(Detail) -> Detail,
 ) {
     let type_name = exchange.request.as_ref().and_then(|request| request.type_name.as_deref());
@@ -92,7 +99,7 @@ fn unserved(
         let request = type_name.map_or_else(String::new, |name| format!(" to {}", body::quoted(name)));
         let kind = if kind.is_empty() { String::new() } else { format!(" ({kind})") };
         complete(
-            Detail::new(format!("{problem}{request}{kind}{cause}")).expected("a response").actual(actual),
+            Detail::new(format!("{problem}{request}{kind}{cause}")).expected("a response").actual("none"),
         )
     });
 }

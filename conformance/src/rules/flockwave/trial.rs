@@ -12,6 +12,9 @@ use crate::model::Rule;
 pub(crate) const AFTER_TRIAL: &str = "after a trial: ";
 pub(crate) const AFTER_REQUEST: &str = "after a request: ";
 
+/// The end of the description with which a probe checks the server after it sent one message of a trial again.
+pub(crate) const SENT_ALONE: &str = ", sent alone";
+
 /// A short pause between the parts of a message.
 pub(super) const SHORT_PAUSE: Duration = Duration::from_millis(60);
 
@@ -98,26 +101,34 @@ pub(crate) enum Step {
 }
 
 impl Step {
-    /// The id of the last request, if any.
-    pub(crate) fn id(&self) -> Option<&str> {
+    /// The messages.
+    pub(crate) fn messages(&self) -> &[Sent] {
         match self {
-            Self::Send(sent) | Self::Pieces(sent, ..) => sent.id(),
-            Self::Together(all) => all.last()?.id(),
-            Self::Packet(_) => None,
+            Self::Send(sent) | Self::Pieces(sent, ..) => std::slice::from_ref(sent),
+            Self::Together(all) => all,
+            Self::Packet(_) => &[],
         }
     }
 
+    /// The id of the last request, if any.
+    pub(crate) fn id(&self) -> Option<&str> {
+        self.messages().last()?.id()
+    }
+
     /// Sends a request that every server must serve.
-    pub(super) fn request(id: &str) -> Self {
+    pub(crate) fn request(id: &str) -> Self {
         Self::Send(Sent::request(id, "SYS-VER"))
     }
 }
 
 /// A message to send.
+#[derive(Clone)]
 pub(crate) struct Sent {
     /// The message.
     pub(crate) text: Vec<u8>,
     id: Option<String>,
+    /// True for a request that shows only whether the server still serves.
+    pub(crate) is_control: bool,
 }
 
 impl Sent {
@@ -129,13 +140,13 @@ impl Sent {
     /// Creates a request of this type without parameters.
     pub(super) fn request(id: &str, kind: &str) -> Self {
         let text = json!({ "$fw.version": "1.0", "id": id, "body": { "type": kind } }).to_string();
-        Self::text(text, Some(id))
+        Self { is_control: kind == "SYS-VER", ..Self::text(text, Some(id)) }
     }
 
     /// Creates a message from text. `id` is the id to which responses refer, or `None` if the message can't be
     /// answered.
     pub(super) fn text(text: impl Into<Vec<u8>>, id: Option<&str>) -> Self {
-        Self { text: text.into(), id: id.map(str::to_owned) }
+        Self { text: text.into(), id: id.map(str::to_owned), is_control: false }
     }
 }
 

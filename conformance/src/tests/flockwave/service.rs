@@ -55,6 +55,84 @@ fn names_the_message_that_ended_the_service() {
     }
 }
 
+/// A session in which one of two messages ended the service over this connection. Then the server serves again, and `again`
+/// follows on another connection.
+fn unclear(connection: &'static str, again: impl FnOnce(&mut Session)) -> Session {
+    let mut session = Session::opened();
+    session.over(connection, |session| {
+        session.exchange_with(ping(), done()["body"].clone());
+        session.sends_raw("one wind");
+        session.sends_raw("two winds");
+    });
+    session.over("tcp#2", |session| session.refused(&env_27::RULE.rule, "after a trial: one", "refused"));
+    session.over("tcp#3", |session| {
+        session.exchange_with(ping(), done()["body"].clone());
+        again(session);
+    });
+    session
+}
+
+/// Sends a message alone. If the server still serves, it answers the next request.
+fn sends_alone(session: &mut Session, message: &str, is_served: bool) {
+    let (rule, how) = (&env_27::RULE.rule, "after a trial: one, sent alone");
+    session.sends_raw(message);
+    if is_served {
+        session.tries_and_receives(rule, how, ping(), done()["body"].clone());
+    } else {
+        session.refused(rule, how, "refused");
+    }
+}
+
+#[test]
+fn names_the_message_that_ended_the_service_again_when_it_was_sent_alone() {
+    for connection in ["tcp#1", "udp#1", "http#1", "socketio#1"] {
+        for (are_served, end) in [
+            (&[][..], "after `one wind` or the message after it"),
+            (&[false], "after `one wind`"),
+            (&[true], "after `one wind` or the message after it"),
+            (&[true, false], "after `two winds`"),
+            (&[true, true], "or the message after it; sent alone, none of them ended the service"),
+        ] {
+            let session = unclear(connection, |session| {
+                for (message, is_served) in ["one wind", "two winds"].into_iter().zip(are_served) {
+                    sends_alone(session, message, *is_served);
+                }
+            });
+            assert_eq!(violated_by(&session), [("FW-ENV-27", 1)], "{connection}");
+            let found = messages(&session, "FW-ENV-27");
+            assert!(found[0].ends_with(end), "{connection}, {are_served:?}: {found:?}");
+        }
+    }
+}
+
+/// The message that was sent last was not followed by a request that the server answered.
+#[test]
+fn an_interrupted_probe_does_not_clear_the_last_suspect() {
+    let session = unclear("tcp#1", |session| {
+        sends_alone(session, "one wind", true);
+        session.sends_raw("two winds");
+    });
+    assert!(messages(&session, "FW-ENV-27")[0].ends_with("after `one wind` or the message after it"));
+}
+
+/// The server reads the messages of an ordered connection one after the other.
+#[test]
+fn a_response_clears_only_the_messages_before_its_request() {
+    for (connection, expected) in [("tcp#1", &[("FW-ENV-27", 1)][..]), ("udp#1", &[])] {
+        let mut session = Session::opened();
+        session.over(connection, |session| {
+            session.sends_raw("one wind");
+            let id = session.sends(ping());
+            session.sends_raw("two winds");
+            session.answers(&id, done());
+        });
+        session.over("tcp#2", |session| session.refused(&env_27::RULE.rule, "after a trial: one", "refused"));
+        assert_eq!(violated_by(&session), expected, "{connection}");
+        let found = messages(&session, "FW-ENV-27");
+        assert!(found.iter().all(|text| text.ends_with("the service ended after `two winds`")), "{found:?}");
+    }
+}
+
 /// Messages that were sent after the end of the service are no suspects.
 #[test]
 fn only_messages_before_the_end_of_the_service_are_suspects() {
