@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 
 use lsp_types::Location;
 
-use super::lines::{Encoding, Lines};
+use super::lines::{Encoding, Index, Lines};
 use super::uri;
 use crate::diagnostic::Level;
 use crate::finding::Finding;
@@ -31,6 +32,8 @@ pub(super) struct Snapshot {
     /// The findings of the parser and of `lint`.
     pub(super) findings: Vec<Finding>,
     ids: BTreeMap<PathBuf, SourceId>,
+    /// The lines of the sources, found lazily. A file may have thousands of findings that refer to it.
+    lines: BTreeMap<SourceId, OnceLock<Arc<Index>>>,
     encoding: Encoding,
 }
 
@@ -46,7 +49,8 @@ impl Snapshot {
             }
         }
         let ids = loaded.paths.iter().map(|(id, path)| (path.clone(), *id)).collect();
-        Self { loaded, schema, findings, ids, encoding }
+        let lines = loaded.paths.keys().map(|id| (*id, OnceLock::new())).collect();
+        Self { loaded, schema, findings, ids, lines, encoding }
     }
 
     /// True if the snapshot contains this file.
@@ -91,7 +95,15 @@ impl Snapshot {
     }
 
     pub(super) fn lines(&self, id: SourceId) -> Lines<'_> {
-        Lines::new(self.loaded.sources.text(id), self.encoding)
+        let text = self.loaded.sources.text(id);
+        match self.lines.get(&id) {
+            Some(index) => {
+                let index = index.get_or_init(|| Arc::new(Index::new(text)));
+                Lines::with_index(text, Arc::clone(index), self.encoding)
+            }
+            // The configuration file.
+            None => Lines::new(text, self.encoding),
+        }
     }
 
     /// The location of a span.
