@@ -18,7 +18,7 @@ pub mod docs;
 #[cfg(feature = "files")]
 mod emitter;
 mod file;
-mod identifier;
+pub(crate) mod identifier;
 pub mod inspect;
 pub mod json_schema;
 mod origin;

@@ -2,6 +2,9 @@
 //! does not hold. `cargo xtask fuzz` runs the functions.
 
 mod configuration;
+mod grammar;
+mod hints;
+mod known;
 
 use std::path::Path;
 
@@ -71,6 +74,11 @@ pub fn known_findings(data: &[u8]) {
     assert_eq!(again, fixed, "a second fix changes the list");
 }
 
+/// Reads a baseline of `lint` that follows the grammar, like [`known_findings`].
+pub fn known_findings_grammar(data: &[u8]) {
+    known_findings(grammar::text(&known::TABLES, data).as_bytes());
+}
+
 /// The definitions that fuzzed hints convert.
 const CONVERTED: [(&str, &str); 4] = [
     (
@@ -114,6 +122,11 @@ pub fn hints(data: &[u8]) {
             assert!(invalid.is_none(), "{invalid:?}");
         }
     }
+}
+
+/// Reads hints that follow the grammar, like [`hints`].
+pub fn hints_grammar(data: &[u8]) {
+    hints(hints::text(data).as_bytes());
 }
 
 /// Converts the initial message of each decided conversion. The result must have the type of the target.
@@ -204,97 +217,6 @@ mod tests {
 
     use super::{configuration, hints, known_findings, translations};
 
-    /// Expressions of random tokens.
-    fn expression() -> impl Strategy<Value = String> {
-        let tokens = [
-            "if",
-            "then",
-            "else",
-            "not",
-            "and",
-            "or",
-            "nan",
-            "true",
-            "mode",
-            "is_on",
-            "sink",
-            "count",
-            "list",
-            "MODE_A",
-            "old.MODE_A",
-            "new.MODE_C",
-            "absent",
-            "old.",
-            "(",
-            ")",
-            "==",
-            "<",
-            ">=",
-            "+",
-            "-",
-            "*",
-            "/",
-            "&",
-            "|",
-            "^",
-            "~",
-            "0",
-            "1",
-            "0xffffffffff",
-            "1e400",
-            "1.5",
-            "ä",
-        ];
-        let token = proptest::sample::select(tokens.to_vec());
-        // Operands and operators that alternate are often valid.
-        let operand = proptest::sample::select(vec![
-            "mode",
-            "count",
-            "sink",
-            "is_on",
-            "0",
-            "(1 + mode)",
-            "-1.5",
-            "~count",
-        ]);
-        let operator = proptest::sample::select(vec!["==", "<", "+", "*", "/", "&", "|", "and", "or"]);
-        let alternating =
-            (operand.clone(), prop::collection::vec((operator, operand), 0..6)).prop_map(|(first, rest)| {
-                rest.into_iter().fold(first.to_owned(), |text, (operator, operand)| {
-                    format!("{text} {operator} {operand}")
-                })
-            });
-        let condition = (alternating.clone(), alternating.clone(), alternating.clone())
-            .prop_map(|(condition, yes, no)| format!("if {condition} == 1 then {yes} else {no}"));
-        prop_oneof![
-            prop::collection::vec(token, 0..12).prop_map(|tokens| tokens.join(" ")),
-            alternating,
-            condition,
-        ]
-    }
-
-    fn line() -> impl Strategy<Value = String> {
-        let field =
-            proptest::sample::select(vec!["mode", "is_on", "sink", "count", "list", "mask", "absent"]);
-        let side = proptest::sample::select(vec!["old", "new"]);
-        let lines = vec![
-            "versions = [0, 1]",
-            "versions = [-1, 99999999999]",
-            "topic = \"tow\"",
-            "same = [\"mode\", \"MODE_B\"]",
-            "narrow = { mode = \"nearest\", count = \"neutral\", sink = \"nearest\" }",
-            "rename = { sink = \"count\" }",
-            "new.mode = { MODE_A = \"MODE_C\", MODE_B = \"MODE_A\" }",
-            "old.mask = 0xffff_ffff_ffff_ffff",
-            "\n[[hint]]\nmessage = \"Tow\"",
-            "\n[[hint]]\nmessage = \"Glider\"",
-        ];
-        prop_oneof![
-            1 => proptest::sample::select(lines).prop_map(str::to_owned),
-            2 => (side, field, expression()).prop_map(|(side, field, value)| format!("{side}.{field} = \"{value}\"")),
-        ]
-    }
-
     proptest! {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -304,8 +226,13 @@ mod tests {
         }
 
         #[test]
-        fn random_hints_cause_no_panic_and_no_invalid_code(lines in prop::collection::vec(line(), 1..6)) {
-            hints(format!("[[hint]]\nmessage = \"Glider\"\n{}\n", lines.join("\n")).as_bytes());
+        fn random_baselines_have_nothing_left_to_fix(data in prop::collection::vec(any::<u8>(), 0..40)) {
+            super::known_findings_grammar(&data);
+        }
+
+        #[test]
+        fn random_hints_cause_no_panic_and_no_invalid_code(data in prop::collection::vec(any::<u8>(), 0..60)) {
+            super::hints_grammar(&data);
         }
     }
 

@@ -1,10 +1,20 @@
-//! The size of the output grows with the size of the definitions, in each dimension.
+//! Outputs and allocations grow with the size of the definitions, in each dimension.
+
+use crate::support;
 
 use std::fmt::Write as _;
 use std::fs;
 
-use uavspec_codegen::emit::EMITTERS;
-use uavspec_codegen::generate;
+use allocation_counter::measure;
+use uavspec_codegen::breaking::{Between, breaking};
+use uavspec_codegen::diagnostic::has_errors;
+use uavspec_codegen::emit::{EMITTERS, docs, inspect, json_schema, python, typescript, vectors};
+use uavspec_codegen::format::format;
+use uavspec_codegen::lint::{Preset, Settings, apply, lint};
+use uavspec_codegen::msg::Dialect;
+use uavspec_codegen::schema::Form;
+use uavspec_codegen::translation::Translations;
+use uavspec_codegen::{PackageInput, Schema, SourceMap, generate, read, render};
 use walkdir::WalkDir;
 
 /// The files of a package.
@@ -69,4 +79,203 @@ fn outputs_grow_linearly_with_the_definitions() {
             );
         }
     }
+}
+
+/// Definitions that grow in one dimension: its name, their form, the number of parts, and the files with any number of parts.
+type Dimension = (&'static str, Form, usize, fn(usize) -> Files);
+
+const PX4: Form = Form::Msg(Dialect::Px4);
+const ROS2: Form = Form::Msg(Dialect::Ros2);
+
+const DIMENSIONS: [Dimension; 19] = [
+    ("fields", PX4, 200, fields),
+    ("constants", PX4, 200, constants),
+    ("lengths of names", PX4, 1_000, length_of_names),
+    ("files", PX4, 40, files),
+    ("nested definitions", PX4, 40, |count| {
+        let nested = numbered(count, "Wind~ wind_~  # Wind ~\n");
+        [files(count), vec![("Storm.msg".to_owned(), format!("uint64 timestamp  # [us] Time\n{nested}"))]]
+            .concat()
+    }),
+    ("fields without comments", PX4, 200, |count| message_of(numbered(count, "  uint8   wind_~\n"))),
+    ("fields with an enum", PX4, 200, |count| {
+        message_of(
+            "uint8 WIND_CALM = 0  # Calm\n".to_owned()
+                + &numbered(count, "uint8 wind_~  # [@enum WIND] The wind\n"),
+        )
+    }),
+    ("names that differ in underscores", PX4, 100, |count| {
+        let separator = |number: usize, bit: usize| if number >> bit & 1 == 0 { "_" } else { "__" };
+        let name =
+            |number: usize| (0..9).fold("a".to_owned(), |name, bit| name + separator(number, bit) + "a");
+        message((0..count).map(|number| format!("uint8 {}  # [m/s] Speed\n", name(number))))
+    }),
+    ("fields of one name", PX4, 200, |count| message_of(numbered(count, "uint8 wind  # [m/s] Speed\n"))),
+    ("unknown names", PX4, 100, |count| {
+        message_of(numbered(count, "Gust~ gust_~\nuint8 wind_~  # [@count gale_~] [@enum GUST_~] Speed\n"))
+    }),
+    ("lines of a comment", PX4, 500, |count| message_of(numbered(count, "# Line ~ of the comment.\n"))),
+    ("topics", PX4, 500, |count| message_of(numbered(count, "# TOPICS wind_~\n"))),
+    ("values of a default", ROS2, 500, |count| {
+        message_of(format!("uint16[] winds [{}1]\n", numbered(count, "1~, ")))
+    }),
+    ("error codes", Form::Table, 200, |count| {
+        page(
+            "# Winds (codes 100000 and above)\n\n|Code|Abbr|Description|\n|-|-|-|\n",
+            &numbered(count, "|1~|W~|Wind ~|\n"),
+        )
+    }),
+    ("tables of error codes", Form::Table, 40, |count| {
+        let table = "## Winds ~ (codes 1~-1~)\n\n|Code|Abbr|Description|\n|-|-|-|\n|1~|W~|Wind ~|\n\n";
+        page("# Winds\n\n", &numbered(count, table))
+    }),
+    ("fields of a type", Form::Table, 100, |count| {
+        page(
+            &format!("# Winds\n\n## Wind\n\n{HEAD}"),
+            &numbered(count, "|wind_~|yes|number|[m/s] Speed ~|\n"),
+        )
+    }),
+    ("types", Form::Table, 40, |count| {
+        page("# Winds\n\n", &numbered(count, &format!("## Wind~\n\n{HEAD}|speed|no|Wind~|Speed ~|\n\n")))
+    }),
+    ("alternatives", Form::Table, 40, |count| {
+        page(
+            "# Winds\n\n## Wind\n\n",
+            &format!("{HEAD}|speed|yes|one of {}calm|Speed|\n", numbered(count, "w~, ")),
+        )
+    }),
+    ("messages", Form::Table, 40, |count| {
+        let message = "## WIND-~\n\n### Request\n\nNo fields besides type.\n\n### Response\n\nNo fields besides type.\n\n";
+        page("# Winds\n\n", &numbered(count, message))
+    }),
+];
+
+const HEAD: &str = "|Field|Required|Type|Description|\n|-|-|-|-|\n";
+
+/// Copies of a text, with a number of five digits in place of `~`.
+fn numbered(count: usize, text: &str) -> String {
+    (0..count).map(|number| text.replace('~', &format!("{number:05}"))).collect()
+}
+
+fn message_of(lines: String) -> Files {
+    message([lines].into_iter())
+}
+
+fn page(head: &str, rest: &str) -> Files {
+    vec![("winds.md".to_owned(), format!("{head}{rest}"))]
+}
+
+/// The parts of the generator that read definitions. Each part gets a multiple of the parts of a dimension.
+const WORK: &[(&str, usize, fn(Form, &Files))] = &[
+    ("reading", 1, |form, files| {
+        let (sources, package) = input(form, files);
+        let (schema, diagnostics) = read(&sources, &[package]);
+        render::render(&diagnostics, &sources, false);
+        inspect::schema(&schema);
+    }),
+    ("linting", 1, |form, files| {
+        let (sources, package) = input(form, files);
+        let settings = Settings { preset: Preset::Strict, ..Settings::default() };
+        let findings = lint(&sources, &[package], &[], &settings);
+        render::findings(&findings, &sources, false);
+        apply(&findings, &sources);
+    }),
+    ("formatting", 1, |form, files| {
+        let (sources, package) = input(form, files);
+        for id in package.sources {
+            let _ = format(&sources, id, form);
+        }
+    }),
+    ("comparing", 1, |form, files| {
+        let changed = |(name, text): &(String, String)| {
+            (name.clone(), text.replace("wind_", "gale_").replace("uint8", "int16"))
+        };
+        let (mut sources, old) = input(form, files);
+        let new = add(&mut sources, form, &files.iter().map(changed).collect());
+        let [old, new] = [old, new].map(|package| read(&sources, &[package]));
+        if !has_errors(&old.1) && !has_errors(&new.1) {
+            breaking(&sources, &old.0, &new.0, Between::default());
+        }
+    }),
+    ("emitting JSON Schemas", 1, |form, files| {
+        emit(form, files, |schema, _| json_schema::emit(schema, &json_schema::Options::default()));
+    }),
+    ("emitting documentation", 1, |form, files| {
+        emit(form, files, |schema, sources| {
+            docs::emit(schema, &Translations::default(), sources, &docs::Options::default())
+        });
+    }),
+    ("emitting TypeScript", 1, |form, files| {
+        emit(form, files, |schema, _| {
+            typescript::emit(schema, &Translations::default(), &typescript::Options::default())
+        });
+    }),
+    ("emitting Python", 1, |form, files| {
+        emit(form, files, |schema, _| python::emit(schema, &Translations::default()));
+    }),
+    // The vectors of a few fields grow quadratically. Large messages have no vectors for each field.
+    ("emitting vectors", 8, |form, files| {
+        emit(form, files, |schema, _| vectors::emit(schema, &vectors::Options::default()));
+    }),
+    #[cfg(feature = "rust")]
+    ("emitting Rust", 1, |form, files| {
+        emit(form, files, |schema, sources| {
+            uavspec_codegen::emit::rust::emit(
+                schema,
+                sources,
+                &uavspec_codegen::emit::rust::Options::default(),
+            )
+        });
+    }),
+    #[cfg(feature = "lsp")]
+    ("editing", 1, |form, files| crate::lsp::edit_all(form, files)),
+];
+
+/// Emits definitions that have no errors.
+fn emit<T>(form: Form, files: &Files, emit: impl FnOnce(&Schema, &SourceMap) -> T) {
+    let (sources, package) = input(form, files);
+    let (schema, diagnostics) = read(&sources, &[package]);
+    if !has_errors(&diagnostics) {
+        emit(&schema, &sources);
+    }
+}
+
+fn input(form: Form, files: &Files) -> (SourceMap, PackageInput) {
+    let mut sources = SourceMap::default();
+    let package = add(&mut sources, form, files);
+    (sources, package)
+}
+
+fn add(sources: &mut SourceMap, form: Form, files: &Files) -> PackageInput {
+    let mut package = support::package("demo", form);
+    for (name, text) in files {
+        package.sources.push(sources.add(name.as_str(), text.clone().into_bytes()).expect("a valid text"));
+    }
+    package
+}
+
+/// Counts the allocations of this thread only: so small inputs are read, which need no other threads.
+#[test]
+fn allocations_grow_linearly_with_each_dimension() {
+    let mut failures = Vec::new();
+    for (name, form, count, files) in DIMENSIONS {
+        for (work, times, run) in WORK {
+            // The first run also fills what is created lazily.
+            run(form, &files(2));
+            let [once, twice] = [count, 2 * count].map(|count| {
+                let files = files(times * count);
+                measure(|| run(form, &files))
+            });
+            for (what, once, twice) in
+                [("all", once.bytes_total, twice.bytes_total), ("most", once.bytes_max, twice.bytes_max)]
+            {
+                if 10 * twice > 22 * once {
+                    failures.push(format!(
+                        "{work}, twice the {name}: {once} and {twice} bytes of {what} allocations"
+                    ));
+                }
+            }
+        }
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

@@ -1,12 +1,14 @@
 //! Tests of the language server, driven by an editor in the same process.
 
 mod editor;
+mod growth;
 
 use std::fs;
 
 use serde_json::{Value, json};
 
 use self::editor::Editor;
+pub(crate) use self::growth::edit_all;
 
 const CONFIG: &str = "[lint]\npreset = \"strict\"\n\n[[package]]\nname = \"glide\"\ndialect = \"px4\"\ninclude = [\"msg/*.msg\"]\nselect = [\"Tow\", \"Mark\"]\n";
 

@@ -5,6 +5,8 @@
 pub(crate) mod bag_file;
 #[cfg(feature = "db3")]
 mod bag_metadata;
+#[cfg(feature = "schemas")]
+mod body_schema_grammar;
 mod captures;
 mod conversions;
 mod lists;
@@ -40,14 +42,17 @@ pub const TARGETS: &[Target] = &[
     #[cfg(feature = "db3")]
     Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
     #[cfg(feature = "db3")]
-    Target { name: "bag-metadata-grammar", check: bag_metadata::grammar, seeds: bag_metadata::seeds },
+    Target { name: "bag-metadata-grammar", check: bag_metadata::grammar, seeds: choices },
     Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
     Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },
     Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
     Target { name: "known-failures", check: lists::known_failures, seeds: lists::known_failure_seeds },
+    Target { name: "known-failures-grammar", check: lists::grammar, seeds: choices },
     #[cfg(feature = "schemas")]
     Target { name: "body-schema", check: schemas::body_schema, seeds: schemas::body_schema_seeds },
+    #[cfg(feature = "schemas")]
+    Target { name: "body-schema-grammar", check: body_schema_grammar::grammar, seeds: choices },
     Target { name: "http", check: transports::http, seeds: transports::http_seeds },
     Target { name: "web-socket", check: transports::web_socket, seeds: transports::web_socket_seeds },
     Target { name: "socket-io", check: transports::socket_io, seeds: transports::socket_io_seeds },
@@ -63,6 +68,29 @@ static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in)
 
 /// The definitions of all releases.
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
+
+/// Choices that bytes make. Without bytes, the first option is chosen.
+struct Choices<'b>(std::slice::Iter<'b, u8>);
+
+impl<'b> Choices<'b> {
+    fn new(bytes: &'b [u8]) -> Self {
+        Self(bytes.iter())
+    }
+
+    /// A number below a limit.
+    fn below(&mut self, limit: usize) -> usize {
+        self.0.next().map_or(0, |byte| usize::from(*byte) % limit)
+    }
+
+    fn of<T: Copy>(&mut self, options: &[T]) -> T {
+        options[self.below(options.len())]
+    }
+}
+
+/// Bytes that make all choices.
+fn choices() -> Vec<Vec<u8>> {
+    vec![vec![1; 60], (0..=255).collect(), (0..=120).rev().collect()]
+}
 
 /// A reader that returns a few bytes at a time. The lengths vary.
 struct Pieces<'b> {

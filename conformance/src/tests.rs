@@ -9,6 +9,7 @@ mod convert;
 mod corruption;
 mod ext;
 mod flockwave;
+mod growth;
 mod hostile;
 mod json;
 mod live_matrix;

@@ -1,9 +1,6 @@
-//! Texts of `uavspec.toml` that follow its grammar. Random bytes would rarely get past the TOML parser.
+//! Texts of `uavspec.toml` that follow its grammar.
 
-use std::fmt::Write as _;
-
-/// A table: its header, and its keys, each with values. The first value of each key is valid.
-type Table = (&'static str, &'static [(&'static str, &'static [&'static str])]);
+use super::grammar::{self, Table};
 
 /// The values of a path.
 const PATHS: &[&str] = &["\"out\"", "\"../out\"", "\"\"", "\"/\"", "\"a/../../b\"", "\"\\u0000\"", "1", "[]"];
@@ -87,29 +84,15 @@ const VALID: [(&str, &[&str]); 8] = [
     ("[lint.levels]", &["unit-missing", "name-style"]),
 ];
 
-/// A text that the bytes select from the grammar. Keys may be missing, have invalid values, or be in another table.
+/// A text that the bytes select. It starts with a package, which most tables need.
 pub(super) fn text(data: &[u8]) -> String {
-    // Most texts need a valid package.
-    let mut text = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n".to_owned();
-    let mut bytes = data.iter().map(|byte| usize::from(*byte));
-    while let Some(byte) = bytes.next() {
-        let (header, keys) = TABLES[byte % TABLES.len()];
-        // Writing to a `String` can't fail.
-        let _ = writeln!(text, "\n{header}");
-        for (key, values) in keys {
-            match bytes.next().unwrap_or(0) {
-                0..64 => {}
-                250.. => text.push_str("# ä = \"\u{202e}\r\n"),
-                choice if choice % 3 > 0 => _ = writeln!(text, "{key} = {}", values[0]),
-                choice => _ = writeln!(text, "{key} = {}", values[choice / 3 % values.len()]),
-            }
-        }
-    }
-    text
+    let package = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
+    package.to_owned() + &grammar::text(&TABLES, data)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fmt::Write as _;
     use std::path::Path;
 
     use super::*;

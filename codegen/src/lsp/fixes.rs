@@ -4,7 +4,7 @@ use lsp_types::{CodeAction, CodeActionKind, CodeActionResponse, Range, TextEdit,
 
 use super::diagnostics::diagnostic;
 use super::format::replacement;
-use super::snapshot::Document;
+use super::snapshot::{Document, Snapshot};
 use super::uri;
 use crate::finding::{Edit, Finding};
 use crate::lint::apply;
@@ -72,10 +72,11 @@ fn fix_of_all(document: &Document<'_>) -> Option<CodeAction> {
     })
 }
 
+/// The findings of a document. Editors ask for those of each open document, so the others aren't searched.
 fn findings<'d>(document: &'d Document<'_>) -> impl Iterator<Item = &'d Finding> {
-    let sources = &document.snapshot.loaded.sources;
-    let findings = document.snapshot.findings.iter();
-    findings.filter(move |finding| sources.source_of(finding.span) == document.id)
+    let Snapshot { findings, loaded, .. } = document.snapshot;
+    let first = findings.partition_point(|finding| finding.span.start < document.whole().start);
+    findings[first..].iter().take_while(|finding| loaded.sources.source_of(finding.span) == document.id)
 }
 
 /// The new text of a fix, or what it removes.

@@ -1,7 +1,7 @@
 //! Positions of the protocol: a line, and a column in code units.
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use lsp_types::{self as lsp, Position, PositionEncodingKind};
 
@@ -73,18 +73,35 @@ const BLOCK: usize = 256;
 #[derive(Debug)]
 pub(super) struct Lines<'t> {
     text: &'t str,
-    starts: Vec<usize>,
+    index: Arc<Index>,
     encoding: Encoding,
+}
+
+/// The places of the lines of a text.
+#[derive(Debug)]
+pub(super) struct Index {
+    starts: Vec<usize>,
     /// The number of UTF-16 code units before each block of the text, counted lazily. With these counts, a line may have
     /// any number of positions.
     counts: OnceLock<Vec<u32>>,
 }
 
-impl<'t> Lines<'t> {
-    pub(super) fn new(text: &'t str, encoding: Encoding) -> Self {
+impl Index {
+    pub(super) fn new(text: &str) -> Self {
         let starts =
             std::iter::once(0).chain(text.match_indices('\n').map(|(newline, _)| newline + 1)).collect();
-        Self { text, starts, encoding, counts: OnceLock::new() }
+        Self { starts, counts: OnceLock::new() }
+    }
+}
+
+impl<'t> Lines<'t> {
+    pub(super) fn new(text: &'t str, encoding: Encoding) -> Self {
+        Self::with_index(text, Arc::new(Index::new(text)), encoding)
+    }
+
+    /// A text whose lines are known.
+    pub(super) fn with_index(text: &'t str, index: Arc<Index>, encoding: Encoding) -> Self {
+        Self { text, index, encoding }
     }
 
     /// The text.
@@ -99,12 +116,12 @@ impl<'t> Lines<'t> {
 
     /// The number of lines.
     pub(super) fn count(&self) -> usize {
-        self.starts.len()
+        self.index.starts.len()
     }
 
     /// The byte offset of the start of a line. The end of the text, if there is no such line.
     pub(super) fn start(&self, line: usize) -> usize {
-        self.starts.get(line).copied().unwrap_or(self.text.len())
+        self.index.starts.get(line).copied().unwrap_or(self.text.len())
     }
 
     /// The text of a line, without its line break.
@@ -114,14 +131,14 @@ impl<'t> Lines<'t> {
 
     /// The number of the line that contains a byte offset, from 0.
     pub(super) fn line_of(&self, offset: usize) -> usize {
-        self.starts.partition_point(|start| *start <= offset) - 1
+        self.index.starts.partition_point(|start| *start <= offset) - 1
     }
 
     /// The position of a byte offset.
     pub(super) fn position(&self, offset: usize) -> Position {
         let offset = self.text.floor_char_boundary_at(offset);
         let line = self.line_of(offset);
-        let character = self.units(offset).saturating_sub(self.units(self.starts[line]));
+        let character = self.units(offset).saturating_sub(self.units(self.index.starts[line]));
         Position { line: u32::try_from(line).unwrap_or(u32::MAX), character }
     }
 
@@ -131,7 +148,7 @@ impl<'t> Lines<'t> {
         if self.encoding == Encoding::Utf8 {
             return u32::try_from(offset).unwrap_or(u32::MAX);
         }
-        let counts = self.counts.get_or_init(|| {
+        let counts = self.index.counts.get_or_init(|| {
             let mut counts = vec![0_u32];
             let mut sum = 0_u32;
             for block in bytes.chunks(BLOCK) {

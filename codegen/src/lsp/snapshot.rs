@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
 
 use lsp_types::Location;
 
-use super::lines::{Encoding, Lines};
+use super::lines::{Encoding, Index, Lines};
 use super::uri;
 use crate::diagnostic::Level;
 use crate::finding::Finding;
@@ -15,7 +16,7 @@ use crate::load::Loaded;
 use crate::msg::ast::{Definition, Part};
 use crate::msg::{self, Dialect, Kind};
 use crate::read::PackageInput;
-use crate::schema::{Form, Message, MessageId, Schema};
+use crate::schema::{Form, MessageId, Schema};
 use crate::source::{SourceId, Span, stem};
 use crate::span::offset;
 
@@ -28,9 +29,13 @@ pub(super) struct Snapshot {
     pub(super) loaded: Loaded,
     /// The schema. It is incomplete if the definitions contain errors.
     pub(super) schema: Schema,
-    /// The findings of the parser and of `lint`.
+    /// The findings of the parser and of `lint`, by location.
     pub(super) findings: Vec<Finding>,
     ids: BTreeMap<PathBuf, SourceId>,
+    /// The lines of the sources, found lazily. A file may have thousands of findings that refer to it.
+    lines: BTreeMap<SourceId, OnceLock<Arc<Index>>>,
+    /// The messages of each source.
+    messages: BTreeMap<SourceId, Vec<MessageId>>,
     encoding: Encoding,
 }
 
@@ -40,13 +45,20 @@ impl Snapshot {
         let (schema, mut findings) =
             read_and_lint(&loaded.sources, &loaded.packages, &loaded.catalogues, settings);
         findings.extend(loaded.diagnostics.iter().map(Finding::from));
+        findings.sort_by_key(|finding| finding.span.start);
         if !is_whole {
             for finding in findings.iter_mut().filter(|finding| finding.rule == UNKNOWN_PACKAGE) {
                 finding.level = Level::Note;
             }
         }
         let ids = loaded.paths.iter().map(|(id, path)| (path.clone(), *id)).collect();
-        Self { loaded, schema, findings, ids, encoding }
+        let lines = loaded.paths.keys().map(|id| (*id, OnceLock::new())).collect();
+        let mut messages: BTreeMap<_, Vec<_>> = BTreeMap::new();
+        for (at, message) in schema.messages.iter().enumerate() {
+            let id = loaded.sources.source_of(message.span);
+            messages.entry(id).or_default().push(MessageId(offset(at)));
+        }
+        Self { loaded, schema, findings, ids, lines, messages, encoding }
     }
 
     /// True if the snapshot contains this file.
@@ -91,7 +103,15 @@ impl Snapshot {
     }
 
     pub(super) fn lines(&self, id: SourceId) -> Lines<'_> {
-        Lines::new(self.loaded.sources.text(id), self.encoding)
+        let text = self.loaded.sources.text(id);
+        match self.lines.get(&id) {
+            Some(index) => {
+                let index = index.get_or_init(|| Arc::new(Index::new(text)));
+                Lines::with_index(text, Arc::clone(index), self.encoding)
+            }
+            // The configuration file.
+            None => Lines::new(text, self.encoding),
+        }
     }
 
     /// The location of a span.
@@ -173,10 +193,11 @@ impl<'s> Document<'s> {
         let whole = self.whole();
         let message = |(part, suffix): (&Part<'_>, &&str)| {
             let name = format!("{}{suffix}", stem(path));
-            let is_meant = |message: &Message| {
+            let is_meant = |id: &&MessageId| {
+                let message = schema.message(**id);
                 message.package == package && message.name == name && message.span == whole
             };
-            let id = MessageId(offset(schema.messages.iter().position(is_meant)?));
+            let id = *self.snapshot.messages.get(&self.id)?.iter().find(is_meant)?;
             let span = match part.lines.as_slice() {
                 [first, .., last] => first.span.to(last.span),
                 [only] => only.span,

@@ -248,6 +248,16 @@ mod tests {
         }
     }
 
+    /// Otherwise, references to a file would take time proportional to their number and the size of the file.
+    #[test]
+    fn the_lines_of_a_file_are_found_once() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let (workspace, files) = workspace(folder.path(), 1);
+        let allocated = || allocation_counter::measure(|| assert!(workspace.document(&files[0].0).is_some()));
+        assert!(allocated().count_total > 0);
+        assert_eq!(allocated().count_total, 0);
+    }
+
     #[test]
     fn opening_many_files_reads_their_project_once() {
         for count in [20, 40] {

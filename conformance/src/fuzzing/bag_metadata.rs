@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use super::Choices;
 use crate::capture::rosbag::metadata::Metadata;
 
 /// The names of files, as rosbag2 and people write them, and the names that are read.
@@ -17,19 +18,7 @@ const FILES: [(&str, &str); 5] = [
 /// Values of keys that don't matter for a check.
 const OTHERS: [&str; 6] = ["7", "~", "{nanoseconds: 3, more: [a, {b: c}]}", "[]", "\"x: y\"", "!t &a v"];
 
-/// Choices that bytes make. Without bytes, the first option is chosen.
-struct Choices<'b>(std::slice::Iter<'b, u8>);
-
 impl Choices<'_> {
-    /// A number below a limit.
-    fn below(&mut self, limit: usize) -> usize {
-        self.0.next().map_or(0, |byte| usize::from(*byte) % limit)
-    }
-
-    fn of<T: Copy>(&mut self, options: &[T]) -> T {
-        options[self.below(options.len())]
-    }
-
     /// A text in one of the quoting styles. `plain` is false if the text needs quotes.
     fn scalar(&mut self, text: &str, plain: bool) -> String {
         match (self.below(3), plain) {
@@ -42,7 +31,7 @@ impl Choices<'_> {
 
 /// A text, and the metadata in it.
 fn written(data: &[u8]) -> (String, Metadata) {
-    let mut choices = Choices(data.iter());
+    let mut choices = Choices::new(data);
     let unit = " ".repeat(choices.below(4) + 1);
     let mut metadata =
         Metadata { storage: choices.of(&["sqlite3", "mcap"]).to_owned(), ..Metadata::default() };
@@ -129,11 +118,6 @@ pub(super) fn grammar(data: &[u8]) {
         changed.truncate(at);
         super::captures::bag_metadata(&changed);
     }
-}
-
-/// Bytes that select from the grammar.
-pub(super) fn seeds() -> Vec<Vec<u8>> {
-    vec![vec![1; 60], (0..=255).collect(), (0..=120).rev().collect()]
 }
 
 #[cfg(test)]

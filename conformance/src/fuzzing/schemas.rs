@@ -10,10 +10,10 @@ use crate::flockwave::body_schema::Schemas;
 use crate::json::Tree;
 
 /// The message type of the schema, as in the name of its file.
-const TYPE: &str = "SOAR-INF";
+pub(super) const TYPE: &str = "SOAR-INF";
 
 /// Bodies to check.
-const BODIES: [&str; 4] = [
+pub(super) const BODIES: [&str; 4] = [
     "{\"type\":\"SOAR-INF\"}",
     "{\"type\":\"SOAR-INF\",\"lift\":2.5,\"ids\":[\"kite\",\"vane\"],\"at\":{\"lat\":1,\"lon\":null}}",
     "{\"type\":\"SOAR-INF\",\"ids\":[1,true,{}],\"lift\":-1e300,\"\":[[[]]]}",
@@ -34,7 +34,7 @@ pub(super) fn body_schema(data: &[u8]) {
 }
 
 /// The schemas of a folder with this file. The message for a schema that can't be used is safe to print.
-fn loaded(data: &[u8]) -> Option<Schemas> {
+pub(super) fn loaded(data: &[u8]) -> Option<Schemas> {
     let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
     let path = folder.path().join(format!("{TYPE}.json"));
     fs::write(&path, data).unwrap_or_else(|error| panic!("{error}"));

@@ -135,8 +135,10 @@ struct Sum {
 impl Lists {
     /// The reason why a failure is excused, if an entry matches the failure's name and all its messages.
     pub(crate) fn excuse(&self, name: Name<'_>, messages: &[String]) -> Option<&Excuse> {
+        let subjects = name.subjects();
         let excuses = |entry: &&Entry| {
-            entry.names.is_match(name, true) && messages.iter().all(|message| entry.expects(message))
+            entry.names.is_match(name, Some(&subjects))
+                && messages.iter().all(|message| entry.expects(message))
         };
         // Known failures take precedence over flaky results.
         let found =
@@ -164,8 +166,10 @@ impl Lists {
     pub(crate) fn count(&self, sums: &mut Sums, checked: &Checked<'_>) {
         let Sums { by_entry, by_rule } = sums;
         let is_failure = matches!(checked.outcome, Outcome::Failed(_));
+        let subjects = is_failure.then(|| checked.name.subjects());
         let count = |at: usize, sum: &mut Sum| {
-            let entry = self.entries.get(at).filter(|entry| entry.names.is_match(checked.name, is_failure));
+            let is_match = |entry: &&Entry| entry.names.is_match(checked.name, subjects.as_deref());
+            let entry = self.entries.get(at).filter(is_match);
             if let Some(entry) = entry {
                 sum.add(entry, checked);
             }
@@ -255,13 +259,17 @@ impl Lists {
 }
 
 impl Selector {
-    /// True if the entry matches this name. Results without violations have no subject to match.
-    fn is_match(&self, name: Name<'_>, has_subject: bool) -> bool {
+    /// True if the entry matches this name, with these forms of its subject. Results without violations have no subject
+    /// to match.
+    fn is_match(&self, name: Name<'_>, subjects: Option<&[String]>) -> bool {
         match (self, name) {
-            (Self::Rule { rule, subject, file }, Name::Rule { rule: id, subject: name, file: path }) => {
+            (Self::Rule { rule, subject, file }, Name::Rule { rule: id, file: path, .. }) => {
+                let is_named = |pattern: &Pattern| {
+                    subjects.is_none_or(|subjects| subjects.iter().any(|subject| pattern.is_match(subject)))
+                };
                 rule.id == id.id
                     && file.as_ref().is_none_or(|file| file.is_match(path))
-                    && (!has_subject || subject.as_ref().is_none_or(|pattern| is_named(name, rule, pattern)))
+                    && subject.as_ref().is_none_or(is_named)
             }
             (Self::Case(pattern), Name::Case(name)) => pattern.is_match(name),
             (Self::Rule { .. }, Name::Case(_)) | (Self::Case(_), Name::Rule { .. }) => false,
@@ -269,12 +277,14 @@ impl Selector {
     }
 }
 
-/// True if a pattern matches a subject: its full name, the name without the instance, or the name that also lacks the
-/// namespace of the topic.
-fn is_named(subject: SubjectName<'_>, rule: &Rule, pattern: &Pattern) -> bool {
-    let SubjectName { name, .. } = subject;
-    let is_full = pattern.is_match(&subject.to_string()) || pattern.is_match(name);
-    is_full || !rule.is_on_flockwave() && pattern.is_match(&without_namespace(name))
+impl Name<'_> {
+    /// The forms of the subject that patterns match: the full name, the name without the instance, and the name that also
+    /// lacks the namespace of the topic. They are the same for all entries.
+    fn subjects(self) -> Vec<String> {
+        let Self::Rule { rule, subject, .. } = self else { return Vec::new() };
+        let topic = (!rule.is_on_flockwave()).then(|| without_namespace(subject.name));
+        [subject.to_string(), subject.name.to_owned()].into_iter().chain(topic).collect()
+    }
 }
 
 /// The name of a topic or field without the namespace of the topic: `locked.data` of `/kite/winch/locked.data`.

@@ -1,0 +1,117 @@
+//! Hints that follow their grammar, with expressions.
+
+use super::grammar::{self, Table};
+
+/// The values of a field: expressions in place of `$`, and constants.
+const VALUES: &[&str] = &[
+    "\"$\"",
+    "'$'",
+    "\"\"\"\n$\"\"\"",
+    "\"\\u0020$\"",
+    "{ MODE_A = \"MODE_C\", MODE_B = \"MODE_A\" }",
+    "{ MODE_B = \"MODE_C\" }",
+    "0xffff_ffff_ffff_ffff",
+    "-1e400",
+    "true",
+    "[]",
+    "1979-05-27",
+];
+
+const MESSAGES: &[&str] = &["\"Glider\"", "\"Tow\"", "\"Absent\"", "\"\"", "7"];
+
+/// Hints with different keys, so that many texts have no mistakes.
+const TABLES: [Table; 6] = [
+    ("[[hint]]", &[("message", MESSAGES), ("new.mode", VALUES), ("old.mode", VALUES), ("new.mask", VALUES)]),
+    (
+        "[[hint]]",
+        &[("message", MESSAGES), ("new.count", VALUES), ("new.is_on", VALUES), ("new.sink", VALUES)],
+    ),
+    (
+        "[[hint]]",
+        &[("message", MESSAGES), ("old.list", VALUES), ("old.absent", VALUES), ("old.sink", VALUES)],
+    ),
+    (
+        "[[hint]]",
+        &[
+            ("message", MESSAGES),
+            ("versions", &["[0, 1]", "[-1, 99999999999]", "[0]", "[0, 1, 2]", "\"0\""]),
+            (
+                "rename",
+                &["{ sink = \"count\" }", "{ mode = \"mode\", list = \"absent\" }", "{ sink = 1 }", "[]"],
+            ),
+            (
+                "narrow",
+                &[
+                    "{ count = \"neutral\", sink = \"nearest\" }",
+                    "{ mode = \"nearest\", list = \"neutral\" }",
+                    "{ count = \"near\" }",
+                ],
+            ),
+            ("same", &["[\"list\"]", "[\"mode\", \"MODE_B\"]", "[]", "[7]", "\"list\""]),
+        ],
+    ),
+    (
+        "[[hint]]",
+        &[
+            ("old_message", &["\"Tow\"", "\"Glider\""]),
+            ("new_message", &["\"Tow\"", "\"Glider\""]),
+            ("topic", &["\"tow\"", "\"glider\"", "\"\"", "7"]),
+            ("new.a", VALUES),
+        ],
+    ),
+    ("[hint]", &[("message", MESSAGES), ("new", &["{ mode = \"$\" }", "7"])]),
+];
+
+const OPERANDS: [&str; 16] = [
+    "mode",
+    "count",
+    "sink",
+    "is_on",
+    "list",
+    "a",
+    "0",
+    "1",
+    "-1.5",
+    "~count",
+    "(1 + mode)",
+    "MODE_A",
+    "old.MODE_A",
+    "new.MODE_C",
+    "nan",
+    "true",
+];
+
+const OPERATORS: [&str; 14] = ["==", "!=", "<", "<=", ">", ">=", "+", "-", "*", "/", "&", "|", "and", "or"];
+
+/// Tokens that make most expressions invalid.
+const TOKENS: [&str; 14] =
+    ["if", "then", "else", "not", "absent", "old.", "(", ")", "^", "~", "0xffffffffff", "1e400", "$", "ä"];
+
+/// A text that the bytes select. The last bytes select the expressions.
+pub(super) fn text(data: &[u8]) -> String {
+    let mut bytes = data.iter().rev().map(|byte| usize::from(*byte));
+    let mut next = |limit: usize| bytes.next().unwrap_or(0) % limit;
+    let text = grammar::text(&TABLES, data);
+    let mut parts = text.split('$');
+    let first = parts.next().unwrap_or_default().to_owned();
+    parts.fold(first, |text, part| text + &expression(&mut next) + part)
+}
+
+/// An expression of any tokens, or of operands and operators that alternate, which is often valid.
+fn expression(next: &mut dyn FnMut(usize) -> usize) -> String {
+    match next(4) {
+        0 | 1 => alternating(next),
+        2 => format!("if {} == 1 then {} else {}", alternating(next), alternating(next), alternating(next)),
+        _ => {
+            let all = [&OPERANDS[..], &OPERATORS, &TOKENS].concat();
+            (0..next(12)).map(|_| all[next(all.len())]).collect::<Vec<_>>().join(" ")
+        }
+    }
+}
+
+fn alternating(next: &mut dyn FnMut(usize) -> usize) -> String {
+    let first = OPERANDS[next(OPERANDS.len())].to_owned();
+    (0..next(4)).fold(first, |text, _| {
+        format!("{text} {} {}", OPERATORS[next(OPERATORS.len())], OPERANDS[next(OPERANDS.len())])
+    })
+}
