@@ -28,12 +28,17 @@ pub(crate) mod file;
 pub(crate) mod known;
 mod link;
 pub(crate) mod lint;
+#[cfg(test)]
+mod memory;
 pub(crate) mod options;
 pub(crate) mod outcome;
 mod process;
 pub(crate) mod protocol;
 pub(crate) mod run;
 pub(crate) mod target;
+#[cfg(test)]
+mod tests;
+mod timeouts;
 pub(crate) mod wire;
 
 pub use self::case::{Case, Expected, ExpectedResponse, Input, cases};

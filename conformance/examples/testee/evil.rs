@@ -36,7 +36,6 @@ impl RequestFault {
                 eprintln!("out of cheese");
                 process::exit(7);
             }
-            "no-hello" => hang(),
             "bad-hello" => println!("hello, world"),
             _ => {}
         }

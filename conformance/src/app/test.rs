@@ -102,10 +102,16 @@ pub(super) struct TestArgs {
     /// Maximum number of unexplained restarts.
     ///
     /// The run ends after this many successive restarts of a process without an identified cause. Each of the parallel
-    /// --jobs counts its own restarts. A case that crashes the testee costs one restart. A case that hangs also costs the
-    /// time of --timeout. Parallel --jobs reduce the total time.
+    /// --jobs counts its own restarts. A case that crashes the testee costs one restart. The run also ends after 100
+    /// successive crashes. Parallel --jobs reduce the total time.
     #[arg(long, value_name = "N", default_value = "20")]
     max_restarts: u32,
+    /// Maximum number of successive timeouts.
+    ///
+    /// The run ends after this many timeouts without a response in between, and after three times as many in all. Each of
+    /// the parallel --jobs counts its own timeouts. A case that hangs costs up to three timeouts.
+    #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u32).range(1..))]
+    max_timeouts: u32,
     /// Number of parallel processes.
     #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u16).range(1..=256))]
     jobs: u16,
@@ -267,6 +273,7 @@ fn run_cases<'c>(
         start_timeout: args.start_timeout,
         jobs: args.jobs.into(),
         max_restarts: args.max_restarts,
+        max_timeouts: args.max_timeouts,
         ..Options::new(target(&args.command, args.attach.as_ref()))
     };
     let progress = Progress::steps("cases");

@@ -11,6 +11,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::{Duration, Instant};
 
+#[cfg(test)]
+use super::memory::Memory;
 use super::options::{Options, excerpt};
 use super::process::Process;
 use super::protocol::Hello;
@@ -52,6 +54,8 @@ pub(super) struct Link {
 enum Peer {
     Process(Process),
     Connection(Connection),
+    #[cfg(test)]
+    Memory(Memory),
 }
 
 impl Link {
@@ -83,6 +87,8 @@ impl Link {
                     format!("can't connect to {}: {error}{}", shown(&address.to_string()), advice(&error))
                 })?)
             }
+            #[cfg(test)]
+            Target::Memory(program) => Peer::Memory(program.start(requests, limit)),
         };
         Ok(Self { peer, to: Some(to), from, clock: options.clock.clone() })
     }
@@ -123,6 +129,10 @@ impl Link {
     }
 
     pub(super) fn receive(&mut self, until: Instant) -> Received {
+        #[cfg(test)]
+        if let Peer::Memory(testee) = &mut self.peer {
+            return testee.receive(until, &self.clock);
+        }
         loop {
             let left = self.clock.left(until);
             let real = Clock::real();
@@ -150,6 +160,8 @@ impl Link {
                 None => "the testee closed its standard output".to_owned(),
             },
             Peer::Connection(_) => "the testee closed the connection".to_owned(),
+            #[cfg(test)]
+            Peer::Memory(_) => "the testee ended".to_owned(),
         }
     }
 
@@ -174,6 +186,8 @@ impl Link {
             (Peer::Connection(_), _) => {
                 Err("the testee doesn't close the connection after uavspec closes its side".to_owned())
             }
+            #[cfg(test)]
+            (Peer::Memory(_), _) => Ok(()),
         }
     }
 
@@ -185,6 +199,8 @@ impl Link {
                 connection.shut_down();
                 String::new()
             }
+            #[cfg(test)]
+            Peer::Memory(_) => String::new(),
         }
     }
 }

@@ -18,6 +18,7 @@ use super::case::Case;
 use super::link::Link;
 use super::options::Options;
 use super::protocol::Hello;
+use super::timeouts::Timeouts;
 
 /// A requirement of the protocol.
 pub struct Check {
@@ -124,14 +125,17 @@ pub fn lint(
 ) -> Result<LintResult, String> {
     // A testee that can't be started is an error of the run, not of a check.
     let first = Some(Link::open(options, false)?);
-    let mut bench = Bench { cases, types, options, first, introduced: None, strays: Strays::default() };
+    let (introduced, strays, timeouts) = (None, Strays::default(), Timeouts::default());
+    let mut bench = Bench { cases, types, options, first, introduced, strays, timeouts, gave_up: None };
     let is_first = |check: &Check| check.id == introduction::INTRODUCTION.id;
     let is_selected =
         |check: &&Check| only.is_empty() || is_first(check) || only.iter().any(|other| other.id == check.id);
     let checks: Vec<&Check> = CHECKS.iter().filter(is_selected).collect();
     let mut outcomes = Vec::new();
     for check in &checks {
-        let outcome = if is_first(check) || bench.introduced.is_some() {
+        let outcome = if let Some(why) = &bench.gave_up {
+            CheckOutcome::NotApplicable(format!("not checked: {why}"))
+        } else if is_first(check) || bench.introduced.is_some() {
             (check.attempt)(&mut bench)
         } else {
             CheckOutcome::NotApplicable("the testee sends no valid hello".to_owned())
@@ -153,6 +157,9 @@ struct Bench<'b> {
     introduced: Option<(Hello, Vec<u8>)>,
     /// Received lines that are not responses.
     strays: Strays,
+    timeouts: Timeouts,
+    /// The reason why no more checks run: the testee answers nothing, and each check would wait for its time limit.
+    gave_up: Option<String>,
 }
 
 impl Bench<'_> {
@@ -160,9 +167,18 @@ impl Bench<'_> {
     fn run(&mut self, act: impl FnOnce(&Self, &mut Session<'_>) -> Result<(), String>) -> CheckOutcome {
         let mut session = match Session::start(self.options) {
             Ok(session) => session,
-            Err(wrong) => return CheckOutcome::Fail(wrong),
+            Err(wrong) => {
+                self.gave_up = Some("the testee didn't start again".to_owned());
+                return CheckOutcome::Fail(wrong);
+            }
         };
         let result = act(self, &mut session);
+        if session.has_response() {
+            self.timeouts.answered();
+        }
+        if session.has_timed_out() {
+            self.gave_up = self.timeouts.count(self.options);
+        }
         self.strays.append(session.into_strays());
         result.into()
     }

@@ -23,6 +23,8 @@ pub struct Options {
     pub jobs: usize,
     /// The maximum number of consecutive restarts of one job without finding a case that crashes the testee by itself.
     pub max_restarts: u32,
+    /// The maximum number of consecutive timeouts of one job. The run also ends after three times as many in all.
+    pub max_timeouts: u32,
     /// The maximum length of a line, in bytes.
     pub line_limit: usize,
     /// The clock of the time limits. The run only reads it, so another thread must move simulated time.
@@ -40,9 +42,20 @@ impl Options {
             start_timeout: Duration::from_secs(30),
             jobs: 1,
             max_restarts: 20,
+            max_timeouts: 3,
             line_limit: LINE_LIMIT,
             clock: Clock::real(),
         }
+    }
+
+    /// The maximum length of lines between two responses, in bytes. A testee that writes more answers nothing else.
+    pub(super) const fn stray_limit(&self) -> usize {
+        self.line_limit / 64
+    }
+
+    /// The maximum length of all lines of a run that are no correct responses, in bytes.
+    pub(super) const fn wrong_limit(&self) -> usize {
+        self.line_limit.saturating_mul(8)
     }
 }
 

@@ -21,11 +21,13 @@
 //! an op, type or format that the testee doesn't know. A request without an id gets no response, or an `error` without
 //! an id.
 
+use std::collections::BTreeSet;
 use std::fmt;
 
 use serde_json::{Value, json};
 
 use super::wire::integer;
+use crate::json::shortened;
 use crate::text::utf8;
 
 /// The version of the protocol.
@@ -108,7 +110,7 @@ pub struct Hello {
     /// The supported operations, without names that this version doesn't know.
     pub ops: Vec<Op>,
     /// The supported types, such as `px4/Event`.
-    pub types: Vec<String>,
+    pub types: BTreeSet<String>,
     /// The supported formats; all formats if the testee doesn't list them.
     pub formats: Vec<Format>,
 }
@@ -126,7 +128,10 @@ impl Hello {
             return Err("expected \"op\":\"hello\"".to_owned());
         }
         if let Some(other) = value.get("protocol").filter(|version| **version != PROTOCOL) {
-            return Err(format!("expected protocol version {PROTOCOL}, found {other}"));
+            return Err(format!(
+                "expected protocol version {PROTOCOL}, found {}",
+                shortened(&other.to_string())
+            ));
         }
         let text = |name: &str| value[name].as_str().map(str::to_owned);
         let list = |name: &str| -> Result<Vec<String>, String> {
@@ -140,7 +145,7 @@ impl Hello {
             name: text("name").ok_or("\"name\" is missing")?,
             version: text("version").unwrap_or_default(),
             ops: Op::ALL.into_iter().filter(|op| ops.iter().any(|name| name == op.name())).collect(),
-            types: list("types")?,
+            types: list("types")?.into_iter().collect(),
             formats: Format::ALL.into_iter().filter(|format| is_listed(format.name())).collect(),
         })
     }
@@ -250,9 +255,10 @@ mod tests {
             (r#"{"op":"hello","name":"x","types":[]}"#, "\"ops\""),
             (r#"{"op":"hello","name":"x","ops":[1],"types":[]}"#, "strings"),
             (r#"{"op":"hello","protocol":2}"#, "found 2"),
+            (&format!(r#"{{"op":"hello","protocol":"{}"}}"#, "2".repeat(10_000)), "found \"2"),
         ] {
             let text = Hello::read(line.as_bytes()).expect_err(line);
-            assert!(text.contains(wrong), "{text}");
+            assert!(text.contains(wrong) && text.len() < 200, "{text}");
         }
     }
 

@@ -10,6 +10,9 @@
 //! Neighbouring cases often fail together. After a crash, requests are therefore sent one at a time, and the limit on
 //! pending requests doubles with each response. If every case crashes the testee, each case requires only one process
 //! start.
+//!
+//! A run with a testee that doesn't work ends early: after a few timeouts, after many crashes, or after many bytes of
+//! wrong responses.
 
 use std::collections::{BTreeSet, VecDeque};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -24,6 +27,10 @@ use super::link::{Link, Received};
 use super::options::{Options, excerpt};
 use super::outcome::{Outcome, ProtocolRemarks, Verdict};
 use super::protocol::{Hello, Response};
+use super::timeouts::Timeouts;
+
+/// The maximum number of consecutive crashes that cases cause. A slow testee takes half a second to restart.
+const MAX_CRASHES: u32 = 100;
 
 /// Runs the selected cases, given as indices. On the wire, the index of a case is its id. Returns an error if the
 /// testee can't be started or sends no valid hello. `progress` receives the number of finished cases and the total
@@ -36,10 +43,10 @@ pub fn run<'c>(
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Outcome<'c>, String> {
     let (first, hello) = start(options, false)?;
-    let (num_sent, others): (Vec<usize>, Vec<usize>) =
+    let (supported, others): (Vec<usize>, Vec<usize>) =
         selected.iter().partition(|id| cases.get(**id).is_some_and(|case| case.is_for(&hello)));
-    let total = num_sent.len();
-    let state = State { queue: num_sent.into(), ..State::default() };
+    let total = supported.len();
+    let state = State { queue: supported.into(), ..State::default() };
     let shared = Shared { cases, types, options, progress, total, state: Mutex::new(state) };
     let mut first = Some(first);
     thread::scope(|scope| {
@@ -49,6 +56,7 @@ pub fn run<'c>(
         }
     });
     let mut state = shared.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let gave_up = state.gave_up.take().map(|why| why + &unanswered(&state, total));
     state.verdicts.extend(others.into_iter().map(|id| (id, Verdict::Unsupported)));
     state.verdicts.extend(state.queue.drain(..).map(|id| (id, Verdict::NotRun)));
     state.verdicts.sort_by_key(|(id, _)| *id);
@@ -58,8 +66,18 @@ pub fn run<'c>(
         verdicts: verdicts.collect(),
         protocol_remarks: state.protocol_remarks,
         restarts: state.restarts,
-        gave_up: state.gave_up,
+        gave_up,
     })
+}
+
+/// The numbers of requests without a response, as the end of the reason why a run ended early.
+fn unanswered(state: &State, total: usize) -> String {
+    let is_response =
+        |verdict: &Verdict| !matches!(verdict, Verdict::TimedOut { .. } | Verdict::Crashed { .. });
+    let responses = state.verdicts.iter().filter(|(_, verdict)| is_response(verdict)).count();
+    let sent = state.sent.len();
+    let (unanswered, unsent) = (sent.saturating_sub(responses), total.saturating_sub(sent));
+    format!("; requests without a response: {unanswered}, requests that were not sent: {unsent}")
 }
 
 /// Starts a process or opens a connection, and requests a hello.
@@ -83,7 +101,11 @@ struct Shared<'r> {
 #[derive(Default)]
 struct State {
     queue: VecDeque<usize>,
+    /// The requests that were sent at least once.
+    sent: BTreeSet<usize>,
     verdicts: Vec<(usize, Verdict)>,
+    /// The number of bytes in lines that are no correct responses.
+    wrong_bytes: usize,
     protocol_remarks: ProtocolRemarks,
     restarts: u32,
     gave_up: Option<String>,
@@ -102,6 +124,23 @@ impl Shared<'_> {
 
     fn remark(&self, what: String) {
         self.state().protocol_remarks.remark(what);
+    }
+
+    /// Ends the run early. Only the first reason counts.
+    fn give_up(&self, why: String) {
+        self.state().gave_up.get_or_insert(why);
+    }
+
+    /// Counts the bytes of a line that is no correct response.
+    fn count_wrong(&self, length: usize) {
+        let limit = self.options.wrong_limit();
+        let mut state = self.state();
+        state.wrong_bytes = state.wrong_bytes.saturating_add(length);
+        let is_over = state.wrong_bytes > limit;
+        drop(state);
+        if is_over {
+            self.give_up(format!("gave up after {limit} bytes of wrong responses and other lines"));
+        }
     }
 }
 
@@ -132,6 +171,11 @@ struct Worker<'s, 'r> {
     /// The number of restarts since this worker last attributed a crash to a case. Each worker has a separate count,
     /// because each needs some restarts to find a case.
     futile: u32,
+    timeouts: Timeouts,
+    /// The number of cases that crashed the testee since its last response.
+    crashes: u32,
+    /// The number of bytes since the last response.
+    stray_bytes: usize,
 }
 
 impl<'s, 'r> Worker<'s, 'r> {
@@ -147,6 +191,9 @@ impl<'s, 'r> Worker<'s, 'r> {
             suspects: VecDeque::new(),
             suspicion: None,
             futile: 0,
+            timeouts: Timeouts::default(),
+            crashes: 0,
+            stray_bytes: 0,
         }
     }
 
@@ -181,7 +228,7 @@ impl<'s, 'r> Worker<'s, 'r> {
                     self.suspicion.as_ref().map(|why| format!("; the last time, {why}")).unwrap_or_default();
                 let restarts =
                     format!("{} consecutive restarts without finding the case that causes them", self.futile);
-                self.shared.state().gave_up = Some(format!("gave up after {restarts}{why}"));
+                self.shared.give_up(format!("gave up after {restarts}{why}"));
                 return false;
             }
             self.shared.state().restarts += 1;
@@ -191,6 +238,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             Ok((link, _)) => {
                 self.link = Some(link);
                 self.num_sent = 0;
+                self.stray_bytes = 0;
                 self.answered.clear();
                 true
             }
@@ -200,7 +248,7 @@ impl<'s, 'r> Worker<'s, 'r> {
                     .as_ref()
                     .map(|why| format!("\n  note: before that, {why}"))
                     .unwrap_or_default();
-                self.shared.state().gave_up = Some(error + &before);
+                self.shared.give_up(error + &before);
                 false
             }
         }
@@ -228,6 +276,7 @@ impl<'s, 'r> Worker<'s, 'r> {
         }
         if let (Some(link), Some(case)) = (&self.link, self.shared.cases.get(id)) {
             link.send(case.request(id as u64).to_string());
+            self.shared.state().sent.insert(id);
             self.pending.push_back(id);
             self.num_sent += 1;
         }
@@ -241,6 +290,7 @@ impl<'s, 'r> Worker<'s, 'r> {
             Received::Nothing => return self.process_ended(End::Silent),
             Received::TooLong => {
                 let limit = self.shared.options.line_limit;
+                self.shared.count_wrong(limit);
                 return self
                     .process_ended(End::Ended(format!("the testee sent a line longer than {limit} bytes")));
             }
@@ -249,6 +299,11 @@ impl<'s, 'r> Worker<'s, 'r> {
                 return self.process_ended(End::Ended(how));
             }
             Received::Lost(how) => return self.process_ended(End::Ended(how)),
+        }
+        let limit = self.shared.options.stray_limit();
+        if self.stray_bytes > limit {
+            let how = format!("the testee sent more than {limit} bytes without a response");
+            return self.process_ended(End::Ended(how));
         }
         // Lines other than responses don't extend the time limit.
         if !self.pending.is_empty()
@@ -261,7 +316,7 @@ impl<'s, 'r> Worker<'s, 'r> {
     fn line(&mut self, line: &[u8]) {
         let (id, answer) = match Response::read_lenient(line.trim_ascii()) {
             Ok(answer) => answer,
-            Err(wrong) => return self.shared.remark(format!("{wrong}: {}", excerpt(line))),
+            Err(wrong) => return self.stray(line, format!("{wrong}: {}", excerpt(line))),
         };
         let location = self.pending.iter().position(|pending| i64::try_from(*pending) == Ok(id));
         let Some((id, case)) = location.and_then(|location| {
@@ -270,12 +325,18 @@ impl<'s, 'r> Worker<'s, 'r> {
         }) else {
             let is_repeated = usize::try_from(id).is_ok_and(|id| self.answered.contains(&id));
             let what = if is_repeated { "duplicate" } else { "unexpected" };
-            return self.shared.remark(format!("{what} response with id {id}"));
+            return self.stray(line, format!("{what} response with id {id}"));
         };
         self.answered.insert(id);
+        self.timeouts.answered();
+        (self.crashes, self.stray_bytes) = (0, 0);
         self.last = self.shared.options.clock.now();
         self.window = (2 * self.window).min(self.shared.options.window.max(1));
-        self.shared.decide(id, check_answer(case, &answer, self.shared.types));
+        let verdict = check_answer(case, &answer, self.shared.types);
+        if verdict.is_failure() {
+            self.shared.count_wrong(line.len());
+        }
+        self.shared.decide(id, verdict);
         if self.suspects.is_empty()
             && self.pending.is_empty()
             && let Some(what) = self.suspicion.take()
@@ -284,13 +345,30 @@ impl<'s, 'r> Worker<'s, 'r> {
         }
     }
 
+    /// Remarks on a line that is no response to a pending request.
+    fn stray(&mut self, line: &[u8], what: String) {
+        self.shared.remark(what);
+        // The line end counts as well, so empty lines can't go on forever.
+        self.stray_bytes += line.len() + 1;
+        self.shared.count_wrong(line.len() + 1);
+    }
+
     /// Stops using the process, and determines which request caused its end.
     fn process_ended(&mut self, end: End) {
         let Some(mut link) = self.link.take() else { return };
         let stderr = link.kill();
+        if matches!(end, End::Silent)
+            && let Some(why) = self.timeouts.count(self.shared.options)
+        {
+            self.shared.give_up(why);
+        }
         if let (1, 1, Some(id)) = (self.pending.len(), self.num_sent, self.pending.front().copied()) {
             self.pending.clear();
             let after = self.shared.options.timeout;
+            self.crashes += u32::from(matches!(end, End::Ended(_)));
+            if self.crashes >= MAX_CRASHES {
+                self.shared.give_up(format!("gave up after {MAX_CRASHES} consecutive crashes"));
+            }
             self.shared.decide(
                 id,
                 match end {
@@ -314,6 +392,9 @@ impl<'s, 'r> Worker<'s, 'r> {
     /// Closes standard input, and checks that the testee ends properly.
     fn end(&mut self) {
         let Some(mut link) = self.link.take() else { return };
+        if self.shared.state().gave_up.is_some() {
+            return;
+        }
         let finished = link.finish(self.shared.options.timeout, |line| {
             self.shared.remark(format!("a line after the last response: {}", excerpt(line)));
         });

@@ -3,6 +3,8 @@
 use std::ffi::OsString;
 use std::fmt;
 
+#[cfg(test)]
+use super::memory::Program;
 use crate::net::Address;
 
 /// The program or the address of a testee.
@@ -12,6 +14,9 @@ pub enum Target {
     Command(Vec<OsString>),
     /// The address of a running testee.
     Address(Address),
+    /// A testee in memory.
+    #[cfg(test)]
+    Memory(Program),
 }
 
 impl fmt::Display for Target {
@@ -21,6 +26,8 @@ impl fmt::Display for Target {
                 f.write_str(&command.first().map(|program| program.to_string_lossy()).unwrap_or_default())
             }
             Self::Address(address) => address.fmt(f),
+            #[cfg(test)]
+            Self::Memory(_) => f.write_str("memory"),
         }
     }
 }

@@ -1,25 +1,44 @@
 //! Probes of the reference server through a proxy: the server conforms, so no rule may be violated.
 
+use std::rc::Rc;
+
 use uavspec_conformance::model::Level;
 use uavspec_conformance::transport::Trust;
 
 use super::*;
-use crate::support::LIMIT;
-use crate::support::proxy::{MOVED, Proxy, certified};
-use crate::support::server;
+use crate::support::memory::Watched;
+use crate::support::proxy::{MOVED, Pass, Proxy, certified};
+use crate::support::{LIMIT, Random, server};
 
 /// Probes the reference server through a proxy. `url` contains `ADDRESS` in place of the address.
 fn probed_through(proxy: Proxy, transport: Transport, url: &str, options: &Options) -> Probed {
     let (_server, address) = server::serve(serve::Options::default(), transport);
-    let is_udp = matches!(transport, Transport::Udp);
-    let address = if is_udp { proxy.start_udp(address) } else { proxy.start(address) };
-    let probed = probed(&url.replace("ADDRESS", &address.to_string()), options);
+    let probed = probed(&url.replace("ADDRESS", &proxy.start(address).to_string()), options);
+    assert_conforms(&probed);
+    probed
+}
+
+/// Probes the reference server in memory, in simulated time. `passes` is called for each message in both directions. The
+/// message is lost if it returns false.
+fn probed_in_memory(url: &str, options: Options, passes: impl Fn(&Clock, &[u8]) -> bool + 'static) -> Probed {
+    let clock = Clock::simulated();
+    let (server, endpoint) = (InMemory::new(serve::Options::default(), &clock), url.parse().expect("a URL"));
+    let (options, passes) =
+        (Options { clock: clock.clone(), ..options }, Rc::new(move |bytes: &[u8]| passes(&clock, bytes)));
+    let hears = Rc::clone(&passes);
+    let watch = move |bytes: &[u8]| if passes(bytes) { Pass::Forward } else { Pass::Lose };
+    let network = Watched { hears: Rc::new(move |bytes| hears(bytes)), ..Watched::new(server, watch) };
+    let probed = compared(|tape| probe_on(&network, &endpoint, &options, &DEFINITIONS, Some(tape)));
+    assert_conforms(&probed);
+    probed
+}
+
+fn assert_conforms(probed: &Probed) {
     assert_eq!(probed.failure, None);
     // The proxy has another port than SYS-PORTS states, which is no violation.
     let is_violation = |group: &&uavspec_conformance::model::Group| group.rule.level != Level::Info;
     let found: Vec<_> = probed.result.findings.groups().filter(is_violation).collect();
-    assert!(found.is_empty(), "{url}: {found:?}");
-    probed
+    assert!(found.is_empty(), "{found:?}");
 }
 
 fn long_options() -> Options {
@@ -28,20 +47,29 @@ fn long_options() -> Options {
 
 #[test]
 fn probes_a_server_behind_a_long_delay() {
-    let delays = [Duration::from_millis(900); 2];
-    let proxy = Proxy { delays, ..Proxy::default() };
     let options = Options { timeout: Duration::from_secs(30), ..short_options() };
-    let probed = probed_through(proxy, Transport::Tcp, "tcp://ADDRESS", &options);
+    let probed = probed_in_memory("tcp://memory:5001", options, |clock, message| {
+        // Notifications are more frequent than answers.
+        if String::from_utf8_lossy(message).contains("\"refs\"") {
+            clock.sleep(Duration::from_millis(1_800));
+        }
+        true
+    });
     let reason = probed.cut_short.expect("too slow for the time limit");
     assert!(reason.starts_with("out of time: "), "{reason}");
 }
 
 #[test]
 fn probes_a_server_that_loses_datagrams() {
-    let proxy = Proxy { loss: 10, ..Proxy::default() };
     // A lost datagram is sent again, and proves nothing.
-    let options = Options { timeout: Duration::from_secs(2), ..long_options() };
-    let probed = probed_through(proxy, Transport::Udp, "udp://ADDRESS", &options);
+    let (random, lost) = (RefCell::new(Random(1)), Rc::new(Cell::new(0)));
+    let count = Rc::clone(&lost);
+    let probed = probed_in_memory("udp://memory:5001", long_options(), move |_, _| {
+        let passes = random.borrow_mut().below(100) >= 10;
+        count.set(count.get() + u32::from(!passes));
+        passes
+    });
+    assert!(lost.get() > 10, "{}", lost.get());
     assert_eq!(probed.cut_short, None);
     let unanswered: Vec<&RequestType> =
         probed.requests.iter().filter(|entry| entry.sent > 0 && entry.answered == 0).collect();

@@ -35,20 +35,23 @@ fn messages(probed: &Probed, rule: &str) -> Vec<String> {
 
 #[test]
 fn names_the_datagram_that_ended_the_service() {
-    let (server, url) = buggy(Transport::Udp, "FW-UDP-03", None);
-    // The system reports that no server listens, so the probe waits only for a restart.
-    let timeout = Duration::from_secs(2);
-    let options = Options { timeout, ..selected(&url, &["FW-UDP", "FW-ENV-22", "FW-ENV-27"]) };
-    let probed = probed(&url, &options);
-    drop(server);
-    assert_names_datagram(&probed);
+    // A later datagram makes the system report that no server listens.
+    assert_names_datagram(&ended_by_a_datagram(Line::refuse));
 }
 
 /// A firewall may drop the system's report that no server listens.
 #[test]
 fn names_the_datagram_after_which_nothing_is_answered() {
+    assert_names_datagram(&ended_by_a_datagram(|_| {}));
+}
+
+/// Probes a server that stops serving after a datagram that is not JSON. `refuse` handles each later datagram.
+fn ended_by_a_datagram(refuse: impl Fn(&Line) + 'static) -> Probed {
     let (url, is_dead) = ("udp://memory:5001", Cell::new(false));
     let script = move |line: &mut Line, segment: &[u8]| {
+        if is_dead.get() && !segment.is_empty() {
+            return refuse(line);
+        }
         is_dead.set(is_dead.get() || is_confusing(segment));
         if !is_dead.get() {
             answer_all(line, segment);
@@ -58,7 +61,7 @@ fn names_the_datagram_after_which_nothing_is_answered() {
     let options = selected(url, &["FW-UDP", "FW-ENV-22", "FW-ENV-27"]);
     let options = Options { clock: clock.clone(), ..options };
     let (server, endpoint) = (Scripted::new(&clock, script), url.parse().expect("an endpoint"));
-    assert_names_datagram(&compared(|tape| probe_on(&server, &endpoint, &options, &DEFINITIONS, Some(tape))));
+    compared(|tape| probe_on(&server, &endpoint, &options, &DEFINITIONS, Some(tape)))
 }
 
 /// A server that stops serving when it reads a fatal line, and serves again from the connection with this number after

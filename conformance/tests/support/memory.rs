@@ -71,6 +71,8 @@ impl Client for WatchedClient {
 #[derive(Clone, Debug)]
 enum Event {
     Bytes(Vec<u8>),
+    /// The system reports that no server received a datagram.
+    Refused,
     End,
 }
 
@@ -107,6 +109,11 @@ impl Line {
     /// Sends bytes after a delay that follows everything sent before.
     pub(crate) fn send_after(&self, delay: Duration, bytes: impl AsRef<[u8]>) {
         self.push(self.number, delay, Event::Bytes(bytes.as_ref().to_vec()));
+    }
+
+    /// Lets the client know that no server receives its datagrams.
+    pub(crate) fn refuse(&self) {
+        self.push(self.number, Duration::ZERO, Event::Refused);
     }
 
     /// Ends a connection, which may be another one.
@@ -184,7 +191,7 @@ impl<S: Fn(&mut Line, &[u8])> ScriptedClient<S> {
         if at > until {
             return None;
         }
-        if matches!(event, Event::Bytes(_)) {
+        if !matches!(event, Event::End) {
             queue.remove(0);
         }
         Some((at, event))
@@ -227,6 +234,7 @@ impl<S: Fn(&mut Line, &[u8])> Client for ScriptedClient<S> {
             self.line.clock.sleep_until(at);
             match event {
                 Event::Bytes(bytes) => self.rest.extend(bytes),
+                Event::Refused => return Err(ErrorKind::ConnectionRefused.into()),
                 Event::End => return Ok(Received::End),
             }
         }

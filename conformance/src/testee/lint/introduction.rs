@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use serde_json::Value;
 
 use super::{Bench, Check, CheckOutcome};
+use crate::json::shortened;
 use crate::testee::link::Link;
 use crate::testee::options::excerpt;
 use crate::testee::protocol::{Format, Hello, Op};
@@ -67,9 +68,9 @@ fn wrong_list(hello: &Value, member: &str, is_known: impl Fn(&str) -> bool) -> O
     let mut seen = BTreeSet::new();
     let wrong = names.iter().find_map(|name| {
         if !is_known(name) {
-            Some(format!("the unknown name {name:?}"))
+            Some(format!("the unknown name {:?}", shortened(name)))
         } else if !seen.insert(name) {
-            Some(format!("{name:?} twice"))
+            Some(format!("{:?} twice", shortened(name)))
         } else {
             None
         }

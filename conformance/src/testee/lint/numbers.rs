@@ -3,7 +3,9 @@
 use serde_json::Value;
 
 use super::{Bench, Check, CheckOutcome};
+use crate::json::shortened;
 use crate::testee::case::{Case, ExpectedResponse, Input};
+use crate::testee::options::excerpt;
 use crate::testee::protocol::{Op, Response};
 use crate::testee::wire::{has_tag, to_wire};
 
@@ -67,7 +69,7 @@ fn tagged(bench: &mut Bench<'_>, tags: &[&str]) -> CheckOutcome {
             let id = session.send_case(case);
             session.receive()?;
             if let Some(Response::Rejected(reason) | Response::Error(reason)) = session.answer(id) {
-                return Err(format!("{}: expected \"ok\", got: {reason}", case.name()));
+                return Err(format!("{}: expected \"ok\", got: {}", case.name(), excerpt(reason.as_bytes())));
             }
         }
         Ok(())
@@ -87,7 +89,8 @@ fn has(value: &Value, tags: &[&str]) -> bool {
 /// Describes the first value without an expected tag. Missing values are reported by `uavspec test`.
 fn untagged(wanted: &Value, actual: &Value, tags: &[&str], path: &str) -> Option<String> {
     if has_tag(wanted, tags) {
-        return (!has_tag(actual, tags)).then(|| format!("expected {wanted} at {path}, found {actual}"));
+        let found = || format!("expected {wanted} at {path}, found {}", shortened(&actual.to_string()));
+        return (!has_tag(actual, tags)).then(found);
     }
     match wanted {
         Value::Array(items) => items.iter().enumerate().find_map(|(index, wanted)| {

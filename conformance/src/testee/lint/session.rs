@@ -23,6 +23,8 @@ pub(super) struct Session<'o> {
     options: &'o Options,
     next_id: i64,
     received: ReceivedResponses,
+    /// True if a response didn't come in time.
+    has_timed_out: bool,
 }
 
 /// The received lines, and the responses that may still arrive.
@@ -84,7 +86,8 @@ impl<'o> Session<'o> {
     pub(super) fn start(options: &'o Options) -> Result<Self, String> {
         let mut link = Link::open(options, true)?;
         link.introduction(options).map_err(|wrong| format!("no valid hello in a new session: {wrong}"))?;
-        Ok(Self { link, options, next_id: FIRST_ID, received: ReceivedResponses::default() })
+        let received = ReceivedResponses::default();
+        Ok(Self { link, options, next_id: FIRST_ID, received, has_timed_out: false })
     }
 
     /// Returns an unused id.
@@ -149,19 +152,27 @@ impl<'o> Session<'o> {
     /// Waits until all requests have responses.
     pub(super) fn receive(&mut self) -> Result<(), String> {
         let mut until = self.options.clock.now() + self.options.timeout;
+        let (mut stray_bytes, limit) = (0, self.options.stray_limit());
         while !self.is_answered() {
             let wrong = match self.link.receive(until) {
                 Received::Line(line) => {
                     // Lines other than responses don't extend the time limit, even if they never end.
                     if self.received.take(&line) {
                         until = self.options.clock.now() + self.options.timeout;
+                        stray_bytes = 0;
+                    } else {
+                        stray_bytes += line.len() + 1;
                     }
-                    if self.is_answered() || self.options.clock.now() < until {
+                    if self.is_answered() || stray_bytes <= limit && self.options.clock.now() < until {
                         continue;
                     }
-                    self.no_response()
+                    if stray_bytes > limit {
+                        format!("no response to {} within {limit} bytes", self.missing())
+                    } else {
+                        self.time_out()
+                    }
                 }
-                Received::Nothing => self.no_response(),
+                Received::Nothing => self.time_out(),
                 Received::TooLong => {
                     let what = format!("a line longer than {} bytes", self.options.line_limit);
                     self.received.strays.push(what.clone());
@@ -177,8 +188,9 @@ impl<'o> Session<'o> {
         Ok(())
     }
 
-    /// A description of the requests without a response at the time limit.
-    fn no_response(&self) -> String {
+    /// Records a timeout. Returns a description of the requests without a response.
+    fn time_out(&mut self) -> String {
+        self.has_timed_out = true;
         format!("no response to {} within {} s", self.missing(), self.options.timeout.as_secs_f32())
     }
 
@@ -213,6 +225,16 @@ impl<'o> Session<'o> {
     /// True if all requests have responses.
     pub(super) fn is_answered(&self) -> bool {
         self.received.pending.is_empty()
+    }
+
+    /// True if any request got a response.
+    pub(super) fn has_response(&self) -> bool {
+        !self.received.responses.is_empty()
+    }
+
+    /// True if a response didn't come in time.
+    pub(super) const fn has_timed_out(&self) -> bool {
+        self.has_timed_out
     }
 
     /// The lines received so far.
