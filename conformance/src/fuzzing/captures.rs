@@ -1,6 +1,7 @@
 //! Targets for captures.
 
 use std::io::{Cursor, Read as _, Write as _};
+use std::time::Duration;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -147,14 +148,7 @@ fn result(checked: std::io::Result<CaptureResult>) -> CaptureResult {
 
 /// The result as JSON and as text. The text must not contain control characters, except line ends and colours.
 fn rendered(result: CaptureResult) -> (String, String) {
-    let capture = CheckedCapture {
-        path: "capture".to_owned(),
-        result,
-        notes: Vec::new(),
-        requests: Vec::new(),
-        cut_short: Vec::new(),
-        elapsed: 0,
-    };
+    let capture = CheckedCapture::new("capture".to_owned(), result, Duration::ZERO);
     let subject = Subject::from_capture(capture, &DEFINITIONS, &Settings::default());
     let text = subject_text(&subject);
     let plain = anstream::adapter::strip_str(&text).to_string();

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::{Cursor, Write as _};
 use std::path::Path;
+use std::time::Duration;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -31,14 +32,7 @@ fn flight(definitions: &Definitions) -> Flight<'_> {
 /// The outcome, and the numbers of all and of the checked messages.
 fn outcome(result: CaptureResult, definitions: &Definitions) -> (OutcomeKind, (u64, u64)) {
     let counts = (result.records, result.checked);
-    let capture = CheckedCapture {
-        path: "capture".to_owned(),
-        result,
-        notes: Vec::new(),
-        requests: Vec::new(),
-        cut_short: Vec::new(),
-        elapsed: 0,
-    };
+    let capture = CheckedCapture::new("capture".to_owned(), result, Duration::ZERO);
     (Subject::from_capture(capture, definitions, &Settings::default()).outcome.kind, counts)
 }
 

@@ -112,14 +112,7 @@ fn simulated<T>(act: impl FnOnce(&Network, &Clock) + Send, probe: impl FnOnce(&m
 
 fn outcome(checked: Checked) -> OutcomeKind {
     let Checked { result, definitions } = checked;
-    let capture = CheckedCapture {
-        path: "dds://0".to_owned(),
-        result,
-        notes: Vec::new(),
-        requests: Vec::new(),
-        cut_short: Vec::new(),
-        elapsed: 1,
-    };
+    let capture = CheckedCapture::new("dds://0".to_owned(), result, Duration::ZERO);
     Subject::from_capture(capture, &definitions, &Settings::default()).outcome.kind
 }
 

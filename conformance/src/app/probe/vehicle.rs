@@ -151,13 +151,10 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     drop(progress);
     let probed = probed.map_err(|error| failed(format!("can't write the recording: {error}")))?;
     let Checked { result, definitions } = probed;
+    let elapsed = Clock::real().now() - started;
     let checked = CheckedCapture {
-        path: address.to_string(),
-        result,
         notes: note.flatten().into_iter().collect(),
-        requests: Vec::new(),
-        cut_short: Vec::new(),
-        elapsed: (Clock::real().now() - started).as_millis(),
+        ..CheckedCapture::new(address.to_string(), result, elapsed)
     };
     let mut settings = args.outcome.settings();
     settings.allows_incomplete &= !stop.is_requested();

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
@@ -17,14 +18,7 @@ const FAILURE: &str = "connection refused";
 fn subject(path: &str, bytes: &[u8], requests: Vec<RequestType>) -> Subject {
     let definitions = Definitions::built_in();
     let result = check_capture(bytes, None, &definitions).expect("bytes can be read");
-    let checked = CheckedCapture {
-        path: path.to_owned(),
-        result,
-        notes: Vec::new(),
-        requests,
-        cut_short: Vec::new(),
-        elapsed: 0,
-    };
+    let checked = CheckedCapture { requests, ..CheckedCapture::new(path.to_owned(), result, Duration::ZERO) };
     Subject::from_capture(checked, &definitions, &Settings::default())
 }
 
