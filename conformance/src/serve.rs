@@ -54,7 +54,6 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use self::hub::{Hub, RequestHandler};
-pub(crate) use self::listen::limits::raise_open_files;
 pub use self::listen::statistics::{Reason, Statistics};
 use self::listen::{Bound, Control, Reactor};
 pub use self::memory::InMemory;

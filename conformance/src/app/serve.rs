@@ -18,7 +18,7 @@ use super::Status;
 use super::test::seconds;
 use crate::bus::Address;
 use crate::clock::Clock;
-use crate::serve::{Options, Server, Transport, error, loss, raise_open_files};
+use crate::serve::{Options, Server, Transport, error, loss};
 use crate::text::terminal;
 use crate::vehicle::Namespace;
 
@@ -43,12 +43,9 @@ const EXAMPLES: &str = "Examples:
   uavspec serve --list-bugs";
 
 const LIMITS: &str = "Limits:
-  connections       8192, 4096 per address; fewer if the process may open fewer
-                    files
-  Socket.IO         4096 sessions, 2048 per address; 4 per connection that the
-                    client has only opened, for 5 seconds
-  UDP               1024 clients, 256 per address;
-                    4 MiB of notifications per received datagram
+  connections       256; fewer if the process may open fewer files
+  Socket.IO         256 sessions; 5 seconds until a new one is used
+  UDP               256 clients; 4 MiB of notifications per received datagram
   requests          1 MiB, 30 seconds to send one, 10,000 elements per list
   memory            4 MiB per client and 32 MiB in all of messages to send,
                     16 MiB in all of incomplete requests
@@ -56,8 +53,8 @@ const LIMITS: &str = "Limits:
   subscriptions     10,000 per client, 50,000 paths in all
 
 If the server is full, new clients replace clients that never sent a request,
-then idle clients, and then clients of the busiest address. Clients that don't
-read for 10 seconds are disconnected.";
+then clients that were idle for 10 seconds. Clients that don't read for 10
+seconds are disconnected.";
 
 const STATUS: &str = "Exit status:
   0  normal exit
@@ -199,7 +196,6 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
         );
         return Status::Usage;
     }
-    raise_open_files();
     let server = match Server::start(options(args), &addresses(args)) {
         Ok(server) => server,
         Err(error) => {

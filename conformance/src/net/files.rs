@@ -13,7 +13,7 @@ pub(crate) fn open_files() -> Option<u64> {
 }
 
 /// Raises the number of files that the process may open, as far as the system permits it.
-#[cfg(unix)]
+#[cfg(all(unix, feature = "dds"))]
 pub(crate) fn raise_open_files(wanted: u64) {
     use nix::sys::resource::{Resource, getrlimit, setrlimit};
     if let Ok((soft, hard)) = getrlimit(Resource::RLIMIT_NOFILE)
@@ -25,10 +25,10 @@ pub(crate) fn raise_open_files(wanted: u64) {
 }
 
 /// Raises the number of files that the process may open. This system has no such limit.
-#[cfg(not(unix))]
+#[cfg(all(not(unix), feature = "dds"))]
 pub(crate) fn raise_open_files(_: u64) {}
 
-#[cfg(all(test, unix))]
+#[cfg(all(test, unix, feature = "dds"))]
 mod tests {
     use nix::sys::resource::{Resource, getrlimit};
 

@@ -1,6 +1,5 @@
 //! Connects sockets to the hub. One thread serves all clients: it waits for events of all sockets, and visits the
-//! connections that have something to do. The connection that recently caused the least work comes first, so
-//! clients that send many requests can't delay others.
+//! connections that have something to do in turn.
 
 mod connection;
 mod engine;
@@ -9,7 +8,6 @@ mod one_shot;
 mod outbox;
 mod reactor;
 mod reply;
-mod schedule;
 mod seats;
 pub(super) mod statistics;
 mod tcp;
@@ -31,16 +29,6 @@ use super::hub::{Hub, SessionId};
 use super::{Listening, Transport};
 use crate::clock::Clock;
 use crate::rules::flockwave::FlockwaveRule;
-
-/// The maximum time for messages of a connection before others have their turn. A message that is being processed is
-/// completed.
-const SLICE: Duration = Duration::from_micros(25);
-
-/// The maximum number of connections that wait to be accepted.
-const BACKLOG: i32 = 4096;
-
-/// The size of the system's buffer for received datagrams, in bytes.
-const RECEIVE_BUFFER: usize = 1 << 20;
 
 /// The state that all connections share.
 struct Shared {
@@ -108,12 +96,11 @@ impl Bound {
         let explain = |error: io::Error| {
             io::Error::new(error.kind(), format!("can't listen on {}://{address}: {error}", transport.name()))
         };
-        let socket = bind(transport, address).map_err(explain)?;
         Ok(if transport == Transport::Udp {
-            let socket = UdpSocket::from_std(socket.into());
+            let socket = UdpSocket::bind(address).map_err(explain)?;
             Self { transport, address: socket.local_addr()?, socket: Socket::Datagram(socket) }
         } else {
-            let listener = TcpListener::from_std(socket.into());
+            let listener = TcpListener::bind(address).map_err(explain)?;
             Self { transport, address: listener.local_addr()?, socket: Socket::Stream(listener) }
         })
     }
@@ -121,25 +108,4 @@ impl Bound {
     pub(super) fn listening(&self) -> Listening {
         Listening { transport: self.transport, address: self.address }
     }
-}
-
-/// Opens a socket, with longer queues than those of the standard library. Floods fill short queues, and the clients
-/// behind them retry only after a second.
-fn bind(transport: Transport, address: SocketAddr) -> io::Result<socket2::Socket> {
-    let is_stream = transport != Transport::Udp;
-    let kind = if is_stream { socket2::Type::STREAM } else { socket2::Type::DGRAM };
-    let socket = socket2::Socket::new(socket2::Domain::for_address(address), kind, None)?;
-    // As in the standard library: on Windows, this option would allow other programs to use the same port.
-    if is_stream && cfg!(not(windows)) {
-        socket.set_reuse_address(true)?;
-    }
-    socket.bind(&address.into())?;
-    socket.set_nonblocking(true)?;
-    if is_stream {
-        socket.listen(BACKLOG)?;
-    } else {
-        // Systems may limit the size.
-        let _ = socket.set_recv_buffer_size(RECEIVE_BUFFER);
-    }
-    Ok(socket)
 }

@@ -10,7 +10,7 @@ use uavspec_codegen::translation::Translations;
 
 use super::mcap::file::{Form, channel, chunk, file, message, record, schema, text};
 use super::support::Writer;
-use crate::check::known::{Checked, Lists, Name, Outcome, Scope};
+use crate::check::baseline::{Checked, Lists, Name, Outcome, Scope};
 use crate::check::{CaptureResult, check_bytes, check_capture};
 use crate::definitions::{Definitions, Library};
 use crate::model::Date;

@@ -1,12 +1,4 @@
-//! Thousands of bad clients on all transports at the same time, while good clients measure the delay of SYS-PING.
-//!
-//! A long siege has 5,000 bad connections. The server can be another build of the program:
-//!
-//! ```console
-//! $ cargo build --release -p uavspec-conformance
-//! $ export UAVSPEC_SIEGE_SERVER=$PWD/target/release/uavspec UAVSPEC_SIEGE_SECONDS=600
-//! $ cargo test -p uavspec-conformance --test all siege -- --nocapture --ignored
-//! ```
+//! Bad clients take all seats of the server, on all transports, while good clients send requests.
 
 mod bad;
 
@@ -32,7 +24,13 @@ const PAUSE: Duration = Duration::from_millis(50);
 const REPEAT: Duration = Duration::from_millis(100);
 
 /// The maximum memory of the server, in bytes.
-const MEMORY_LIMIT: u64 = 200 << 20;
+const MEMORY_LIMIT: u64 = 100 << 20;
+
+/// The number of bad connections, which is more than the server has seats.
+const BAD: usize = 400;
+
+/// The time of the siege.
+const TIME: Duration = Duration::from_secs(5);
 
 /// A running server.
 struct Target {
@@ -43,10 +41,8 @@ struct Target {
 
 impl Target {
     fn start() -> Self {
-        let default = env!("CARGO_BIN_EXE_uavspec").to_owned();
-        let program = std::env::var("UAVSPEC_SIEGE_SERVER").unwrap_or(default);
         let any = "127.0.0.1:0";
-        let mut child = Command::new(program)
+        let mut child = Command::new(env!("CARGO_BIN_EXE_uavspec"))
             .args(["serve", "--tcp", any, "--udp", any, "--http", any, "--socketio", any])
             .arg("--until-stdin-closes")
             .stdin(Stdio::piped())
@@ -166,16 +162,18 @@ fn await_answer(client: &mut dyn Client, until: Instant) -> Option<bool> {
     }
 }
 
-/// The extent of a siege.
-struct Extent {
-    time: Duration,
-    connections: usize,
-    /// The interval between printed lines.
-    interval: Duration,
+/// Ends all clients.
+struct EndOnDrop<'a>(&'a AtomicBool);
+
+impl Drop for EndOnDrop<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
-/// Besieges a server. Returns the messages of the server.
-fn besiege(extent: &Extent) -> String {
+#[test]
+#[ignore = "takes some seconds of all processors; tests of `serve::listen::seats` cover the logic"]
+fn answers_good_clients_during_a_siege() {
     let target = Target::start();
     let [tcp, udp, http, socketio] = target.addresses;
     let good = [
@@ -195,23 +193,12 @@ fn besiege(extent: &Extent) -> String {
         let is_over = &is_over;
         // Ends the clients even if an assertion fails.
         let _end = EndOnDrop(is_over);
-        let bad = bad::start(scope, target.addresses, extent.connections, is_over);
+        bad::start(scope, target.addresses, BAD, is_over);
         let running: Vec<_> = good.iter().map(|client| scope.spawn(|| client.run(is_over))).collect();
-        let (started, mut printed) = (Instant::now(), Instant::now());
-        while started.elapsed() < extent.time && !running.iter().any(thread::ScopedJoinHandle::is_finished) {
+        let started = Instant::now();
+        while started.elapsed() < TIME && !running.iter().any(thread::ScopedJoinHandle::is_finished) {
             thread::sleep(Duration::from_millis(100));
-            let memory = target.memory();
-            most = most.max(memory);
-            if printed.elapsed() >= extent.interval {
-                printed = Instant::now();
-                println!(
-                    "{:4} s: memory {:3} MB, {} bad connections, {} opened",
-                    started.elapsed().as_secs(),
-                    memory >> 20,
-                    bad.open(),
-                    bad.opened()
-                );
-            }
+            most = most.max(target.memory());
         }
         is_over.store(true, Ordering::Relaxed);
         for (client, delays) in good.iter().zip(running) {
@@ -226,28 +213,5 @@ fn besiege(extent: &Extent) -> String {
     });
     println!("most memory: {} MB", most >> 20);
     assert!(most < MEMORY_LIMIT, "the server used {most} bytes");
-    let messages = target.end();
-    println!("{messages}");
-    messages
-}
-
-/// Ends all clients.
-struct EndOnDrop<'a>(&'a AtomicBool);
-
-impl Drop for EndOnDrop<'_> {
-    fn drop(&mut self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-}
-
-#[test]
-#[ignore = "takes some seconds of all processors; tests of `serve::listen::seats` and `schedule` cover the logic"]
-fn answers_good_clients_during_a_siege() {
-    let seconds = std::env::var("UAVSPEC_SIEGE_SECONDS").ok().and_then(|text| text.parse().ok());
-    let (seconds, connections, interval) = seconds.map_or((5, 400, 1), |seconds| (seconds, 5000, 10));
-    besiege(&Extent {
-        time: Duration::from_secs(seconds),
-        connections,
-        interval: Duration::from_secs(interval),
-    });
+    println!("{}", target.end());
 }

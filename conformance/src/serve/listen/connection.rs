@@ -1,7 +1,6 @@
 //! A connection: reads and writes a stream, and passes the bytes to the protocol of the transport.
 
 use std::io::{ErrorKind, Read as _};
-use std::net::IpAddr;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -10,29 +9,17 @@ use mio::net::TcpStream;
 use super::limits::{MESSAGE_TIME, PAUSE_LIMIT, SEND_LIMIT, Share};
 use super::outbox::Outbox;
 use super::statistics::Reason;
-use super::{SLICE, Shared};
+use super::Shared;
 
 /// The number of bytes to read in one step.
 const PIECE: usize = 16 << 10;
 
-/// The maximum number of steps that read in a visit. The second read usually shows that the client has sent nothing more.
-const READS_AT_ONCE: usize = 2;
-
-/// The costs of a visit, of a message and of bytes. They are several times the computing time on an idle machine.
-const COST_PER_VISIT: Duration = Duration::from_micros(100);
-const COST_PER_MESSAGE: Duration = Duration::from_micros(100);
-const COST_PER_RECEIVED_BYTE: Duration = Duration::from_nanos(50);
-const COST_PER_SENT_BYTE: Duration = Duration::from_nanos(10);
+/// The maximum number of messages and reads in a visit. Then other connections have their turn.
+const STEPS_AT_ONCE: usize = 16;
 
 /// The time during which a closed connection waits until the client closes it as well. Otherwise, the client could lose
 /// the last messages.
 const LINGER_TIME: Duration = Duration::from_millis(500);
-
-/// The client at the other end of a connection.
-pub(super) struct Peer {
-    pub(super) address: IpAddr,
-    pub(super) outbox: Rc<Outbox>,
-}
 
 /// The result of [`Protocol::step`].
 pub(super) enum Step {
@@ -57,7 +44,7 @@ pub(super) trait Protocol {
     fn feed(&mut self, bytes: &[u8]);
 
     /// Processes the next message.
-    fn step(&mut self, shared: &mut Shared, peer: &Peer) -> Step;
+    fn step(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>) -> Step;
 
     /// True if the response for which the protocol waits may be available.
     fn is_due(&self) -> bool {
@@ -85,10 +72,8 @@ pub(super) trait Protocol {
 /// The state of a connection after [`Connection::visit`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Visit {
-    /// More bytes arrived during the visit.
+    /// There may be more to do.
     Again,
-    /// Not all received messages were processed.
-    Unfinished,
     /// The connection waits for an event of its stream.
     Rest,
     /// The connection waits for a response.
@@ -97,33 +82,10 @@ pub(super) enum Visit {
     End(Reason),
 }
 
-/// The work of a visit.
-#[derive(Clone, Copy, Debug, Default)]
-struct Effort {
-    reads: usize,
-    /// The number of processed messages.
-    messages: u32,
-    /// The number of received bytes.
-    received: u32,
-    /// The number of bytes to send.
-    sent: u32,
-}
-
-impl Effort {
-    /// The cost of this work. Its computing time would be a worse measure, because it contains the time for which the system
-    /// processes the packets of other connections.
-    fn cost(self) -> Duration {
-        COST_PER_VISIT
-            + COST_PER_MESSAGE * self.messages
-            + COST_PER_RECEIVED_BYTE * self.received
-            + COST_PER_SENT_BYTE * self.sent
-    }
-}
-
 /// A connection.
 pub(super) struct Connection {
     stream: Rc<TcpStream>,
-    peer: Peer,
+    outbox: Rc<Outbox>,
     protocol: Box<dyn Protocol>,
     /// The memory of received bytes.
     received: Share,
@@ -136,8 +98,6 @@ pub(super) struct Connection {
     closed_at: Option<Instant>,
     /// True if the client closed its side.
     has_ended: bool,
-    /// The work of the current visit.
-    effort: Effort,
 }
 
 impl Connection {
@@ -145,7 +105,6 @@ impl Connection {
     pub(super) fn new(
         shared: &mut Shared,
         stream: TcpStream,
-        address: IpAddr,
         protocol: impl FnOnce(&mut Shared, &Rc<Outbox>) -> Box<dyn Protocol>,
     ) -> Self {
         let stream = Rc::new(stream);
@@ -153,7 +112,7 @@ impl Connection {
         let protocol = protocol(shared, &outbox);
         Self {
             stream,
-            peer: Peer { address, outbox },
+            outbox,
             protocol,
             received: Share::new(&shared.received),
             last_active: shared.now(),
@@ -161,7 +120,6 @@ impl Connection {
             incomplete_since: None,
             closed_at: None,
             has_ended: false,
-            effort: Effort::default(),
         }
     }
 
@@ -177,50 +135,31 @@ impl Connection {
 
     /// True if the server has closed its side.
     pub(super) fn is_closed(&self) -> bool {
-        self.peer.outbox.is_closed()
+        self.outbox.is_closed()
     }
 
-    /// Sends waiting bytes, and processes messages for a limited time. Returns the cost of this work, too.
-    pub(super) fn visit(&mut self, shared: &mut Shared) -> (Visit, Duration) {
-        self.effort = Effort::default();
-        let pushed = self.peer.outbox.pushed();
-        let visit = self.work(shared);
-        let sent = self.peer.outbox.pushed().saturating_sub(pushed);
-        self.effort.sent = u32::try_from(sent).unwrap_or(u32::MAX);
-        (visit, self.effort.cost())
-    }
-
-    fn work(&mut self, shared: &mut Shared) -> Visit {
-        let end = shared.now() + SLICE;
-        loop {
-            self.peer.outbox.flush();
-            if let Some(reason) = self.peer.outbox.failure() {
+    /// Sends waiting bytes, and processes some messages.
+    pub(super) fn visit(&mut self, shared: &mut Shared) -> Visit {
+        for _ in 0..STEPS_AT_ONCE {
+            self.outbox.flush();
+            if let Some(reason) = self.outbox.failure() {
                 return Visit::End(reason);
             }
-            let reads = self.effort.reads;
             let visit = if self.is_closed() { self.linger(shared.now()) } else { self.advance(shared) };
             if let Some(visit) = visit {
                 return visit;
             }
-            let has_processed = self.effort.messages > 0;
-            if self.effort.reads > reads {
-                if has_processed || self.effort.reads >= READS_AT_ONCE {
-                    return Visit::Again;
-                }
-            } else if has_processed && shared.now() >= end && self.protocol.has_rest() {
-                return Visit::Unfinished;
-            }
         }
+        Visit::Again
     }
 
     /// Processes a message or reads bytes. Returns `None` if the connection can continue.
     fn advance(&mut self, shared: &mut Shared) -> Option<Visit> {
-        if self.peer.outbox.waiting() > PAUSE_LIMIT {
+        if self.outbox.waiting() > PAUSE_LIMIT {
             return Some(Visit::Rest);
         }
-        match self.protocol.step(shared, &self.peer) {
+        match self.protocol.step(shared, &self.outbox) {
             Step::Handled { is_request } => {
-                self.effort.messages += 1;
                 self.last_active = shared.now();
                 self.incomplete_since = None;
                 self.has_requested |= is_request;
@@ -233,11 +172,11 @@ impl Connection {
             }
             Step::Waiting => Some(Visit::Waiting),
             Step::End => {
-                self.peer.outbox.close();
+                self.outbox.close();
                 None
             }
             Step::Starved if self.has_ended => {
-                self.peer.outbox.close();
+                self.outbox.close();
                 None
             }
             Step::Starved => self.read(shared.now()),
@@ -247,13 +186,9 @@ impl Connection {
     /// Reads bytes. Returns `None` if the connection can continue.
     fn read(&mut self, now: Instant) -> Option<Visit> {
         let mut piece = [0; PIECE];
-        self.effort.reads += 1;
         match (&*self.stream).read(&mut piece) {
             Ok(0) => self.has_ended = true,
-            Ok(length) => {
-                self.effort.received += u32::try_from(length).unwrap_or(u32::MAX);
-                self.protocol.feed(&piece[..length]);
-            }
+            Ok(length) => self.protocol.feed(&piece[..length]),
             Err(error) if error.kind() == ErrorKind::Interrupted => {}
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
                 let since = self.incomplete_since.unwrap_or(now);
@@ -268,14 +203,13 @@ impl Connection {
 
     /// Drops received bytes until the client closes the connection.
     fn linger(&mut self, now: Instant) -> Option<Visit> {
-        if !self.peer.outbox.is_sent() {
+        if !self.outbox.is_sent() {
             return Some(Visit::Rest);
         }
         self.closed_at.get_or_insert(now);
         if self.has_ended {
             return Some(Visit::End(Reason::Disconnected));
         }
-        self.effort.reads += 1;
         match (&*self.stream).read(&mut [0; PIECE]) {
             Ok(0) => self.has_ended = true,
             Ok(_) => {}
@@ -292,7 +226,7 @@ impl Connection {
             since.is_some_and(|since| now.saturating_duration_since(since) >= limit)
         };
         let idle_limit = self.protocol.idle_limit().filter(|_| !self.is_closed());
-        if self.peer.outbox.waiting_time(now) >= SEND_LIMIT {
+        if self.outbox.waiting_time(now) >= SEND_LIMIT {
             Some(Reason::TooSlow)
         } else if has_passed(self.closed_at, LINGER_TIME) {
             Some(Reason::Disconnected)
@@ -329,28 +263,28 @@ mod tests {
     fn visit(text: &str) -> Visit {
         let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
         let mut client = net::TcpStream::connect(listener.local_addr().expect("a port")).expect("a client");
-        let (stream, address) = listener.accept().expect("a client");
+        let (stream, _) = listener.accept().expect("a client");
         client.write_all(text.as_bytes()).expect("sent");
         // The text has arrived when it can be read.
         stream.peek(&mut [0]).expect("a byte");
         stream.set_nonblocking(true).expect("a setting");
         let mut shared = Shared::new(Hub::new(Options::default(), answer));
         let stream = TcpStream::from_std(stream);
-        let mut connection = Connection::new(&mut shared, stream, address.ip(), |shared, outbox| {
+        let mut connection = Connection::new(&mut shared, stream, |shared, outbox| {
             Box::new(LineClient::new(shared, outbox))
         });
-        connection.visit(&mut shared).0
+        connection.visit(&mut shared)
     }
 
     #[test]
-    fn only_a_client_that_sent_many_messages_is_unfinished() {
+    fn a_client_that_sent_many_messages_lets_others_have_their_turn() {
         let long = format!(
             "{{\"$fw.version\":\"1.0\",\"id\":\"a\",\"body\":{{\"type\":\"UAV-INF\",\"ids\":[\"{}\"]}}}}\n",
             "x".repeat(5000)
         );
-        assert_eq!(visit(&long), Visit::Rest, "a message may take longer than the slice");
+        assert_eq!(visit(&long), Visit::Rest);
         assert_eq!(visit(&long[..100]), Visit::Rest);
         let short = "{\"$fw.version\":\"1.0\",\"id\":\"a\",\"body\":{\"type\":\"SYS-PING\"}}\n";
-        assert_eq!(visit(&short.repeat(200)), Visit::Unfinished);
+        assert_eq!(visit(&short.repeat(200)), Visit::Again);
     }
 }

@@ -2,9 +2,8 @@
 
 mod session;
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
-use std::net::IpAddr;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
@@ -14,14 +13,11 @@ use tungstenite::{Error, Message, WebSocket};
 
 use self::session::Session;
 use super::Shared;
-use super::connection::{Peer, Protocol, Step};
-use super::limits::{
-    ABANDONED_SESSIONS, IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT, SESSION_LIMIT, SESSIONS_PER_ADDRESS,
-    UNUSED_SESSIONS,
-};
+use super::connection::{Protocol, Step};
+use super::limits::{CLIENT_LIMIT, IDLE_TIME, REQUEST_LIMIT, SEND_LIMIT};
 use super::outbox::{Outbox, Taken};
 use super::reply::{Pending, Reply};
-use super::seats::{Admission, SeatLimits, Seats};
+use super::seats::{Admission, Seats};
 use super::statistics::Reason;
 use crate::clock::Clock;
 use crate::flockwave::transport::engine::{Kind, Packet, Revision, decode, encode};
@@ -42,15 +38,11 @@ const READ_BUFFER: usize = 4 << 10;
 pub(super) struct Sessions {
     all: BTreeMap<String, Rc<Session>>,
     seats: Seats<String>,
-    /// The sessions whose connection ended before they were used.
-    abandoned: VecDeque<String>,
 }
 
 impl Default for Sessions {
     fn default() -> Self {
-        let limits =
-            SeatLimits { total: SESSION_LIMIT, per_address: SESSIONS_PER_ADDRESS, idle_time: IDLE_TIME };
-        Self { all: BTreeMap::new(), seats: Seats::new(limits), abandoned: VecDeque::new() }
+        Self { all: BTreeMap::new(), seats: Seats::new(CLIENT_LIMIT, IDLE_TIME) }
     }
 }
 
@@ -75,42 +67,9 @@ impl Sessions {
         }
     }
 
-    /// True if the session exists, and its client has only opened it.
-    fn is_unused(&self, sid: &String) -> bool {
-        self.all.get(sid).is_some_and(|session| !session.is_used())
-    }
-
     fn remove(&mut self, sid: &String) {
         self.all.remove(sid);
         self.seats.remove(sid);
-    }
-}
-
-/// The sessions that a connection has opened and not used yet. If there are too many, the oldest ends, so a client that
-/// only opens sessions doesn't take the seats of others.
-#[derive(Default)]
-pub(super) struct Unused(VecDeque<String>);
-
-impl Unused {
-    fn make_room(&mut self, shared: &mut Shared) {
-        self.0.retain(|sid| shared.sessions.is_unused(sid));
-        if self.0.len() >= UNUSED_SESSIONS
-            && let Some(oldest) = self.0.pop_front()
-        {
-            replace(shared, &oldest);
-        }
-    }
-
-    /// Notes that the connection has ended.
-    pub(super) fn abandon(self, shared: &mut Shared) {
-        shared.sessions.abandoned.extend(self.0);
-        while shared.sessions.abandoned.len() > ABANDONED_SESSIONS
-            && let Some(oldest) = shared.sessions.abandoned.pop_front()
-        {
-            if shared.sessions.is_unused(&oldest) {
-                replace(shared, &oldest);
-            }
-        }
     }
 }
 
@@ -123,9 +82,9 @@ fn replace(shared: &mut Shared, sid: &String) {
 }
 
 /// Opens a session. If there are too many, an idle session gives way.
-fn open(shared: &mut Shared, address: IpAddr, revision: Revision) -> Option<Rc<Session>> {
+fn open(shared: &mut Shared, revision: Revision) -> Option<Rc<Session>> {
     let now = shared.now();
-    match shared.sessions.seats.admit(address, now) {
+    match shared.sessions.seats.admit(now) {
         Admission::Free => {}
         Admission::Evict(sid) => replace(shared, &sid),
         Admission::Refused => {
@@ -134,7 +93,7 @@ fn open(shared: &mut Shared, address: IpAddr, revision: Revision) -> Option<Rc<S
         }
     }
     let session = Session::open(shared, revision);
-    shared.sessions.seats.insert(session.sid().clone(), address, now);
+    shared.sessions.seats.insert(session.sid().clone(), now);
     shared.sessions.all.insert(session.sid().clone(), Rc::clone(&session));
     Some(session)
 }
@@ -144,7 +103,7 @@ fn refused(reason: &str) -> Response {
 }
 
 /// The session of a request. If the request has no session id, a session is created.
-fn session(shared: &mut Shared, address: IpAddr, request: &Request) -> Result<Rc<Session>, Response> {
+fn session(shared: &mut Shared, request: &Request) -> Result<Rc<Session>, Response> {
     let revision = request.field("EIO").and_then(Revision::from_number);
     let revision = revision.ok_or_else(|| refused("EIO must be 3 or 4"))?;
     match request.field("sid") {
@@ -157,19 +116,14 @@ fn session(shared: &mut Shared, address: IpAddr, request: &Request) -> Result<Rc
                 Err(refused("the session was opened with a different EIO"))
             }
         }
-        None if request.method == "GET" => open(shared, address, revision)
+        None if request.method == "GET" => open(shared, revision)
             .ok_or_else(|| Response::refusal("503 Service Unavailable", "too many sessions")),
         None => Err(refused("use GET to open a session")),
     }
 }
 
-/// Handles a long-polling request. `unused` are the unused sessions of its connection.
-pub(super) fn by_polling(
-    shared: &mut Shared,
-    address: IpAddr,
-    request: &Request,
-    unused: &mut Unused,
-) -> Reply {
+/// Handles a long-polling request.
+pub(super) fn by_polling(shared: &mut Shared, request: &Request) -> Reply {
     if request.field("transport") != Some("polling") {
         return Reply::Now(refused("transport must be polling or websocket"));
     }
@@ -179,17 +133,11 @@ pub(super) fn by_polling(
     if shared.has_bug(&sio_02::RULE) {
         return Reply::Now(refused("long polling isn't supported"));
     }
-    let is_opening = request.field("sid").is_none();
-    if is_opening {
-        unused.make_room(shared);
-    }
-    let session = match session(shared, address, request) {
+    let session = match session(shared, request) {
         Ok(session) => session,
         Err(response) => return Reply::Now(response),
     };
-    if is_opening {
-        unused.0.push_back(session.sid().clone());
-    } else {
+    if request.field("sid").is_some() {
         session.mark_used();
     }
     if session.is_upgraded() {
@@ -266,7 +214,7 @@ fn take(shared: &mut Shared, session: &Session, payload: &[u8]) -> Response {
 /// Answers the request for an upgrade to a WebSocket. `rest` are the bytes after the request.
 pub(super) fn over_web_socket(
     shared: &mut Shared,
-    peer: &Peer,
+    outbox: &Rc<Outbox>,
     request: &Request,
     rest: &[u8],
 ) -> Result<WebSocketClient, Response> {
@@ -275,8 +223,8 @@ pub(super) fn over_web_socket(
     let key = key
         .filter(|_| request.field("transport") == Some("websocket"))
         .ok_or_else(|| refused("expected WebSocket version 13 and transport=websocket"))?;
-    let session = session(shared, peer.address, request)?;
-    peer.outbox.push(
+    let session = session(shared, request)?;
+    outbox.push(
         format!(
             "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
              Sec-WebSocket-Accept: {}\r\n\r\n",
@@ -285,13 +233,13 @@ pub(super) fn over_web_socket(
         .as_bytes(),
     );
     if request.field("sid").is_none() {
-        session.upgrade(&peer.outbox);
+        session.upgrade(outbox);
     }
     let config = WebSocketConfig::default()
         .read_buffer_size(READ_BUFFER)
         .max_message_size(Some(REQUEST_LIMIT))
         .max_frame_size(Some(REQUEST_LIMIT));
-    let pipe = Pipe { received: Vec::new(), start: 0, outbox: Rc::clone(&peer.outbox) };
+    let pipe = Pipe { received: Vec::new(), start: 0, outbox: Rc::clone(outbox) };
     let mut client = WebSocketClient {
         session,
         socket: WebSocket::from_raw_socket(pipe, Role::Server, Some(config)),
@@ -340,14 +288,14 @@ pub(super) struct WebSocketClient {
 }
 
 impl WebSocketClient {
-    fn take(&mut self, shared: &mut Shared, peer: &Peer, text: &str) -> Step {
+    fn take(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>, text: &str) -> Step {
         let Some(packet) = Packet::parse(text) else { return Step::End };
         match (packet.kind, self.session.is_upgraded()) {
             (Kind::Ping, false) => {
-                peer.outbox.push_text(&Packet::new(Kind::Pong, packet.data).to_text());
+                outbox.push_text(&Packet::new(Kind::Pong, packet.data).to_text());
                 self.session.release_poll();
             }
-            (Kind::Upgrade, false) => self.session.upgrade(&peer.outbox),
+            (Kind::Upgrade, false) => self.session.upgrade(outbox),
             (_, false) => return Step::End,
             (_, true) => {
                 return Step::Handled { is_request: self.session.take(shared, packet) };
@@ -366,7 +314,7 @@ impl Protocol for WebSocketClient {
         self.incomplete += bytes.len();
     }
 
-    fn step(&mut self, shared: &mut Shared, peer: &Peer) -> Step {
+    fn step(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>) -> Step {
         let message = match self.socket.read() {
             Err(Error::Io(error)) if is_silence(&error) => {
                 // The WebSocket has read everything.
@@ -380,7 +328,7 @@ impl Protocol for WebSocketClient {
         let pipe = self.socket.get_ref();
         self.incomplete = pipe.received.len() - pipe.start;
         match message {
-            Message::Text(text) => self.take(shared, peer, &text),
+            Message::Text(text) => self.take(shared, outbox, &text),
             Message::Close(_) => {
                 // Sends the answer to the close frame.
                 let _ = self.socket.flush();

@@ -21,31 +21,9 @@ pub(super) const TOTAL_RECEIVED: usize = 16 << 20;
 /// The number of bytes that wait to be sent to a client, above which the server reads no further requests from it.
 pub(super) const PAUSE_LIMIT: usize = 64 << 10;
 
-/// The maximum number of connections. It is lower if the process may open fewer files.
-pub(super) const CONNECTION_LIMIT: usize = 8192;
-
-/// The maximum number of connections from one address.
-pub(super) const CONNECTIONS_PER_ADDRESS: usize = 4096;
-
-/// The maximum number of Socket.IO sessions.
-pub(super) const SESSION_LIMIT: usize = 4096;
-
-/// The maximum number of Socket.IO sessions from one address.
-pub(super) const SESSIONS_PER_ADDRESS: usize = 2048;
-
-/// The maximum number of Socket.IO sessions that a connection has opened and not used yet. A proxy may open sessions of
-/// several clients over one connection.
-pub(super) const UNUSED_SESSIONS: usize = 4;
-
-/// The maximum number of Socket.IO sessions whose connection ended before they were used. Some clients use a connection per
-/// request.
-pub(super) const ABANDONED_SESSIONS: usize = 512;
-
-/// The maximum number of clients over UDP.
-pub(super) const PEER_LIMIT: usize = 1024;
-
-/// The maximum number of clients over UDP from one address.
-pub(super) const PEERS_PER_ADDRESS: usize = 256;
+/// The maximum number of connections, of Socket.IO sessions, and of clients over UDP. The maximum number of connections is
+/// lower if the process may open fewer files.
+pub(super) const CLIENT_LIMIT: usize = 256;
 
 /// The maximum number of bytes of notifications over UDP for each received datagram. The address of a datagram may be
 /// forged, so the server must not send large amounts of data to it.
@@ -71,13 +49,7 @@ const OTHER_FILES: u64 = 32;
 pub(super) fn connections() -> usize {
     let files = open_files().map(|files| files.saturating_sub(OTHER_FILES).max(1));
     let files = files.and_then(|files| usize::try_from(files).ok());
-    files.map_or(CONNECTION_LIMIT, |files| files.min(CONNECTION_LIMIT))
-}
-
-/// Raises the number of files that the process may open, as far as the server needs it and the system permits it. Without
-/// permission, the server accepts fewer connections.
-pub(crate) fn raise_open_files() {
-    crate::net::raise_open_files(CONNECTION_LIMIT as u64 + OTHER_FILES);
+    files.map_or(CLIENT_LIMIT, |files| files.min(CLIENT_LIMIT))
 }
 
 /// Memory that several clients share.

@@ -23,8 +23,6 @@ pub(super) struct Outbox {
     bytes: RefCell<VecDeque<u8>>,
     share: Share,
     state: Cell<State>,
-    /// The number of bytes that were added since the start.
-    pushed: Cell<u64>,
     /// The time of the last progress while bytes are waiting.
     waiting_since: Cell<Option<Instant>>,
 }
@@ -48,7 +46,6 @@ impl Outbox {
             bytes: RefCell::default(),
             share: Share::new(budget),
             state: Cell::new(State::Open),
-            pushed: Cell::new(0),
             waiting_since: Cell::new(None),
         }
     }
@@ -58,7 +55,6 @@ impl Outbox {
         if self.state.get() != State::Open {
             return;
         }
-        self.pushed.set(self.pushed.get() + bytes.len() as u64);
         let sent = if self.waiting() == 0 { self.send(bytes) } else { 0 };
         let rest = &bytes[sent..];
         if rest.is_empty() || self.has_failed() {
@@ -125,11 +121,6 @@ impl Outbox {
         *self.bytes.borrow_mut() = VecDeque::new();
         self.waiting_since.set(None);
         let _ = self.share.set(0);
-    }
-
-    /// The number of bytes that were added since the start.
-    pub(super) fn pushed(&self) -> u64 {
-        self.pushed.get()
     }
 
     /// The number of waiting bytes.

@@ -2,7 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, ErrorKind, Write as _};
-use std::net::{IpAddr, SocketAddr};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -12,9 +11,8 @@ use mio::net::{TcpListener, TcpStream};
 use mio::{Events, Interest, Poll, Token};
 
 use super::connection::{Connection, Visit};
-use super::limits::{CONNECTIONS_PER_ADDRESS, IDLE_TIME, connections};
-use super::schedule::Schedule;
-use super::seats::{Admission, SeatLimits, Seats};
+use super::limits::{IDLE_TIME, connections};
+use super::seats::{Admission, Seats};
 use super::statistics::{Reason, Statistics};
 use super::tcp::LineClient;
 use super::udp::Datagrams;
@@ -28,11 +26,8 @@ const TICK: Duration = Duration::from_millis(20);
 /// The interval between checks of time limits.
 const SWEEP: Duration = Duration::from_millis(200);
 
-/// The maximum time for which connections are visited before new events are read.
-const ROUND: Duration = Duration::from_millis(10);
-
-/// The maximum time for which connections are accepted in a round, so that accepting doesn't delay connected clients.
-const ACCEPT_TIME: Duration = Duration::from_millis(1);
+/// The maximum number of connections to accept before connected clients have their turn.
+const ACCEPTS_AT_ONCE: usize = 16;
 
 /// The time during which polling clients can still fetch the last messages. The next poll usually follows immediately.
 const LAST_POLL: Duration = Duration::from_millis(500);
@@ -79,7 +74,7 @@ pub(crate) struct Reactor {
     ready_datagrams: BTreeSet<Token>,
     connections: BTreeMap<Token, Connection>,
     /// The connections to visit.
-    schedule: Schedule,
+    ready: BTreeSet<Token>,
     /// The connections that wait for a response.
     waiting: BTreeSet<Token>,
     seats: Seats<Token>,
@@ -103,13 +98,6 @@ impl Reactor {
 
     /// Creates an event loop for registered sockets.
     pub(crate) fn new(poll: Poll, bound: Vec<Bound>, hub: Hub) -> Self {
-        let total = connections();
-        let limits = SeatLimits {
-            total,
-            // One address must not take all seats.
-            per_address: CONNECTIONS_PER_ADDRESS.min(total.div_ceil(2)),
-            idle_time: IDLE_TIME,
-        };
         let mut reactor = Self {
             shared: Shared::new(hub),
             poll,
@@ -117,9 +105,9 @@ impl Reactor {
             datagrams: BTreeMap::new(),
             ready_datagrams: BTreeSet::new(),
             connections: BTreeMap::new(),
-            schedule: Schedule::default(),
+            ready: BTreeSet::new(),
             waiting: BTreeSet::new(),
-            seats: Seats::new(limits),
+            seats: Seats::new(connections(), IDLE_TIME),
             next_token: 0,
             ending: None,
         };
@@ -149,7 +137,7 @@ impl Reactor {
         let mut events = Events::with_capacity(1024);
         let (mut next_tick, mut next_sweep) = (self.shared.now(), self.shared.now());
         while !self.is_done() {
-            let is_busy = !self.schedule.is_empty() || !self.ready_datagrams.is_empty() || self.can_accept();
+            let is_busy = !self.ready.is_empty() || !self.ready_datagrams.is_empty() || self.can_accept();
             let wait = if is_busy { Duration::ZERO } else { self.shared.clock.left(next_tick).min(TICK) };
             if let Err(error) = self.poll.poll(&mut events, Some(wait))
                 && error.kind() != ErrorKind::Interrupted
@@ -189,7 +177,7 @@ impl Reactor {
             self.ending = Some(Clock::real().now());
             self.shared.hub.end();
             self.shared.sessions.end();
-            self.wake_all();
+            self.ready.extend(self.connections.keys());
         }
     }
 
@@ -236,21 +224,8 @@ impl Reactor {
     /// Makes all connections ready that the server has closed.
     fn wake_closed(&mut self) {
         let closed = self.connections.iter().filter(|(_, connection)| connection.is_closed());
-        let closed: Vec<Token> = closed.map(|(token, _)| *token).collect();
-        for token in closed {
-            self.wake(token);
-        }
-    }
-
-    fn wake_all(&mut self) {
-        let tokens: Vec<Token> = self.connections.keys().copied().collect();
-        for token in tokens {
-            self.wake(token);
-        }
-    }
-
-    fn wake(&mut self, token: Token) {
-        self.schedule.wake(token, self.shared.elapsed());
+        let closed = closed.map(|(token, _)| *token);
+        self.ready.extend(closed);
     }
 
     fn note(&mut self, event: &Event) {
@@ -262,7 +237,7 @@ impl Reactor {
         } else if event.is_error() || event.is_read_closed() && event.is_write_closed() {
             self.hang_up(token);
         } else {
-            self.wake(token);
+            self.ready.insert(token);
         }
     }
 
@@ -271,7 +246,7 @@ impl Reactor {
         if self.waiting.contains(&token) {
             self.end(token, Reason::Disconnected);
         } else {
-            self.wake(token);
+            self.ready.insert(token);
         }
     }
 
@@ -288,15 +263,14 @@ impl Reactor {
         }
         let tokens: Vec<Token> = self.doors.keys().copied().collect();
         for token in tokens {
-            let end = self.shared.now() + ACCEPT_TIME;
-            while self.shared.now() < end {
-                let Some((stream, address, transport)) = self.accept_one(token) else { break };
-                self.admit(stream, address.ip(), transport);
+            for _ in 0..ACCEPTS_AT_ONCE {
+                let Some((stream, transport)) = self.accept_one(token) else { break };
+                self.admit(stream, transport);
             }
         }
     }
 
-    fn accept_one(&mut self, token: Token) -> Option<(TcpStream, SocketAddr, Transport)> {
+    fn accept_one(&mut self, token: Token) -> Option<(TcpStream, Transport)> {
         let door = self.doors.get_mut(&token)?;
         let now = self.shared.now();
         if !door.is_ready || door.pause.is_some_and(|until| now < until) {
@@ -304,7 +278,7 @@ impl Reactor {
         }
         door.pause = None;
         match door.listener.accept() {
-            Ok((stream, address)) => Some((stream, address, door.transport)),
+            Ok((stream, _)) => Some((stream, door.transport)),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {
                 door.is_ready = false;
                 None
@@ -323,9 +297,9 @@ impl Reactor {
     }
 
     /// Serves a new connection. If there are too many, another connection gives way, or the new one is refused.
-    fn admit(&mut self, mut stream: TcpStream, address: IpAddr, transport: Transport) {
+    fn admit(&mut self, mut stream: TcpStream, transport: Transport) {
         let now = self.shared.now();
-        match self.seats.admit(address, now) {
+        match self.seats.admit(now) {
             Admission::Free => {}
             Admission::Evict(token) => self.end(token, Reason::Replaced),
             Admission::Refused => {
@@ -344,14 +318,14 @@ impl Reactor {
             return;
         }
         let connection =
-            Connection::new(&mut self.shared, stream, address, |shared, outbox| match transport {
+            Connection::new(&mut self.shared, stream, |shared, outbox| match transport {
                 Transport::Tcp => Box::new(LineClient::new(shared, outbox)),
                 _ => Box::new(WebClient::new()),
             });
         self.shared.statistics.accepted += 1;
-        self.seats.insert(token, address, now);
+        self.seats.insert(token, now);
         self.connections.insert(token, connection);
-        self.schedule.insert(token, self.shared.elapsed());
+        self.ready.insert(token);
     }
 
     fn receive_datagrams(&mut self) {
@@ -370,16 +344,13 @@ impl Reactor {
         let answered: Vec<Token> = self.waiting.iter().copied().filter(is_due).collect();
         for token in answered {
             self.waiting.remove(&token);
-            self.wake(token);
+            self.ready.insert(token);
         }
     }
 
-    /// Visits connections that have something to do, for a limited time.
+    /// Visits each connection that has something to do.
     fn visit_ready(&mut self) {
-        let end = self.shared.now() + ROUND;
-        while self.shared.now() < end
-            && let Some(token) = self.schedule.next()
-        {
+        for token in std::mem::take(&mut self.ready) {
             self.visit(token);
         }
     }
@@ -387,14 +358,12 @@ impl Reactor {
     fn visit(&mut self, token: Token) {
         let Some(connection) = self.connections.get_mut(&token) else { return };
         let now = self.shared.now();
-        let (visit, cost) = connection.visit(&mut self.shared);
-        self.schedule.charge(token, cost);
+        let visit = connection.visit(&mut self.shared);
         if connection.has_requested() {
             self.seats.touch(&token, true, now);
         }
         match visit {
-            Visit::Again => self.wake(token),
-            Visit::Unfinished => self.schedule.resume(token, self.shared.elapsed()),
+            Visit::Again => _ = self.ready.insert(token),
             Visit::Waiting => _ = self.waiting.insert(token),
             Visit::Rest => {}
             Visit::End(reason) => self.end(token, reason),
@@ -405,7 +374,7 @@ impl Reactor {
     fn end(&mut self, token: Token, reason: Reason) {
         self.seats.remove(&token);
         self.waiting.remove(&token);
-        self.schedule.remove(token);
+        self.ready.remove(&token);
         let Some(connection) = self.connections.remove(&token) else { return };
         self.shared.statistics.count(reason);
         connection.end(&mut self.shared, reason);

@@ -31,7 +31,7 @@ impl Reason {
             Self::TooSlow => "the client reads too slowly",
             Self::Unfinished => "a message wasn't finished in time",
             Self::TooMuch => "unfinished messages use too much memory",
-            Self::Replaced => "the server is full, and this client was idle or had too many connections",
+            Self::Replaced => "the server is full, and this client was idle",
             Self::Idle => "no request arrived for a minute",
         }
     }

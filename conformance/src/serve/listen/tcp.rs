@@ -7,7 +7,7 @@ use serde::de::IgnoredAny;
 use serde_json::Value;
 
 use super::Shared;
-use super::connection::{Peer, Protocol, Step};
+use super::connection::{Protocol, Step};
 use super::limits::REQUEST_LIMIT;
 use super::outbox::Outbox;
 use super::statistics::Reason;
@@ -80,7 +80,7 @@ impl Protocol for LineClient {
         self.lines.feed(bytes);
     }
 
-    fn step(&mut self, shared: &mut Shared, _: &Peer) -> Step {
+    fn step(&mut self, shared: &mut Shared, _: &Rc<Outbox>) -> Step {
         let Some(line) = self.next(shared) else {
             if shared.has_bug(&tcp_04::RULE) {
                 self.lines.drop_rest();

@@ -1,7 +1,7 @@
 //! UDP: one message per datagram. A client receives notifications for a minute after its last datagram.
 
 use std::cell::Cell;
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::BTreeMap;
 use std::io;
 use std::net::SocketAddr;
 use std::rc::Rc;
@@ -12,8 +12,8 @@ use serde::de::IgnoredAny;
 use serde_json::Value;
 
 use super::Shared;
-use super::limits::{DATAGRAM_BUDGET, PEER_LIMIT, PEERS_PER_ADDRESS};
-use super::seats::{Admission, SeatLimits, Seats};
+use super::limits::{CLIENT_LIMIT, DATAGRAM_BUDGET};
+use super::seats::{Admission, Seats};
 use super::statistics::Reason;
 use crate::rules::flockwave::{udp_01, udp_02, udp_03};
 use crate::serve::hub::{ConnectionKind, SessionId, Sink};
@@ -22,23 +22,8 @@ use crate::serve::message::{enveloped, refusal, text};
 /// The maximum length of a message in a datagram.
 const DATAGRAM_LIMIT: usize = 65_507;
 
-/// The maximum number of datagrams to read before some of them are processed.
-const READS_AT_ONCE: usize = 256;
-
-/// The maximum time to process datagrams from clients before connections have their turn.
-const TIME_FOR_CLIENTS: Duration = Duration::from_millis(1);
-
-/// The maximum time to process datagrams from other addresses before connections have their turn.
-const TIME_FOR_OTHERS: Duration = Duration::from_millis(1);
-
-/// The maximum number of bytes that wait to be processed, from clients and from other addresses.
-const WAITING_LIMIT: usize = 256 << 10;
-
-/// The maximum number of datagrams of a client that wait to be processed.
-const WAITING_PER_CLIENT: usize = 64;
-
-/// The memory for managing a datagram.
-const DATAGRAM_OVERHEAD: usize = 64;
+/// The maximum number of datagrams to process before connections have their turn.
+const DATAGRAMS_AT_ONCE: usize = 64;
 
 /// The time after which a silent client counts as disconnected, as the specification recommends.
 const CLIENT_TIMEOUT: Duration = Duration::from_secs(60);
@@ -89,34 +74,6 @@ fn is_about_earlier(error: &io::Error) -> bool {
 struct Client {
     session: SessionId,
     sink: Rc<DatagramSink>,
-    /// The number of its datagrams that wait to be processed.
-    waiting: usize,
-}
-
-/// Received datagrams that wait to be processed.
-#[derive(Default)]
-struct Waiting {
-    datagrams: VecDeque<(SocketAddr, Vec<u8>)>,
-    bytes: usize,
-}
-
-impl Waiting {
-    /// Adds a datagram. Returns false if too many are waiting.
-    fn push(&mut self, address: SocketAddr, datagram: &[u8]) -> bool {
-        let bytes = self.bytes + datagram.len() + DATAGRAM_OVERHEAD;
-        if bytes > WAITING_LIMIT {
-            return false;
-        }
-        self.bytes = bytes;
-        self.datagrams.push_back((address, datagram.to_vec()));
-        true
-    }
-
-    fn pop(&mut self) -> Option<(SocketAddr, Vec<u8>)> {
-        let (address, datagram) = self.datagrams.pop_front()?;
-        self.bytes -= datagram.len() + DATAGRAM_OVERHEAD;
-        Some((address, datagram))
-    }
 }
 
 /// A socket and its clients.
@@ -125,72 +82,34 @@ pub(super) struct Datagrams {
     socket: Option<Rc<UdpSocket>>,
     clients: BTreeMap<SocketAddr, Client>,
     seats: Seats<SocketAddr>,
-    /// Datagrams from clients. They come first, so floods from new addresses can't delay clients.
-    from_clients: Waiting,
-    /// Datagrams from other addresses.
-    from_others: Waiting,
     /// The first client; used only with the FW-UDP-02 bug.
     first: Option<SocketAddr>,
-    buffer: Vec<u8>,
 }
 
 impl Datagrams {
     pub(super) fn new(socket: UdpSocket) -> Self {
-        // Active clients give way as well, because a client over UDP can always return.
-        let limits =
-            SeatLimits { total: PEER_LIMIT, per_address: PEERS_PER_ADDRESS, idle_time: Duration::ZERO };
         Self {
             socket: Some(Rc::new(socket)),
             clients: BTreeMap::new(),
-            seats: Seats::new(limits),
-            from_clients: Waiting::default(),
-            from_others: Waiting::default(),
+            // Active clients give way as well, because a client over UDP can always return.
+            seats: Seats::new(CLIENT_LIMIT, Duration::ZERO),
             first: None,
-            buffer: vec![0; DATAGRAM_LIMIT + 1],
         }
     }
 
-    /// Processes datagrams for a limited time. Returns true if more datagrams may be waiting.
+    /// Processes some datagrams. Returns true if more may be waiting.
     pub(super) fn receive(&mut self, shared: &mut Shared) -> bool {
-        let is_drained = self.read();
-        let end = shared.now() + TIME_FOR_CLIENTS;
-        while shared.now() < end
-            && let Some((address, datagram)) = self.from_clients.pop()
-        {
-            if let Some(client) = self.clients.get_mut(&address) {
-                client.waiting = client.waiting.saturating_sub(1);
-            }
-            self.take(shared, address, &datagram);
-        }
-        let end = shared.now() + TIME_FOR_OTHERS;
-        while shared.now() < end
-            && let Some((address, datagram)) = self.from_others.pop()
-        {
-            self.take(shared, address, &datagram);
-        }
-        let is_idle = self.from_clients.datagrams.is_empty() && self.from_others.datagrams.is_empty();
-        self.socket.is_some() && !(is_drained && is_idle)
-    }
-
-    /// Reads a limited number of datagrams. Returns true if there are no more.
-    fn read(&mut self) -> bool {
-        for _ in 0..READS_AT_ONCE {
-            let Some(socket) = &self.socket else { return true };
-            let (length, address) = match socket.recv_from(&mut self.buffer) {
-                Ok(received) => received,
+        let mut buffer = vec![0; DATAGRAM_LIMIT + 1];
+        for _ in 0..DATAGRAMS_AT_ONCE {
+            let Some(socket) = &self.socket else { return false };
+            match socket.recv_from(&mut buffer) {
+                Ok((length, address)) => self.take(shared, address, &buffer[..length]),
                 // Some systems report here that an earlier datagram was not delivered.
-                Err(error) if is_about_earlier(&error) => continue,
-                Err(_) => return true,
-            };
-            let datagram = &self.buffer[..length];
-            // Datagrams that exceed the limits get lost, like those for which the system has no memory.
-            match self.clients.get_mut(&address) {
-                Some(client) if client.waiting >= WAITING_PER_CLIENT => {}
-                Some(client) => client.waiting += usize::from(self.from_clients.push(address, datagram)),
-                None => _ = self.from_others.push(address, datagram),
+                Err(error) if is_about_earlier(&error) => {}
+                Err(_) => return false,
             }
         }
-        false
+        true
     }
 
     /// Processes a datagram. Only valid requests register a client.
@@ -214,18 +133,18 @@ impl Datagrams {
             budget: Cell::new(DATAGRAM_BUDGET),
         });
         let session = shared.hub.open(ConnectionKind::Datagrams, Rc::<DatagramSink>::clone(&sink));
-        if !shared.receive(session, datagram) || !self.make_room(shared, address, now) {
+        if !shared.receive(session, datagram) || !self.make_room(shared, now) {
             shared.hub.close(session);
             return;
         }
-        self.clients.insert(address, Client { session, sink, waiting: 0 });
-        self.seats.insert(address, address.ip(), now);
+        self.clients.insert(address, Client { session, sink });
+        self.seats.insert(address, now);
         self.seats.touch(&address, true, now);
     }
 
     /// Removes the client that gives way to a newcomer. Returns true if there is room.
-    fn make_room(&mut self, shared: &mut Shared, address: SocketAddr, now: Instant) -> bool {
-        match self.seats.admit(address.ip(), now) {
+    fn make_room(&mut self, shared: &mut Shared, now: Instant) -> bool {
+        match self.seats.admit(now) {
             Admission::Free => true,
             Admission::Evict(evicted) => {
                 self.remove(shared, evicted);

@@ -1,11 +1,11 @@
 //! HTTP: dispatches requests by path, and adds CORS headers for browsers.
 
-use std::net::IpAddr;
+use std::rc::Rc;
 use std::time::Duration;
 
-use super::connection::{Peer, Protocol, Step};
-use super::engine::Unused;
+use super::connection::{Protocol, Step};
 use super::limits::{HTTP_IDLE_LIMIT, REQUEST_LIMIT};
+use super::outbox::Outbox;
 use super::reply::{Pending, Reply};
 use super::{Shared, engine, one_shot};
 use crate::flockwave::transport::http::{Incoming, Request, Requests, Response};
@@ -16,16 +16,15 @@ pub(super) struct WebClient {
     requests: Requests,
     /// The request that hasn't been answered yet.
     pending: Option<(Request, Box<dyn Pending>)>,
-    unused: Unused,
 }
 
 impl WebClient {
     pub(super) fn new() -> Self {
-        Self { requests: Requests::new(REQUEST_LIMIT), pending: None, unused: Unused::default() }
+        Self { requests: Requests::new(REQUEST_LIMIT), pending: None }
     }
 
     /// Sends the response to a request, if it is available.
-    fn answer(&mut self, shared: &mut Shared, peer: &Peer, request: Request, reply: Reply) -> Step {
+    fn answer(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>, request: Request, reply: Reply) -> Step {
         let response = match reply {
             Reply::Now(response) => response,
             Reply::Later(mut pending) => {
@@ -37,18 +36,16 @@ impl WebClient {
             }
         };
         let is_request = response.is_success();
-        peer.outbox.push(&with_cors_headers(&request, response).to_bytes(Some(&request)));
+        outbox.push(&with_cors_headers(&request, response).to_bytes(Some(&request)));
         if request.is_last { Step::End } else { Step::Handled { is_request } }
     }
 
     /// Handles a request.
-    fn reply(&mut self, shared: &mut Shared, address: IpAddr, request: &Request) -> Reply {
+    fn reply(shared: &mut Shared, request: &Request) -> Reply {
         match request.method.as_str() {
             // A CORS preflight request.
             "OPTIONS" => Reply::Now(Response::new("200 OK", "text/plain", "")),
-            _ if is_at(request, SOCKET_IO_PATH) => {
-                engine::by_polling(shared, address, request, &mut self.unused)
-            }
+            _ if is_at(request, SOCKET_IO_PATH) => engine::by_polling(shared, request),
             "POST" if is_at(request, ONE_SHOT_PATH) => one_shot::answer(shared, request),
             _ if is_at(request, ONE_SHOT_PATH) => {
                 let refusal = Response::refusal("405 Method Not Allowed", "send messages with POST");
@@ -62,12 +59,12 @@ impl WebClient {
         }
     }
 
-    fn upgrade(&mut self, shared: &mut Shared, peer: &Peer, request: &Request) -> Step {
+    fn upgrade(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>, request: &Request) -> Step {
         let requests = std::mem::replace(&mut self.requests, Requests::new(0));
-        match engine::over_web_socket(shared, peer, request, &requests.into_rest()) {
+        match engine::over_web_socket(shared, outbox, request, &requests.into_rest()) {
             Ok(client) => Step::Upgrade(Box::new(client)),
             Err(response) => {
-                peer.outbox.push(&response.to_bytes(None));
+                outbox.push(&response.to_bytes(None));
                 Step::End
             }
         }
@@ -79,27 +76,27 @@ impl Protocol for WebClient {
         self.requests.feed(bytes);
     }
 
-    fn step(&mut self, shared: &mut Shared, peer: &Peer) -> Step {
+    fn step(&mut self, shared: &mut Shared, outbox: &Rc<Outbox>) -> Step {
         if let Some((request, pending)) = self.pending.take() {
-            return self.answer(shared, peer, request, Reply::Later(pending));
+            return self.answer(shared, outbox, request, Reply::Later(pending));
         }
         match self.requests.take() {
             None => Step::Starved,
             Some(Incoming::Expectation) => {
-                peer.outbox.push(b"HTTP/1.1 100 Continue\r\n\r\n");
+                outbox.push(b"HTTP/1.1 100 Continue\r\n\r\n");
                 Step::Handled { is_request: false }
             }
             Some(Incoming::Refused(response)) => {
-                peer.outbox.push(&response.to_bytes(None));
+                outbox.push(&response.to_bytes(None));
                 Step::End
             }
             Some(Incoming::Request(mut request)) => {
                 if is_at(&request, SOCKET_IO_PATH) && request.has_word("upgrade", "websocket") {
-                    return self.upgrade(shared, peer, &request);
+                    return self.upgrade(shared, outbox, &request);
                 }
-                let reply = self.reply(shared, peer.address, &request);
+                let reply = Self::reply(shared, &request);
                 request.body = Vec::new();
-                self.answer(shared, peer, request, reply)
+                self.answer(shared, outbox, request, reply)
             }
         }
     }
@@ -124,7 +121,6 @@ impl Protocol for WebClient {
         if let Some((_, mut pending)) = self.pending.take() {
             pending.end(shared);
         }
-        std::mem::take(&mut self.unused).abandon(shared);
     }
 }
 

@@ -1,15 +1,12 @@
 //! Bad clients.
 
 use std::io::{ErrorKind, Read as _, Write as _};
-use std::net::{Ipv4Addr, SocketAddr, TcpStream, UdpSocket};
-use std::process::{Command, Stdio};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::net::{SocketAddr, TcpStream, UdpSocket};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, Scope};
 use std::time::Duration;
 
 use serde_json::json;
-use socket2::{Domain, Socket, Type};
 
 use super::super::super::support::Random;
 use super::request;
@@ -20,78 +17,31 @@ const THREADS: usize = 8;
 /// The time between two actions of the bad clients of a thread.
 const PAUSE: Duration = Duration::from_millis(10);
 
-/// The counts of connections.
-#[derive(Debug, Default)]
-pub(super) struct Counts {
-    open: AtomicUsize,
-    opened: AtomicU64,
-}
-
-impl Counts {
-    pub(super) fn open(&self) -> usize {
-        self.open.load(Ordering::Relaxed)
-    }
-
-    pub(super) fn opened(&self) -> u64 {
-        self.opened.load(Ordering::Relaxed)
-    }
-}
-
 /// Starts bad clients with this many connections, and floods of datagrams.
 pub(super) fn start<'s>(
     scope: &'s Scope<'s, '_>,
     addresses: [SocketAddr; 4],
     connections: usize,
     is_over: &'s AtomicBool,
-) -> Arc<Counts> {
-    let counts = Arc::<Counts>::default();
+) {
     for thread in 0..THREADS {
-        let counts = Arc::clone(&counts);
-        let run = move || {
+        scope.spawn(move || {
             let numbers = (0..connections).filter(|number| number % THREADS == thread);
             let mut clients: Vec<BadClient> =
                 numbers.map(|number| BadClient::new(number, addresses)).collect();
             let mut random = Random(thread as u64);
             while !is_over.load(Ordering::Relaxed) {
                 for client in &mut clients {
-                    client.act(&mut random, &counts);
+                    client.act(&mut random);
                     if is_over.load(Ordering::Relaxed) {
                         break;
                     }
                 }
                 thread::sleep(PAUSE);
             }
-        };
-        spawn(scope, run);
+        });
     }
-    spawn(scope, move || flood_with_datagrams(addresses[1], is_over));
-    counts
-}
-
-/// Starts a thread with low priority. Otherwise, the bad clients would take the processors from the server and from the
-/// good clients.
-fn spawn<'s>(scope: &'s Scope<'s, '_>, run: impl FnOnce() + Send + 's) {
-    scope.spawn(|| {
-        lower_priority();
-        run();
-    });
-}
-
-/// Lowers the priority of this thread. Without the program `renice`, the priority stays the same.
-fn lower_priority() {
-    let Ok(thread) = std::fs::read_link("/proc/thread-self") else { return };
-    let Some(id) = thread.file_name() else { return };
-    let _ = Command::new("renice").args(["-n", "10", "-p"]).arg(id).stdout(Stdio::null()).status();
-}
-
-/// The address of a bad client: one of them for half of the clients, a few for a quarter, and many for the rest.
-fn source(number: usize) -> Ipv4Addr {
-    let [.., high, low] = u32::try_from(number).unwrap_or_default().to_be_bytes();
-    match number / BEHAVIOURS.len() % 4 {
-        0 | 1 => Ipv4Addr::LOCALHOST,
-        2 => Ipv4Addr::new(127, 1, 0, low % 8 + 1),
-        _ => Ipv4Addr::new(127, 2, high, low),
-    }
+    scope.spawn(move || flood_with_datagrams(addresses[1], is_over));
 }
 
 /// The action of a bad client after it has connected, and later actions.
@@ -218,7 +168,6 @@ fn frame(kind: u8, payload: &[u8]) -> Vec<u8> {
 
 /// A bad client.
 struct BadClient {
-    source: Ipv4Addr,
     address: SocketAddr,
     behaviour: Behaviour,
     stream: Option<TcpStream>,
@@ -227,16 +176,14 @@ struct BadClient {
 impl BadClient {
     fn new(number: usize, addresses: [SocketAddr; 4]) -> Self {
         let (transport, behaviour) = BEHAVIOURS[number % BEHAVIOURS.len()];
-        Self { source: source(number), address: addresses[transport], behaviour, stream: None }
+        Self { address: addresses[transport], behaviour, stream: None }
     }
 
     /// Connects if necessary, and does the next harm.
-    fn act(&mut self, random: &mut Random, counts: &Counts) {
+    fn act(&mut self, random: &mut Random) {
         let is_new = self.stream.is_none();
         if is_new {
-            self.stream = connect(self.source, self.address);
-            counts.opened.fetch_add(1, Ordering::Relaxed);
-            counts.open.fetch_add(usize::from(self.stream.is_some()), Ordering::Relaxed);
+            self.stream = connect(self.address);
         }
         let Some(stream) = &self.stream else { return };
         let is_open = match self.behaviour {
@@ -254,19 +201,14 @@ impl BadClient {
         };
         if !is_open {
             self.stream = None;
-            counts.open.fetch_sub(1, Ordering::Relaxed);
         }
     }
 }
 
-/// Connects from this address.
-fn connect(source: Ipv4Addr, address: SocketAddr) -> Option<TcpStream> {
-    let socket = Socket::new(Domain::IPV4, Type::STREAM, None).ok()?;
-    let local = if cfg!(target_os = "linux") { source } else { Ipv4Addr::LOCALHOST };
-    socket.bind(&SocketAddr::from((local, 0)).into()).ok()?;
-    socket.connect_timeout(&address.into(), Duration::from_millis(500)).ok()?;
-    socket.set_nonblocking(true).ok()?;
-    Some(socket.into())
+fn connect(address: SocketAddr) -> Option<TcpStream> {
+    let stream = TcpStream::connect_timeout(&address, Duration::from_millis(500)).ok()?;
+    stream.set_nonblocking(true).ok()?;
+    Some(stream)
 }
 
 /// Sends as much as possible. Returns false if the connection has ended.
@@ -286,14 +228,13 @@ fn is_connected(mut stream: &TcpStream) -> bool {
     }
 }
 
-/// Sends datagrams from many ports and addresses.
+/// Sends datagrams from many ports.
 fn flood_with_datagrams(address: SocketAddr, is_over: &AtomicBool) {
     let mut random = Random(7);
     let ping = request("a", &json!({ "type": "UAV-INF", "ids": fleet() }));
     while !is_over.load(Ordering::Relaxed) {
         for number in 0..100 {
-            let local = if cfg!(target_os = "linux") { source(number) } else { Ipv4Addr::LOCALHOST };
-            let Ok(socket) = UdpSocket::bind((local, 0)) else { continue };
+            let Ok(socket) = UdpSocket::bind("127.0.0.1:0") else { continue };
             let garbage = random.bytes(1000);
             let datagram = if number % 4 == 0 { &garbage } else { ping.as_bytes() };
             // The queue of the server may be full.
