@@ -30,13 +30,13 @@ mod flockwave;
 #[doc(hidden)]
 pub mod fuzzing;
 pub mod json;
-mod matrix;
 pub mod model;
 mod net;
 pub mod probe;
 mod px4;
 pub mod report;
 pub mod rules;
+mod self_test;
 pub mod serve;
 mod story;
 pub mod tables;

@@ -12,7 +12,7 @@ const LAYERS: &[&[&str]] = &[
     &["app", "fuzzing"],
     &["explain", "tables"],
     &["report"],
-    &["matrix"],
+    &["self_test"],
     &["convert", "probe", "serve", "testee", "watch"],
     &["story", "vehicle"],
     &["check"],

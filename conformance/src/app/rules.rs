@@ -5,9 +5,9 @@ use clap::Args;
 use super::report::print_result;
 use super::{Format, Status, print_unknown_rule};
 use crate::definitions::Definitions;
-use crate::matrix::matrix;
 use crate::report::rule_list;
 use crate::rules::rule;
+use crate::self_test::matrix;
 
 /// Arguments of `rules`.
 #[derive(Args, Debug)]

@@ -13,9 +13,9 @@ use uavspec_codegen::report::rule_url;
 #[cfg(test)]
 pub(crate) use self::pages::{CONTENTS, pages};
 pub(crate) use self::text::{list as to_text, matrix as matrix_text, rule as rule_text};
-use crate::matrix::Row;
 use crate::model::{Level, Rule, Status};
 use crate::rules::{Mutant, checked_by, mutants};
+use crate::self_test::Row;
 
 /// A rule in JSON.
 #[derive(Debug, Serialize)]

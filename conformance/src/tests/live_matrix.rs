@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::definitions::Definitions;
-use crate::matrix::live::{Row, cases, live};
 use crate::rules::{RULES, flockwave};
+use crate::self_test::live::{Row, cases, live};
 
 #[test]
 fn each_bug_violates_only_its_rule() {

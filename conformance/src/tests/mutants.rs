@@ -7,9 +7,9 @@ use std::fs;
 
 use crate::check::check_capture;
 use crate::definitions::Definitions;
-use crate::matrix::{conforming, matrix};
 use crate::rules::sample::{Encoding, Flight};
 use crate::rules::{RULES, mutants, rule};
+use crate::self_test::{conforming, matrix};
 use tempfile::TempDir;
 
 use support::shared;

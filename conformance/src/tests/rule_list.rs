@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use crate::definitions::Definitions;
-use crate::matrix::matrix;
 use crate::report::rule_list::{CONTENTS, pages};
+use crate::self_test::matrix;
 
 /// The folder of the documentation.
 const DOCS: &str = "../generated/docs";

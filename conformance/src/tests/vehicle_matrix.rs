@@ -1,8 +1,8 @@
 //! Probes of the reference autopilot and the reference component: without a bug there are no findings, and each bug
 //! violates its rule, live and in the recording.
 
-use crate::matrix::vehicle::{cases, pairs};
 use crate::rules::px4::RULES;
+use crate::self_test::vehicle::{cases, pairs};
 
 #[test]
 fn each_bug_of_a_participant_violates_only_its_rule() {

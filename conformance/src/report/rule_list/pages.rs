@@ -9,9 +9,9 @@ use uavspec_codegen::emit::OutputFile;
 use uavspec_codegen::emit::docs::markdown::{Page, Table, code, href, link, text_column, with_code};
 
 use super::dispute;
-use crate::matrix::Row;
 use crate::model::Rule;
 use crate::rules::RULES;
+use crate::self_test::Row;
 
 /// The path of the overview.
 const OVERVIEW: &str = "conformance/README.md";

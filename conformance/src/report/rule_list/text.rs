@@ -6,9 +6,9 @@ use std::fmt::Write as _;
 use uavspec_codegen::report::rule_url;
 
 use super::dispute;
-use crate::matrix::Row;
 use crate::model::Rule;
 use crate::rules::{Mutant, RULES};
+use crate::self_test::Row;
 
 /// The width of the text in a terminal, in columns.
 const WIDTH: usize = 80;

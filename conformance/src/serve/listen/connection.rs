@@ -6,10 +6,10 @@ use std::time::{Duration, Instant};
 
 use mio::net::TcpStream;
 
+use super::Shared;
 use super::limits::{MESSAGE_TIME, PAUSE_LIMIT, SEND_LIMIT, Share};
 use super::outbox::Outbox;
 use super::statistics::Reason;
-use super::Shared;
 
 /// The number of bytes to read in one step.
 const PIECE: usize = 16 << 10;
@@ -270,9 +270,8 @@ mod tests {
         stream.set_nonblocking(true).expect("a setting");
         let mut shared = Shared::new(Hub::new(Options::default(), answer));
         let stream = TcpStream::from_std(stream);
-        let mut connection = Connection::new(&mut shared, stream, |shared, outbox| {
-            Box::new(LineClient::new(shared, outbox))
-        });
+        let mut connection =
+            Connection::new(&mut shared, stream, |shared, outbox| Box::new(LineClient::new(shared, outbox)));
         connection.visit(&mut shared)
     }
 

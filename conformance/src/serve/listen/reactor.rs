@@ -317,11 +317,10 @@ impl Reactor {
             self.shared.statistics.failed += 1;
             return;
         }
-        let connection =
-            Connection::new(&mut self.shared, stream, |shared, outbox| match transport {
-                Transport::Tcp => Box::new(LineClient::new(shared, outbox)),
-                _ => Box::new(WebClient::new()),
-            });
+        let connection = Connection::new(&mut self.shared, stream, |shared, outbox| match transport {
+            Transport::Tcp => Box::new(LineClient::new(shared, outbox)),
+            _ => Box::new(WebClient::new()),
+        });
         self.shared.statistics.accepted += 1;
         self.seats.insert(token, now);
         self.connections.insert(token, connection);
