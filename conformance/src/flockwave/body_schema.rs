@@ -128,7 +128,7 @@ pub(crate) enum Fault {
     /// The type is correct, but the value isn't allowed.
     Value,
     /// The field isn't allowed.
-    Further,
+    Additional,
     /// The field isn't allowed, and it holds requested objects that belong into another field.
     Misplaced,
 }

@@ -223,7 +223,7 @@ impl<'c> Check<'c> {
                 }
                 None if object.is_closed => {
                     self.path.push(At::Key(key));
-                    self.deviates(Fault::Further, allowed_fields(object), value.to_string());
+                    self.deviates(Fault::Additional, allowed_fields(object), value.to_string());
                     self.path.pop();
                 }
                 None => {}

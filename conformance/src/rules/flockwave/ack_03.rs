@@ -23,7 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         fix: "Send only `type`. To return a result, answer with the message type of the request instead.",
     },
     checks: &[Check::Message(check)],
-    covers: &[Attribution::new(&["ACK-ACK"], "*", &[Fault::Further])],
+    covers: &[Attribution::new(&["ACK-ACK"], "*", &[Fault::Additional])],
     bug: Bug::message("ACK-ACK has a `reason`.", |out| {
         if let Some(body) = out.body_of("ACK-ACK") {
             body["reason"] = json!("why not");

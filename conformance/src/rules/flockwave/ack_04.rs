@@ -24,7 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     },
     checks: &[Check::Message(check)],
     covers: &[
-        Attribution::new(&["ACK-NAK"], "*", &[Fault::Further]),
+        Attribution::new(&["ACK-NAK"], "*", &[Fault::Additional]),
         Attribution::new(&["ACK-NAK"], "reason", &[Fault::Kind]),
     ],
     bug: Bug::message("The `reason` of ACK-NAK is an object.", |out| {

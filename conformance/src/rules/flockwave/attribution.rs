@@ -27,7 +27,7 @@ pub(super) const MISSING: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind];
 pub(super) const INVALID: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value];
 
 /// Any violation.
-pub(super) const ALL: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value, Fault::Further];
+pub(super) const ALL: &[Fault] = &[Fault::Absent, Fault::Null, Fault::Kind, Fault::Value, Fault::Additional];
 
 impl Attribution {
     /// Creates an attribution for these message types, this path and these faults.
@@ -114,12 +114,12 @@ mod tests {
         assert_eq!(by(&["status", "=kite", "errors", "=0"], Fault::Value), Some("FW-ERR-01"));
         assert_eq!(by(&["status", "=kite", "errors", "=0"], Fault::Kind), Some("FW-UST-ERRORS"));
         assert_eq!(by(&["status", "=kite"], Fault::Null), Some("FW-UST-ID"));
-        assert_eq!(by(&["status", "=kite", "=flaps"], Fault::Further), None);
+        assert_eq!(by(&["status", "=kite", "=flaps"], Fault::Additional), None);
         assert_eq!(by(&["=error"], Fault::Kind), None);
         assert_eq!(by(&["error"], Fault::Kind), Some("FW-UAV-INF-04"));
         assert_eq!(by(&["error"], Fault::Null), None);
         assert_eq!(by_optional(&["error"], true, Fault::Null), Some("FW-ENV-26"));
         assert_eq!(by_optional(&["error"], true, Fault::Kind), Some("FW-UAV-INF-04"));
-        assert_eq!(by(&[], Fault::Further), None);
+        assert_eq!(by(&[], Fault::Additional), None);
     }
 }
