@@ -17,11 +17,11 @@
 //! ```
 
 mod bag;
+pub(crate) mod baseline;
 mod clock;
 mod coverage;
 mod flockwave;
 pub(crate) mod json;
-pub(crate) mod known;
 mod log;
 mod observer;
 mod open;

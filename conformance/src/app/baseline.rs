@@ -12,7 +12,7 @@ use uavspec_codegen::stage::{Stage, folder_of};
 
 use super::Status;
 use super::outputs::Output;
-use crate::check::known::{
+use crate::check::baseline::{
     Lists, NewEntry, Scope, Stale, Sums, excuse_findings, new_list, rule_outcomes, unread_outcome,
 };
 use crate::model::{Date, Extent, Reason};

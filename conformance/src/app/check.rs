@@ -20,7 +20,7 @@ use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
 use super::{Status, outcome_statuses, print_unknown};
 use crate::capture::input::Input;
-use crate::check::known::Scope;
+use crate::check::baseline::Scope;
 use crate::check::{Checked, parallel};
 use crate::clock::Clock;
 use crate::definitions::{Definitions, Library};

@@ -22,7 +22,7 @@ use super::required::{RequireArgs, uncovered};
 use super::target::Target;
 use super::test::seconds;
 use super::{Status, outcome_statuses};
-use crate::check::known::Scope;
+use crate::check::baseline::Scope;
 use crate::clock::Clock;
 use crate::definitions::Definitions;
 use crate::flockwave::transport::endpoint::Endpoint;

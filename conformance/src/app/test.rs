@@ -16,7 +16,7 @@ use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::{Outputs, ReportArgs};
 use super::{Status, outcome_statuses};
-use crate::check::known::Scope;
+use crate::check::baseline::Scope;
 use crate::net::Address;
 use crate::report::{Action, Report, Subject};
 use crate::tables::Origin;

@@ -1,7 +1,7 @@
 //! The targets for baselines.
 
 use super::Choices;
-use crate::check::known::{Checked, ListError, Lists, Name, Outcome, Scope};
+use crate::check::baseline::{Checked, ListError, Lists, Name, Outcome, Scope};
 use crate::model::Date;
 use crate::rules::px4;
 use uavspec_codegen::diagnostic::Level;

@@ -5,7 +5,7 @@ use std::ptr;
 
 use super::case::Case;
 use super::outcome::{Outcome as Run, Verdict};
-use crate::check::known::{Checked, Lists, Name, Outcome};
+use crate::check::baseline::{Checked, Lists, Name, Outcome};
 
 /// The outcome of each case in `names`, which contains all cases. Cases without a verdict in `run` were not run.
 pub(crate) fn case_outcomes<'r>(names: &'r [(&'r Case, String)], run: &Run<'r>) -> Vec<Checked<'r>> {

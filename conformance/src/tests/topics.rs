@@ -1,7 +1,7 @@
 //! Tests of topics that share parts of their names: each has separate findings.
 
 use super::mcap::file::{channel, file, message, schema};
-use crate::check::known::{Lists, Name};
+use crate::check::baseline::{Lists, Name};
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
 use crate::model::Group;

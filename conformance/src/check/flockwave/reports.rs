@@ -16,15 +16,15 @@
 //!
 //! Lines in an unusual form, and other messages, take the general path.
 
+mod cache;
 mod forms;
-mod known;
 
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::ops::Range;
 
+use self::cache::{Kind, Known};
 use self::forms::Forms;
-use self::known::{Kind, Known};
 use crate::definitions::Definitions;
 use crate::flockwave::body_schema::{Members, Scalar};
 use crate::json::{Token, Tokens, Tree, Unclear, leading_integer};

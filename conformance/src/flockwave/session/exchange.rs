@@ -257,7 +257,8 @@ impl<'t> Exchange<'t> {
         let body = self.body;
         for deviation in self.deviations.iter_mut().flatten() {
             let [Step::Other] = &deviation.steps[..] else { continue };
-            let Some(Tree::Object(fields)) = body.filter(|_| deviation.fault == Some(Fault::Additional)) else {
+            let Some(Tree::Object(fields)) = body.filter(|_| deviation.fault == Some(Fault::Additional))
+            else {
                 continue;
             };
             let is_reported =

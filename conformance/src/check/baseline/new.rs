@@ -43,7 +43,7 @@ pub(crate) fn list<'e>(entries: impl IntoIterator<Item = &'e NewEntry>, command:
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::known::{Lists, Name};
+    use crate::check::baseline::{Lists, Name};
     use crate::rules::RULES;
 
     #[test]
