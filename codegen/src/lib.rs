@@ -138,6 +138,7 @@ pub mod terminal;
 pub mod translation;
 mod unit;
 pub mod value;
+pub mod wording;
 
 pub use diagnostic::Diagnostic;
 #[cfg(feature = "files")]

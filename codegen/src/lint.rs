@@ -95,7 +95,6 @@ pub use self::fix::apply;
 #[cfg(feature = "lsp")]
 pub(crate) use self::fix::edited;
 #[cfg(feature = "cli")]
-pub(crate) use self::ignore::similar;
 pub(crate) use self::rule::Check;
 use self::rule::{Converted, Sink};
 pub use self::rule::{Levels, Measured, Preset, Rule};

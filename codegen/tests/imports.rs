@@ -38,6 +38,7 @@ const LAYERS: &[&[&str]] = &[
         "stage",
         "unit",
         "value",
+        "wording",
     ],
     &["failure"],
     &["terminal"],

@@ -53,7 +53,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use self::altitude::Flight;
 use self::connections::PAUSE;
@@ -76,7 +75,7 @@ use crate::json::base64;
 use crate::model::Rule;
 use crate::rules::flockwave::trial::{AFTER_REQUEST, Attempt, Request};
 use crate::rules::flockwave::{BEFORE_LOGIN, FlockwaveRule, env_07, sio_01, udp_02};
-use crate::text::shown;
+use crate::text::{plural, shown};
 
 /// The time limit for connecting. Until then, refused connections are retried, because the server may be starting.
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
@@ -396,7 +395,7 @@ impl Probe<'_, '_> {
     fn count_unsent(&mut self, reason: &str) {
         if self.unsent != (0, 0) {
             let (requests, trials) = self.unsent;
-            let unsent = format!("{} and {}", plural(requests, "request"), plural(trials as u64, "trial"));
+            let unsent = format!("{} and {}", plural(requests, "request"), plural(trials, "trial"));
             let reason = self.cut_short.take().unwrap_or_else(|| reason.to_owned());
             self.cut_short = Some(format!("{reason}: {unsent} were not sent"));
         } else if self.stop.is_requested() {

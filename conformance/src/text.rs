@@ -2,11 +2,9 @@
 
 mod command_line;
 mod secrets;
-mod similar;
 mod wrap;
 
 use std::borrow::Cow;
-use std::fmt;
 
 pub(crate) use self::command_line::command_line;
 #[cfg(feature = "stores")]
@@ -14,10 +12,10 @@ pub(crate) use self::secrets::without_secrets;
 pub(crate) use self::secrets::{
     HIDDEN, is_object_url, shown_url, shown_value, shown_words, without_login, without_query,
 };
-pub(crate) use self::similar::similar;
 pub(crate) use self::wrap::wrapped;
 // All text from captures, servers, testees, files and arguments passes through this function before it is shown.
 pub(crate) use uavspec_codegen::terminal::{self, shown};
+pub(crate) use uavspec_codegen::wording::{plural, similar, thousands};
 
 /// Bytes as text. The error says where the text isn't valid UTF-8.
 pub(crate) fn utf8(bytes: &[u8]) -> Result<&str, String> {
@@ -29,21 +27,5 @@ pub(crate) fn start_of(text: &str, limit: usize) -> Cow<'_, str> {
     match text.char_indices().nth(limit) {
         None => Cow::Borrowed(text),
         Some((end, _)) => Cow::Owned(format!("{}…", &text[..end])),
-    }
-}
-
-/// A number with thousands separators: 1,234,567.
-pub(crate) struct Grouped(pub(crate) u64);
-
-impl fmt::Display for Grouped {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let digits = self.0.to_string();
-        for (at, digit) in digits.chars().enumerate() {
-            if at > 0 && (digits.len() - at).is_multiple_of(3) {
-                formatter.write_str(",")?;
-            }
-            write!(formatter, "{digit}")?;
-        }
-        Ok(())
     }
 }

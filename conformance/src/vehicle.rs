@@ -32,7 +32,6 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use globset::GlobSet;
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use self::actor::{Actor, Step, role, step};
 use self::inquiry::Inquiry;
@@ -52,6 +51,7 @@ use crate::clock::Clock;
 use crate::definitions::{Definitions, Library};
 use crate::model::{ApplicationType, Endpoint, EndpointKind, Qos};
 use crate::rules::px4::Side;
+use crate::text::plural;
 
 /// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
 const START: Duration = Duration::from_millis(1_500);

@@ -31,7 +31,7 @@ use clap::Args;
 use self::matching::{Found, Matches};
 use self::read::List;
 pub(super) use self::subject::Subjects;
-use super::print::{plural, print_rendered};
+use super::print::print_rendered;
 use crate::failure::Failure;
 use crate::finding::Finding;
 use crate::render;
@@ -39,6 +39,7 @@ use crate::rewrite::{self, Change};
 #[cfg(any(fuzzing, test))]
 use crate::source::SourceMap;
 use crate::terminal;
+use crate::wording::plural;
 
 /// Arguments for baselines.
 #[derive(Args, Debug)]

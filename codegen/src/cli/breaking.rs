@@ -7,7 +7,6 @@ use clap::{Args, ValueEnum};
 
 use super::arguments::{DefinitionsArgs, PackageArgs};
 use super::baseline::{BaselineArgs, Subjects};
-use super::print::plural;
 use super::report::{ReportArgs, Results, Selection, rule_ids};
 use super::revision::Checkout;
 use super::status::Status;
@@ -22,6 +21,7 @@ use crate::read::read;
 use crate::render;
 use crate::report::{RuleInfo, Totals};
 use crate::terminal;
+use crate::wording::plural;
 
 /// Arguments of `breaking`.
 #[derive(Args, Debug)]

@@ -7,7 +7,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 use super::arguments::PackageArgs;
-use super::print::{plural, report};
+use super::print::report;
 use super::stopwatch::Stopwatch;
 use crate::diagnostic::has_errors;
 use crate::emit::{EMITTERS, Emitter, emitter};
@@ -16,6 +16,7 @@ use crate::generate::{self, Difference, Folder, emit_all};
 use crate::load::{Config, Loaded, read_translated};
 use crate::schema::Schema;
 use crate::terminal;
+use crate::wording::plural;
 
 /// The text below the options in `codegen --help`.
 const EXAMPLES: &str = "Examples:

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
-use super::print::{plural, protect_inputs, report};
+use super::print::{protect_inputs, report};
 use super::stopwatch::Stopwatch;
 use crate::difference;
 use crate::failure::Failure;
@@ -17,6 +17,7 @@ use crate::load::{self, Loaded};
 use crate::rewrite::{self, Change};
 use crate::source::{SourceId, SourceMap};
 use crate::terminal;
+use crate::wording::plural;
 
 /// Arguments of `fmt`.
 #[derive(Args, Debug)]

@@ -7,7 +7,6 @@ use clap::Args;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
 use super::baseline::{BaselineArgs, Subjects};
-use super::print::plural;
 use super::report::{LevelName, ReportArgs, Results, Selection, rule_ids};
 use super::status::Status;
 use super::stopwatch::Stopwatch;
@@ -21,6 +20,7 @@ use crate::report::{RuleInfo, Totals};
 use crate::rewrite::{self, Change};
 use crate::source::SourceId;
 use crate::terminal;
+use crate::wording::plural;
 
 /// The maximum number of `--fix` passes. Several passes may be needed, because one fix may make another fix possible.
 const MAX_PASSES: usize = 10;

@@ -9,6 +9,7 @@ use crate::identity::Identity;
 use crate::load::Loaded;
 use crate::render;
 use crate::terminal::{self, GuardedLines};
+use crate::wording::plural;
 
 /// Prints lines to standard output, with colours if enabled.
 pub(super) fn print_results(render: impl FnOnce(bool) -> Vec<GuardedLines>) {
@@ -57,8 +58,4 @@ pub(super) fn report(command: &str, loaded: &Loaded, diagnostics: &[Diagnostic],
     let consequence = if errors > 0 { format!("; {consequence}") } else { String::new() };
     let place = format!("{} of {}", files.len(), plural(loaded.files.len(), "file"));
     terminal::eprintln!("{command}: {} in {place}{consequence}", counts.join(", "));
-}
-
-pub(super) fn plural(count: usize, what: &str) -> String {
-    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::print::{plural, report};
+use super::print::report;
 use super::stopwatch::Stopwatch;
 use crate::diagnostic::Level;
 use crate::failure::Failure;
@@ -21,6 +21,8 @@ use crate::source::stem;
 use crate::terminal;
 use crate::translation::catalogue::{Catalogue, parse, print};
 use crate::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, update};
+use crate::wording::plural;
+use crate::wording::similar;
 
 /// Arguments of `translate`.
 #[derive(Args, Debug)]
@@ -178,15 +180,9 @@ fn selected(names: &[String], texts: &[Text<'_>]) -> Result<BTreeSet<String>, Fa
         };
         let mut matching = units.iter().filter(is_selected).map(|unit| (*unit).to_owned()).peekable();
         if matching.peek().is_none() {
-            // The comparison takes time proportional to the product of the lengths, so long names are skipped.
-            let close = units
-                .iter()
-                .map(|unit| (strsim::damerau_levenshtein(unit, name), unit))
-                .filter(|(distance, unit)| name.len() < 100 && *distance <= 1 + unit.len() / 5)
-                .min();
-            let hint = close.map_or_else(
+            let hint = similar(name, units.iter().copied()).map_or_else(
                 || "write, for example, `px4/FailsafeFlags`, `flockwave/error-codes` or `px4`".to_owned(),
-                |(_, unit)| format!("did you mean `{unit}`?"),
+                |unit| format!("did you mean `{unit}`?"),
             );
             return Err(Failure::new(format!("`{name}` does not match any message, error codes or package"))
                 .with_hint(hint));

@@ -16,6 +16,7 @@ use super::hints::{Decisions, Hint, Hints, Mistake, missing};
 use super::plan::{Conversion, Elements, Step, Undecided};
 use crate::breaking::{Between, Comparison, Pair};
 use crate::schema::{Form, MessageId, Package, Schema};
+use crate::wording::similar;
 
 /// A package, as one side of a conversion.
 #[derive(Clone, Copy, Debug)]
@@ -137,9 +138,8 @@ fn closest(hint: &Hint, old: Version<'_>, new: Version<'_>) -> Option<(crate::sp
     for (side, key) in [(old, &hint.messages[0]), (new, &hint.messages[1])] {
         if find(side, &key.text).is_none() {
             let names = side.package().messages.iter().map(|id| side.schema.message(*id).name.as_str());
-            let best = names.map(|name| (strsim::damerau_levenshtein(name, &key.text), name)).min();
-            let advice = best.filter(|(distance, _)| *distance <= 2);
-            let advice = advice.map_or_else(String::new, |(_, name)| format!("; did you mean `{name}`?"));
+            let advice = similar(&key.text, names);
+            let advice = advice.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
             return Some((
                 key.span,
                 format!("`{}` has no message `{}`{advice}", side.package().name, key.text),

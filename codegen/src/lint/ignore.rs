@@ -14,6 +14,7 @@ use crate::msg::ast::{Line, Part};
 use crate::resolve::PackageSource;
 use crate::schema::Form;
 use crate::source::{SourceId, SourceMap, Span};
+use crate::wording::similar;
 
 /// `invalid-ignore`: an ignore comment without a known rule or without a reason.
 pub(super) const INVALID: Rule = Rule {
@@ -222,17 +223,6 @@ impl<'s> Request<'s> {
 /// Finds a rule by its id.
 fn find<'r>(rules: &[&'r Rule], id: &str) -> Option<&'r Rule> {
     rules.binary_search_by_key(&id, |rule| rule.id).ok().map(|at| rules[at])
-}
-
-/// Finds the most similar id of a rule, if any id is similar.
-pub(crate) fn similar(id: &str, ids: impl Iterator<Item = &'static str>) -> Option<&'static str> {
-    let distances = ids.map(|known| (strsim::damerau_levenshtein(known, id), known));
-    // Ids are short, so a much longer text is not an id. A comparison takes time proportional to the product of the
-    // lengths.
-    distances
-        .filter(|(distance, known)| id.len() < 60 && *distance <= 1 + known.len() / 5)
-        .min()
-        .map(|(_, known)| known)
 }
 
 /// Requests, indexed by scope.

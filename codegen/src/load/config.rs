@@ -15,6 +15,7 @@ use crate::failure::Failure;
 use crate::path::normalise;
 use crate::schema::Form;
 use crate::terminal;
+use crate::wording::similar;
 
 /// Names of the file, in search order.
 const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
@@ -316,9 +317,6 @@ fn outputs(
     EMITTERS.iter().filter_map(|emitter| Some((emitter, configured.get(emitter.name)?))).map(read).collect()
 }
 
-/// The maximum edit distance between an unknown package and a suggestion.
-const MAX_DISTANCE: usize = 2;
-
 /// Checks the packages of the `conversion` tables. Errors contain a location and a message.
 fn conversions(
     tables: Vec<Conversion>,
@@ -349,10 +347,9 @@ fn conversions(
 fn check_package(name: &Spanned<String>, packages: &[Package]) -> Result<(), (Range<usize>, String)> {
     let found = packages.iter().find(|package| package.name.get_ref() == name.get_ref());
     let Some(package) = found else {
-        let names = packages.iter().map(|package| package.name.get_ref());
-        let nearest = names.map(|known| (strsim::damerau_levenshtein(known, name.get_ref()), known)).min();
-        let advice = nearest.filter(|(distance, _)| *distance <= MAX_DISTANCE);
-        let advice = advice.map_or_else(String::new, |(_, known)| format!("; did you mean `{known}`?"));
+        let names = packages.iter().map(|package| package.name.get_ref().as_str());
+        let advice = similar(name.get_ref(), names);
+        let advice = advice.map_or_else(String::new, |known| format!("; did you mean `{known}`?"));
         return Err((name.span(), format!("no package `{}`{advice}", name.get_ref())));
     };
     if matches!(package.dialect, DialectName::Table) {

@@ -20,6 +20,7 @@ use crate::breaking::Category;
 use crate::diagnostic::Level;
 use crate::finding::Finding;
 use crate::source::{SourceId, SourceMap};
+use crate::wording::plural;
 
 /// The totals of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -116,10 +117,10 @@ impl Totals {
         let mut line = if self.is_comparison() { self.changes() } else { self.findings() };
         let noun = if self.is_comparison() { "change" } else { "finding" };
         if self.known > 0 {
-            let _ = write!(line, "; {} not shown", counted(self.known, &format!("known {noun}")));
+            let _ = write!(line, "; {} not shown", plural(self.known, &format!("known {noun}")));
         }
         if self.hidden > 0 {
-            let _ = write!(line, "; {} hidden by options", counted(self.hidden, &format!("other {noun}")));
+            let _ = write!(line, "; {} hidden by options", plural(self.hidden, &format!("other {noun}")));
         }
         line
     }
@@ -128,11 +129,11 @@ impl Totals {
     fn findings(&self) -> String {
         if self.count() == 0 {
             let new = if self.known > 0 { "new " } else { "" };
-            return format!("no {new}findings in {}", counted(self.files, "file"));
+            return format!("no {new}findings in {}", plural(self.files, "file"));
         }
         let levels = Level::ALL.into_iter().rev().filter(|level| self.at(*level) > 0);
-        let counts: Vec<String> = levels.map(|level| counted(self.at(level), level.name())).collect();
-        format!("{} in {} of {}", counts.join(", "), self.affected_files, counted(self.files, "file"))
+        let counts: Vec<String> = levels.map(|level| plural(self.at(level), level.name())).collect();
+        format!("{} in {} of {}", counts.join(", "), self.affected_files, plural(self.files, "file"))
     }
 
     /// The number of changes, and the number of incompatible changes in each category.
@@ -140,7 +141,7 @@ impl Totals {
         if self.count() == 0 {
             return if self.known > 0 { "no new changes" } else { "no relevant changes" }.to_owned();
         }
-        let changes = counted(self.count(), "change");
+        let changes = plural(self.count(), "change");
         match &self.categories()[..] {
             [] => format!("{changes}; all compatible"),
             categories => format!("{changes}; incompatible: {}", list(categories)),
@@ -215,9 +216,4 @@ impl Totals {
 
 fn list(categories: &[(&str, usize)]) -> String {
     categories.iter().map(|(name, count)| format!("{name} {count}")).collect::<Vec<_>>().join(", ")
-}
-
-/// A number with a noun: `1 file`, `2 files`.
-fn counted(count: usize, noun: &str) -> String {
-    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
 }

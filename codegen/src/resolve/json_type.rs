@@ -22,6 +22,7 @@ use crate::table::type_table::{
     self, Body, Definitions, Direction, ExpressionKind, MessageDefinition, PartDefinition, TypeDefinition,
 };
 use crate::table::{Page, Text, type_table::Expression as Written};
+use crate::wording::similar;
 
 /// Phrases that forbid further fields in an object.
 const CLOSED: [&str; 2] = ["closed object", "object is closed"];
@@ -35,9 +36,6 @@ const MAX_ELEMENTS: usize = 64;
 /// The maximum number of errors that include a suggestion. The limit saves time, because each suggestion compares all
 /// names.
 const MAX_SUGGESTIONS: usize = 100;
-
-/// The maximum length of an unknown name for which a similar name is suggested.
-const MAX_SUGGESTION_LEN: usize = 100;
 
 /// The types and messages of a package.
 #[derive(Debug, Default)]
@@ -335,17 +333,10 @@ impl Resolver<'_, '_> {
     /// A type with a name similar to `name`.
     fn similar(&mut self, name: &str) -> Option<&str> {
         self.suggestions += 1;
-        if self.suggestions > MAX_SUGGESTIONS || name.len() > MAX_SUGGESTION_LEN {
+        if self.suggestions > MAX_SUGGESTIONS {
             return None;
         }
-        let max_distance = |known: &str| 1 + known.len() / 5;
-        self.ids
-            .keys()
-            .filter(|known| known.len().abs_diff(name.len()) <= max_distance(known))
-            .map(|known| (strsim::damerau_levenshtein(known, name), *known))
-            .filter(|(distance, known)| *distance <= max_distance(known))
-            .min()
-            .map(|(_, known)| known)
+        similar(name, self.ids.keys().copied())
     }
 
     fn message(&mut self, written: &MessageDefinition<'_>, answering: &BTreeSet<&str>) -> JsonMessage {

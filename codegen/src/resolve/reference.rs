@@ -6,6 +6,7 @@ use super::resolver::Resolver;
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::schema::{Dialect, Form, MessageId};
 use crate::source::Span;
+use crate::wording::similar;
 
 /// The maximum number of errors that include a suggestion. The limit saves time, because each suggestion compares all
 /// names.
@@ -27,10 +28,6 @@ const FOREIGN: [(&str, &str); 6] = [
     ("time", "uint64"),
     ("duration", "uint64"),
 ];
-
-/// The maximum length of an unknown name for which a similar name is suggested. Comparing two names takes time and
-/// memory proportional to the product of their lengths.
-const MAX_SUGGESTION_LEN: usize = 100;
 
 impl<'s> Resolver<'s> {
     pub(super) fn reference(
@@ -87,7 +84,7 @@ impl<'s> Resolver<'s> {
     /// A known type with a name similar to `name`.
     fn similar(&mut self, package: usize, name: &str) -> Option<String> {
         self.suggestions += 1;
-        if self.suggestions > MAX_SUGGESTIONS || name.len() > MAX_SUGGESTION_LEN {
+        if self.suggestions > MAX_SUGGESTIONS {
             return None;
         }
         if let Some((_, equivalent)) = FOREIGN.iter().find(|(foreign, _)| *foreign == name) {
@@ -96,12 +93,6 @@ impl<'s> Resolver<'s> {
         let messages = &self.schema.packages[package].messages;
         let mut known: Vec<&str> = messages.iter().map(|id| self.schema.message(*id).name.as_str()).collect();
         known.extend(Scalar::ALL.map(Scalar::name));
-        known
-            .into_iter()
-            .filter(|known| known.len().abs_diff(name.len()) <= 1 + known.len() / 5)
-            .map(|known| (strsim::damerau_levenshtein(known, name), known))
-            .filter(|(distance, known)| *distance <= 1 + known.len() / 5)
-            .min()
-            .map(|(_, known)| known.to_owned())
+        similar(name, known).map(str::to_owned)
     }
 }

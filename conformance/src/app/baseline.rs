@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use uavspec_codegen::diagnostic::Level;
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::stage::{Stage, folder_of};
 
 use super::Status;
@@ -17,7 +16,7 @@ use crate::check::baseline::{
 };
 use crate::model::{Date, Extent, Reason};
 use crate::report::{About, CheckedCapture, Subject, Verdict};
-use crate::text::terminal;
+use crate::text::{plural, terminal};
 
 /// Arguments of commands that read baselines.
 #[derive(Args, Debug)]
@@ -129,7 +128,7 @@ impl NewBaseline {
         let text = new_list(&self.entries, command);
         match create_new(&self.path, &text) {
             Ok(()) => {
-                let failures = plural(self.entries.len() as u64, "failure");
+                let failures = plural(self.entries.len(), "failure");
                 terminal::eprintln!("{path}: {failures}; state the reason for each one");
                 Status::Conforms
             }

@@ -8,7 +8,6 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::Args;
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::stage::write_file;
 
 use super::outputs::{self, Inputs, Output};
@@ -19,7 +18,7 @@ use crate::capture::names::is_capture;
 use crate::model::Extent;
 use crate::report::story::{to_html, to_json, to_text};
 use crate::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
-use crate::text::terminal;
+use crate::text::{plural, terminal};
 
 /// The path that means standard input.
 const STANDARD_INPUT: &str = "-";
@@ -147,7 +146,7 @@ fn story(args: &ExplainArgs) -> Result<Status, Status> {
 /// The exit status of a story.
 fn status(story: &Story) -> Status {
     if story.extent != Extent::Whole {
-        let count = plural(story.corruption.len() as u64, "part");
+        let count = plural(story.corruption.len(), "part");
         terminal::error(format_args!("incomplete: {count} of the capture can't be read"), None);
         return Status::Incomplete;
     }

@@ -22,7 +22,7 @@ use crate::testee::case::cases;
 use crate::testee::options::Options;
 use crate::testee::run::run;
 use crate::testee::target::Target;
-use crate::text::{Grouped, terminal};
+use crate::text::{terminal, thousands};
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
@@ -145,7 +145,7 @@ fn recordings(definitions: &Definitions) -> bool {
         let violated: Vec<&str> = result.findings.groups().map(|group| group.rule.id).collect();
         let is_clean = violated.is_empty() && result.corruption.is_empty();
         is_right &= is_clean;
-        let records = Grouped(result.records);
+        let records = thousands(result.records);
         let found =
             if is_clean { "no findings".to_owned() } else { format!("found {}", violated.join(", ")) };
         line(is_clean, name, &format!("{records} messages, {covered} rules covered, {found}"));
@@ -258,8 +258,8 @@ fn run_cases(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Str
     let counts = outcome.counts();
     let is_right = counts.passed == cases.len() && outcome.protocol_remarks.is_empty();
     let name = outcome.hello.map_or_else(|| "testee".to_owned(), |hello| hello.name);
-    let passed = Grouped(counts.passed as u64);
-    line(is_right, &name, &format!("{passed} of {} cases passed", Grouped(cases.len() as u64)));
+    let passed = thousands(counts.passed);
+    line(is_right, &name, &format!("{passed} of {} cases passed", thousands(cases.len() as u64)));
     Ok(is_right)
 }
 

@@ -20,7 +20,7 @@ use crate::capture::names::{EXTENSIONS, NOT_A_CAPTURE, ROS1_EXTENSION, has_exten
 use crate::capture::rosbag::CONVERT_ROS1;
 #[cfg(feature = "stores")]
 use crate::capture::store::{self, Object};
-use crate::text::Grouped;
+use crate::text::thousands;
 
 use self::search::{DANGLING, Found, search};
 pub(crate) use self::unpack::{UpToError, decompressed};
@@ -270,8 +270,8 @@ impl FileState {
         Some(if now.size > self.size {
             format!(
                 "the file grew from {} to {} bytes while it was read; the new part may not have been read",
-                Grouped(self.size),
-                Grouped(now.size)
+                thousands(self.size),
+                thousands(now.size)
             )
         } else {
             "the file changed while it was read".to_owned()

@@ -6,11 +6,10 @@ use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::Line;
 use crate::px4::comparison::Comparison;
-use crate::text::{Grouped, shown};
+use crate::text::{plural, shown, thousands};
 
 /// The maximum number of topics or types that are listed by name. Hostile input may contain any number.
 const MAX_PARTS: usize = 10_000;
@@ -181,7 +180,7 @@ impl Share {
     /// The numbers with a noun, such as `3 of 41 topics`.
     pub(crate) fn text(self, noun: &str) -> String {
         match self.total {
-            Some(total) => format!("{} of {}", Grouped(self.checked), plural(total, noun)),
+            Some(total) => format!("{} of {}", thousands(self.checked), plural(total, noun)),
             None => plural(self.checked, noun),
         }
     }
@@ -400,8 +399,7 @@ impl Coverage {
         let mut reasons: Vec<String> = Vec::new();
         let mut add = |count: u64, phrase: &str| {
             if count > 0 {
-                let number =
-                    noun.take().map_or_else(|| Grouped(count).to_string(), |noun| plural(count, noun));
+                let number = noun.take().map_or_else(|| thousands(count), |noun| plural(count, noun));
                 reasons.push(format!("{number} {phrase}"));
             }
         };

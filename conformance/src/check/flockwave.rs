@@ -33,7 +33,7 @@ use crate::flockwave::session::parts;
 use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Extent, Location};
 use crate::rules::rule;
-use crate::text::{Grouped, utf8};
+use crate::text::{thousands, utf8};
 
 /// The maximum number of connections. Hostile input may contain any number of connections.
 const MAX_CONNECTIONS: usize = 10_000;
@@ -337,7 +337,7 @@ impl<'d> FlockwaveChecker<'d> {
         }
         let index = self.names.len();
         if index >= MAX_CONNECTIONS {
-            return Err(format!("more than {} connections", Grouped(MAX_CONNECTIONS as u64)));
+            return Err(format!("more than {} connections", thousands(MAX_CONNECTIONS)));
         }
         self.connections.insert(name.to_owned(), index);
         self.names.push(name.to_owned());

@@ -9,7 +9,6 @@ use std::io::Read;
 
 use serde::Serialize;
 use uavspec_codegen::dynamic::DynamicView;
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
 pub(in crate::check) use self::clues::Found;
@@ -29,7 +28,7 @@ use crate::json::{SyntaxError, TRUNCATED, Tree};
 use crate::model::{Channel, Extent, Location, Message};
 use crate::px4::json::{Clean, Dialects, MessageOrigin, Plans, decode};
 use crate::rules::px4;
-use crate::text::{shown, utf8};
+use crate::text::{plural, shown, utf8};
 
 /// The maximum number of topics and types. Hostile input may contain any number of both.
 pub(crate) const MAX_CHANNELS: usize = 10_000;
@@ -98,7 +97,7 @@ pub struct JsonSummary {
 
 impl Describe for JsonSummary {
     fn facts(&self, totals: Totals) -> Vec<String> {
-        let types = plural(self.types as u64, "type");
+        let types = plural(self.types, "type");
         vec![plural(self.lines, "line"), format!("{} of {types}", totals.messages())]
     }
 

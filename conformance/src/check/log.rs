@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use serde::{Serialize, Serializer};
 use uavspec_codegen::dynamic::{FormatProblem, MessageType};
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
@@ -23,7 +22,7 @@ use crate::px4::comparison::{Comparison, compare};
 use crate::px4::format_plan::{FormatPlan, FormatPlans};
 use crate::px4::memory::time_offset;
 use crate::rules::px4;
-use crate::text::shown;
+use crate::text::{plural, shown};
 
 pub(super) const KIND: Kind = Kind {
     name: "ULog",
@@ -113,7 +112,7 @@ impl Describe for LogSummary {
         vec![
             self.firmware.as_deref().map_or_else(|| "unknown firmware".to_owned(), shown),
             totals.duration(),
-            plural(self.formats.len() as u64, "topic"),
+            plural(self.formats.len(), "topic"),
             plural(totals.records, "record"),
             plural(self.dropouts, "dropout"),
         ]

@@ -17,7 +17,7 @@ use crate::json::Tree;
 use crate::model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
 use crate::rules::px4::Interest;
 use crate::rules::{RuleContext, flockwave, px4};
-use crate::text::{Grouped, shown};
+use crate::text::{shown, thousands};
 
 /// The maximum number of distinct corrupt parts to report.
 const MAX_CORRUPT_PARTS: usize = 100;
@@ -431,7 +431,7 @@ impl<'d> CheckRun<'d> {
         corruption.sort_by_key(|(_, reported)| reported.number);
         let reported = |(text, reported): (String, CorruptPart)| match reported.times {
             1 => (reported.location, text),
-            times => (reported.location, format!("{text} ({} times)", Grouped(times))),
+            times => (reported.location, format!("{text} ({} times)", thousands(times))),
         };
         CaptureResult {
             summary,

@@ -1,8 +1,6 @@
 //! The summary of a capture, in a form that all reports can print.
 
-use uavspec_codegen::emit::docs::markdown::plural;
-
-use crate::text::{Grouped, shown};
+use crate::text::{plural, shown, thousands};
 
 /// The maximum number of names that a line lists.
 pub(crate) const MAX_LISTED: usize = 8;
@@ -64,7 +62,7 @@ impl Totals {
         match (seconds / 3600, seconds / 60 % 60, seconds % 60) {
             (0, 0, seconds) => format!("{seconds} s"),
             (0, minutes, seconds) => format!("{minutes} min {seconds} s"),
-            (hours, minutes, _) => format!("{} h {minutes} min", Grouped(hours)),
+            (hours, minutes, _) => format!("{} h {minutes} min", thousands(hours)),
         }
     }
 

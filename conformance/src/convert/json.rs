@@ -6,7 +6,6 @@ use std::collections::HashMap;
 use std::io::{BufWriter, Read, Write};
 use std::ops::Range;
 
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::schema::MessageId;
 
 use self::message::has_same_names;
@@ -22,6 +21,7 @@ use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::Extent;
 use crate::px4::json::{Dialect, decode};
+use crate::text::plural;
 use crate::text::utf8;
 
 /// A topic or a type of the capture.

@@ -4,11 +4,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use serde::Serialize;
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::json_text;
 
 use super::plan::Plan;
-use crate::text::{Grouped, shown};
+use crate::text::{plural, shown, thousands};
 
 /// The version of the JSON form.
 const VERSION: u32 = 1;
@@ -156,14 +155,14 @@ impl ConversionReport {
             let _ = writeln!(text, "  problem    {}", shown(problem));
         }
         if self.more_problems > 0 {
-            let _ = writeln!(text, "  problem    {} more", Grouped(self.more_problems));
+            let _ = writeln!(text, "  problem    {} more", thousands(self.more_problems));
         }
         let [converted, copied, left_out] =
             [Action::Converted, Action::Copied, Action::LeftOut].map(|action| self.count(action));
         let _ = writeln!(
             text,
             "{} converted, {copied} copied unchanged, {left_out} left out",
-            plural(converted as u64, "topic")
+            plural(converted, "topic")
         );
         text
     }

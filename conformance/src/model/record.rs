@@ -7,7 +7,7 @@ use uavspec_codegen::dynamic::DynamicView;
 use uavspec_codegen::schema::MessageId;
 
 use super::SubjectName;
-use crate::text::Grouped;
+use crate::text::thousands;
 
 /// The location of a record in its capture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -31,11 +31,11 @@ pub enum Location {
 impl fmt::Display for Location {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Byte(offset) => write!(formatter, "byte {}", Grouped(*offset)),
-            Self::Line(line) => write!(formatter, "line {}", Grouped(*line)),
-            Self::Message(number) => write!(formatter, "message {}", Grouped(*number)),
+            Self::Byte(offset) => write!(formatter, "byte {}", thousands(offset)),
+            Self::Line(line) => write!(formatter, "line {}", thousands(line)),
+            Self::Message(number) => write!(formatter, "message {}", thousands(number)),
             Self::Channel(id) => write!(formatter, "channel {id}"),
-            Self::Endpoint(number) => write!(formatter, "endpoint {}", Grouped(*number)),
+            Self::Endpoint(number) => write!(formatter, "endpoint {}", thousands(number)),
         }
     }
 }

@@ -14,7 +14,7 @@ use crate::definitions::Definitions;
 use crate::flockwave::record::{Direction, Trial};
 use crate::flockwave::transport::secrets::Secrets;
 use crate::json::Tree;
-use crate::text::Grouped;
+use crate::text::thousands;
 
 /// The text recorded for a message over the length limit.
 const TOO_LONG: &[u8] = b"(more than 16 MiB)";
@@ -234,7 +234,7 @@ impl<'d> Tape<'d> {
 
 /// Fails if a recording of this size is too long. Later messages are checked all the same.
 fn within(size: u64, limit: u64) -> io::Result<()> {
-    let problem = || format!("it would exceed {} bytes; the rest is missing", Grouped(limit));
+    let problem = || format!("it would exceed {} bytes; the rest is missing", thousands(limit));
     if size > limit { Err(io::Error::new(io::ErrorKind::FileTooLarge, problem())) } else { Ok(()) }
 }
 

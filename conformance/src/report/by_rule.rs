@@ -9,7 +9,7 @@ use std::hash::{Hash as _, Hasher as _};
 
 use crate::report::{Example, Finding, Known, Report, RuleReport, Subject, Verdict};
 use crate::rules::px4;
-use crate::text::Grouped;
+use crate::text::thousands;
 
 /// The maximum number of groups with the same rule and verdict that are kept. Reports list at most this many groups of a
 /// rule.
@@ -189,8 +189,8 @@ impl Group {
         let place = place(self.is_readable_again, self.first.examples.first()?);
         let times = match (self.count, self.num_others as u64 + 1) {
             (1, _) => "Once,".to_owned(),
-            (count, 1) => format!("{} times, first", Grouped(count)),
-            (count, files) => format!("{} times in {} files, first", Grouped(count), Grouped(files)),
+            (count, 1) => format!("{} times, first", thousands(count)),
+            (count, files) => format!("{} times in {} files, first", thousands(count), thousands(files)),
         };
         let file = if is_single { String::new() } else { format!("in {} ", self.path) };
         Some(format!("{times} {file}{place}").trim_end_matches([' ', ',']).to_owned())

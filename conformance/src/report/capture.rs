@@ -7,8 +7,9 @@ use crate::definitions::Definitions;
 use crate::model::{self, DISPUTED, Extent, Findings, Group, Rule};
 use crate::probe::RequestType;
 use crate::rules::{RULES, flockwave, px4};
+use crate::text::plural;
 
-use super::outcome::{NO_VIOLATIONS, capitalized, plural};
+use super::outcome::{NO_VIOLATIONS, capitalized};
 use super::totals::{is_violated, kinds_of_violations};
 use super::{
     About, Corruption, Definition, Example, Finding, Known, Outcome, OutcomeKind, RuleVerdict, Subject,
@@ -207,7 +208,7 @@ impl Subject {
             Extent::Unreadable => reasons.push(format!("the {noun} can't be read completely")),
         }
         if self.coverage.undecodable() > 0 && self.extent == Extent::Whole {
-            let count = uavspec_codegen::emit::docs::markdown::plural(self.coverage.undecodable(), unit);
+            let count = plural(self.coverage.undecodable(), unit);
             reasons.push(format!("{count} can't be decoded completely"));
         }
         if let About::Capture(summary) = &self.about {

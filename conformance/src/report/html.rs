@@ -17,8 +17,8 @@ use super::by_rule::Groups;
 use super::format::{Format, Run};
 use super::outcome::capitalized;
 use super::{Action, Outcome, OutcomeKind, Report, Subject, Verdict};
-use crate::text::Grouped;
 use crate::text::shown;
+use crate::text::thousands;
 
 /// The style sheet, which is embedded in the page.
 const STYLE: &str = include_str!("html/style.css");
@@ -199,13 +199,13 @@ fn figures(report: &Report) -> Markup {
             @for part in &parts {
                 div.(if part.count > 0 { part.class } else { "zero" }) {
                     dt { (part.label) }
-                    dd { (Grouped(part.count)) }
+                    dd { (thousands(part.count)) }
                 }
             }
             @if !report.totals.has_testees() {
                 div {
-                    dt { "messages checked" @if records > checked { ", of " (Grouped(records)) } }
-                    dd { (Grouped(checked)) }
+                    dt { "messages checked" @if records > checked { ", of " (thousands(records)) } }
+                    dd { (thousands(checked)) }
                 }
             }
         }
@@ -221,7 +221,7 @@ struct Part {
 
 /// A number; a dash for 0.
 fn number(number: u64) -> Markup {
-    html! { @if number > 0 { (Grouped(number)) } @else { span.aside { "–" } } }
+    html! { @if number > 0 { (thousands(number)) } @else { span.aside { "–" } } }
 }
 
 /// A verdict as a coloured badge.

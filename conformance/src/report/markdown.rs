@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use uavspec_codegen::emit::docs::markdown::{
-    Page, Table, code, link, number_column, plural, text_column, thousands, untrusted as text, with_code,
+    Page, Table, code, link, number_column, text_column, untrusted as text, with_code,
 };
 
 use uavspec_codegen::terminal::guarded;
@@ -12,7 +12,7 @@ use super::by_rule::{ByRule, Group, Groups, Listed};
 use super::format::{Format, Run};
 use super::{About, Case, OutcomeKind, Report, RuleReport, Subject, Testee, Unreadable, Verdict};
 use crate::check::Line;
-use crate::text::shown;
+use crate::text::{plural, shown, thousands};
 
 /// The maximum number of failed cases, corrupt parts or files in a list. GitHub limits comments to 65,536 characters.
 const MAX_ITEMS: usize = 12;
@@ -69,7 +69,7 @@ impl Markdown {
         }
         let more = totals.subjects - self.subjects.len();
         if more > 0 {
-            page.block(&format!("… and {}.", plural(more as u64, "other subject")));
+            page.block(&format!("… and {}.", plural(more, "other subject")));
         }
         files(&mut page, "Failed", &report.unreadable);
         files(&mut page, "Not checked", &report.not_checked);
@@ -209,10 +209,10 @@ fn other_rules(page: &mut Page, by_rule: &ByRule<'_>) {
     page.heading(2, if by_rule.listed.is_empty() { "Rules" } else { "Other rules" });
     page.table(&table);
     if !passed.is_empty() {
-        page.block(&format!("{} passed: {}.", plural(passed.len() as u64, "rule"), passed.join(", ")));
+        page.block(&format!("{} passed: {}.", plural(passed.len(), "rule"), passed.join(", ")));
     }
     if !uncovered.is_empty() {
-        let rules = plural(uncovered.len() as u64, "rule");
+        let rules = plural(uncovered.len(), "rule");
         page.block(&format!("{rules} not covered: {}.", uncovered.join(", ")));
     }
 }

@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::totals::Totals;
 use super::{Action, Counts, Unreadable};
 use crate::check::Share;
+use crate::text::plural;
 
 /// The beginning of a sentence if no rule of level MUST or SHOULD is violated.
 pub(super) const NO_VIOLATIONS: &str = "no violations found";
@@ -183,10 +184,6 @@ impl Outcome {
         };
         Self { status, remarks: totals.remarks(), ..Self::new(worst, text) }
     }
-}
-
-pub(super) fn plural(count: usize, noun: &str) -> String {
-    uavspec_codegen::emit::docs::markdown::plural(count as u64, noun)
 }
 
 /// A text with a capital first letter.

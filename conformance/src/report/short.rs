@@ -15,7 +15,7 @@ use super::format::{Format, Run};
 use super::spool::Spool;
 use super::{About, Case, CaseVerdict, Finding, Outcome, OutcomeKind, Report, Subject, Verdict};
 use crate::model::Location;
-use crate::text::{Grouped, shown};
+use crate::text::{shown, thousands};
 
 /// A report under construction.
 #[derive(Debug)]
@@ -80,7 +80,7 @@ fn finding(subject: &Subject, finding: &Finding, text: &mut String) -> fmt::Resu
         _ => "note",
     };
     let times =
-        if finding.count > 1 { format!(" ({} times)", Grouped(finding.count)) } else { String::new() };
+        if finding.count > 1 { format!(" ({} times)", thousands(finding.count)) } else { String::new() };
     writeln!(
         text,
         "{path}: {severity}: {}: {}: {}{times}",

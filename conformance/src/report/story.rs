@@ -9,12 +9,11 @@ mod text;
 
 pub(crate) use self::html::to_html;
 pub(crate) use self::text::to_text;
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::json_text;
 
 use crate::check::ReleaseMatch;
 use crate::story::{Change, Lane, LaneKind, Story, TopicStatus, Value};
-use crate::text::shown;
+use crate::text::{plural, shown};
 
 /// The texts for the statuses of topics, in the order of reports.
 const STATUSES: [(TopicStatus, &str); 4] = [

@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Serialize, Serializer};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::{About, Definition, Known, Outcome, RuleVerdict, Subject, Verdict};
 use crate::check::{Coverage, Share, Unit, names};
@@ -11,7 +10,7 @@ use crate::definitions::Definitions;
 use crate::model::Extent;
 use crate::rules::rule;
 use crate::testee::{case, outcome};
-use crate::text::shown;
+use crate::text::{plural, shown};
 
 /// A codec or validator under test, with its results.
 #[derive(Clone, Debug, Serialize)]
@@ -261,7 +260,7 @@ impl Testee {
     /// Lines such as `140 types: px4/ActuatorTest, px4/Airspeed and 138 more`, one for each operation.
     pub(super) fn unsupported_lines(&self) -> Vec<String> {
         let line = |(op, types): (&str, Vec<&str>)| {
-            let number = plural(types.len() as u64, "type");
+            let number = plural(types.len(), "type");
             let of = if op.is_empty() { String::new() } else { format!("{} of ", shown(op)) };
             format!("{of}{number}: {}", names(types.into_iter()))
         };

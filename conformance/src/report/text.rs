@@ -11,12 +11,11 @@ use std::io::{self, Write};
 use anstyle::{AnsiColor, Style};
 
 use super::format::{Format, Run};
-use super::outcome::plural;
 use super::spool::Spool;
 use super::{About, Known, Outcome, OutcomeKind, Report, RequestType, Subject, Verdict};
 use crate::check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN, names};
 use crate::model::Reason;
-use crate::text::{Grouped, shown, wrapped};
+use crate::text::{plural, shown, thousands, wrapped};
 
 /// The width of labels.
 const LABEL: usize = 12;
@@ -62,7 +61,7 @@ fn outcomes(report: &Report, text: &mut String) -> fmt::Result {
     for kind in OutcomeKind::ALL {
         let (count, _) = report.totals.with(kind);
         if count > 0 {
-            writeln!(text, "{:>6} {}", Grouped(count as u64).to_string(), kind.name())?;
+            writeln!(text, "{:>6} {}", thousands(count), kind.name())?;
         }
     }
     writeln!(text, "{}", last_line(&report.outcome))
@@ -110,7 +109,7 @@ fn rules(subject: &Subject, text: &mut String) -> fmt::Result {
         let with_verdict = subject.rules.iter().filter(|rule| rule.verdict == verdict);
         let named = with_verdict.map(|rule| match rule.findings {
             1 => rule.id.to_owned(),
-            count => format!("{} ({})", rule.id, Grouped(count)),
+            count => format!("{} ({})", rule.id, thousands(count)),
         });
         let named: Vec<String> = named.collect();
         if !named.is_empty() {
@@ -188,7 +187,7 @@ fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
     }
     let more = subject.corrupt_count().saturating_sub(MAX_SHOWN as u64);
     if more > 0 {
-        writeln!(text, "             … and {} more", Grouped(more))?;
+        writeln!(text, "             … and {} more", thousands(more))?;
     }
     if subject.corruption.is_empty() { Ok(()) } else { writeln!(text) }
 }

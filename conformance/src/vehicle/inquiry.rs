@@ -4,7 +4,6 @@ use std::collections::{HashSet, VecDeque};
 
 use globset::GlobSet;
 use uavspec::px4::{MessageFormatRequest, MessageFormatResponse};
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_runtime::Message as _;
 
 use super::namespace::Namespace;
@@ -12,6 +11,7 @@ use super::role::Role;
 use crate::definitions::unversioned;
 use crate::model::{ApplicationType, Endpoint};
 use crate::rules::px4::Sent;
+use crate::text::plural;
 
 /// The time from the discovery of the first topic to the first question, in µs. The flight controller discovers the
 /// questions in this time.
@@ -182,7 +182,7 @@ fn listed(topics: &[&String]) -> String {
     let more = if topics.len() > MAX_LISTED { ", …" } else { "" };
     format!(
         "{} of the application (not compared): {}{more}",
-        plural(topics.len() as u64, "topic"),
+        plural(topics.len(), "topic"),
         names.join(", ").escape_debug()
     )
 }

@@ -13,6 +13,7 @@ use crate::lint;
 use crate::render;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::terminal;
+use crate::wording::similar;
 
 /// A baseline.
 #[derive(Debug)]
@@ -145,7 +146,7 @@ fn check_rule(rule: &Spanned<String>, whole: Span) -> Result<(), EntryError> {
         return Ok(());
     }
     let ids = || lint::RULES.iter().map(|rule| rule.id).chain(breaking::RULES.iter().map(|rule| rule.id));
-    let help = match lint::similar(id, ids()) {
+    let help = match similar(id, ids()) {
         Some(similar) => format!("did you mean `{similar}`?"),
         None => format!("the rules are {}", ids().collect::<Vec<_>>().join(", ")),
     };

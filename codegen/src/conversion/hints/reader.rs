@@ -10,13 +10,11 @@ use crate::conversion::expression::{Node, NodeKind, parse};
 use crate::conversion::plan::Narrowing;
 use crate::source::{SourceId, SourceMap};
 use crate::span::Span;
+use crate::wording::similar;
 
 /// The keys of a hint.
 const KEYS: [&str; 10] =
     ["message", "old_message", "new_message", "topic", "versions", "rename", "old", "new", "narrow", "same"];
-
-/// The maximum edit distance between a key and a suggestion.
-const MAX_DISTANCE: usize = 2;
 
 /// Reads the hints in a source.
 pub fn read(sources: &SourceMap, source: SourceId) -> Hints {
@@ -261,9 +259,8 @@ fn integer(value: &DeValue<'_>) -> Option<i128> {
 
 /// Advice for an unknown key.
 fn suggestion(key: &str) -> String {
-    let nearest = KEYS.iter().map(|known| (strsim::damerau_levenshtein(known, key), known)).min();
-    match nearest {
-        Some((distance, known)) if distance <= MAX_DISTANCE => format!("did you mean `{known}`?"),
-        _ => format!("the keys are {}", KEYS.map(|key| format!("`{key}`")).join(", ")),
+    match similar(key, KEYS) {
+        Some(known) => format!("did you mean `{known}`?"),
+        None => format!("the keys are {}", KEYS.map(|key| format!("`{key}`")).join(", ")),
     }
 }

@@ -3,9 +3,7 @@
 use super::error_codes;
 use super::interface::kind_name;
 use super::json::Json;
-use super::markdown::{
-    Page, Table, code, gist, href, inline, link, number_column, plural, text_column, thousands, unbroken,
-};
+use super::markdown::{Page, Table, code, gist, href, inline, link, number_column, text_column, unbroken};
 use super::message::{cdr_size, origin, topics};
 use super::options::Options;
 use super::rules;
@@ -14,6 +12,7 @@ use super::site::{Part, Site, interface_path};
 use super::words::ENGLISH;
 use crate::emit::file::OutputFile;
 use crate::schema::{Enum, Message, MessageId, Package};
+use crate::wording::{plural, thousands};
 
 /// Maximum length of an index cell, in characters.
 const MAX_GIST: usize = 160;

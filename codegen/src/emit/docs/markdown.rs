@@ -361,25 +361,6 @@ pub fn href(from: &str, to: &str, anchor: &str) -> String {
     format!("{up}{}{mark}{}", percent_encoded(&to[folder..]), percent_encoded(anchor))
 }
 
-/// A count with its noun, such as `2 bytes`.
-pub fn plural(count: u64, noun: &str) -> String {
-    let ending = if count == 1 { "" } else { "s" };
-    format!("{} {noun}{ending}", thousands(count))
-}
-
-/// Formats a number with thousands separators.
-pub fn thousands(number: u64) -> String {
-    let digits = number.to_string();
-    let mut grouped = String::with_capacity(digits.len() + digits.len() / 3);
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            grouped.push(',');
-        }
-        grouped.push(digit);
-    }
-    grouped
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -456,14 +437,6 @@ mod tests {
         assert_eq!(code("{{#include `x`}}"), "<code>&#123;&#123;#include &#96;x&#96;&#125;&#125;</code>");
         assert_eq!(code("<b>&"), "`<b>&`");
         assert_eq!(code("|<b>"), "<code>&#124;&lt;b&gt;</code>");
-    }
-
-    #[test]
-    fn separates_thousands() {
-        assert_eq!(thousands(0), "0");
-        assert_eq!(thousands(123), "123");
-        assert_eq!(thousands(1_234_567), "1,234,567");
-        assert_eq!(plural(1, "byte"), "1 byte");
     }
 
     #[test]

@@ -4,10 +4,10 @@ mod grid;
 mod svg;
 
 use self::grid::{Grid, Member, Tint};
-use super::markdown::plural;
 use super::site::Site;
 use crate::emit::file::OutputFile;
 use crate::schema::{Element, Message, MessageId, Schema, Slot, UorbLayout};
+use crate::wording::plural;
 
 /// The path of the picture for a message page.
 pub(super) fn path(page: &str) -> String {

@@ -8,11 +8,11 @@ use std::sync::OnceLock;
 
 use uavspec_runtime::{ErrorClass, Severity};
 
-use super::markdown::plural;
 use crate::msg::attribute::Attribute;
 use crate::msg::constraint::{self, ConstraintKind};
 use crate::source::SourceMap;
 use crate::translation::{catalogue, shorter};
+use crate::wording::plural;
 
 /// Catalogues by language tag.
 const CATALOGUES: &[(&str, &str)] = &[("uk", include_str!("words/uk.po"))];

@@ -6,13 +6,12 @@ use std::io::Read as _;
 use std::path::Path;
 
 use memchr::memmem;
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::msg::Dialect;
 use walkdir::WalkDir;
 
 use crate::app::{Status, library};
 use crate::model::ApplicationType;
-use crate::text::terminal;
+use crate::text::{plural, terminal};
 
 /// The extensions of files that may name topics.
 const EXTENSIONS: [&str; 11] = ["c", "cc", "cpp", "h", "hpp", "json", "launch", "py", "rs", "xml", "yaml"];
@@ -51,7 +50,7 @@ impl Application {
         let count: usize = types.iter().map(|ty| ty.topics.len()).sum();
         let note = format!(
             "only {} of the application that files in {} name can be compared",
-            plural(count as u64, "topic"),
+            plural(count, "topic"),
             terminal::path(path)
         );
         Ok(Self { types, note: Some(note) })

@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use globset::{Glob, GlobSet, GlobSetBuilder};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::application::Application;
 use super::{ProbeArgs, report, start_reports};
@@ -19,7 +18,7 @@ use crate::clock::Clock;
 use crate::probe;
 use crate::report::CheckedCapture;
 use crate::rules::px4::Side;
-use crate::text::terminal;
+use crate::text::{plural, terminal};
 use crate::vehicle::{Namespace, Options, probe};
 
 /// The default time to listen.
@@ -143,9 +142,9 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
         progress.set(usize::try_from(state.elapsed.as_millis()).unwrap_or(total).min(total), total);
         progress.describe(format!(
             "{}, {}, {}",
-            plural(state.topics as u64, "topic"),
+            plural(state.topics, "topic"),
             plural(state.messages, "message"),
-            plural(state.findings as u64, "finding"),
+            plural(state.findings, "finding"),
         ));
     });
     drop(progress);

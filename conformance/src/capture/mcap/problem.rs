@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::model::Extent;
-use crate::text::Grouped;
+use crate::text::thousands;
 
 /// A problem in an MCAP file, except in the content of messages.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -177,16 +177,16 @@ impl fmt::Display for Problem {
                 write!(
                     formatter,
                     "the file is truncated within a record: {} bytes are missing",
-                    Grouped(*missing)
+                    thousands(missing)
                 )
             }
             Self::NoEnd => formatter
                 .write_str("the file ends without a footer: it is truncated, or its writer didn't finish"),
             Self::AfterEnd { length } => {
-                write!(formatter, "{} bytes follow the closing magic bytes", Grouped(*length))
+                write!(formatter, "{} bytes follow the closing magic bytes", thousands(length))
             }
             Self::Skipped { found, length } => {
-                write!(formatter, "{found}; skipped {} bytes", Grouped(*length))
+                write!(formatter, "{found}; skipped {} bytes", thousands(length))
             }
             Self::Unreadable { opcode } => {
                 write!(
@@ -200,7 +200,7 @@ impl fmt::Display for Problem {
                     formatter,
                     "skipped {} of {} bytes, because it exceeds the limit",
                     Kind(*opcode),
-                    Grouped(*length)
+                    thousands(length)
                 )
             }
             Self::Packing { name } => write!(
@@ -212,18 +212,18 @@ impl fmt::Display for Problem {
                 write!(
                     formatter,
                     "decompression of a chunk fails after {} bytes: {error}",
-                    Grouped(*unpacked)
+                    thousands(unpacked)
                 )
             }
             Self::ChunkSize { stated, found, is_more } => write!(
                 formatter,
                 "a chunk contains {}{} bytes, but its header says {}",
                 if *is_more { "more than " } else { "" },
-                Grouped(*found),
-                Grouped(*stated)
+                thousands(found),
+                thousands(stated)
             ),
             Self::InChunk { at } => {
-                write!(formatter, "a chunk has an invalid record after {} bytes", Grouped(*at))
+                write!(formatter, "a chunk has an invalid record after {} bytes", thousands(at))
             }
             Self::ChunkChecksum { stated, found } => write!(
                 formatter,
@@ -239,14 +239,14 @@ impl fmt::Display for Problem {
             Self::SummaryStart { stated, found } => write!(
                 formatter,
                 "the summary starts at byte {}, but the footer says byte {}",
-                Grouped(*found),
-                Grouped(*stated)
+                thousands(found),
+                thousands(stated)
             ),
             Self::Count { noun, stated, found } => write!(
                 formatter,
                 "the statistics of the file count {} {noun}, but it contains {}",
-                Grouped(*stated),
-                Grouped(*found)
+                thousands(stated),
+                thousands(found)
             ),
             Self::Index { noun } => write!(formatter, "the index of the {noun} doesn't match them"),
         }
@@ -257,14 +257,14 @@ impl fmt::Display for Malformed {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Length { opcode, length } => {
-                write!(formatter, "{} can't be {} bytes long", Kind(*opcode), Grouped(*length))
+                write!(formatter, "{} can't be {} bytes long", Kind(*opcode), thousands(length))
             }
             Self::Beyond { opcode, length } => {
                 write!(
                     formatter,
                     "{} of {} bytes is longer than the rest of the file",
                     Kind(*opcode),
-                    Grouped(*length)
+                    thousands(length)
                 )
             }
             Self::Parts { opcode } => {

@@ -30,7 +30,7 @@ use rusqlite::{Connection, ErrorCode, OpenFlags, Row};
 
 use super::metadata;
 use crate::model::Extent;
-use crate::text::{Grouped, command_line, shown};
+use crate::text::{command_line, shown, thousands};
 
 /// The maximum size of a payload, in bytes. Records of MCAP files have the same limit.
 const MAX_PAYLOAD: usize = 64 << 20;
@@ -208,7 +208,7 @@ impl Bag {
         problems.extend(unfinished(path));
         let missing = missing(&header, size);
         if missing > 0 {
-            let text = format!("the file is truncated: {} bytes are missing", Grouped(missing));
+            let text = format!("the file is truncated: {} bytes are missing", thousands(missing));
             problems.push(Problem { text, extent: Extent::EndsEarly });
         }
         let path = std::path::absolute(path).map_err(unreadable)?;
@@ -422,7 +422,7 @@ impl Bag {
         if length > MAX_PAYLOAD {
             return Err(format!(
                 "the message has {} bytes: more than the limit of {MAX_PAYLOAD}",
-                Grouped(length as u64)
+                thousands(length)
             ));
         }
         buffer.clear();

@@ -16,7 +16,7 @@ use object_store::{ClientConfigKey, ClientOptions};
 use reqwest::redirect::{Action, Attempt, Policy};
 use reqwest::{Certificate, Client, NoProxy, Proxy};
 
-use crate::text::{Grouped, shown_url};
+use crate::text::{shown_url, thousands};
 
 /// The maximum size of an answer, in bytes. Ranges of objects are smaller, and so are the parts of lists.
 const MAX_ANSWER: usize = 32 << 20;
@@ -69,7 +69,7 @@ impl Budget {
     fn take(&self) -> Result<(), HttpError> {
         let left = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1));
         let excess =
-            || format!("the list has more than {} parts: name a folder in it", Grouped(MAX_REQUESTS));
+            || format!("the list has more than {} parts: name a folder in it", thousands(MAX_REQUESTS));
         left.map(drop).map_err(|_| Refused::error(excess()))
     }
 }
@@ -121,7 +121,7 @@ impl HttpService for Bounded {
 
 /// The body of an answer. Reading fails if it is too long.
 fn limited(body: HttpResponseBody, limit: usize) -> HttpResponseBody {
-    let excess = move || format!("the server's answer is longer than {} bytes", Grouped(limit as u64));
+    let excess = move || format!("the server's answer is longer than {} bytes", thousands(limit));
     HttpResponseBody::new(Limited::new(body, limit).map_err(move |error| match error.downcast() {
         Ok(error) => *error,
         Err(_) => Refused::error(excess()),

@@ -22,7 +22,7 @@ use super::object::Object;
 use super::reader::Failure;
 use super::request::{attempts, runtime, text};
 use crate::capture::names::is_capture;
-use crate::text::{Grouped, shown_url, utf8};
+use crate::text::{shown_url, thousands, utf8};
 
 /// The time limits of a request. The other settings come from the environment.
 const LIMITS: [(ClientConfigKey, &str); 3] = [
@@ -91,7 +91,7 @@ async fn read_folder(
     while let Some(meta) = objects.try_next().await? {
         length += listed.add(store, url, meta);
         if length > limit {
-            let problem = format!("the URLs in the folder are longer than {} bytes", Grouped(limit));
+            let problem = format!("the URLs in the folder are longer than {} bytes", thousands(limit));
             return Ok(Err(problem + ": name a folder in it"));
         }
     }
@@ -122,7 +122,7 @@ fn read_text(reader: impl Read, limit: u64) -> Result<String, String> {
     let mut bytes = Vec::new();
     reader.take(limit + 1).read_to_end(&mut bytes).map_err(|error| error.to_string())?;
     if bytes.len() as u64 > limit {
-        return Err(format!("the list is longer than {} bytes", Grouped(limit)));
+        return Err(format!("the list is longer than {} bytes", thousands(limit)));
     }
     utf8(&bytes).map(str::to_owned)
 }

@@ -11,7 +11,7 @@ use object_store::{Error, GetOptions, ObjectMeta, ObjectStore, ObjectStoreExt as
 use tokio::task::JoinHandle;
 
 use super::request::{attempts, runtime, text};
-use crate::text::Grouped;
+use crate::text::thousands;
 
 /// The size of a range, in bytes. Two ranges are in memory for each reader.
 const RANGE: u64 = 4 << 20;
@@ -77,7 +77,7 @@ impl Reader {
             None => runtime()?.block_on(store.head(location)).map_err(|error| unreadable(&error))?.into(),
         };
         if known.size > MAX_OBJECT {
-            let problem = format!("the server states a size of {} bytes", Grouped(known.size));
+            let problem = format!("the server states a size of {} bytes", thousands(known.size));
             return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem + ", which is more than 1 TiB"));
         }
         let (store, location) = (Arc::clone(store), location.clone());

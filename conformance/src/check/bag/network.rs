@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::open::BagChannel;
 use crate::check::Line;
 use crate::model::{Endpoint, EndpointKind};
-use crate::text::shown;
+use crate::text::{plural, shown};
 
 /// The maximum number of topics.
 const MAX_TOPICS: usize = 10_000;
@@ -107,11 +106,11 @@ impl Network {
 /// The line about the topics in reports for people.
 pub(super) fn network_line(topics: &[BusTopic]) -> Option<Line> {
     let count = |endpoints: fn(&BusTopic) -> &[BusEndpoint], noun| {
-        plural(topics.iter().map(|topic| endpoints(topic).len() as u64).sum(), noun)
+        plural(topics.iter().map(|topic| endpoints(topic).len() as u64).sum::<u64>(), noun)
     };
     let (publishers, subscribers) =
         (count(|topic| &topic.publishers, "publisher"), count(|topic| &topic.subscribers, "subscriber"));
-    let text = format!("{}, {publishers}, {subscribers}", plural(topics.len() as u64, "topic"));
+    let text = format!("{}, {publishers}, {subscribers}", plural(topics.len(), "topic"));
     let items = topics.iter().map(|topic| (topic.topic.as_str(), shown(&topic.description())));
     (!topics.is_empty()).then(|| Line::new("bus", text).list("topic", items))
 }
@@ -124,7 +123,7 @@ impl BusTopic {
         parts.extend(self.rate.map(|rate| format!("{rate:.1} Hz")));
         for (endpoints, noun) in [(&self.publishers, "publisher"), (&self.subscribers, "subscriber")] {
             if !endpoints.is_empty() {
-                parts.push(format!("{}{}", plural(endpoints.len() as u64, noun), qualities(endpoints)));
+                parts.push(format!("{}{}", plural(endpoints.len(), noun), qualities(endpoints)));
             }
         }
         parts.join(", ")

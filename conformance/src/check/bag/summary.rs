@@ -1,7 +1,6 @@
 //! The summary of a bag.
 
 use serde::{Serialize, Serializer};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::network::{BusTopic, network_line};
 use super::open::{BagChannel, Basis, CheckStatus};
@@ -9,7 +8,7 @@ use crate::check::release::{ReleaseMatch, release_lines};
 use crate::check::{Describe, Line, List, Totals};
 use crate::px4::comparison::Comparison;
 use crate::px4::json::Dialects;
-use crate::text::{Grouped, shown};
+use crate::text::{plural, shown, thousands};
 
 /// The summary of an MCAP file.
 #[derive(Clone, Debug, Serialize)]
@@ -132,7 +131,7 @@ impl<'c> Row<'c> {
             ChannelResult::Unsupported => Some(format!("unsupported encoding `{}`", shown(self.encoding))),
             _ if self.other_cdr > 0 => Some(format!(
                 "{} messages in a CDR encoding other than plain version 1",
-                Grouped(self.other_cdr)
+                thousands(self.other_cdr)
             )),
             _ => None,
         }
@@ -149,7 +148,7 @@ impl Describe for McapSummary {
         vec![
             format!("{} ({})", or(&self.profile, "no profile"), or(&self.library, "unknown library")),
             totals.duration(),
-            plural(self.channels.len() as u64, "channel"),
+            plural(self.channels.len(), "channel"),
             totals.messages(),
         ]
     }
@@ -173,7 +172,7 @@ impl Describe for BagSummary {
         vec![
             format!("rosbag2 ({})", storage.join(", ")),
             totals.duration(),
-            plural(self.channels.len() as u64, "channel"),
+            plural(self.channels.len(), "channel"),
             totals.messages(),
         ]
     }

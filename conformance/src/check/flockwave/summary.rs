@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 
 use serde::{Serialize, Serializer};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use crate::check::summary::names;
 use crate::check::{Describe, Line, MAX_LISTED, Totals};
 use crate::json::Tree;
 use crate::model::Location;
-use crate::text::{Grouped, shown};
+use crate::text::{plural, shown, thousands};
 
 type Types = BTreeMap<String, TypeCount>;
 
@@ -103,7 +102,7 @@ impl<'t> Row<'t> {
     }
 
     fn text(&self) -> String {
-        let (from_server, from_client) = (Grouped(self.from_server), Grouped(self.from_client));
+        let (from_server, from_client) = (thousands(self.from_server), thousands(self.from_client));
         format!("{}: {from_server} from the server, {from_client} from clients", shown(self.name))
     }
 }
@@ -129,7 +128,7 @@ fn from_server(types: &Types) -> Vec<Row<'_>> {
 fn frequent(mut rows: Vec<Row<'_>>) -> String {
     rows.sort_by_key(|row| std::cmp::Reverse(row.total()));
     let reported =
-        rows.iter().take(MAX_LISTED).map(|row| format!("{} {}", shown(row.name), Grouped(row.total())));
+        rows.iter().take(MAX_LISTED).map(|row| format!("{} {}", shown(row.name), thousands(row.total())));
     if rows.is_empty() { "none".to_owned() } else { reported.collect::<Vec<_>>().join(", ") }
 }
 
@@ -137,7 +136,7 @@ impl Describe for FlockwaveSummary {
     fn facts(&self, totals: Totals) -> Vec<String> {
         vec![
             "Flockwave".to_owned(),
-            plural(self.connections as u64, "connection"),
+            plural(self.connections, "connection"),
             totals.duration(),
             plural(self.requests, "request"),
             plural(self.responses, "response"),

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::{badge, fact, shown};
 use crate::report::by_rule::{Group, place};
 use crate::report::{Definition, Example, Known, RuleReport};
-use crate::text::Grouped;
+use crate::text::thousands;
 
 /// The findings of a rule in one topic or field.
 pub(super) fn article(rule: &RuleReport, group: &Group, is_single: bool) -> Markup {
@@ -50,7 +50,7 @@ fn other_examples(group: &Group, examples: &[Example]) -> Markup {
                             (exchange(example))
                         }
                     }
-                    @if more > 0 { li { "… and " (Grouped(more)) " more times" } }
+                    @if more > 0 { li { "… and " (thousands(more)) " more times" } }
                 }
             }
         }
@@ -68,12 +68,12 @@ fn other_files(group: &Group) -> Markup {
                     @for file in &group.others {
                         li {
                             code.path { (shown(&file.path)) } ": "
-                            @if file.count > 1 { (Grouped(file.count)) " times, first " }
+                            @if file.count > 1 { (thousands(file.count)) " times, first " }
                             @if let Some((place, text)) = &file.first { (shown(place)) ": " (shown(text)) }
                             dl.evidence { (known(file.known.as_ref())) }
                         }
                     }
-                    @if more > 0 { li { "… and " (Grouped(more as u64)) " more" } }
+                    @if more > 0 { li { "… and " (thousands(more)) " more" } }
                 }
             }
         }

@@ -1,12 +1,11 @@
 //! The findings by rule, and the rules without listed findings.
 
 use maud::{Markup, html};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::{badge, finding, with_code};
 use crate::report::by_rule::{ByRule, Listed};
 use crate::report::{RuleReport, Verdict};
-use crate::text::Grouped;
+use crate::text::{plural, thousands};
 
 /// The number of groups of a rule that are initially visible. The user can expand the rest.
 const MAX_OPEN: usize = 4;
@@ -27,7 +26,7 @@ pub(super) fn findings(rules: &[Listed<'_>], is_single: bool) -> Markup {
                     nav aria-label="Rules with findings" {
                         ul.chips { @for Listed { rule, .. } in rules { li {
                             a href={ "#" (rule.id) } { (rule.id) } " "
-                            span.aside { (Grouped(rule.findings)) }
+                            span.aside { (thousands(rule.findings)) }
                         } } }
                     }
                 }
@@ -97,7 +96,7 @@ pub(super) fn others(by_rule: &ByRule<'_>) -> Markup {
                     @let rules = with(verdict);
                     @if !rules.is_empty() {
                         details.rest {
-                            summary { (plural(rules.len() as u64, "rule")) " " (label) }
+                            summary { (plural(rules.len(), "rule")) " " (label) }
                             (table("Checks", &rules))
                         }
                     }
@@ -121,7 +120,7 @@ fn table(heading: &str, rules: &[&RuleReport]) -> Markup {
                             (requirement(rule))
                         }
                         td.number {
-                            @if heading == "Findings" { (Grouped(rule.findings)) } @else { (Grouped(rule.covered)) }
+                            @if heading == "Findings" { (thousands(rule.findings)) } @else { (thousands(rule.covered)) }
                         }
                     }
                 }

@@ -1,7 +1,6 @@
 //! The section of a subject.
 
 use maud::{Markup, PreEscaped, html};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::finding;
 use super::{class, number, shown, testee};
@@ -10,7 +9,7 @@ use crate::probe::RequestType;
 use crate::report::format::Run;
 use crate::report::outcome::capitalized;
 use crate::report::{About, OutcomeKind, Report, Subject};
-use crate::text::Grouped;
+use crate::text::{plural, thousands};
 
 /// The number of list items that are initially visible. The user can expand the rest.
 const MAX_OPEN: usize = 4;
@@ -74,7 +73,7 @@ pub(super) fn row(subject: &Subject) -> Markup {
         tr role="row" {
             td role="cell" { (outcome(subject)) }
             td role="cell" { code.path { (shown(&subject.path)) } p { (shown(&subject.outcome.text)) } }
-            td.number role="cell" { (Grouped(subject.coverage.records.checked)) }
+            td.number role="cell" { (thousands(subject.coverage.records.checked)) }
         }
     }
 }
@@ -126,7 +125,7 @@ fn facts(subject: &Subject) -> Markup {
         About::Capture(summary) => summary.describe().facts(subject.totals()),
         About::Testee(testee) => {
             let version = (!testee.version.is_empty()).then(|| format!("version {}", shown(&testee.version)));
-            let counts = [plural(subject.records, "case"), plural(testee.restarts.into(), "restart")];
+            let counts = [plural(subject.records, "case"), plural(testee.restarts, "restart")];
             version.into_iter().chain(counts).collect()
         }
     };
@@ -167,7 +166,7 @@ fn corruption(subject: &Subject) -> Markup {
             (folded(&corruption, "part", |corruption| html! {
                 li { span.place { (corruption.location) } ": " (shown(&corruption.message)) }
             }))
-            @if subject.more_corruption > 0 { p.more { "… and " (Grouped(subject.more_corruption)) " more parts" } }
+            @if subject.more_corruption > 0 { p.more { "… and " (thousands(subject.more_corruption)) " more parts" } }
         }
     }
 }

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::{fact, finding, number, shown};
 use crate::report::{Case, Counts, Testee};
-use crate::text::Grouped;
+use crate::text::thousands;
 
 /// The number of initially visible failures. The user can expand the rest.
 const MAX_OPEN: usize = 8;
@@ -40,9 +40,9 @@ fn protocol_remarks(testee: &Testee) -> Markup {
             h3 { "Protocol violations" }
             ul {
                 @for remark in &testee.protocol_remarks {
-                    li { (shown(&remark.message)) @if remark.count > 1 { ", " (Grouped(remark.count)) " times" } }
+                    li { (shown(&remark.message)) @if remark.count > 1 { ", " (thousands(remark.count)) " times" } }
                 }
-                @if testee.more_protocol_remarks > 0 { li { "… and " (Grouped(testee.more_protocol_remarks)) " more" } }
+                @if testee.more_protocol_remarks > 0 { li { "… and " (thousands(testee.more_protocol_remarks)) " more" } }
             }
         }
     }
@@ -69,7 +69,7 @@ fn table(testee: &Testee) -> Markup {
                     tr role="row" {
                         td role="cell" { code { (shown(&row.type_name)) } " " span.level { (shown(&row.op)) } }
                         td.number role="cell" { (number(pass)) }
-                        td.number role="cell" { @if fail > 0 { strong.fail { (Grouped(fail)) } } @else { (number(0)) } }
+                        td.number role="cell" { @if fail > 0 { strong.fail { (thousands(fail)) } } @else { (number(0)) } }
                         td.number role="cell" { (number(known)) }
                         td.number role="cell" { (number(unsupported)) }
                         td.number role="cell" { (number(not_run)) }

@@ -8,7 +8,6 @@ mod picture;
 mod tests;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use uavspec_codegen::emit::docs::markdown::plural;
 use uavspec_codegen::terminal::guarded;
 
 use super::{
@@ -17,7 +16,7 @@ use super::{
 use crate::report::html::{page_foot, page_head};
 use crate::report::outcome::capitalized;
 use crate::story::{Label, Lane, Story, Value};
-use crate::text::{Grouped, shown};
+use crate::text::{plural, shown, thousands};
 
 /// The style sheet of the picture, which follows that of all reports.
 const STYLE: &str = include_str!("html/story.css");
@@ -88,7 +87,7 @@ fn head(story: &Story) -> Markup {
             @let remarks = remarks(story);
             @if !remarks.is_empty() { ul.remarks { @for remark in &remarks { li { (remark) } } } }
             dl.figures {
-                div { dt { "changes" @if more > 0 { ", and " (Grouped(more)) " that aren't listed" } } dd { (Grouped(listed)) } }
+                div { dt { "changes" @if more > 0 { ", and " (thousands(more)) " that aren't listed" } } dd { (thousands(listed)) } }
                 div { dt { (flag_noun(story)) " set for some time" } dd { (flags(story).count()) } }
                 // An error code that was never set has no lane.
                 @if !story.is_session { div { dt { "flags never set" } dd { (num_quiet(story)) } } }
@@ -191,7 +190,7 @@ fn flag_table(story: &Story) -> Markup {
                             @if let Some(text) = &lane.label { span.aside { (label(text, story)) } }
                         }
                         td.number { (duration(lane.set_us())) }
-                        td.number { (Grouped(lane.num_changes())) }
+                        td.number { (thousands(lane.num_changes())) }
                     } } }
                 }
             }

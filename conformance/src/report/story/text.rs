@@ -1,13 +1,11 @@
 //! The story as text for a terminal.
 
-use uavspec_codegen::emit::docs::markdown::plural;
-
 use super::{
     Entry, STATUSES, duration, entries, flag_noun, flags, is_flag, lane_name, num_quiet, remarks, time,
     totals,
 };
 use crate::story::{Label, Story};
-use crate::text::{Grouped, shown, wrapped};
+use crate::text::{plural, shown, thousands, wrapped};
 
 /// The width of the column with times.
 const TIMES: usize = 12;
@@ -73,7 +71,7 @@ fn durations(story: &Story) -> Vec<String> {
 
 fn summary(story: &Story) -> Vec<String> {
     let (listed, more) = totals(story);
-    let more = if more > 0 { format!("; {} more aren't listed", Grouped(more)) } else { String::new() };
+    let more = if more > 0 { format!("; {} more aren't listed", thousands(more)) } else { String::new() };
     let quiet = match num_quiet(story) {
         0 => String::new(),
         1 => " 1 flag was never set.".to_owned(),

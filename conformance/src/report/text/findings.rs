@@ -11,7 +11,7 @@ use crate::model::{DISPUTED, Level};
 use crate::report::by_rule;
 use crate::report::{Example, Finding, Subject, Verdict};
 use crate::rules::px4;
-use crate::text::{Grouped, shown, wrapped};
+use crate::text::{shown, thousands, wrapped};
 
 /// The width of the column with the verdict.
 const WORD: usize = 7;
@@ -100,7 +100,7 @@ pub(super) fn write(merged: &Merged<'_>, subject: &Subject, text: &mut String) -
 fn place(finding: &Finding, example: &Example, subject: &Subject) -> String {
     let times = match finding.count {
         1 => "once".to_owned(),
-        count => format!("{} times, first", Grouped(count)),
+        count => format!("{} times, first", thousands(count)),
     };
     let mut place = format!("{times} {}", by_rule::place(subject.is_readable_again, example));
     if let Some(line) = &finding.definition {

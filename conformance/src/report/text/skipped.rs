@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::capture::names::NOT_A_CAPTURE;
 use crate::check::names;
 use crate::report::Unreadable;
-use crate::text::Grouped;
+use crate::text::thousands;
 
 /// The maximum number of failures that are listed.
 const MAX_FAILURES: usize = 100;
@@ -20,7 +20,7 @@ pub(super) fn failures(files: &[Unreadable]) -> Vec<String> {
     let listed = files.iter().take(MAX_FAILURES);
     let mut lines: Vec<String> = listed.map(|file| format!("{}: {}", file.path, file.message)).collect();
     if let Some(more) = files.len().checked_sub(MAX_FAILURES).filter(|more| *more > 0) {
-        lines.push(format!("… and {} more; the JSON report lists all of them", Grouped(more as u64)));
+        lines.push(format!("… and {} more; the JSON report lists all of them", thousands(more)));
     }
     lines
 }
@@ -57,10 +57,10 @@ fn extensions(paths: &[&str]) -> String {
     let mut parts: Vec<String> = counts
         .iter()
         .take(MAX_EXTENSIONS)
-        .map(|(extension, count)| format!("{} {extension}", Grouped(*count)))
+        .map(|(extension, count)| format!("{} {extension}", thousands(count)))
         .collect();
     if rest > 0 {
-        parts.push(format!("{} others", Grouped(rest)));
+        parts.push(format!("{} others", thousands(rest)));
     }
     parts.join(", ")
 }

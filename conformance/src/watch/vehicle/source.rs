@@ -4,7 +4,6 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use globset::{Glob, GlobSet, GlobSetBuilder};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::TOPICS;
 use super::playback::{Playback, Watcher};
@@ -15,6 +14,7 @@ use crate::clock::Clock;
 use crate::definitions::Library;
 use crate::model::Qos;
 use crate::story::Texts;
+use crate::text::plural;
 use crate::vehicle::{Options, observe};
 use crate::watch::fleet::Link;
 

@@ -8,7 +8,7 @@ use uavspec_runtime::Severity;
 use super::super::codes::{severity_letter, severity_name};
 use super::super::fleet::Link;
 use super::{Ends, MIDDLE_WIDTH, Scene, spaced};
-use crate::text::Grouped;
+use crate::text::thousands;
 
 pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
     let theme = scene.theme();
@@ -53,12 +53,12 @@ pub(super) fn link_text(link: &Link, now: Instant) -> String {
 /// The number of UAVs, in total and by severity.
 fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s> {
     let count = scene.fleet.len();
-    let uavs = format!("{} {}", Grouped(count as u64), if count == 1 { "UAV" } else { "UAVs" });
+    let uavs = format!("{} {}", thousands(count), if count == 1 { "UAV" } else { "UAVs" });
     let theme = scene.theme();
     let by_severity = Severity::ALL.into_iter().rev().map(|severity| {
         let count = scene.fleet.count(severity);
         let style = if count == 0 { theme.faint() } else { theme.severity(severity) };
-        Span::styled(format!("{} {}", Grouped(count as u64), name(severity)), style)
+        Span::styled(format!("{} {}", thousands(count), name(severity)), style)
     });
     spaced([Span::raw(uavs)].into_iter().chain(by_severity))
 }
@@ -73,7 +73,7 @@ fn server_errors(scene: &Scene<'_>) -> Vec<String> {
     server_errors.extend(fleet.remark.clone());
     if fleet.unreadable > 0 {
         let messages = if fleet.unreadable == 1 { "message" } else { "messages" };
-        server_errors.push(format!("{} unreadable {messages}", Grouped(fleet.unreadable)));
+        server_errors.push(format!("{} unreadable {messages}", thousands(fleet.unreadable)));
     }
     if fleet.is_overfull {
         server_errors.push("the server has more UAVs than can be shown".to_owned());

@@ -6,9 +6,10 @@
 use std::fmt;
 
 use super::grid::{Cell, Grid, Line, ROW, Segment, Tint};
+use crate::emit::docs::markdown::append;
 use crate::emit::docs::markdown::notice;
-use crate::emit::docs::markdown::{append, plural, thousands};
 use crate::prose;
+use crate::wording::{plural, thousands};
 
 /// Width of the row offsets, left of the boxes.
 const LEFT: usize = 44;

@@ -2,11 +2,10 @@
 
 use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::Scene;
 use crate::story::Part;
-use crate::text::{Grouped, shown};
+use crate::text::{plural, shown, thousands};
 use crate::watch::format;
 use crate::watch::vehicle::age;
 use crate::watch::vehicle::playback::Kind;
@@ -39,7 +38,7 @@ fn link(scene: &Scene<'_>) -> (String, Style) {
     let at = format!("{:.1} s", state.vehicle.elapsed(state.now).as_secs_f64());
     match state.kind {
         Kind::Live if state.is_paused => {
-            let changes = plural(state.waiting as u64, "change");
+            let changes = plural(state.waiting, "change");
             (format!("paused, {changes} waiting"), paused)
         }
         Kind::Live => (link_text(state.link, scene.now), theme.link(state.link)),
@@ -96,7 +95,7 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
     notes.extend(state.notes.iter().map(|note| shown(note)));
     if state.lost > 0 {
         let messages = if state.lost == 1 { "message was" } else { "messages were" };
-        notes.push(format!("{} {messages} lost", Grouped(state.lost)));
+        notes.push(format!("{} {messages} lost", thousands(state.lost)));
     }
     if state.vehicle.unreadable > 0 {
         let count = plural(state.vehicle.unreadable, "message");

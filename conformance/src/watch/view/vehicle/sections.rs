@@ -2,11 +2,10 @@
 
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use uavspec_codegen::emit::docs::markdown::plural;
 
 use super::Scene;
 use crate::story::{Label, Part, Severity, Value};
-use crate::text::shown;
+use crate::text::{plural, shown};
 use crate::watch::format;
 use crate::watch::vehicle::{Battery, Component, Flag, Known, Readiness, Vehicle, age};
 use crate::watch::view::theme::Theme;
@@ -89,11 +88,8 @@ fn group_name(scene: &Scene<'_>, group: &[Flag<'_>]) -> String {
 /// The label of a flag with its value, its name and the number of modes that it blocks.
 fn description(scene: &Scene<'_>, flag: &Flag<'_>) -> String {
     let value = flag.value.map(|value| format!(": {}", value_text(scene, value)));
-    let modes = if flag.num_modes == 0 {
-        String::new()
-    } else {
-        format!(" [{}]", plural(flag.num_modes.into(), "mode"))
-    };
+    let modes =
+        if flag.num_modes == 0 { String::new() } else { format!(" [{}]", plural(flag.num_modes, "mode")) };
     let text = label(scene, flag.known);
     let name = if text == flag.known.name { String::new() } else { format!("  {}", flag.known.name) };
     format!("{text}{}{name}{modes}", value.unwrap_or_default())
@@ -211,7 +207,7 @@ fn component_text(scene: &Scene<'_>, id: i128, component: &Component) -> String 
         parts.push(format!("reply {age} ago"));
     }
     if component.unanswered > 0 {
-        parts.push(format!("{} unanswered", plural(component.unanswered.into(), "request")));
+        parts.push(format!("{} unanswered", plural(component.unanswered, "request")));
     }
     if component.is_valid == Some(false) {
         parts.push("not registered".to_owned());
