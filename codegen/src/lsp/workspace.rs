@@ -19,7 +19,7 @@ pub(super) struct Workspace {
     open: BTreeMap<PathBuf, String>,
     /// Documents that were opened since the last refresh.
     opened: BTreeSet<PathBuf>,
-    /// Open documents that had a project before files changed, and may have none now.
+    /// Open documents that may have no project.
     uncertain: BTreeSet<PathBuf>,
     /// True if definitions were read since the diagnostics were published, or if a project was removed.
     is_changed: bool,
@@ -67,25 +67,6 @@ impl Workspace {
         self.projects.iter_mut().for_each(|project| project.edit(path, &text));
         self.open.insert(path.to_path_buf(), text);
         self.opened.insert(path.to_path_buf());
-    }
-
-    /// Finds the projects of documents that were opened. Editors open many documents together, so each project is read once
-    /// for all of its documents.
-    fn find_projects(&mut self) {
-        let opened = std::mem::take(&mut self.opened);
-        let is_open = |path: &PathBuf| self.open.contains_key(path) && self.project_of(path).is_none();
-        let alone: Vec<PathBuf> = opened.into_iter().filter(is_open).collect();
-        if alone.is_empty() {
-            return;
-        }
-        // The files may be new.
-        self.reload();
-        self.read_changes();
-        for path in alone {
-            if self.project_of(&path).is_none() {
-                self.add_project_of(&path);
-            }
-        }
     }
 
     /// Adds the project of a document outside all projects: that of its configuration file, or of its folder.
@@ -147,10 +128,19 @@ impl Workspace {
         self.projects.iter_mut().for_each(Project::reload);
     }
 
-    /// Reads the definitions that changed. Adds a project for each open document that lost its project.
+    /// Reads the definitions that changed. Adds a project for each open document without one. Editors open many documents
+    /// together, so each project is read once for all of its documents.
     pub(super) fn refresh(&mut self) {
         self.read_changes();
-        self.find_projects();
+        let opened = std::mem::take(&mut self.opened);
+        let is_alone = |path: &PathBuf| self.open.contains_key(path) && self.project_of(path).is_none();
+        let alone: Vec<PathBuf> = opened.into_iter().filter(is_alone).collect();
+        if !alone.is_empty() {
+            // The files may be new.
+            self.reload();
+            self.read_changes();
+            self.uncertain.extend(alone);
+        }
         for path in std::mem::take(&mut self.uncertain) {
             if self.project_of(&path).is_some() {
                 continue;
@@ -245,6 +235,28 @@ mod tests {
             workspace.open(&path, text);
             workspace.refresh();
             assert!(!workspace.take_changed() && workspace.document(&path).is_some());
+        }
+    }
+
+    /// A mistake in the configuration may be the reason why it doesn't include the file.
+    #[test]
+    fn a_file_that_was_opened_before_a_mistake_in_the_configuration_has_no_project() {
+        for is_read_between in [true, false] {
+            let folder = tempfile::tempdir().expect("a folder");
+            let (mut workspace, files) = workspace(folder.path(), 1);
+            let (path, text) = &files[0];
+            workspace.open(path, text.clone());
+            if is_read_between {
+                workspace.refresh();
+            }
+            fs::write(folder.path().join("uavspec.toml"), "[").expect("a file");
+            workspace.reload();
+            workspace.refresh();
+            assert!(workspace.document(path).is_none());
+            fs::remove_file(folder.path().join("uavspec.toml")).expect("removed");
+            workspace.reload();
+            workspace.refresh();
+            assert!(workspace.document(path).is_some());
         }
     }
 
