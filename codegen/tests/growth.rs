@@ -165,8 +165,11 @@ fn page(head: &str, rest: &str) -> Files {
     vec![("winds.md".to_owned(), format!("{head}{rest}"))]
 }
 
+/// What the program does with files.
+type Work = fn(Form, &Files);
+
 /// The parts of the generator that read definitions. Each part gets a multiple of the parts of a dimension.
-const WORK: &[(&str, usize, fn(Form, &Files))] = &[
+const WORK: &[(&str, usize, Work)] = &[
     ("reading", 1, |form, files| {
         let (sources, package) = input(form, files);
         let (schema, diagnostics) = read(&sources, &[package]);

@@ -1,6 +1,7 @@
 //! Allocations grow linearly with each dimension of each kind of input.
 
 use std::sync::LazyLock;
+use std::time::Duration;
 
 use allocation_counter::measure;
 use clap::ValueEnum as _;
@@ -158,7 +159,7 @@ const CAPTURES: &[Dimension] = &[
     ("JSON lines that can't be read", 200, |count| lines(count, "{\"type\":\"px4/Wind~\",")),
     ("messages of a session", 100, |count| {
         session(count, |session, _| {
-            session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite"] }))
+            session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite"] }));
         })
     }),
     ("requests in flight", 100, |count| {
@@ -238,19 +239,15 @@ fn lines(count: usize, line: &str) -> Vec<u8> {
     numbered(count, &format!("{line}\n")).into_bytes()
 }
 
+/// What the program does with an input.
+type Work = fn(&[u8]);
+
 /// What the program does with a capture.
-const WORK: &[(&str, fn(&[u8]))] = &[
+const WORK: &[(&str, Work)] = &[
     ("check", |bytes| _ = checked(bytes)),
     ("choose a release", |bytes| _ = check_bytes(bytes, &LIBRARY)),
     ("report", |bytes| {
-        let capture = CheckedCapture {
-            path: "capture".to_owned(),
-            result: checked(bytes),
-            notes: Vec::new(),
-            requests: Vec::new(),
-            cut_short: Vec::new(),
-            elapsed: 0,
-        };
+        let capture = CheckedCapture::new("capture".to_owned(), checked(bytes), Duration::ZERO);
         let subject = Subject::from_capture(capture, &DEFINITIONS, &Settings::default());
         let report =
             Report::new(Action::Check, String::new(), &DEFINITIONS, vec![subject], Vec::new(), Vec::new());
@@ -271,7 +268,7 @@ fn checked(bytes: &[u8]) -> CaptureResult {
 }
 
 /// Other inputs, each with what reads it.
-const INPUTS: &[(Dimension, fn(&[u8]))] = &[
+const INPUTS: &[(Dimension, Work)] = &[
     #[cfg(feature = "db3")]
     (("files of a bag", 200, |count| metadata(count, 1)), read_metadata),
     #[cfg(feature = "db3")]
@@ -357,7 +354,7 @@ fn load_schemas(files: impl Iterator<Item = (String, String)>) {
 #[test]
 fn allocations_grow_linearly_with_each_dimension() {
     let mut failures = Vec::new();
-    let mut compare = |name: &str, work: &str, count: usize, input: fn(usize) -> Vec<u8>, run: fn(&[u8])| {
+    let mut compare = |name: &str, work: &str, count: usize, input: fn(usize) -> Vec<u8>, run: Work| {
         // The first run also fills what is created lazily.
         run(&input(2));
         let [once, twice] = [count, 2 * count].map(|count| {
