@@ -36,7 +36,7 @@ impl<K: Ord + Clone> Seats<K> {
     }
 
     /// Decides about a newcomer. If there is no free seat, clients that never sent a request give way first, and then
-    /// idle clients: in both cases, the one that was inactive for longest.
+    /// idle clients. Among them, the client that was inactive for the longest time gives way.
     pub(super) fn admit(&self, now: Instant) -> Admission<K> {
         if self.taken.len() < self.total {
             return Admission::Free;
