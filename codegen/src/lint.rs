@@ -94,7 +94,6 @@ use std::collections::BTreeSet;
 pub use self::fix::apply;
 #[cfg(feature = "lsp")]
 pub(crate) use self::fix::edited;
-#[cfg(feature = "cli")]
 pub(crate) use self::rule::Check;
 use self::rule::{Converted, Sink};
 pub use self::rule::{Levels, Measured, Preset, Rule};
