@@ -133,9 +133,12 @@ impl FromStr for Endpoint {
             "udp" => Ok(Self::Udp(bare(rest, false, None)?)),
             "http" | "https" => {
                 let (address, path) = rest.find('/').map_or((rest, ""), |slash| rest.split_at(slash));
-                let path = if path.is_empty() || path == "/" { ONE_SHOT_PATH } else { path };
+                let path = match without_query(path) {
+                    "" | "/" => format!("{ONE_SHOT_PATH}{}", path.trim_start_matches('/')),
+                    _ => path.to_owned(),
+                };
                 let address = ServerAddress::parse(address, scheme == "https", default_port(scheme))?;
-                Ok(Self::Http { address, path: path.to_owned() })
+                Ok(Self::Http { address, path })
             }
             "socketio" | "socketios" => socket_io(rest, scheme == "socketios", None),
             "ws" | "wss" => socket_io(rest, scheme == "wss", default_port(scheme)),
@@ -239,6 +242,9 @@ mod tests {
         let endpoint: Endpoint = "http://localhost:5000/fleet?token=secret".parse().expect("a URL");
         assert_eq!(endpoint.to_string(), "http://localhost:5000/fleet");
         assert!(matches!(endpoint, Endpoint::Http { path, .. } if path == "/fleet?token=secret"));
+        let endpoint: Endpoint = "http://localhost:5000/?token=secret".parse().expect("a URL");
+        assert_eq!(endpoint.to_string(), "http://localhost:5000/api/v1");
+        assert_eq!(endpoint.path(), "/api/v1?token=secret");
     }
 
     #[test]
