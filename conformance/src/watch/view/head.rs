@@ -8,7 +8,7 @@ use uavspec_runtime::Severity;
 use super::super::codes::{severity_letter, severity_name};
 use super::super::fleet::Link;
 use super::{Ends, MIDDLE_WIDTH, Scene, spaced};
-use crate::text::thousands;
+use crate::text::{plural, thousands};
 
 pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
     let theme = scene.theme();
@@ -53,7 +53,7 @@ pub(super) fn link_text(link: &Link, now: Instant) -> String {
 /// The number of UAVs, in total and by severity.
 fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s> {
     let count = scene.fleet.len();
-    let uavs = format!("{} {}", thousands(count), if count == 1 { "UAV" } else { "UAVs" });
+    let uavs = plural(count, "UAV");
     let theme = scene.theme();
     let by_severity = Severity::ALL.into_iter().rev().map(|severity| {
         let count = scene.fleet.count(severity);
@@ -72,8 +72,7 @@ fn server_errors(scene: &Scene<'_>) -> Vec<String> {
     }
     server_errors.extend(fleet.remark.clone());
     if fleet.unreadable > 0 {
-        let messages = if fleet.unreadable == 1 { "message" } else { "messages" };
-        server_errors.push(format!("{} unreadable {messages}", thousands(fleet.unreadable)));
+        server_errors.push(plural(fleet.unreadable, "unreadable message"));
     }
     if fleet.is_overfull {
         server_errors.push("the server has more UAVs than can be shown".to_owned());
