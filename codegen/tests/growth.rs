@@ -165,7 +165,7 @@ fn page(head: &str, rest: &str) -> Files {
     vec![("winds.md".to_owned(), format!("{head}{rest}"))]
 }
 
-/// What the program does with files.
+/// Reads files in one form.
 type Work = fn(Form, &Files);
 
 /// The parts of the generator that read definitions. Each part gets a multiple of the parts of a dimension.

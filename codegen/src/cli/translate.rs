@@ -21,8 +21,7 @@ use crate::source::stem;
 use crate::terminal;
 use crate::translation::catalogue::{Catalogue, parse, print};
 use crate::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, update};
-use crate::wording::plural;
-use crate::wording::similar;
+use crate::wording::{plural, similar};
 
 /// Arguments of `translate`.
 #[derive(Args, Debug)]

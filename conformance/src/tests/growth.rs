@@ -239,10 +239,10 @@ fn lines(count: usize, line: &str) -> Vec<u8> {
     numbered(count, &format!("{line}\n")).into_bytes()
 }
 
-/// What the program does with an input.
+/// Reads an input.
 type Work = fn(&[u8]);
 
-/// What the program does with a capture.
+/// The ways in which the program uses a capture.
 const WORK: &[(&str, Work)] = &[
     ("check", |bytes| _ = checked(bytes)),
     ("choose a release", |bytes| _ = check_bytes(bytes, &LIBRARY)),
@@ -267,7 +267,7 @@ fn checked(bytes: &[u8]) -> CaptureResult {
     check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
 }
 
-/// Other inputs, each with what reads it.
+/// Other inputs, each with its reader.
 const INPUTS: &[(Dimension, Work)] = &[
     #[cfg(feature = "db3")]
     (("files of a bag", 200, |count| metadata(count, 1)), read_metadata),

@@ -279,7 +279,7 @@ impl Selector {
 
 impl Name<'_> {
     /// The forms of the subject that patterns match: the full name, the name without the instance, and the name that also
-    /// lacks the namespace of the topic. They are the same for all entries.
+    /// lacks the namespace of the topic. Each entry is compared with these forms.
     fn subjects(self) -> Vec<String> {
         let Self::Rule { rule, subject, .. } = self else { return Vec::new() };
         let topic = (!rule.is_on_flockwave()).then(|| without_namespace(subject.name));

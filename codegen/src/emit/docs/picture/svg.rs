@@ -6,8 +6,7 @@
 use std::fmt;
 
 use super::grid::{Cell, Grid, Line, ROW, Segment, Tint};
-use crate::emit::docs::markdown::append;
-use crate::emit::docs::markdown::notice;
+use crate::emit::docs::markdown::{append, notice};
 use crate::prose;
 use crate::wording::{plural, thousands};
 
