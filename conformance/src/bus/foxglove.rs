@@ -69,12 +69,14 @@ struct Server {
 impl Foxglove {
     /// Connects, and waits for the description of the server. An error describes the problem.
     pub(super) fn connect(address: &Address) -> Result<Self, String> {
-        Self::connect_until(address, Clock::real().now() + CONNECT_LIMIT)
+        let until = Clock::real().now() + CONNECT_LIMIT;
+        Self::greet(Link::open(&SERVICE, address, until)?, until)
     }
 
-    fn connect_until(address: &Address, until: Instant) -> Result<Self, String> {
+    /// Waits for the information that a server sends first.
+    fn greet(link: Link, until: Instant) -> Result<Self, String> {
         let mut client = Self {
-            link: Link::open(&SERVICE, address, until)?,
+            link,
             server: None,
             channels: HashMap::new(),
             wanted: HashSet::new(),
