@@ -167,6 +167,7 @@ pub(crate) use self::source::page;
 pub(crate) use self::trial::shown_by;
 use self::trial::{Attempt, Request, SHORT_PAUSE, Sent, Step, Strain, Trial};
 pub(crate) use self::val_01::plausible;
+use self::view::Violates;
 pub(crate) use self::view::{Message, StatusReport};
 use super::RuleContext;
 use crate::flockwave::body_schema::{ExpectedValue, Fault, INTEGER};

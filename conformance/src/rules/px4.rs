@@ -53,7 +53,7 @@ pub(crate) use self::{
     fmt_01::RULE as FMT_01, fmt_02::RULE as FMT_02, fmt_03::RULE as FMT_03, hash_01::RULE as HASH_01,
 };
 
-pub(crate) use self::bug::{Bug, Sent, Side, merge};
+pub(crate) use self::bug::{Bug, Needs, Sent, Side, merge};
 
 /// The names of mode requirements, and the flags that belong to them.
 pub(crate) use self::fsf_03::{REQUIREMENT, belongs_to};

@@ -20,7 +20,7 @@ use crate::check::{Checked, check_path, parallel};
 use crate::clock::Clock;
 use crate::definitions::Library;
 use crate::model::{ApplicationType, Findings};
-use crate::rules::px4::{Bug, Px4Rule, RULES, Side};
+use crate::rules::px4::{Bug, Needs, Px4Rule, RULES, Side};
 use crate::vehicle::{Namespace, Options, probe, serve};
 
 /// The simulated time of each probe within the process.
@@ -84,6 +84,22 @@ pub(crate) fn cases() -> Vec<Case> {
     [AUTOPILOT, COMPONENT, BOTH].into_iter().chain(RULES.into_iter().filter_map(Case::with_bug)).collect()
 }
 
+/// The property that a bus lacks to show a bug, with an example of a bus that has it.
+pub(crate) fn missing(needs: Needs, address: &Address) -> Option<&'static str> {
+    match needs {
+        Needs::TypeHashes if !address.announces_types() => {
+            Some("a bus that announces type hashes, such as zenoh://HOST:PORT")
+        }
+        Needs::Qos if !address.is_matched_by_qos() => Some(
+            "a bus that matches publishers and subscribers by their quality of service, such as dds://DOMAIN",
+        ),
+        Needs::Headers if !address.keeps_headers() => {
+            Some("a bus that sends encapsulation headers unchanged, such as zenoh://HOST:PORT")
+        }
+        Needs::Nothing | Needs::TypeHashes | Needs::Headers | Needs::Qos => None,
+    }
+}
+
 impl Case {
     /// A probe of the reference that has the bug of a rule.
     fn with_bug(entry: &'static Px4Rule) -> Option<Self> {
@@ -107,7 +123,7 @@ impl Case {
     /// The property that one of the buses lacks to show the bug.
     pub(crate) fn missing(&self, buses: &[Address]) -> Option<&'static str> {
         let bug = self.bug()?;
-        buses.iter().find_map(|address| bug.needs.missing(address))
+        buses.iter().find_map(|address| missing(bug.needs, address))
     }
 
     fn bug(&self) -> Option<&'static Bug> {

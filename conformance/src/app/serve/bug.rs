@@ -7,6 +7,7 @@ use crate::app::Format;
 use crate::model::Rule;
 use crate::rules::flockwave::{self, FlockwaveRule};
 use crate::rules::px4::{self, Bug, Side};
+use crate::self_test;
 use crate::text::terminal;
 
 /// A rule that a reference violates on purpose.
@@ -87,7 +88,7 @@ pub(super) fn misplaced(args: &ServeArgs) -> Option<String> {
     let given = args.px4.as_ref().map(|_| if args.component { "--px4 URL --component" } else { "--px4 URL" });
     let id = bug.rule().id;
     if let (Some(vehicle), Some(address)) = (bug.of_vehicle(), &args.px4)
-        && let Some(missing) = vehicle.needs.missing(address)
+        && let Some(missing) = self_test::vehicle::missing(vehicle.needs, address)
     {
         return Some(format!("--bug {id} requires {missing}"));
     }

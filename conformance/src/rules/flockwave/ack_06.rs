@@ -6,8 +6,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, body,
-    mutant, served, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, Violates,
+    body, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

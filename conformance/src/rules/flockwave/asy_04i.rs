@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_10,
-    body, mutant, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
+    asy_10, body, mutant, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_09,
-    body, bug, mutant, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
+    asy_09, body, bug, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

@@ -5,8 +5,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, body,
-    mutant, served, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
+    body, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

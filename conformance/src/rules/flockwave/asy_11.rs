@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, body, bug,
-    mutant, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
+    body, bug, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

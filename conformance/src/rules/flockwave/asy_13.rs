@@ -7,8 +7,8 @@
 use serde_json::{Value, json};
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, asy_19,
-    body, mutant, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
+    asy_19, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

@@ -11,7 +11,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    Session, SessionCheck, Stage, Status, StatusReport, body, mutant, source,
+    Session, SessionCheck, Stage, Status, StatusReport, Violates, body, mutant, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::{
     Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext,
-    Status, Tree, body, mutant, source,
+    Status, Tree, Violates, body, mutant, source,
 };
 use crate::json::pointer;
 

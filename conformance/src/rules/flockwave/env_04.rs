@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status,
-    StatusReport, body, mutant, source,
+    StatusReport, Violates, body, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, Tree,
-    mutant, source,
+    Violates, mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, body,
-    mutant, reply, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status,
+    Violates, body, mutant, reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

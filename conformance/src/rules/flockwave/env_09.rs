@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Session,
-    Status, body, reply, source,
+    Status, Violates, body, reply, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

@@ -5,8 +5,8 @@ use serde_json::json;
 use uavspec_codegen::schema::json_type::Direction;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, body,
-    mutant, reply, source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, Violates,
+    body, mutant, reply, source,
 };
 
 use crate::flockwave::session::parts;

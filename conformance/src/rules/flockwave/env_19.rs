@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Role, Rule, RuleContext, Status,
-    Trial, body, mutant, served, source,
+    Trial, Violates, body, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

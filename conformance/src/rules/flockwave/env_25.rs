@@ -5,7 +5,7 @@
 
 use super::{
     Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Needs, PerConnection,
-    Role, Rule, RuleContext, Sent, SessionCheck, Status, Step, Strain, Trial, mutant, source,
+    Role, Rule, RuleContext, Sent, SessionCheck, Status, Step, Strain, Trial, Violates, mutant, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 

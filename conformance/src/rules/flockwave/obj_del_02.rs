@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Rule, RuleContext, SessionCheck,
-    Status, StatusReport, Tree, body, mutant, source,
+    Status, StatusReport, Tree, Violates, body, mutant, source,
 };
 use crate::flockwave::session::ids::Ids;
 

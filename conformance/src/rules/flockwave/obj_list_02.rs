@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    SessionCheck, Status, body, mutant, obj_list_03, reply, source, uav_list_02,
+    SessionCheck, Status, Violates, body, mutant, obj_list_03, reply, source, uav_list_02,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

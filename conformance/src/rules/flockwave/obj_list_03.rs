@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Rule, RuleContext, Status, Tree,
-    Trial, mutant, served, source,
+    Trial, Violates, mutant, served, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

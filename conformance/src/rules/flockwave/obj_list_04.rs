@@ -12,7 +12,7 @@ use serde_json::json;
 use super::reply::TimedList;
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    SessionCheck, Status, body, mutant, reply, source,
+    SessionCheck, Status, Violates, body, mutant, reply, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

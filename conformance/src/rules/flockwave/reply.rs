@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::{Detail, Exchange, Fault, OPERATIONS, Reference, Role, RuleContext, Tree, body};
+use super::{Detail, Exchange, Fault, OPERATIONS, Reference, Role, RuleContext, Tree, Violates, body};
 use crate::flockwave::body_schema::Deviation;
 use crate::flockwave::session::parts;
 use crate::json::pointer;

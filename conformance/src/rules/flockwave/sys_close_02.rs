@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Role, Rule, RuleContext, Session,
-    SessionCheck, Status, StatusReport, source,
+    SessionCheck, Status, StatusReport, Violates, source,
 };
 use crate::flockwave::session::remembered::Remembered;
 

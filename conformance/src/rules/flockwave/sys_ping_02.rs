@@ -3,8 +3,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, mutant,
-    source,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, Violates,
+    mutant, source,
 };
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {

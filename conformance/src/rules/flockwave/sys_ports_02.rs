@@ -6,7 +6,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
-    RuleContext, SessionCheck, Status, Tree, mutant, source,
+    RuleContext, SessionCheck, Status, Tree, Violates, mutant, source,
 };
 use crate::flockwave::transport::endpoint::Endpoint;
 use crate::json::pointer;

@@ -6,8 +6,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, mutant,
-    source, sys_time_03, uav_inf_09,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, Violates,
+    mutant, source, sys_time_03, uav_inf_09,
 };
 use crate::flockwave::session::ClockMove;
 

@@ -7,8 +7,8 @@
 use serde_json::json;
 
 use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, source,
-    sys_time_02,
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Violates, mutant,
+    source, sys_time_02,
 };
 use crate::flockwave::session::ClockMove;
 

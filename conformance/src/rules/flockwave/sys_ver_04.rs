@@ -4,7 +4,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    SessionCheck, Status, Tree, body, mutant, source,
+    SessionCheck, Status, Tree, Violates, body, mutant, source,
 };
 use crate::json::pointer;
 

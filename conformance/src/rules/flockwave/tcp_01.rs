@@ -5,7 +5,7 @@
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Needs, Rule, RuleContext,
-    SessionCheck, Status, StatusReport, lines, mutant, source,
+    SessionCheck, Status, StatusReport, Violates, lines, mutant, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

@@ -5,7 +5,7 @@
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, SessionCheck, Status,
-    StatusReport, Tree, body, mutant, reply, source,
+    StatusReport, Tree, Violates, body, mutant, reply, source,
 };
 use crate::flockwave::session::ConnectionId;
 use crate::flockwave::session::ids::Ids;

@@ -7,7 +7,7 @@
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, StatusReport,
-    Tree, body, mutant, source,
+    Tree, Violates, body, mutant, source,
 };
 use crate::flockwave::session::seconds;
 use crate::json::pointer;

@@ -10,7 +10,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
-    RuleContext, SessionCheck, Status, StatusReport, Tree, body, mutant, source,
+    RuleContext, SessionCheck, Status, StatusReport, Tree, Violates, body, mutant, source,
 };
 use crate::json::pointer;
 

@@ -2,7 +2,7 @@
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status,
-    StatusReport, lines, mutant, source,
+    StatusReport, Violates, lines, mutant, source,
 };
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {

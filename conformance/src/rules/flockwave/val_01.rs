@@ -7,7 +7,7 @@ use serde_json::json;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
-    StatusReport, Tree, body, mutant, source, uav_inf_08, ust,
+    StatusReport, Tree, Violates, body, mutant, source, uav_inf_08, ust,
 };
 use crate::json::pointer;
 

@@ -181,21 +181,23 @@ impl<'t> StatusReport<'t> {
     }
 }
 
-impl Exchange<'_> {
+/// Reports violations by the message of an exchange.
+pub(super) trait Violates {
     /// Reports that the message violates the rule.
-    pub(super) fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
+    fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail);
+
+    /// Reports that a field of the message violates the rule.
+    fn violates_in(&self, field: &str, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail);
+}
+
+impl Violates for Exchange<'_> {
+    fn violates(&self, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
         if let Some(found) = context.count_violation(&self.subject(), self.record.location) {
             found.describe(detail().excerpt(self.excerpt()));
         }
     }
 
-    /// Reports that a field of the message violates the rule.
-    pub(super) fn violates_in(
-        &self,
-        field: &str,
-        context: &mut RuleContext<'_>,
-        detail: impl FnOnce() -> Detail,
-    ) {
+    fn violates_in(&self, field: &str, context: &mut RuleContext<'_>, detail: impl FnOnce() -> Detail) {
         let subject = format!("{}.{field}", self.subject());
         if let Some(found) = context.count_violation(&subject, self.record.location) {
             found.describe(detail().excerpt(self.excerpt()));

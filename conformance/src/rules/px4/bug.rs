@@ -6,7 +6,6 @@ use serde_json::Value;
 use uavspec_runtime::Message;
 
 use super::Px4Rule;
-use crate::bus::Address;
 
 /// A bug in a reference participant.
 #[derive(Debug)]
@@ -42,24 +41,6 @@ pub(crate) enum Needs {
     Headers,
     /// The bus matches publishers and subscribers by their quality of service.
     Qos,
-}
-
-impl Needs {
-    /// The missing property of a bus, with an example of a bus that has it.
-    pub(crate) fn missing(self, address: &Address) -> Option<&'static str> {
-        match self {
-            Self::TypeHashes if !address.announces_types() => {
-                Some("a bus that announces type hashes, such as zenoh://HOST:PORT")
-            }
-            Self::Qos if !address.is_matched_by_qos() => Some(
-                "a bus that matches publishers and subscribers by their quality of service, such as dds://DOMAIN",
-            ),
-            Self::Headers if !address.keeps_headers() => {
-                Some("a bus that sends encapsulation headers unchanged, such as zenoh://HOST:PORT")
-            }
-            Self::Nothing | Self::TypeHashes | Self::Headers | Self::Qos => None,
-        }
-    }
 }
 
 /// The kind of a bug.
