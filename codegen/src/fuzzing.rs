@@ -216,9 +216,16 @@ mod tests {
     use proptest::prelude::*;
 
     use super::{configuration, hints, known_findings, translations};
+    use crate::testing::extent;
+
+    /// The configuration with this number of cases, or with a part of them in a quick run.
+    fn config(cases: u32, part: u32) -> ProptestConfig {
+        let cases = extent(cases, cases / part);
+        ProptestConfig { failure_persistence: None, cases, ..ProptestConfig::default() }
+    }
 
     proptest! {
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+        #![proptest_config(config(ProptestConfig::default().cases, 6))]
 
         #[test]
         fn random_configurations_have_located_errors(data in prop::collection::vec(any::<u8>(), 0..40)) {
@@ -239,7 +246,7 @@ mod tests {
     #[cfg(feature = "lsp")]
     proptest! {
         // Each edit is followed by all requests.
-        #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(24) })]
+        #![proptest_config(config(24, 2))]
 
         #[test]
         fn random_edits_cause_no_panic(data in prop::collection::vec(any::<[u8; 4]>(), 1..8)) {
@@ -261,7 +268,7 @@ mod tests {
             (translations, catalogue),
             (hints, converted),
         ] {
-            for end in 0..=text.len() {
+            for end in (0..text.len()).step_by(extent(1, 7)).chain([text.len()]) {
                 check(&text.as_bytes()[..end]);
             }
         }

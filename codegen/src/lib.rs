@@ -135,6 +135,8 @@ pub mod stage;
 mod table;
 #[doc(hidden)]
 pub mod terminal;
+#[cfg(test)]
+mod testing;
 pub mod translation;
 mod unit;
 pub mod value;

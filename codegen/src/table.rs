@@ -64,6 +64,7 @@ pub fn parse(sources: &SourceMap, id: SourceId) -> (Page, Vec<Diagnostic>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::extent;
 
     /// One table in each of the formats that `Form::of` must distinguish.
     const FORMS: [(&str, &str); 5] = [
@@ -167,7 +168,7 @@ mod tests {
         }
     }
 
-    /// Each of these pages takes about 20 ms. Quadratic algorithms would take minutes for a page.
+    /// In a thorough run, each of these pages takes about 20 ms. Quadratic algorithms would take minutes for a page.
     #[test]
     fn hostile_pages_are_read_in_linear_time() {
         let tables = ["", "|===\n|C |D\n\n|", "Code|Abbr|Description\n-|-|-\n", "a|b\n-|-\nx |\n"];
@@ -177,7 +178,7 @@ mod tests {
         ];
         for path in ["a.md", "a.adoc", "a.txt"] {
             for (start, body) in tables.iter().flat_map(|start| bodies.map(|body| (start, body))) {
-                let text = format!("# A\n\n{start}{}", body.repeat(100_000 / body.len()));
+                let text = format!("# A\n\n{start}{}", body.repeat(extent(100_000, 8_000) / body.len()));
                 parse_text(path, &text);
             }
         }

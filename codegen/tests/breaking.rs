@@ -19,7 +19,7 @@ use uavspec_codegen::lint;
 use uavspec_codegen::schema::Schema;
 use uavspec_codegen::{SourceMap, read, render};
 
-use support::{differs, files_below, shared};
+use support::{differs, extent, files_below, shared};
 
 /// Displayed paths of files, and their text.
 type Files = Vec<(String, String)>;
@@ -300,8 +300,11 @@ fn real_edits_have_the_expected_findings() {
 /// Compares two sets in both directions. An item reported as added in one direction must be reported as removed in the
 /// other. All other changes must be found in both directions.
 fn check_reverse(old: &Files, new: &Files) {
-    let (_, forth) = compare(old, new, Between::Releases);
-    let (_, back) = compare(new, old, Between::Releases);
+    let mut sources = SourceMap::default();
+    let sides = [("old", old), ("new", new)];
+    let [before, after] = sides.map(|(side, files)| schema_of(&mut sources, side, files));
+    let forth = breaking(&sources, &before, &after, Between::Releases);
+    let back = breaking(&sources, &after, &before, Between::Releases);
     let count = |findings: &[Finding], rule: &str| findings.iter().filter(|found| found.rule == rule).count();
     let pairs = [("field-added", "field-removed"), ("topic-added", "topic-removed")];
     let same = [
@@ -316,8 +319,9 @@ fn check_reverse(old: &Files, new: &Files) {
         assert_eq!(count(&forth, one), count(&back, other), "{one} and {other}");
         assert_eq!(count(&forth, other), count(&back, one), "{one} and {other}");
     }
-    for files in [old, new] {
-        let (sources, findings) = compare(files, files, Between::Commits);
+    for (schema, (side, files)) in [before, after].iter().zip(sides) {
+        let again = schema_of(&mut sources, &format!("again {side}"), files);
+        let findings = breaking(&sources, schema, &again, Between::Commits);
         assert!(findings.is_empty(), "{}", render::findings(&findings, &sources, false));
     }
 }
@@ -326,9 +330,9 @@ fn check_reverse(old: &Files, new: &Files) {
 fn comparing_releases_in_reverse_finds_the_reverse_changes() {
     let Some(corpus) = shared("corpus/px4") else { return };
     let releases = ["1.15", "1.16", "main"].map(|release| files_in(&corpus.join(release).join("msg")));
-    check_reverse(&releases[0], &releases[1]);
-    check_reverse(&releases[1], &releases[2]);
-    check_reverse(&releases[0], &releases[2]);
+    for (old, new) in extent::<&[(usize, usize)]>(&[(0, 1), (1, 2), (0, 2)], &[(0, 2)]) {
+        check_reverse(&releases[*old], &releases[*new]);
+    }
 }
 
 #[test]

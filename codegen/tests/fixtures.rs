@@ -23,7 +23,7 @@ use uavspec_codegen::msg::{Dialect, Kind};
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::{Diagnostic, PackageInput, SourceMap, read, render, translation};
 
-use support::{differs, files_below, package};
+use support::{differs, extent, files_below, package};
 
 const FILES: [&str; 7] = ["msg", "srv", "action", "md", "adoc", "txt", "po"];
 
@@ -126,8 +126,9 @@ fn generated() -> [Generated; 4] {
         let fields: String = (0..32).map(|field| format!("{ty} part{field}\n")).collect();
         (format!("Level{level}.msg"), fields.into_bytes())
     });
-    // Each link contains all previous links: 3000 * 3001 / 2 fields in total.
-    let chain = (0..3000).map(|link: u32| {
+    // Each link contains all previous links: 3000 * 3001 / 2 fields in total. In a quick run, only the depth exceeds its
+    // limit.
+    let chain = (0..extent(3000, 1100)).map(|link: u32| {
         let ty = link.checked_sub(1).map_or("bool".to_owned(), |below| format!("Link{below}"));
         (format!("Link{link}.msg"), format!("{ty} part\n").into_bytes())
     });
@@ -146,7 +147,9 @@ fn generated() -> [Generated; 4] {
 
 #[test]
 fn rejects_definitions_too_large_for_fixtures() {
-    for (code, files) in generated() {
+    // The limit of members is so high that reaching it takes seconds.
+    let is_tried = |(code, _): &Generated| extent(true, *code != "too-many-members");
+    for (code, files) in generated().into_iter().filter(is_tried) {
         let mut sources = SourceMap::default();
         let mut package = package("demo", Form::Msg(Dialect::Px4));
         let mut diagnostics = Vec::new();

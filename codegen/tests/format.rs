@@ -73,7 +73,8 @@ fn texts(files: Vec<PathBuf>) -> Vec<(String, String)> {
     files.into_iter().filter_map(text).collect()
 }
 
-/// All folders of the corpus that are packages, with their dialect. A quick run omits the older releases of PX4.
+/// All folders of the corpus that are packages, with their dialect. A quick run omits the older releases of PX4, and most
+/// of the changes.
 fn packages(corpus: &Path) -> Vec<(PathBuf, Dialect)> {
     let below = |path: &str, dialect| {
         let entries = fs::read_dir(corpus.join(path)).expect("a folder of the corpus");
@@ -82,7 +83,8 @@ fn packages(corpus: &Path) -> Vec<(PathBuf, Dialect)> {
     };
     let changes = below("breaking", Dialect::Px4).into_iter();
     let changes = changes.flat_map(|(folder, dialect)| ["old", "new"].map(|at| (folder.join(at), dialect)));
-    let mut packages: Vec<_> = changes.collect();
+    // An odd step: both old and new files remain.
+    let mut packages: Vec<_> = changes.step_by(extent(1, 9)).collect();
     let is_wanted = |folder: &Path| extent(true, folder.ends_with("main"));
     packages.extend(below("px4", Dialect::Px4).into_iter().filter(|(folder, _)| is_wanted(folder)));
     packages.extend(below("ros2", Dialect::Ros2));
@@ -94,11 +96,12 @@ fn preserves_the_meaning_of_definitions_in_the_corpus() {
     let Some(corpus) = shared("corpus") else { return };
     let mut count = 0;
     for (folder, dialect) in packages(&corpus) {
-        let files = texts(files_below(&folder, &["msg", "srv", "action"]));
+        let files = files_below(&folder, &["msg", "srv", "action"]);
+        let files = texts(files.into_iter().step_by(extent(1, 9)).collect());
         let laid_out = check_files(Form::Msg(dialect), &files).unwrap_or_else(|problem| panic!("{problem}"));
         count += laid_out;
     }
-    assert!(count > extent(900, 400), "{count} files");
+    assert!(count > extent(900, 40), "{count} files");
 }
 
 #[test]

@@ -235,13 +235,14 @@ fn most_generated_definitions_are_valid() {
     use proptest::test_runner::TestRunner;
 
     let mut runner = TestRunner::deterministic();
+    let texts = support::extent(200, 100);
     for dialect in [Dialect::Px4, Dialect::Ros2] {
         let mut count = 0;
-        for _ in 0..200 {
+        for _ in 0..texts {
             let (path, text) = definition(dialect).new_tree(&mut runner).expect("a text").current();
             count += usize::from(laid_out(path, &text, Form::Msg(dialect)).is_ok());
         }
-        assert!(count > 120, "{dialect}: {count} of 200");
+        assert!(count > support::extent(120, 40), "{dialect}: {count} of {texts}");
     }
 }
 

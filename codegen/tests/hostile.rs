@@ -1,5 +1,5 @@
 //! Malicious input produces diagnostics or a model, in bounded time and memory. The tests don't measure time, but
-//! quadratic algorithms would not finish with these sizes.
+//! quadratic algorithms would not finish with the sizes of a thorough run.
 
 use crate::support;
 
@@ -10,13 +10,18 @@ use uavspec_codegen::emit::{docs, inspect, json_schema, vectors};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::Form;
 use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read, render};
+use uavspec_codegen::{Diagnostic, PackageInput, Schema, SourceMap, read, read_formats, render};
+
+use support::extent;
 
 const PX4: Form = Form::Msg(Dialect::Px4);
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
+/// A function that reads packages.
+type Read = fn(&SourceMap, &[PackageInput]) -> (Schema, Vec<Diagnostic>);
+
 /// Reads a package, renders the diagnostics, and emits the model unless there are errors.
-fn read_all(form: Form, files: &[(String, Vec<u8>)]) -> (Schema, Vec<Diagnostic>) {
+fn read_with(read: Read, form: Form, files: &[(String, Vec<u8>)]) -> (SourceMap, Schema, Vec<Diagnostic>) {
     let mut sources = SourceMap::default();
     let mut package = support::package("demo", form);
     let mut diagnostics = Vec::new();
@@ -32,6 +37,11 @@ fn read_all(form: Form, files: &[(String, Vec<u8>)]) -> (Schema, Vec<Diagnostic>
     if !has_errors(&diagnostics) {
         inspect::schema(&schema);
     }
+    (sources, schema, diagnostics)
+}
+
+fn read_all(form: Form, files: &[(String, Vec<u8>)]) -> (Schema, Vec<Diagnostic>) {
+    let (_, schema, diagnostics) = read_with(read, form, files);
     (schema, diagnostics)
 }
 
@@ -114,8 +124,9 @@ fn keywords_of_other_languages_are_valid_names() {
 
 #[test]
 fn reads_a_file_of_100_000_lines() {
+    let count = extent(20_000, 3_000);
     let mut text = String::new();
-    for line in 0..20_000 {
+    for line in 0..count {
         // Each line requires a lookup among all other lines.
         writeln!(text, "uint8 num_list{line}\nuint8[2] list{line}  # [@count num_list{line}]")
             .expect("a string");
@@ -123,22 +134,23 @@ fn reads_a_file_of_100_000_lines() {
             .expect("a string");
     }
     let (schema, diagnostics) = read_all(PX4, &[file("Glider", text)]);
-    assert_eq!(diagnostics.len(), 20_000, "each list is rejected as a count");
-    assert_eq!(schema.messages[0].fields.len(), 60_000);
+    assert_eq!(diagnostics.len(), count, "each list is rejected as a count");
+    assert_eq!(schema.messages[0].fields.len(), 3 * count);
     assert_eq!(schema.messages[0].enums.len(), 1, "all fields share one enum");
-    let comments = "uint8 a  # x\n".to_owned() + &"  # y\n".repeat(100_000);
+    let lines = 5 * count;
+    let comments = "uint8 a  # x\n".to_owned() + &"  # y\n".repeat(lines);
     let (schema, _) = read_all(PX4, &[file("Glider", comments)]);
-    assert_eq!(schema.messages[0].fields[0].description.len(), 200_001);
-    let topics: String = (0..100_000).map(|topic| format!("# TOPICS topic{topic}\n")).collect();
-    assert_eq!(read_all(PX4, &[file("Glider", topics)]).0.messages[0].topics.len(), 100_000);
-    let bad = codes(PX4, "uint8\n".repeat(100_000));
+    assert_eq!(schema.messages[0].fields[0].description.len(), 2 * lines + 1);
+    let topics: String = (0..lines).map(|topic| format!("# TOPICS topic{topic}\n")).collect();
+    assert_eq!(read_all(PX4, &[file("Glider", topics)]).0.messages[0].topics.len(), lines);
+    let bad = codes(PX4, "uint8\n".repeat(lines));
     assert!(bad.iter().all(|code| *code == "missing-name"));
     assert!(bad.len() < 2_000, "reading stops after too many invalid lines");
 }
 
-/// Repeats `text` up to one megabyte, or up to an eighth of a megabyte in a quick run.
+/// Repeats `text` up to one megabyte, or up to 16 kB in a quick run.
 fn megabyte(text: &str) -> String {
-    text.repeat(support::extent(1_000_000, 125_000) / text.len())
+    text.repeat(extent(1_000_000, 16_000) / text.len())
 }
 
 #[test]
@@ -157,8 +169,9 @@ fn reads_a_line_of_a_megabyte() {
         "[", "|", "(@", "[@", "[@range ", "(@x)", "[m]", "#", "\\\"", "=", "_", "a", "a ", "9", "-",
         "\u{feff}",
     ];
-    for body in bodies.map(megabyte) {
-        for (form, start) in starts {
+    for (number, body) in bodies.map(megabyte).into_iter().enumerate() {
+        // A quick run reads each line with every other start.
+        for (form, start) in starts.into_iter().skip(extent(0, number % 2)).step_by(extent(1, 2)) {
             read_all(form, &[file("Glider", format!("{start}{body}"))]);
         }
     }
@@ -180,25 +193,23 @@ fn deep_nesting_does_not_overflow_the_stack() {
             })
             .collect()
     };
-    let (schema, diagnostics) = read_all(PX4, &chain(1_000));
-    assert_eq!((schema.messages.len(), diagnostics.len()), (1_000, 0));
+    // The hash of a message covers all messages below it. A quick run reads the deepest messages without hashes, and
+    // emits fewer levels.
+    let (_, schema, diagnostics) = read_with(extent::<Read>(read, read_formats), PX4, &chain(1_001));
+    assert_eq!((schema.messages.len(), diagnostics.len()), (1_001, 0));
     assert_eq!(codes_of(PX4, &chain(1_002)), ["too-much-nesting"], "only the first message is reported");
-    assert_eq!(codes_of(PX4, &chain(20_000)), ["too-much-nesting"]);
-    let mut sources = SourceMap::default();
-    let mut package = support::package("demo", PX4);
-    for (path, bytes) in chain(1_001) {
-        package.sources.push(sources.add(path, bytes).expect("valid"));
-    }
-    let (schema, diagnostics) = read(&sources, &[package]);
+    let many = extent(20_000, 1_500);
+    assert_eq!(codes_of(PX4, &chain(many)), ["too-much-nesting"]);
+    let (sources, schema, diagnostics) = read_with(read, PX4, &chain(extent(1_001, 150)));
     assert!(diagnostics.is_empty(), "{:?}", diagnostics.first());
     emit_all(&schema, &sources);
-    let mut ring = chain(20_000);
-    ring[0] = file("Link0", "Link19999 part\n");
+    let mut ring = chain(many);
+    ring[0] = file("Link0", format!("Link{} part\n", many - 1));
     let (_, diagnostics) = read_all(PX4, &ring);
     assert_eq!(diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect::<Vec<_>>(), ["cycle"]);
     assert!(
         diagnostics[0].problem.to_string().len() < 1_000,
-        "the middle of a path of 20,000 messages is omitted"
+        "the middle of a path of thousands of messages is omitted"
     );
 }
 
@@ -232,7 +243,9 @@ fn limits_the_number_of_nested_fields_in_all_messages() {
     };
     let rest: String = (0..46).map(|field| format!("bool x{field}\n")).collect();
     let most = [levels.collect(), copies("Copy", 6), vec![file("Rest", rest)]].concat();
-    assert_eq!(codes_of(PX4, &most), [""; 0], "2^22 fields");
+    // A quick run reads them without hashes.
+    let (_, _, diagnostics) = read_with(extent::<Read>(read, read_formats), PX4, &most);
+    assert!(diagnostics.is_empty(), "2^22 fields: {:?}", diagnostics.first());
     assert_eq!(codes_of(PX4, &[most, copies("More", 3)].concat()), ["too-much-nesting"]);
 }
 
@@ -257,13 +270,8 @@ fn emit_all(schema: &Schema, sources: &SourceMap) {
 
 /// Reads a page and emits all outputs, in bounded time and memory.
 fn emit_page(files: &[(String, Vec<u8>)]) -> Vec<&'static str> {
-    let (schema, diagnostics) = read_all(Form::Table, files);
+    let (sources, schema, diagnostics) = read_with(read, Form::Table, files);
     if !has_errors(&diagnostics) {
-        let mut sources = SourceMap::default();
-        let mut package = support::package("demo", Form::Table);
-        for (path, bytes) in files {
-            package.sources.push(sources.add(path.as_str(), bytes.clone()).expect("valid"));
-        }
         emit_all(&schema, &sources);
     }
     diagnostics.iter().map(|diagnostic| diagnostic.problem.code()).collect()
@@ -278,20 +286,26 @@ fn deeply_nested_types_of_pages_need_bounded_stack_and_memory() {
         };
         objects((0..count).map(move |link| (format!("Link{link}"), row(link))))
     };
-    assert_eq!(emit_page(&chain(1_000, "|part|yes|string|x|\n")), [""; 0]);
-    assert_eq!(emit_page(&chain(1_000, "|part|no|Link999|x|\n")), [""; 0], "a cycle of optional fields");
+    let ring =
+        |count: usize, required: &str| chain(count, &format!("|part|{required}|Link{}|x|\n", count - 1));
+    // A quick run emits fewer levels than it reads.
+    assert_eq!(codes_of(Form::Table, &chain(1_000, "|part|yes|string|x|\n")), [""; 0]);
+    let levels = extent(1_000, 100);
+    assert_eq!(emit_page(&chain(levels, "|part|yes|string|x|\n")), [""; 0]);
+    assert_eq!(emit_page(&ring(levels, "no")), [""; 0], "a cycle of optional fields");
     assert_eq!(emit_page(&chain(1_001, "|part|yes|string|x|\n")), ["too-much-nesting"]);
-    assert_eq!(emit_page(&chain(20_000, "|part|no|Link19999|x|\n")), ["too-much-nesting"], "a long cycle");
-    assert_eq!(emit_page(&chain(10_000, "|part|yes|Link9999|x|\n")), ["endless-type"]);
-    let doubled = objects((0..64).map(|level: u32| {
+    assert_eq!(emit_page(&ring(extent(20_000, 1_200), "no")), ["too-much-nesting"], "a long cycle");
+    assert_eq!(emit_page(&ring(extent(10_000, 1_200), "yes")), ["endless-type"]);
+    let doubled = objects((0..extent(64, 24)).map(|level: u32| {
         let ty = level.checked_sub(1).map_or("string".to_owned(), |below| format!("Level{below}"));
         (format!("Level{level}"), format!("|a|yes|{ty}|x|\n|b|yes|list of {ty}|x|\n|c|no|{ty}|x|\n"))
     }));
     assert_eq!(emit_page(&doubled), [""; 0]);
-    let wide: String =
-        (0..5_000).map(|field| format!("|field{field}|no|list of integer|[@range 0, 9] x|\n")).collect();
+    let wide: String = (0..extent(5_000, 500))
+        .map(|field| format!("|field{field}|no|list of integer|[@range 0, 9] x|\n"))
+        .collect();
     assert_eq!(emit_page(&objects([("Wide".to_owned(), wide)].into_iter())), [""; 0]);
-    let names = (0..1_000).map(|link: u32| {
+    let names = (0..extent(1_000, 400)).map(|link: u32| {
         let below = link.checked_sub(1).map_or("string".to_owned(), |below| format!("Link{below}"));
         format!("## Link{link}\n\nnull or {below}\n\n")
     });
@@ -302,9 +316,10 @@ fn deeply_nested_types_of_pages_need_bounded_stack_and_memory() {
 #[test]
 fn reads_tables_of_types_in_linear_time() {
     let header = "|Field|Required|Type|Description|\n|-|-|-|-|\n";
-    for body in ["(", "list of ", "a or ", "a, ", "\"", "one of a, ", "[", "[@pattern ", "[@pattern [", "\\"]
-    {
-        let body = body.repeat((1 << 17) / body.len());
+    let bodies =
+        ["(", "list of ", "a or ", "a, ", "\"", "one of a, ", "[", "[@pattern ", "[@pattern [", "\\"];
+    for (number, body) in bodies.into_iter().enumerate() {
+        let body = body.repeat(extent(1 << 17, 1 << 14) / body.len());
         let pages = [
             format!("# Gliders\n\n## Mark\n\n{header}|a|yes|{body}|x|\n"),
             format!("# Gliders\n\n## Mark\n\n{header}|a|yes|string|{body}|\n"),
@@ -312,13 +327,15 @@ fn reads_tables_of_types_in_linear_time() {
             format!("# Gliders\n\n## Mark\n\nstring, {body}\n"),
             format!("# Gliders\n\n## {body}\n\n{header}"),
         ];
-        for page in pages {
-            for path in ["page.md", "page.adoc"] {
+        for (at, page) in pages.into_iter().enumerate() {
+            // A quick run reads each page in one of the formats.
+            let skipped = extent(0, (number + at) % 2);
+            for path in ["page.md", "page.adoc"].into_iter().skip(skipped).step_by(extent(1, 2)) {
                 read_all(Form::Table, &[(path.to_owned(), page.clone().into_bytes())]);
             }
         }
     }
-    let messages: String = (0..20_000)
+    let messages: String = (0..extent(20_000, 1_000))
         .map(|number| format!("## M-{number}\n\n### Request\n\nNo fields besides type.\n\nAnswer: M-{}\n\n### Response\n\nNo fields besides type.\n\n", number + 1))
         .collect();
     let files = [("messages.md".to_owned(), format!("# Messages\n\n{messages}").into_bytes())];
@@ -327,18 +344,29 @@ fn reads_tables_of_types_in_linear_time() {
 
 #[test]
 fn reports_thousands_of_unknown_types() {
-    let text: String = (0..5_000).map(|number| format!("Unknown{number} field{number}\n")).collect();
-    let known = (0..1_000).map(|number| file(&format!("Known{number}"), ""));
+    let count = extent(5_000, 1_000);
+    let text: String = (0..count).map(|number| format!("Unknown{number} field{number}\n")).collect();
+    let known = (0..count / 5).map(|number| file(&format!("Known{number}"), ""));
     let files: Vec<_> = known.chain([file("Glider", text)]).collect();
-    assert_eq!(codes_of(PX4, &files), vec!["unknown-type"; 5_000]);
+    assert_eq!(codes_of(PX4, &files), vec!["unknown-type"; count]);
     // Finding similar names takes time and memory proportional to the product of the lengths.
-    let long = "A".repeat(1_000_000);
+    let long = "A".repeat(extent(1_000_000, 200_000));
     let files = [file("Glider", format!("{long} a\n")), file(&format!("{long}A"), "")];
     assert_eq!(codes_of(PX4, &files), ["unknown-type"]);
 }
 
 /// A package: the name, the form, and the paths and texts of the sources.
 type NamedPackage = (&'static str, Form, Vec<(String, String)>);
+
+/// The definitions of this project that a quick run reads. They refer to no others.
+const FEW: [&str; 6] = [
+    "ArmingCheckReply.msg",
+    "Event.msg",
+    "UnregisterExtComponent.msg",
+    "ack.md",
+    "error-codes.md",
+    "timesync.md",
+];
 
 /// All outputs for `packages`, with the sources rotated by `turn`.
 fn emitted(packages: &[NamedPackage], turn: usize) -> Vec<String> {
@@ -383,7 +411,9 @@ fn the_order_of_sources_does_not_affect_outputs() {
         (path.file_name().expect("a name").to_string_lossy().into_owned(), text)
     };
     let of = |folder: &str, extension: &str| -> Vec<(String, String)> {
-        support::files_below(&definitions.join(folder), &[extension]).iter().map(text_of).collect()
+        let files = support::files_below(&definitions.join(folder), &[extension]);
+        let texts = files.iter().map(text_of);
+        texts.filter(|(name, _)| extent(true, FEW.contains(&name.as_str()))).collect()
     };
     let ros = [
         ("Point", "float64 x\nuint8 KIND_A=1\nuint8 KIND_B=1\nuint8 kind # [@enum KIND]\n"),
@@ -400,7 +430,7 @@ fn the_order_of_sources_does_not_affect_outputs() {
         ("zeta", ROS2, named(&zone)),
     ];
     let first = emitted(&packages, 0);
-    for turn in 1..8 {
+    for turn in (1..8).step_by(extent(1, 3)) {
         assert!(emitted(&packages, turn) == first, "the output differs for turn {turn}");
     }
 }

@@ -3,6 +3,7 @@
 mod graph;
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use graph::Imports;
 
@@ -47,21 +48,24 @@ const LAYERS: &[&[&str]] = &[
     &["span"],
 ];
 
+/// The imports of this crate.
+static IMPORTS: LazyLock<Imports> = LazyLock::new(|| Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))));
+
 #[test]
 fn modules_import_lower_layers_only() {
-    let found = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).upward(LAYERS);
+    let found = IMPORTS.upward(LAYERS);
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
 #[test]
 fn imports_between_files_have_no_cycles() {
-    let found = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).cycles();
+    let found = IMPORTS.cycles();
     assert!(found.is_empty(), "{}", found.join("\n"));
 }
 
 #[test]
 fn imports_between_modules_of_a_folder_have_no_cycles() {
-    let levels = Imports::read(Path::new(env!("CARGO_MANIFEST_DIR"))).between_siblings();
+    let levels = IMPORTS.between_siblings();
     let found: Vec<String> = levels.iter().flat_map(Imports::cycles).collect();
     assert!(found.is_empty(), "{}", found.join("\n"));
 }

@@ -747,7 +747,7 @@ fn check_instances(documents: &Documents, oracle: &str, is_expected: fn(&Validat
     let Some(path) = support::shared(oracle) else { return };
     let cases: Vec<Json> = serde_json::from_str(&fs::read_to_string(path).expect("an oracle")).expect("JSON");
     let mut validators = BTreeMap::new();
-    for case in &cases {
+    for case in cases.iter().step_by(support::extent(1, 4)) {
         let name = case["type"].as_str().expect("a type").replace("px4_msgs/", "px4/").replace("/msg/", "/");
         let validator = validators
             .entry(name.clone())
@@ -777,12 +777,12 @@ fn check_instances(documents: &Documents, oracle: &str, is_expected: fn(&Validat
 
 #[test]
 fn px4_of_the_corpus() {
-    for release in ["main", "1.16", "1.15"] {
+    for release in support::extent(&["main", "1.16", "1.15"][..], &["main"]) {
         let Some(folder) = support::shared(&format!("corpus/px4/{release}")) else { return };
         let (sources, schema, diagnostics) = support::px4(&folder);
         let documents = Documents::read(&sources, &schema, &diagnostics);
         check_documents(&documents);
-        if release == "main" {
+        if *release == "main" {
             // The instances are random. They respect types and lengths, but not ranges and counts.
             check_instances(&documents, "oracle/cdr/px4-main.json", |kind| {
                 use ValidationErrorKind::{AnyOf, Maximum, Minimum, OneOfNotValid};

@@ -11,6 +11,8 @@ use proptest::sample::select;
 use serde_json::json;
 use uavspec_codegen::generate;
 
+use crate::support::extent;
+
 /// Names that are paths, devices or keywords. `ROOT` is replaced with the absolute path of the test's folder.
 const NAMES: &[&str] = &[
     "",
@@ -163,10 +165,18 @@ proptest! {
 
 #[test]
 fn no_hostile_name_leaves_the_output_folder() {
-    for name in NAMES {
-        check(name, "mod.rs", &[], "Plain");
-        check("demo", name, &[], "Plain");
-        check("demo", "mod.rs", &[((*name).to_owned(), "msg"), ((*name).to_owned(), "srv")], name);
+    for (number, name) in NAMES.iter().enumerate() {
+        // A quick run uses every other name, in one of the three places.
+        let is_used = |place: usize| extent(true, number % 6 == 2 * place);
+        if is_used(0) {
+            check(name, "mod.rs", &[], "Plain");
+        }
+        if is_used(1) {
+            check("demo", name, &[], "Plain");
+        }
+        if is_used(2) {
+            check("demo", "mod.rs", &[((*name).to_owned(), "msg"), ((*name).to_owned(), "srv")], name);
+        }
     }
 }
 

@@ -46,7 +46,8 @@ fn emitted(folder: &str) -> Vec<OutputFile> {
 #[test]
 fn outputs_do_not_depend_on_the_folder_of_definitions() {
     let relative = emitted("");
-    for folder in ["definitions/", "../../here/", "/home/pilot/px4/", "/srv/build-17/", "C:\\px4\\"] {
+    let folders = ["definitions/", "../../here/", "/home/pilot/px4/", "/srv/build-17/", "C:\\px4\\"];
+    for folder in folders.into_iter().rev().step_by(support::extent(1, 3)) {
         let found = emitted(folder);
         assert_eq!(found.len(), relative.len());
         for (found, expected) in found.iter().zip(&relative) {

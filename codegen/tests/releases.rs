@@ -63,12 +63,12 @@ fn facts_keep_the_meaning_of_definitions() {
 #[test]
 fn facts_keep_the_meaning_of_all_releases() {
     let Some(folder) = support::shared("corpus/px4") else { return };
-    for release in subfolders(&folder) {
-        let (sources, schema, _) = support::px4(&release);
+    for release in subfolders(&folder).iter().step_by(support::extent(1, 4)) {
+        let (sources, schema, _) = support::px4(release);
         check(sources, &schema, Dialect::Px4);
     }
     let Some(folder) = support::shared("corpus/ros2-distros") else { return };
-    for release in subfolders(&folder) {
+    for release in subfolders(&folder).into_iter().rev().step_by(support::extent(1, 3)) {
         let inputs = [release];
         let loaded = uavspec_codegen::load::read_package("ros2", Form::Msg(Dialect::Ros2), &inputs)
             .expect("definitions");

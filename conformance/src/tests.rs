@@ -16,7 +16,7 @@ mod live_matrix;
 mod mcap;
 #[cfg(feature = "tables")]
 mod messages;
-mod mutants;
+pub(crate) mod mutants;
 mod outcomes;
 mod releases;
 mod report;

@@ -9,7 +9,7 @@ use uavspec_runtime::cdr::{ByteOrder, HEADER};
 use uavspec_runtime::layout::Size;
 
 use super::values::Draw;
-use crate::support;
+use crate::support::{self, extent};
 
 const ROS2: Form = Form::Msg(Dialect::Ros2);
 
@@ -60,7 +60,7 @@ fn does_not_trust_lengths() {
             let value = ty.from_json(&Draw(seed).message(&schema, message)).expect("a message");
             for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
                 let payload = value.to_cdr(order).expect("a payload");
-                for at in (0..payload.len().saturating_sub(3)).step_by(4) {
+                for at in (extent(0, HEADER)..payload.len().saturating_sub(3)).step_by(extent(4, 36)) {
                     for length in [u32::MAX, 1 << 31, 0x00ff_ffff, 7, 0] {
                         let mut payload = payload.clone();
                         let bytes = match order {
@@ -113,9 +113,11 @@ fn limits_the_number_of_empty_messages_to_the_payload_size() {
 
 #[test]
 fn does_not_allocate_large_types_for_small_payloads() {
+    let count = extent(4_000_000, 400_000);
+    let wide = format!("Byte[{count}] a\nstring b\n");
     let files = [
         ("Large.msg", "uint8[16000000] a\nstring b\n"),
-        ("Wide.msg", "Byte[4000000] a\nstring b\n"),
+        ("Wide.msg", wide.as_str()),
         ("Byte.msg", "uint8 a\n"),
     ];
     let (_, schema, diagnostics) = support::texts(ROS2, &files);
@@ -123,8 +125,8 @@ fn does_not_allocate_large_types_for_small_payloads() {
     let types = Types::new(&schema);
     let wide = types.find("demo", "Wide").expect("the type");
     let payload = wide.default().to_cdr(ByteOrder::LittleEndian).expect("a payload");
-    assert_eq!(payload.len(), HEADER + 4_000_000 + 5);
-    assert_eq!(wide.decode_cdr(&payload).expect("a message").size_in_memory(), 8 * (4_000_000 + 1));
+    assert_eq!(payload.len(), HEADER + count + 5);
+    assert_eq!(wide.decode_cdr(&payload).expect("a message").size_in_memory(), 8 * (count + 1));
     assert!(wide.decode_cdr(&[0, 1, 0, 0, 1, 2, 3]).is_err());
     let ty = types.find("demo", "Large").expect("the type");
     let error = ty.decode_cdr(&[0, 1, 0, 0, 1, 2, 3]).expect_err("refused");

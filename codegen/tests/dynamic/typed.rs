@@ -1,5 +1,7 @@
 //! Comparison of generated types with types created at run time, for the same bytes and the same JSON.
 
+use std::sync::LazyLock;
+
 use proptest::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -83,15 +85,19 @@ macro_rules! message {
 
 message!(Empty Leaf Tree);
 
-fn px4() -> Schema {
+static PX4: LazyLock<(Schema, Types)> = LazyLock::new(|| {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../definitions/px4");
-    support::px4(&folder).1
-}
+    let schema = support::px4(&folder).1;
+    let types = Types::new(&schema);
+    (schema, types)
+});
 
-fn trees() -> Schema {
+static TREES: LazyLock<(Schema, Types)> = LazyLock::new(|| {
     let files = [("Tree.msg", TREE), ("Leaf.msg", LEAF), ("Empty.msg", "")];
-    support::texts(Form::Msg(Dialect::Ros2), &files).1
-}
+    let schema = support::texts(Form::Msg(Dialect::Ros2), &files).1;
+    let types = Types::new(&schema);
+    (schema, types)
+});
 
 /// The JSON text and the violations of a message, or the error.
 type Outcome = Result<(Option<String>, Vec<String>), String>;
@@ -243,10 +249,9 @@ fn check_places(payload: &[u8], json: &str, read: impl Fn(&[u8]) -> String) {
 #[test]
 fn reads_payloads_at_any_alignment() {
     let text = |message: DynamicView<'_>| message.to_json_text().expect("JSON");
-    for schema in [px4(), trees()] {
-        let types = Types::new(&schema);
+    for (schema, types) in [&*PX4, &*TREES] {
         for (ty, message) in types.iter().zip(&schema.messages) {
-            let value = ty.from_json(&Draw(3).message(&schema, message)).expect("a message");
+            let value = ty.from_json(&Draw(3).message(schema, message)).expect("a message");
             let json = text(value.view());
             for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
                 let payload = value.to_cdr(order).expect("a payload");
@@ -270,12 +275,11 @@ proptest! {
 
     #[test]
     fn both_agree_on_trees(seed: u64) {
-        let schema = trees();
-        let types = Types::new(&schema);
+        let (schema, types) = &*TREES;
         let ty = types.find("demo", "Tree").expect("the type");
         let message = schema.messages.iter().find(|message| message.name == "Tree").expect("the message");
         let mut draw = Draw(seed);
-        let json = draw.message(&schema, message);
+        let json = draw.message(schema, message);
         let value = ty.from_json(&json).expect("a message");
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
             let mut payload = value.to_cdr(order).expect("a payload");
@@ -299,15 +303,14 @@ proptest! {
 
     #[test]
     fn both_agree_on_our_definitions(seed: u64) {
-        let schema = px4();
-        let types = Types::new(&schema);
-        agree::<ArmingCheckReply>(&types, &schema, seed)?;
-        agree::<ArmingCheckRequest>(&types, &schema, seed)?;
-        agree::<BatteryStatus>(&types, &schema, seed)?;
-        agree::<Event>(&types, &schema, seed)?;
-        agree::<FailsafeFlags>(&types, &schema, seed)?;
-        agree::<RegisterExtComponentReply>(&types, &schema, seed)?;
-        agree::<RegisterExtComponentRequest>(&types, &schema, seed)?;
-        agree::<UnregisterExtComponent>(&types, &schema, seed)?;
+        let (schema, types) = &*PX4;
+        agree::<ArmingCheckReply>(types, schema, seed)?;
+        agree::<ArmingCheckRequest>(types, schema, seed)?;
+        agree::<BatteryStatus>(types, schema, seed)?;
+        agree::<Event>(types, schema, seed)?;
+        agree::<FailsafeFlags>(types, schema, seed)?;
+        agree::<RegisterExtComponentReply>(types, schema, seed)?;
+        agree::<RegisterExtComponentRequest>(types, schema, seed)?;
+        agree::<UnregisterExtComponent>(types, schema, seed)?;
     }
 }

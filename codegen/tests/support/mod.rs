@@ -36,10 +36,11 @@ pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
-/// The configuration of a property test with this number of cases, or a quarter of this number in a quick run. Proptest
-/// doesn't save failing cases to files, because developers turn each of them into a test or a fixture.
+/// The configuration of a property test with this number of cases. A quick run tries a sixteenth of them, but at least
+/// 16. Proptest doesn't save failing cases to files, because developers turn each of them into a test or a fixture.
 pub(crate) fn config(cases: u32) -> Config {
-    Config { failure_persistence: None, cases: extent(cases, cases / 4), ..Config::default() }
+    let quick = (cases / 16).max(16).min(cases);
+    Config { failure_persistence: None, cases: extent(cases, quick), ..Config::default() }
 }
 
 /// Like `config`, with a multiple of the default number of cases. `PROPTEST_CASES` sets the default.

@@ -1,11 +1,16 @@
 //! Tests of explanations by the releases in the program.
 
+use std::sync::LazyLock;
+
 use serde_json::{Value, json};
 
 use super::answer::Explanation;
 use super::{Unknown, explain, to_text};
 use crate::definitions::Library;
 use crate::report::schema::{Published, errors};
+use crate::tests::support::extent;
+
+static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
 const EXPLANATION: Published = Published { title: "Explanation", file: "explanation" };
 
@@ -18,8 +23,7 @@ fn answers(library: &Library, word: &str, release: Option<&str>) -> Result<Value
 
 /// The only answer about a word.
 fn answer(word: &str) -> Value {
-    let mut answers =
-        answers(&Library::built_in(), word, None).unwrap_or_else(|unknown| panic!("{unknown:?}"));
+    let mut answers = answers(&LIBRARY, word, None).unwrap_or_else(|unknown| panic!("{unknown:?}"));
     assert_eq!(answers.as_array().map(Vec::len), Some(1), "{answers}");
     answers[0].take()
 }
@@ -35,7 +39,7 @@ fn meaning(word: &str) -> (Vec<String>, Vec<String>) {
 }
 
 fn help(word: &str) -> String {
-    answers(&Library::built_in(), word, None).expect_err("an unknown word").help
+    answers(&LIBRARY, word, None).expect_err("an unknown word").help
 }
 
 #[test]
@@ -58,7 +62,7 @@ fn error_codes_have_meaning_class_and_alternatives() {
         code["alternatives"].as_array().expect("a list").iter().map(|code| &code["code"]).collect();
     assert_eq!(alternatives, [&json!(66), &json!(199)]);
     assert_eq!(code["see_also"], json!([]));
-    let all = answers(&Library::built_in(), "lowbat", None).expect("error codes");
+    let all = answers(&LIBRARY, "lowbat", None).expect("error codes");
     let codes: Vec<&Value> = all.as_array().expect("a list").iter().map(|code| &code["code"]).collect();
     assert_eq!(codes, [&json!(66), &json!(134), &json!(199)]);
     let undefined = answer("40000");
@@ -76,7 +80,7 @@ fn names_of_all_forms_denote_a_message() {
         "px4_msgs/VehicleStatus",
         "px4_msgs/msg/VehicleStatus",
     ];
-    for word in words {
+    for word in words.into_iter().step_by(extent(1, 5)) {
         assert_eq!(answer(word)["name"], "px4_msgs/msg/VehicleStatus", "{word}");
     }
     let imu = answer("sensor_msgs/msg/Imu");
@@ -84,7 +88,7 @@ fn names_of_all_forms_denote_a_message() {
         (&imu["release"], &imu["releases"]),
         (&json!("ros2@jazzy"), &json!(["ros2@humble", "ros2@jazzy", "ros2@rolling"]))
     );
-    let both = answers(&Library::built_in(), "VehicleCommand", None).expect("a message and a service");
+    let both = answers(&LIBRARY, "VehicleCommand", None).expect("a message and a service");
     let names: Vec<&Value> = both.as_array().expect("a list").iter().map(|found| &found["name"]).collect();
     assert_eq!(names, ["px4_msgs/msg/VehicleCommand", "px4_msgs/srv/VehicleCommand"]);
 }
@@ -110,7 +114,7 @@ fn values_denote_constants_and_bits() {
         ("battery_status.remaining=1.5", &[], &["invalid: outside the range 0 to 1"]),
         ("battery_status.remaining=-1", &[], &["no data"]),
     ];
-    for (word, names, notes) in cases {
+    for (word, names, notes) in cases.into_iter().step_by(extent(1, 7)) {
         let found = meaning(word);
         assert_eq!((found.0, found.1), (strings(names), strings(notes)), "{word}");
     }
@@ -130,8 +134,11 @@ fn a_value_may_have_another_meaning_in_other_releases() {
     ]);
     assert_eq!(names("vehicle_status.nav_state=7"), expected);
     assert_eq!(names("mode_req_mission=0x80"), expected);
-    let library = Library::built_in();
-    let old = answers(&library, "vehicle_status.nav_state=7", Some("px4@1.15")).expect("a value");
+}
+
+#[test]
+fn a_value_has_its_meaning_in_a_chosen_release() {
+    let old = answers(&LIBRARY, "vehicle_status.nav_state=7", Some("px4@1.15")).expect("a value");
     assert_eq!(old[0]["asked"]["meaning"][0]["name"], "NAVIGATION_STATE_FREE5");
     assert_eq!((&old[0]["release"], &old[0]["releases"]), (&json!("px4@1.15"), &json!(["px4@1.15"])));
     assert_eq!(old[0]["history"], json!([]));
@@ -164,6 +171,10 @@ fn fields_have_a_unit_a_range_and_documentation() {
     assert!(field["description"].as_str().is_some_and(|text| text.starts_with("State of charge")), "{field}");
     let nested = answer("arming_check_reply.events[0].id");
     assert_eq!((&nested["message"], &nested["type"]), (&json!("px4_msgs/msg/Event"), &json!("uint32")));
+}
+
+#[test]
+fn constants_have_documentation_and_parameters() {
     let renamed = answer("failsafe_flags.battery_warning=2");
     let description = renamed["asked"]["meaning"][0]["description"].as_str();
     assert!(
@@ -180,29 +191,35 @@ fn fields_have_a_unit_a_range_and_documentation() {
 
 #[test]
 fn constants_are_inferred_only_if_the_names_agree() {
-    let values = |word: &str| answer(word).get("values").map(|values| values["flags"] == true);
-    assert_eq!(values("vehicle_status.arming_state"), Some(false));
-    assert_eq!(values("vehicle_status.latest_arming_reason"), Some(false));
-    assert_eq!(values("estimator_status.gps_check_fail_flags"), Some(true));
-    // The constants below these fields belong to other fields.
-    assert_eq!(values("vehicle_local_position.dist_bottom_reset_counter"), None);
-    assert_eq!(values("system_power.usb_valid"), None);
-    // The constants are indices of the array.
-    assert_eq!(values("rc_channels.function"), None);
+    let cases = [
+        ("vehicle_status.arming_state", Some(false)),
+        ("vehicle_status.latest_arming_reason", Some(false)),
+        ("estimator_status.gps_check_fail_flags", Some(true)),
+        // The constants below these fields belong to other fields.
+        ("vehicle_local_position.dist_bottom_reset_counter", None),
+        ("system_power.usb_valid", None),
+        // The constants are indices of the array.
+        ("rc_channels.function", None),
+    ];
+    for (word, expected) in cases.into_iter().step_by(extent(1, 3)) {
+        let values = answer(word).get("values").map(|values| values["flags"] == true);
+        assert_eq!(values, expected, "{word}");
+    }
 }
 
 #[test]
 fn hashes_denote_definitions_and_releases() {
-    let library = Library::built_in();
-    for row in library.index().rows().iter().filter(|row| row.name == "px4_msgs/msg/VehicleStatus") {
-        let labels: Vec<String> = row.releases.iter().map(|release| library.index().label(release)).collect();
+    let index = LIBRARY.index();
+    let rows = index.rows().iter().filter(|row| row.name == "px4_msgs/msg/VehicleStatus");
+    for row in rows.step_by(extent(1, 3)) {
+        let labels: Vec<String> = row.releases.iter().map(|release| index.label(release)).collect();
         for word in [format!("{:08x}", row.hash), format!("0x{:08X}", row.hash), row.type_hash.clone()] {
-            let found = answers(&library, &word, None).expect("a hash");
+            let found = answers(&LIBRARY, &word, None).expect("a hash");
             assert_eq!(found[0]["definitions"][0]["name"], row.name, "{word}");
             assert_eq!(found[0]["definitions"][0]["releases"], json!(labels), "{word}");
         }
     }
-    assert!(answers(&library, "0x00000000", None).is_err());
+    assert!(answers(&LIBRARY, "0x00000000", None).is_err());
 }
 
 #[test]
@@ -212,7 +229,7 @@ fn names_in_several_messages_are_listed() {
     assert_eq!((&found["kind"], &found["candidates"]), (&json!("candidates"), &expected));
     // Both fields can have this value.
     assert_eq!(answer("mode_req_mission=1")["kind"], "candidates");
-    let text = to_text(&explain(&Library::built_in(), "timestamp", None).expect("a field"));
+    let text = to_text(&explain(&LIBRARY, "timestamp", None).expect("a field"));
     assert!(text.contains("more; --format json lists all"), "{text}");
 }
 
@@ -228,14 +245,13 @@ fn similar_names_are_suggested() {
         ("PX-RANGE-99", "did you mean PX-RANGE-01?"),
         ("failsafe_flags.geofence_breached=2", "run `uavspec explain failsafe_flags.geofence_breached`"),
     ];
-    for (word, expected) in cases {
+    for (word, expected) in cases.into_iter().step_by(extent(1, 3)) {
         assert_eq!(help(word), expected, "{word}");
     }
 }
 
 #[test]
 fn hostile_words_are_unknown_and_escaped() {
-    let library = Library::built_in();
     let long = "x".repeat(100_000);
     let words = [
         "",
@@ -264,8 +280,8 @@ fn hostile_words_are_unknown_and_escaped() {
         "é\u{202e}x.\u{7}=\0",
         &long,
     ];
-    for word in words {
-        let unknown = answers(&library, word, None).expect_err(word);
+    for word in words.into_iter().step_by(extent(1, 7)) {
+        let unknown = answers(&LIBRARY, word, None).expect_err(word);
         let text = format!("{}{}", unknown.problem, unknown.help);
         assert!(text.len() < 2_000 && !text.contains(char::is_control), "{text:?}");
     }
@@ -273,11 +289,10 @@ fn hostile_words_are_unknown_and_escaped() {
 
 #[test]
 fn texts_fit_a_terminal() {
-    let library = Library::built_in();
-    for word in
-        ["134", "vehicle_status.nav_state=7", "VEHICLE_CMD_NAV_TAKEOFF", "failsafe_flags", "timestamp"]
-    {
-        let text = to_text(&explain(&library, word, None).expect("an explanation"));
+    let words =
+        ["134", "vehicle_status.nav_state=7", "VEHICLE_CMD_NAV_TAKEOFF", "failsafe_flags", "timestamp"];
+    for word in words.into_iter().step_by(extent(1, 2)) {
+        let text = to_text(&explain(&LIBRARY, word, None).expect("an explanation"));
         let is_long = |line: &&str| line.chars().count() > 80 && !line.contains("RIHS01_");
         assert_eq!(text.lines().find(is_long), None, "{word}");
     }
@@ -290,9 +305,8 @@ fn the_published_schema_is_up_to_date_and_described() {
 
 #[test]
 fn all_kinds_of_answers_match_the_schema() {
-    let library = Library::built_in();
     let schema = EXPLANATION.schema::<Explanation>();
-    for word in [
+    let words = [
         "FW-ENV-07",
         "134",
         "VehicleStatus",
@@ -303,8 +317,9 @@ fn all_kinds_of_answers_match_the_schema() {
         "VEHICLE_CMD_NAV_TAKEOFF",
         "timestamp",
         "a492864e",
-    ] {
-        let explanation = explain(&library, word, None).unwrap_or_else(|unknown| panic!("{unknown:?}"));
+    ];
+    for word in words.into_iter().step_by(extent(1, 4)) {
+        let explanation = explain(&LIBRARY, word, None).unwrap_or_else(|unknown| panic!("{unknown:?}"));
         let mut value = serde_json::to_value(&explanation).expect("JSON");
         assert_eq!(errors(&schema, &value), Vec::<String>::new(), "{word}");
         value["answers"][0]["kind"] = json!("riddle");

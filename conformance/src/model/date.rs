@@ -95,14 +95,18 @@ impl fmt::Display for Date {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tests::support::extent;
 
     #[test]
     fn each_day_from_1970_to_9999_follows_the_previous_one() {
         let mut expected = Date { year: 1970, month: 1, day: 1 };
+        let step = extent(1, 7);
         for day in 0..END / DAY {
-            assert_eq!(Date::at(day * DAY), Some(expected));
-            assert_eq!(Date::at(day * DAY + DAY - 1), Some(expected));
-            assert_eq!(expected.start(), Some(day * DAY));
+            if day.is_multiple_of(step) {
+                assert_eq!(Date::at(day * DAY), Some(expected));
+                assert_eq!(Date::at(day * DAY + DAY - 1), Some(expected));
+                assert_eq!(expected.start(), Some(day * DAY));
+            }
             expected = after(expected);
         }
         assert_eq!(expected, Date { year: 10_000, month: 1, day: 1 });

@@ -97,6 +97,7 @@ impl Report {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use std::sync::LazyLock;
     use std::time::Duration;
 
     use clap::ValueEnum as _;
@@ -105,13 +106,24 @@ pub(crate) mod tests {
     use crate::check::check_capture;
     use crate::definitions::Definitions;
     use crate::report::{CheckedCapture, Settings, Unreadable};
-    use crate::rules::mutants;
+    use crate::rules::Mutant;
     use crate::rules::sample::Flight;
+    use crate::tests::mutants::tested_mutants;
+    use crate::tests::support::extent;
 
-    /// Captures that violate all rules of PX4, and captures that conform.
+    /// Captures that violate all rules.
+    #[cfg(feature = "tables")]
     pub(crate) fn subjects(definitions: &Definitions) -> Vec<Subject> {
+        subjects_of(crate::rules::mutants(), definitions)
+    }
+
+    /// Captures that violate the tested rules.
+    static SUBJECTS: LazyLock<Vec<Subject>> =
+        LazyLock::new(|| subjects_of(tested_mutants(&[]), &Definitions::built_in()));
+
+    fn subjects_of(mutants: impl Iterator<Item = Mutant>, definitions: &Definitions) -> Vec<Subject> {
         let flight = Flight::new(definitions);
-        let sources = mutants().flat_map(|mutant| mutant.captures(&flight));
+        let sources = mutants.flat_map(|mutant| mutant.captures(&flight));
         let subject = |(path, bytes): (String, Vec<u8>)| {
             let result = check_capture(&bytes[..], None, definitions).expect("bytes can be read");
             let checked = CheckedCapture::new(path, result, Duration::from_millis(7));
@@ -123,7 +135,7 @@ pub(crate) mod tests {
     #[test]
     fn dropped_subjects_appear_in_all_reports() {
         let definitions = Definitions::built_in();
-        let subjects = subjects(&definitions);
+        let subjects = &*SUBJECTS;
         let kinds = Kind::value_variants();
         for number in [0, 1, 2, subjects.len()] {
             let subjects = &subjects[..number];
@@ -160,9 +172,8 @@ pub(crate) mod tests {
         let absent = folder.path().join("absent");
         let kinds = [(Kind::Json, Some(absent.as_path())), (Kind::Short, None)];
         let mut stream = Stream::new(Action::Check, String::new(), kinds);
-        let subjects = subjects(&definitions);
         // More than fits into memory.
-        for subject in subjects.iter().cycle().take(40 * subjects.len()) {
+        for subject in SUBJECTS.iter().cycle().take(extent(40 * SUBJECTS.len(), 600)) {
             stream.add(subject.clone());
         }
         let totals = stream.finish();

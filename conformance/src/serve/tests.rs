@@ -18,7 +18,7 @@ use crate::rules::flockwave::{
     FlockwaveRule, RULES, ack_06, env_25, env_27, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04,
     udp_01, udp_02, udp_03,
 };
-use crate::tests::support::wait_for;
+use crate::tests::support::{extent, wait_for};
 
 /// Rules whose bug can't be observed by a single client that sends one request at a time. `tests/live_matrix.rs` covers
 /// the bugs of transports and concurrent requests. Another test in this file covers the login bug.
@@ -263,9 +263,12 @@ fn sends_the_same_messages_for_the_same_calls() {
 #[test]
 fn every_bug_changes_the_messages() {
     let correct = transcript(None);
-    let hidden = RULES.iter().filter(|rule| transcript(Some(rule)) == correct);
+    let step = extent(1, 5);
+    let hidden = RULES.iter().step_by(step).filter(|rule| transcript(Some(rule)) == correct);
     let hidden: Vec<&str> = hidden.map(|rule| rule.rule.id).collect();
-    assert_eq!(hidden, NOT_OBSERVABLE.map(|rule| rule.id));
+    let is_hidden = |id: &&str| NOT_OBSERVABLE.iter().any(|rule| rule.id == *id);
+    let expected = RULES.iter().step_by(step).map(|rule| rule.rule.id).filter(is_hidden);
+    assert_eq!(hidden, expected.collect::<Vec<&str>>());
 }
 
 #[test]
@@ -479,6 +482,8 @@ fn body() -> impl Strategy<Value = Value> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(extent(256, 48)))]
+
     #[test]
     fn answers_each_request_once(
         bodies in prop::collection::vec(body(), 1..12),

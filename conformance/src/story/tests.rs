@@ -7,6 +7,7 @@ use uavspec_codegen::translation::Translations;
 
 use super::*;
 use crate::rules::sample::{Encoding, Flight, PERIOD, START};
+use crate::tests::support::extent;
 
 const REQUIRED: &str = "mode_req_attitude";
 const FLAG: &str = "attitude_invalid";
@@ -345,7 +346,7 @@ fn tells_the_errors_and_modes_of_a_session() {
 
 #[test]
 fn bounds_the_memory_for_hostile_sessions() {
-    let lines = (0..3_000).map(|number| {
+    let lines = (0..extent(3_000, 1_700)).map(|number| {
         let status = json!({ format!("uav {number}"): { "errors": [number], "mode": "x".repeat(500) } });
         let body = json!({ "type": "UAV-INF", "status": status });
         json!({ "$fw.version": "1.0", "id": "a", "body": body }).to_string()
@@ -353,7 +354,7 @@ fn bounds_the_memory_for_hostile_sessions() {
     let text = lines.collect::<Vec<_>>().join("\n");
     let story = story(text.as_bytes(), &Definitions::built_in());
     assert!(story.lanes.len() <= 2_000, "{}", story.lanes.len());
-    assert!(story.values_without_lane > 1_000, "{}", story.values_without_lane);
+    assert!(story.values_without_lane > extent(1_000, 500), "{}", story.values_without_lane);
     let longest = story.lanes.iter().flat_map(|lane| &lane.values).flat_map(|value| &value.parts);
     assert!(longest.map(|part| part.name.len()).max().is_some_and(|length| length < 200));
 }

@@ -412,15 +412,43 @@ fn from_hex(text: &str) -> Option<Vec<u8>> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use std::collections::BTreeSet;
+    use std::sync::LazyLock;
+
+    use uavspec_codegen::schema::MessageId;
 
     use super::*;
+    use crate::tests::support::extent;
+
+    /// The PX4 messages that always have cases.
+    const MESSAGES: [&str; 3] = ["BatteryStatus", "Event", "RegisterExtComponentRequest"];
+
+    /// The built-in definitions. In quick mode, many types have no cases.
+    pub(crate) static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(|| {
+        let mut definitions = Definitions::built_in();
+        if extent(true, false) {
+            return definitions;
+        }
+        let schema = &definitions.schema;
+        let messages = schema.packages.iter().flat_map(|package| &package.messages).copied();
+        let kept: BTreeSet<MessageId> =
+            messages.filter(|id| MESSAGES.contains(&schema.message(*id).name.as_str())).collect();
+        for package in &mut definitions.schema.packages {
+            package.messages.retain(|id| kept.contains(id));
+            package.json_types = package.json_types.iter().copied().step_by(8).collect();
+            package.json_messages = package.json_messages.iter().copied().step_by(8).collect();
+        }
+        definitions
+    });
+
+    /// The cases of these definitions.
+    pub(crate) static CASES: LazyLock<Vec<Case>> =
+        LazyLock::new(|| cases(&DEFINITIONS, &Types::new(&DEFINITIONS.schema)));
 
     #[test]
     fn makes_cases_of_all_vectors() {
-        let definitions = Definitions::built_in();
-        let cases = cases(&definitions, &Types::new(&definitions.schema));
+        let cases = &*CASES;
         let names: BTreeSet<String> = cases.iter().map(Case::name).collect();
         assert_eq!(names.len(), cases.len());
         for op in Op::ALL {
@@ -460,9 +488,8 @@ mod tests {
         let [padded, both]: [&[u8]; 2] = [&[0, 1, 0, 0, 7, 0, 0, 0], &[0, 1, 0, 3, 7, 0, 0, 0]];
         assert_eq!(padded_cdr(plain), [padded, both, counted]);
         assert!(padded_cdr(padded).is_empty());
-        let definitions = Definitions::built_in();
         let (mut num_plain, mut num_padded) = (0, 0);
-        for case in cases(&definitions, definitions.types()) {
+        for case in &*CASES {
             let ExpectedResponse::Bytes(right) = &case.expected.ok else { continue };
             if case.format == Some(Format::Cdr) {
                 // Messages show the first form.
@@ -477,13 +504,11 @@ mod tests {
 
     #[test]
     fn makes_cases_with_infinities() {
-        let definitions = Definitions::built_in();
-        let cases = cases(&definitions, definitions.types());
         for (name, bytes, float) in [
             ("decode-uorb/px4/BatteryStatus/voltage_v-inf", [0_u8, 0, 0x80, 0x7f], "inf"),
             ("decode-cdr/px4/BatteryStatus/voltage_v-minus-inf", [0, 0, 0x80, 0xff], "-inf"),
         ] {
-            let case = cases.iter().find(|case| case.name() == name).expect(name);
+            let case = CASES.iter().find(|case| case.name() == name).expect(name);
             let Input::Bytes(payload) = &case.input else { panic!("{case:?}") };
             assert!(payload.windows(4).any(|window| window == bytes), "{payload:?}");
             let ExpectedResponse::Message(message) = &case.expected.ok else { panic!("{case:?}") };

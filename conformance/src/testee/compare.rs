@@ -265,7 +265,8 @@ mod tests {
 
     use super::*;
     use crate::definitions::Definitions;
-    use crate::testee::case::{Expected, cases};
+    use crate::testee::case::Expected;
+    use crate::testee::case::tests::{CASES, DEFINITIONS};
     use crate::testee::protocol::Format;
     use crate::testee::wire::{to_base64, to_wire};
 
@@ -314,13 +315,11 @@ mod tests {
 
     #[test]
     fn accepts_any_bits_of_an_encoded_nan() {
-        let definitions = Definitions::built_in();
-        let types = definitions.types();
-        let cases = cases(&definitions, types);
+        let types = DEFINITIONS.types();
         for format in ["uorb", "cdr"] {
             let find = |op: &str| {
                 let name = format!("{op}-{format}/px4/BatteryStatus/average_power-nan");
-                cases.iter().find(|case| case.name() == name).expect("a case")
+                CASES.iter().find(|case| case.name() == name).expect("a case")
             };
             let (encode, roundtrip) = (find("encode"), find("roundtrip"));
             let ExpectedResponse::Bytes(right) = &encode.expected.ok else { panic!("{encode:?}") };

@@ -6,35 +6,106 @@ mod releases;
 mod schema;
 mod ulog;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
-use std::sync::{Arc, LazyLock};
+use std::sync::{Arc, LazyLock, Mutex, OnceLock, PoisonError};
 
 use tempfile::TempDir;
 
 use crate::check::{Checked, check_path, open_path};
 use crate::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
-use crate::definitions::Library;
+use crate::definitions::{Definitions, Library};
 use crate::rules::sample::{Bag, Flight};
+use crate::tests::support::extent;
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
-fn release(label: &str) -> Library {
-    Library::release(label).expect("a release")
+/// A release with a short flight. Both are created when a test needs them.
+struct Release {
+    library: Library,
+    flight: OnceLock<Flight<'static>>,
+}
+
+static RELEASES: LazyLock<BTreeMap<String, Release>> = LazyLock::new(|| {
+    let index = LIBRARY.index();
+    let labels = index.releases().map(|release| index.label(release));
+    let releases = labels.map(|label| {
+        let library = Library::release(&label).expect("a release");
+        (label, Release { library, flight: OnceLock::new() })
+    });
+    releases.collect()
+});
+
+fn release(label: &str) -> &'static Library {
+    &RELEASES[label].library
 }
 
 /// A short flight with all topics of a release.
+fn short_flight(label: &str) -> &'static Flight<'static> {
+    let Release { library, flight } = &RELEASES[label];
+    flight.get_or_init(move || {
+        let mut flight = Flight::new(library.base());
+        flight.messages.truncate(2 * flight.topics.len());
+        flight
+    })
+}
+
+/// The recording of a short flight with all topics of a release.
 fn flight(label: &str) -> Bag {
-    let library = release(label);
-    let mut flight = Flight::new(library.base());
-    flight.messages.truncate(2 * flight.topics.len());
-    flight.bag()
+    short_flight(label).bag()
+}
+
+/// A short flight with the topics of a release that are selected by their index and name. The topics of external
+/// components stay together, because rules compare them.
+fn flight_with(label: &str, is_selected: impl Fn(usize, &str) -> bool) -> Flight<'static> {
+    let mut flight = short_flight(label).clone();
+    let names = flight.topics.iter().map(|topic| topic.name.as_str()).enumerate();
+    let is_kept = |at: usize, name: &str| {
+        is_selected(at, name) || name.starts_with("arming_check_") || name.contains("register_ext_component")
+    };
+    let kept: Vec<usize> = names.filter(|(at, name)| is_kept(*at, name)).map(|(at, _)| at).collect();
+    flight.topics = kept.iter().map(|at| flight.topics[*at].clone()).collect();
+    let place = |topic: usize| kept.binary_search(&topic);
+    flight.messages.retain(|sent| place(sent.topic).is_ok());
+    for sent in &mut flight.messages {
+        sent.topic = place(sent.topic).expect("a topic");
+    }
+    flight
+}
+
+/// A short flight. In quick mode, it has only every fourth topic, which is enough to recognize the release.
+fn sample(label: &str) -> Flight<'static> {
+    flight_with(label, |at, _| (at + 1).is_multiple_of(extent(1, 4)))
 }
 
 /// Converts a capture. Returns the report and the output.
 fn converted(bytes: &[u8], to: &str, settings: Settings) -> (ConversionReport, Vec<u8>) {
     try_converted(bytes, &LIBRARY, to, settings).expect("a conversion")
+}
+
+/// A plan, and what it depends on: the definitions of the capture, the name of the library, and the target release.
+type KnownPlan = (Arc<Definitions>, String, String, Arc<Plan>);
+
+/// The plan of a conversion. Creating it takes longer than the conversion of a small capture, so the tests share the
+/// latest plans.
+fn plan(source: &Arc<Definitions>, library: &Library, to: &str) -> Arc<Plan> {
+    static PLANS: Mutex<Vec<KnownPlan>> = Mutex::new(Vec::new());
+    let plans = || PLANS.lock().unwrap_or_else(PoisonError::into_inner);
+    let is_known = |(definitions, name, target, _): &&KnownPlan| {
+        Arc::ptr_eq(definitions, source) && name == library.name() && target == to
+    };
+    if let Some((.., plan)) = plans().iter().find(is_known) {
+        return Arc::clone(plan);
+    }
+    let plan = Arc::new(Plan::new(Arc::clone(source), library, release(to), None).expect("a plan"));
+    let mut plans = plans();
+    if plans.len() >= 20 {
+        plans.remove(0);
+    }
+    plans.push((Arc::clone(source), library.name().to_owned(), to.to_owned(), Arc::clone(&plan)));
+    plan
 }
 
 /// Converts a capture of the library's releases.
@@ -48,7 +119,7 @@ fn try_converted(
     let path = folder.path().join("in");
     fs::write(&path, bytes).expect("a file");
     let opened = open_path(&path, library, &|input| input).expect("a file").expect("a capture");
-    let plan = Plan::new(Arc::clone(&opened.definitions), library, &release(to), None).expect("a plan");
+    let plan = plan(&opened.definitions, library, to);
     let mut output = Vec::new();
     let report = convert((&path, opened), &plan, settings, &mut output)?;
     Ok((report, output))
@@ -67,9 +138,10 @@ fn checked_against(bytes: &[u8], library: &Library) -> Checked {
 
 #[test]
 fn converted_bags_agree_with_the_target_release() {
-    for (from, to) in [("1.16", "1.17"), ("1.17", "1.16"), ("1.13", "1.18"), ("main", "1.14")] {
+    let pairs = [("1.16", "1.17"), ("1.17", "1.16"), ("1.13", "1.18"), ("main", "1.14")];
+    for (from, to) in pairs.into_iter().step_by(extent(1, 2)) {
         let (from, to) = (format!("px4@{from}"), format!("px4@{to}"));
-        let bag = flight(&from);
+        let bag = sample(&from).bag();
         let (report, output) = converted(&bag.to_bytes(), &to, Settings::default());
         assert!(report.is_complete(), "{:?}", report.problems);
         assert_eq!((report.from.as_slice(), report.to.as_str()), ([from.clone()].as_slice(), to.as_str()));
@@ -80,7 +152,7 @@ fn converted_bags_agree_with_the_target_release() {
         let found = checked(&output);
         let releases = found.result.summary.releases();
         let topics = report.count(Action::Converted) as u64;
-        assert!(topics > 100, "{topics}");
+        assert!(topics > extent(100, 15), "{topics}");
         let choice = (releases[0].release.as_str(), releases[0].matching, releases[0].topics);
         assert_eq!(choice, (to.as_str(), topics, topics), "{from}");
         assert_eq!(found.result.corruption.len(), 0);
@@ -153,11 +225,11 @@ fn other_topics_are_copied_unchanged() {
 
 #[test]
 fn unconverted_messages_are_kept_on_request() {
-    let bag = flight("px4@1.18");
+    let bag = sample("px4@1.18").bag();
     let bytes = bag.to_bytes();
     let (report, _) = converted(&bytes, "px4@1.13", Settings::default());
     let left_out = report.count(Action::LeftOut);
-    assert!(left_out > 10, "{left_out}");
+    assert!(left_out > extent(10, 5), "{left_out}");
     let text = report.to_text();
     assert!(text.contains("PX4 1.13 lacks the message"), "{text}");
     let (kept, output) = converted(&bytes, "px4@1.13", Settings { keeps_unconverted: true });
@@ -197,9 +269,9 @@ fn losses_are_counted() {
 
 #[test]
 fn readable_messages_of_a_truncated_bag_are_converted() {
-    let bytes = flight("px4@1.16").to_bytes();
+    let bytes = sample("px4@1.16").bag().to_bytes();
     let (whole, _) = converted(&bytes, "px4@1.17", Settings::default());
-    for cut in [bytes.len() * 9 / 10, bytes.len() - 40] {
+    for cut in [bytes.len() * 19 / 20, bytes.len() - 40] {
         let (report, output) = converted(&bytes[..cut], "px4@1.17", Settings::default());
         assert!(!report.is_complete() && whole.is_complete());
         let found = checked(&output);
@@ -210,7 +282,7 @@ fn readable_messages_of_a_truncated_bag_are_converted() {
 
 #[test]
 fn a_bag_that_grows_is_converted_up_to_its_end_at_the_start() {
-    let bytes = flight("px4@1.16").to_bytes();
+    let bytes = sample("px4@1.16").bag().to_bytes();
     let (whole, expected) = converted(&bytes, "px4@1.17", Settings::default());
     let folder = TempDir::new().expect("a folder");
     let path = folder.path().join("in.mcap");
@@ -220,8 +292,7 @@ fn a_bag_that_grows_is_converted_up_to_its_end_at_the_start() {
         input
     };
     let opened = open_path(&path, &LIBRARY, &extend).expect("a file").expect("a capture");
-    let plan = Plan::new(Arc::clone(&opened.definitions), &LIBRARY, &release("px4@1.17"), None);
-    let (plan, mut output) = (plan.expect("a plan"), Vec::new());
+    let (plan, mut output) = (plan(&opened.definitions, &LIBRARY, "px4@1.17"), Vec::new());
     let report = convert((&path, opened), &plan, Settings::default(), &mut output).expect("a conversion");
     assert!(whole.is_complete() && !report.is_complete());
     let [problem] = &report.problems[..] else { panic!("{:?}", report.problems) };
@@ -248,7 +319,7 @@ fn hints_with_mistakes_are_rejected() {
     let planned = |hints: &str| {
         fs::write(&path, hints).expect("a file");
         let source = Arc::clone(release("px4@1.16").base());
-        let plan = Plan::new(source, &LIBRARY, &release("px4@1.17"), Some(Path::new(&path)));
+        let plan = Plan::new(source, &LIBRARY, release("px4@1.17"), Some(Path::new(&path)));
         plan.map(|_| ()).map_err(|failure| failure.to_string())
     };
     let hint = "[[hint]]\nmessage = \"BatteryStatus\"\n";

@@ -2,20 +2,32 @@
 
 use crate::tests::support;
 
+use std::sync::LazyLock;
+
 use crate::check::{CaptureResult, Summary, check_capture};
 use crate::definitions::Definitions;
 use crate::model::{Group, Level, Location};
-use crate::rules::sample::{Flight, ROUNDS};
+use crate::rules::sample::{Flight, PERIOD, ROUNDS, START};
 
 use support::{Random, extent};
 
-fn checked(bytes: &[u8], definitions: &Definitions) -> CaptureResult {
-    check_capture(bytes, None, definitions).expect("bytes can be read")
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
+
+fn checked(bytes: &[u8]) -> CaptureResult {
+    check_capture(bytes, None, &DEFINITIONS).expect("bytes can be read")
+}
+
+/// A flight. In quick mode, it ends after a few rounds.
+fn flight() -> Flight<'static> {
+    let mut flight = Flight::new(&DEFINITIONS);
+    let end = START + extent(ROUNDS, 8) * PERIOD;
+    flight.messages.retain(|sent| sent.value["timestamp"].as_u64() < Some(end));
+    flight
 }
 
 /// Captures of each kind, with the number of checked messages.
-fn captures(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
-    let flight = Flight::new(definitions);
+fn captures() -> Vec<(&'static str, Vec<u8>, u64)> {
+    let flight = flight();
     let sources = [
         ("log", flight.log().to_bytes()),
         ("MCAP", flight.bag().to_bytes()),
@@ -24,7 +36,7 @@ fn captures(definitions: &Definitions) -> Vec<(&'static str, Vec<u8>, u64)> {
     ];
     sources
         .map(|(name, bytes)| {
-            let whole = checked(&bytes, definitions);
+            let whole = checked(&bytes);
             assert_eq!((whole.checked, whole.corruption.len()), (flight.messages.len() as u64, 0), "{name}");
             (name, bytes, whole.checked)
         })
@@ -46,12 +58,11 @@ fn assert_locations(name: &str, result: &CaptureResult, size: usize) {
 /// A corrupt part may begin within a record. The rest of that record then has any values.
 #[test]
 fn a_gap_in_a_log_violates_no_rule() {
-    let definitions = Definitions::built_in();
-    let log = Flight::new(&definitions).log().to_bytes();
+    let log = flight().log().to_bytes();
     for fill in [0, 0xff] {
-        for at in (0..log.len()).step_by(extent(7, 61)).skip(1) {
+        for at in (0..log.len()).step_by(extent(7, 399)).skip(1) {
             let (start, end) = log.split_at(at);
-            let result = checked(&[start, &[fill; 5_000], end].concat(), &definitions);
+            let result = checked(&[start, &[fill; 5_000], end].concat());
             let is_violation = |group: &&Group| group.rule.level != Level::Info;
             let found: Vec<_> = result.findings.groups().filter(is_violation).collect();
             assert!(found.is_empty(), "{fill:02x} at byte {at}: {found:?}");
@@ -61,13 +72,12 @@ fn a_gap_in_a_log_violates_no_rule() {
 
 #[test]
 fn checks_records_before_a_truncation() {
-    let definitions = Definitions::built_in();
-    for (name, bytes, whole) in captures(&definitions) {
+    for (name, bytes, whole) in captures() {
         let mut before = 0;
         // JSON captures are ten times as long, and each truncated file is read completely.
         let step = extent(1, 4) * if name == "log" || name == "MCAP" { 97 } else { 970 };
         for cut in (0..bytes.len()).step_by(step) {
-            let result = checked(&bytes[..cut], &definitions);
+            let result = checked(&bytes[..cut]);
             assert_locations(name, &result, cut);
             // More data can only increase the number of checked messages.
             assert!(result.checked >= before, "{name} cut at {cut}");
@@ -80,18 +90,18 @@ fn checks_records_before_a_truncation() {
 
 #[test]
 fn a_flipped_bit_loses_few_messages() {
-    let definitions = Definitions::built_in();
-    for (name, bytes, whole) in captures(&definitions) {
+    let mut all_corrupt = 0;
+    for (name, bytes, whole) in captures() {
         let mut random = Random(97);
         let mut corrupt = 0;
-        let flips = if name == "log" || name == "MCAP" { 1_000 } else { 250 } / extent(1, 4);
+        let flips = if name == "log" || name == "MCAP" { extent(1_000, 20) } else { extent(250, 20) };
         for _ in 0..flips {
             // The magic and the flag bits are excluded: errors there make a log unreadable.
             let head = if name == "log" { 59 } else { 0 };
             let (at, bit) = (head + random.index(bytes.len() - head), random.below(8));
             let mut flipped = bytes.clone();
             flipped[at] ^= 1 << bit;
-            let result = checked(&flipped, &definitions);
+            let result = checked(&flipped);
             assert_locations(name, &result, bytes.len());
             corrupt += u64::from(!result.corruption.is_empty());
             // The flipped bit may affect a definition. In that case, all messages of its topic are lost, and this is
@@ -109,24 +119,26 @@ fn a_flipped_bit_loses_few_messages() {
             );
         }
         assert!(
-            corrupt > extent(10, 2),
+            corrupt >= extent(11, 0),
             "{name}: only {corrupt} of {flips} flipped bits were reported as corruption"
         );
+        all_corrupt += corrupt;
     }
+    // In quick mode, a single capture may have too few flipped bits.
+    assert!(all_corrupt > 2, "only {all_corrupt} flipped bits were reported as corruption");
 }
 
 #[test]
 fn checks_sections_in_the_wrong_order() {
-    let definitions = Definitions::built_in();
-    for (name, bytes, _) in captures(&definitions) {
+    for (name, bytes, _) in captures() {
         let mut random = Random(5);
-        for _ in 0..50 {
+        for _ in 0..extent(50, 15) {
             let mut cuts = [random.index(bytes.len()), random.index(bytes.len()), random.index(bytes.len())];
             cuts.sort_unstable();
             let [first, second, third] = cuts;
             let swapped =
                 [&bytes[..first], &bytes[second..third], &bytes[first..second], &bytes[third..]].concat();
-            let result = checked(&swapped, &definitions);
+            let result = checked(&swapped);
             assert_locations(name, &result, bytes.len());
         }
     }
@@ -134,8 +146,7 @@ fn checks_sections_in_the_wrong_order() {
 
 #[test]
 fn reports_noise_from_the_start() {
-    let definitions = Definitions::built_in();
-    let unknown = |bytes: &[u8]| match checked(bytes, &definitions).summary {
+    let unknown = |bytes: &[u8]| match checked(bytes).summary {
         Summary::Unknown(summary) => Some(summary.reason),
         _ => None,
     };
@@ -143,7 +154,7 @@ fn reports_noise_from_the_start() {
     for start in
         [&b"{"[..], b"ULog\x01\x12\x35\x01\0\0\0\0\0\0\0\0", b"[", b"{\"type\":\"px4/Event\",\"message\":"]
     {
-        let result = checked(&[start, &noise].concat(), &definitions);
+        let result = checked(&[start, &noise].concat());
         assert_eq!(result.checked, 0, "{start:?}");
         assert!(!result.corruption.is_empty(), "{start:?}");
         assert_locations("noise", &result, start.len() + noise.len());

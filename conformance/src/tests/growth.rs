@@ -10,7 +10,7 @@ use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::translation::Translations;
 
 use super::mcap::file::{Form, channel, chunk, file, message, record, schema, text};
-use super::support::Writer;
+use super::support::{Writer, extent};
 use crate::check::baseline::{Checked, Lists, Name, Outcome, Scope};
 use crate::check::{CaptureResult, check_bytes, check_capture};
 use crate::definitions::{Definitions, Library};
@@ -370,13 +370,11 @@ fn allocations_grow_linearly_with_each_dimension() {
             }
         }
     };
-    for (name, count, input) in CAPTURES {
-        for (work, run) in WORK {
-            compare(name, work, *count, *input, *run);
-        }
-    }
-    for ((name, count, input), run) in INPUTS {
-        compare(name, "read", *count, *input, *run);
+    let captures = CAPTURES.iter().flat_map(|dimension| WORK.iter().map(move |work| (dimension, *work)));
+    let inputs = INPUTS.iter().map(|(dimension, run)| (dimension, ("read", *run)));
+    // The quick step leads to each kind of work.
+    for ((name, count, input), (work, run)) in captures.chain(inputs).step_by(extent(1, 41)) {
+        compare(name, work, *count, *input, run);
     }
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }

@@ -3,8 +3,16 @@
 use std::collections::BTreeSet;
 
 use crate::definitions::Definitions;
+use crate::rules::flockwave::Needs;
 use crate::rules::{RULES, flockwave};
-use crate::self_test::live::{Row, cases, live};
+use crate::self_test::live::{Case, Row, cases, live};
+use crate::serve::Transport;
+use crate::tests::support::extent;
+
+/// True if the probe needs no socket, so it takes no real time.
+fn is_simulated(case: &Case) -> bool {
+    case.transport == Transport::Tcp && case.bug.is_some_and(|entry| entry.bug.needs != Needs::Tcp)
+}
 
 #[test]
 fn each_bug_violates_only_its_rule() {
@@ -14,6 +22,11 @@ fn each_bug_violates_only_its_rule() {
     cases.retain(|case| {
         wanted.is_empty() || case.bug.is_some_and(|bug| wanted.split(',').any(|id| id == bug.rule.id))
     });
+    let is_whole = !wanted.is_empty() || extent(true, false);
+    if !is_whole {
+        cases.retain(is_simulated);
+        cases = cases.into_iter().step_by(43).collect();
+    }
     let mut rows: Vec<Row> = Vec::new();
     live(&cases, &definitions, |row| rows.push(row.expect("a server")));
     assert_eq!(rows.len(), cases.len());
@@ -21,6 +34,9 @@ fn each_bug_violates_only_its_rule() {
     let wrong: Vec<String> =
         wrong.map(|row| format!("{}: {}", row.case.name(), row.mismatch_text())).collect();
     assert!(wrong.is_empty(), "{} of {}\n{}", wrong.len(), rows.len(), wrong.join("\n"));
+    if !is_whole {
+        return;
+    }
     // Rules without a bug can't be tested with this server.
     let covered: BTreeSet<&str> = rows.iter().flat_map(|row| row.found.covered.iter().copied()).collect();
     let idle = RULES.iter().filter(|rule| rule.is_on_flockwave() && !covered.contains(rule.id));

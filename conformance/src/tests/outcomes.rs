@@ -13,6 +13,7 @@ use crate::report::{Kind, Report};
 use crate::rules::flockwave::sample::Session;
 use crate::rules::mutants;
 use crate::rules::sample::Flight;
+use crate::tests::support::extent;
 
 /// The outcome of each file, by the name of the file.
 type Outcomes = BTreeMap<String, String>;
@@ -212,7 +213,8 @@ fn text_fits_a_terminal() {
 fn the_exit_status_of_each_file_is_its_outcome() {
     let folder = tempfile::tempdir().expect("a folder");
     let expected = write_files(folder.path());
-    for (name, outcome) in &expected {
+    // The quick step leads to files with different outcomes.
+    for (name, outcome) in expected.iter().skip(extent(0, 1)).step_by(extent(1, 4)) {
         let path = folder.path().join(name);
         let path = path.to_str().expect("UTF-8");
         let status = match outcome.as_str() {

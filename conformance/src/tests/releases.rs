@@ -12,16 +12,37 @@ use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use super::mcap::file;
-use super::support::shared;
+use super::support::{extent, shared};
 use crate::check::{Checked, PartResult, ReleaseMatch, Share, check_bytes, check_path};
 use crate::definitions::{Library, versioned};
 use crate::model::Level;
 use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
-use crate::rules::sample::{Entry, Flight, Log};
+use crate::rules::sample::{Bag, Entry, Flight, Log};
 
 static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
 
 const RELEASES: [&str; 7] = ["1.13", "1.14", "1.15", "1.16", "1.17", "1.18", "main"];
+
+/// The first two rounds of a flight.
+fn short_flight(library: &Library) -> Flight<'_> {
+    let mut flight = Flight::new(library.base());
+    flight.messages.truncate(2 * flight.topics.len());
+    flight
+}
+
+/// A whole flight; in quick mode, only its first two rounds.
+fn flight(library: &Library) -> Flight<'_> {
+    if extent(true, false) { Flight::new(library.base()) } else { short_flight(library) }
+}
+
+/// The tested releases, each with a flight.
+static FLIGHTS: LazyLock<Vec<(&str, Flight<'static>)>> = LazyLock::new(|| {
+    let flight = |name: &'static str| {
+        let library: &'static Library = Box::leak(Box::new(release(name)));
+        (name, short_flight(library))
+    };
+    RELEASES.into_iter().step_by(extent(1, 4)).map(flight).collect()
+});
 
 fn release(name: &str) -> Library {
     Library::load(Path::new(&format!("px4@{name}")), None).expect("a release")
@@ -69,32 +90,48 @@ fn subject(checked: Checked) -> Subject {
     Subject::from_capture(capture, &checked.definitions, &Settings::default())
 }
 
+/// A bag without the definitions in its channels.
+fn anonymous(flight: &Flight<'_>) -> Bag {
+    let mut bag = flight.bag();
+    bag.channels.iter_mut().for_each(|channel| channel.text.clear());
+    bag
+}
+
+fn without_hashes(mut bag: Bag) -> Bag {
+    bag.channels.iter_mut().for_each(|channel| channel.hash.clear());
+    bag
+}
+
+/// Only the versions in the names of topics distinguish definitions of the same size.
+fn unnamed(flight: &Flight<'_>) -> Bag {
+    let mut bag = without_hashes(anonymous(flight));
+    for (channel, topic) in bag.channels.iter_mut().zip(&flight.topics) {
+        let version = flight.definitions.schema.message(topic.message).version;
+        channel.topic = versioned(&channel.topic, version);
+    }
+    bag
+}
+
+/// A kind of capture with the name of its file, and the bytes of a flight.
+type Capture = (&'static str, &'static str, fn(&Flight<'_>) -> Vec<u8>);
+
+const CAPTURES: [Capture; 5] = [
+    ("log", "log.ulg", |flight| flight.log().to_bytes()),
+    ("bag", "bag.mcap", |flight| flight.bag().to_bytes()),
+    ("bag without hashes", "bag.mcap", |flight| without_hashes(flight.bag()).to_bytes()),
+    ("bag without schemas", "bag.mcap", |flight| anonymous(flight).to_bytes()),
+    ("bag without schemas and hashes", "bag.mcap", |flight| unnamed(flight).to_bytes()),
+];
+
 #[test]
 fn captures_of_each_release_are_checked_against_it() {
-    for name in RELEASES {
-        let library = release(name);
-        let mut flight = Flight::new(library.base());
-        flight.messages.truncate(2 * flight.topics.len());
+    // In quick mode, the first release is tested with the first kind of capture, and another one with the last kind.
+    for (number, (name, flight)) in FLIGHTS.iter().enumerate() {
         let topics = flight.topics.len() as u64;
         assert!(topics > 100, "{topics}");
         let label = format!("px4@{name}");
-        let mut anonymous = flight.bag();
-        anonymous.channels.iter_mut().for_each(|channel| channel.text.clear());
-        let mut unnamed = anonymous.clone();
-        for (channel, topic) in unnamed.channels.iter_mut().zip(&flight.topics) {
-            channel.hash.clear();
-            let version = library.base().schema.message(topic.message).version;
-            channel.topic = versioned(&channel.topic, version);
-        }
-        let mut without_hash = flight.bag();
-        without_hash.channels.iter_mut().for_each(|channel| channel.hash.clear());
-        for (kind, file, bytes) in [
-            ("log", "log.ulg", flight.log().to_bytes()),
-            ("bag", "bag.mcap", flight.bag().to_bytes()),
-            ("bag without hashes", "bag.mcap", without_hash.to_bytes()),
-            ("bag without schemas", "bag.mcap", anonymous.to_bytes()),
-            ("bag without schemas and hashes", "bag.mcap", unnamed.to_bytes()),
-        ] {
+        for (kind, file, write) in CAPTURES.into_iter().skip(extent(0, 4 * number)).step_by(extent(1, 5)) {
+            let bytes = write(flight);
             let found = checked(file, &bytes);
             assert_eq!(chosen(&found), [(&*label, topics, topics, vec![])], "{kind}");
             let streamed = check_bytes(&bytes, &LIBRARY).expect("bytes can be read");
@@ -125,11 +162,8 @@ fn log_with_late_topics(flight: &Flight<'_>) -> Log {
 
 #[test]
 fn a_single_log_is_checked_like_one_of_several() {
-    for name in RELEASES {
-        let library = release(name);
-        let mut flight = Flight::new(library.base());
-        flight.messages.truncate(2 * flight.topics.len());
-        let bytes = log_with_late_topics(&flight).to_bytes();
+    for (name, flight) in FLIGHTS.iter() {
+        let bytes = log_with_late_topics(flight).to_bytes();
         let [several, single] = [Library::built_in(), Library::built_in().for_one_capture()].map(|library| {
             let found = check_bytes(&bytes, &library).expect("bytes can be read");
             let messages = found.definitions.schema.messages.len();
@@ -146,10 +180,7 @@ fn a_single_log_is_checked_like_one_of_several() {
 
 #[test]
 fn json_messages_of_each_release_are_checked_against_it() {
-    for name in RELEASES {
-        let library = release(name);
-        let mut flight = Flight::new(library.base());
-        flight.messages.truncate(2 * flight.topics.len());
+    for (name, flight) in FLIGHTS.iter() {
         let label = format!("px4@{name}");
         for (kind, lines) in [("typed", flight.lines()), ("published", flight.rosbridge())] {
             let found = checked("flight.jsonl", &lines.to_bytes());
@@ -166,12 +197,13 @@ fn json_messages_of_each_release_are_checked_against_it() {
 /// If few topics show the release, the lengths of arrays and the keys of nested messages show the definition.
 #[test]
 fn json_messages_are_checked_against_a_definition_of_their_form() {
-    for (name, message) in [
+    let cases = [
         ("1.13", "EscStatus"),
         ("1.14", "ActuatorServos"),
         ("1.14", "RcChannels"),
         ("1.15", "PositionSetpointTriplet"),
-    ] {
+    ];
+    for (name, message) in cases.into_iter().step_by(extent(1, 3)) {
         let library = release(name);
         let mut flight = Flight::new(library.base());
         let topics = ["Cpuload", message].map(|name| flight.topic(name).expect("a topic"));
@@ -319,13 +351,10 @@ fn json_bag(flight: &Flight<'_>, has_types: bool) -> Vec<u8> {
 
 #[test]
 fn bags_with_json_messages_of_each_release_are_checked_against_it() {
-    for name in RELEASES {
-        let library = release(name);
-        let mut flight = Flight::new(library.base());
-        flight.messages.truncate(2 * flight.topics.len());
+    for (name, flight) in FLIGHTS.iter() {
         let label = format!("px4@{name}");
         for has_types in [false, true] {
-            let found = checked("bag.mcap", &json_bag(&flight, has_types));
+            let found = checked("bag.mcap", &json_bag(flight, has_types));
             let releases: Vec<&str> = chosen(&found).iter().map(|(release, ..)| *release).collect();
             assert_eq!(releases, [&*label], "{has_types}");
             assert_eq!(failures(&found), [], "{name} {has_types}");
@@ -336,8 +365,7 @@ fn bags_with_json_messages_of_each_release_are_checked_against_it() {
 #[test]
 fn topics_of_other_releases_are_checked_against_those() {
     let (main, other) = (release("1.14"), release("1.17"));
-    let mut bag = Flight::new(main.base()).bag();
-    let newer = Flight::new(other.base()).bag();
+    let [mut bag, newer] = [&main, &other].map(|library| flight(library).bag());
     let topic = "/fmu/out/vehicle_status";
     let position =
         |bag: &crate::rules::sample::Bag| bag.channels.iter().position(|channel| channel.topic == topic);
@@ -363,7 +391,7 @@ fn topics_of_other_releases_are_checked_against_those() {
 
 #[test]
 fn forced_releases_apply_to_all_captures() {
-    let bytes = Flight::new(release("1.18").base()).bag().to_bytes();
+    let bytes = flight(&release("1.18")).bag().to_bytes();
     let folder = TempDir::new().expect("a folder");
     let path = folder.path().join("bag.mcap");
     fs::write(&path, bytes).expect("a file");

@@ -13,7 +13,8 @@ use html5gum::{Token, Tokenizer};
 use quick_junit::{NonSuccessKind, Report as Junit, TestCase, TestCaseStatus};
 use serde_json::{Value, json};
 
-use crate::tests::hostile::{HOSTILE, checked, tested};
+use crate::tests::hostile::{HOSTILE, captured_mutants, checked, tested};
+use crate::tests::support::extent;
 
 fn create_reports() -> [Report; 2] {
     let definitions = Definitions::built_in();
@@ -35,8 +36,10 @@ fn the_report_has_the_outcome() {
     assert_eq!((tested.outcome.kind, tested.outcome.status), (OutcomeKind::Failed, 3));
     // Every rule has the worst verdict of its mutants.
     assert_eq!(checked.rules.len(), RULES.len());
+    let violated: BTreeSet<&str> = captured_mutants().map(|mutant| mutant.rule.id).collect();
     for rule in &checked.rules {
-        assert!(rule.verdict >= Verdict::Shown && rule.verdict != Verdict::Pass, "{}", rule.id);
+        let is_violated = rule.verdict >= Verdict::Shown && rule.verdict != Verdict::Pass;
+        assert!(is_violated || !violated.contains(rule.id), "{}", rule.id);
         let counted: u64 = checked
             .subjects
             .iter()
@@ -180,7 +183,8 @@ fn markdown_escapes_the_input() {
                 _ => {}
             }
         }
-        assert!(headings > 5 && !columns.is_empty(), "{headings} {columns:?}");
+        // A table lists the rules beyond a maximum number, so a quick run has none.
+        assert!(headings > 5 && extent(!columns.is_empty(), true), "{headings} {columns:?}");
         assert!(!text.contains(['\u{202e}', '\u{1b}']));
         assert!(text.len() < 65_536, "too long for a comment on GitHub: {}", text.len());
     }

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 use crate::check::FlockwaveChecker;
 use crate::definitions::Definitions;
 use crate::rules::flockwave::sample::Session;
-use crate::rules::mutants;
 use crate::rules::sample::Flight;
+use crate::tests::mutants::tested_mutants;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -41,22 +41,23 @@ fn compare(recording: &[u8], definitions: &Definitions) -> u64 {
 
 #[test]
 fn both_paths_find_violations() {
-    let definitions = Definitions::built_in();
-    assert!(compare(&Session::new().to_bytes(), &definitions) > 0);
-    let flight = Flight::new(&definitions);
-    for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
+    assert!(compare(&Session::new().to_bytes(), &DEFINITIONS) > 0);
+    let flight = Flight::new(&DEFINITIONS);
+    for mutant in tested_mutants(&[]).filter(|mutant| mutant.rule.is_on_flockwave()) {
         let (_, bytes) = mutant.captures(&flight).pop().expect("the definitions have it");
-        compare(&bytes, &definitions);
+        compare(&bytes, &DEFINITIONS);
     }
 }
 
 #[test]
 fn both_paths_agree_on_recordings_of_a_real_server() {
     let Some(corpus) = shared("corpus/flockwave") else { return };
-    let definitions = Definitions::built_in();
     for name in ["clean.jsonl", "main.jsonl"] {
         let recording = std::fs::read(corpus.join(name)).expect("a recording");
-        assert!(compare(&recording, &definitions) > 0, "{name}");
+        let lines: Vec<&[u8]> = recording.split_inclusive(|byte| *byte == b'\n').collect();
+        let parts: Vec<&[&[u8]]> = lines.chunks(50).step_by(extent(1, 6)).collect();
+        let recording: Vec<u8> = parts.concat().concat();
+        assert!(compare(&recording, &DEFINITIONS) > 0, "{name}");
     }
 }
 
@@ -307,7 +308,7 @@ fn recording(lines: Vec<(Content, Style)>) -> Vec<u8> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(extent(256, 64)))]
+    #![proptest_config(ProptestConfig::with_cases(extent(256, 16)))]
 
     #[test]
     fn both_paths_agree_on_random_recordings(lines in prop::collection::vec((content(), style()), 1..40)) {

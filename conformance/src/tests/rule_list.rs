@@ -6,6 +6,8 @@ use std::path::Path;
 use crate::definitions::Definitions;
 use crate::report::rule_list::{CONTENTS, pages};
 use crate::self_test::matrix;
+use crate::tests::mutants::ROWS;
+use crate::tests::support::extent;
 
 /// The folder of the documentation.
 const DOCS: &str = "../generated/docs";
@@ -27,18 +29,31 @@ fn generated_pages(folder: &Path) -> Vec<String> {
         .collect()
 }
 
+/// True if a published page has the lines of a page that was created from some rows of the matrix.
+fn has_lines(published: &str, text: &str) -> bool {
+    let mut published = published.lines();
+    // With few rows, the matrix may lack a column.
+    let text = text.split("\n## Mutants\n").next().unwrap_or_default();
+    text.lines().all(|line| published.any(|other| other == line))
+}
+
 #[test]
 fn pages_are_up_to_date() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(DOCS);
-    let pages = pages(&matrix(&Definitions::built_in()));
+    let is_updated = std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some();
+    let is_whole = is_updated || extent(true, false);
+    let pages = if is_updated { pages(&matrix(&Definitions::built_in())) } else { pages(&ROWS) };
     let orphans = generated_pages(&folder.join("rules"))
         .into_iter()
         .filter(|path| pages.iter().all(|page| page.path != *path));
     let orphans: Vec<String> = orphans.collect();
-    let is_stale = |path: &str, text: &str| fs::read_to_string(folder.join(path)).unwrap_or_default() != text;
+    let is_stale = |path: &str, text: &str| {
+        let published = fs::read_to_string(folder.join(path)).unwrap_or_default();
+        if is_whole { published != text } else { !has_lines(&published, text) }
+    };
     let stale: Vec<&str> =
         pages.iter().filter(|page| is_stale(&page.path, &page.text)).map(|page| page.path.as_str()).collect();
-    if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
+    if is_updated {
         for path in &orphans {
             fs::remove_file(folder.join(path)).expect("a file that can be removed");
         }

@@ -1,5 +1,7 @@
 //! Tests of rules on trials and connections: valid server behaviour has no findings.
 
+use std::sync::LazyLock;
+
 use crate::check::{CaptureResult, check_capture};
 use crate::definitions::Definitions;
 use crate::model::Rule;
@@ -7,8 +9,10 @@ use crate::rules::flockwave::sample::Session;
 use crate::rules::rule;
 use serde_json::{Value, json};
 
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
+
 fn checked(session: &Session) -> CaptureResult {
-    check_capture(&session.to_bytes()[..], None, &Definitions::built_in()).expect("bytes can be read")
+    check_capture(&session.to_bytes()[..], None, &DEFINITIONS).expect("bytes can be read")
 }
 
 /// The number of violations per rule.
@@ -112,7 +116,7 @@ fn one_answer_is_sufficient_over_udp() {
     });
     let mut lines: Vec<String> = session.lines.iter().map(ToString::to_string).collect();
     lines.insert(lines.len() - 2, "{\"t\":1790000001,\"conn\"".to_owned());
-    let result = check_capture(lines.join("\n").as_bytes(), None, &Definitions::built_in());
+    let result = check_capture(lines.join("\n").as_bytes(), None, &DEFINITIONS);
     let result = result.expect("bytes can be read");
     assert_eq!((result.corruption.len(), result.findings.groups().count()), (1, 0));
     // A status report shows that the server sends messages over UDP.
@@ -224,7 +228,7 @@ fn detects_supported_families_by_their_rejections() {
     let mut bytes = session_with(None, alike).to_bytes();
     let end = bytes.iter().take(bytes.len() - 1).rposition(|byte| *byte == b'\n').expect("lines") + 1;
     bytes.splice(end..end, *b"{\"t\":1790000001,\"conn\"\n");
-    let result = check_capture(&bytes[..], None, &Definitions::built_in()).expect("bytes can be read");
+    let result = check_capture(&bytes[..], None, &DEFINITIONS).expect("bytes can be read");
     assert_eq!((result.corruption.len(), result.findings.groups().count()), (1, 0));
 }
 

@@ -3,12 +3,16 @@
 
 use crate::rules::px4::RULES;
 use crate::self_test::vehicle::{cases, pairs};
+use crate::tests::support::extent;
 
 #[test]
 fn each_bug_of_a_participant_violates_only_its_rule() {
     let wanted = std::env::var("UAVSPEC_BUGS").unwrap_or_default();
     let mut cases = cases();
     cases.retain(|case| wanted.is_empty() || wanted.split(',').any(|name| name == case.name()));
+    if wanted.is_empty() {
+        cases = cases.into_iter().step_by(extent(1, 6)).collect();
+    }
     let mut rows = Vec::new();
     pairs(&cases, &[], |row| rows.push(row.expect("a probe")));
     assert_eq!(rows.len(), cases.len());

@@ -14,6 +14,7 @@ use crate::model::{ApplicationType, Findings, Qos, Reliability};
 use crate::report::{CheckedCapture, OutcomeKind, Settings, Subject};
 use crate::rules::rule;
 use crate::rules::sample::Flight;
+use crate::tests::support::extent;
 
 /// The time for which these tests listen.
 const TIME: Duration = Duration::from_millis(2_200);
@@ -181,7 +182,10 @@ fn names_of_topics_show_the_release_of_a_vehicle_without_type_hashes() {
     let options = Options { role: Some(Side::Component), ..options(LONG, None) };
     let found = probed_with(options, |network, clock| {
         let library = Library::release("px4@1.15").expect("a release");
-        fly_as(&mut network.connect("/px4", clock), &Flight::new(library.base()), false, |_| true);
+        let mut flight = Flight::new(library.base());
+        // Two rounds are sufficient.
+        flight.messages.truncate(extent(usize::MAX, 2 * flight.topics.len()));
+        fly_as(&mut network.connect("/px4", clock), &flight, false, |_| true);
         clock.sleep(LONG);
     });
     // Newer releases have other messages of the same size, on topics with a version.
@@ -276,10 +280,10 @@ fn probed_reference(release: &str, namespace: &str, side: Side) -> Checked {
 #[test]
 fn roles_speak_the_release_of_the_vehicle() {
     let releases = ["1.15", "1.16", "1.17", "1.18", "main"];
-    for (release, side) in releases
+    let vehicles = releases
         .into_iter()
-        .flat_map(|release| [Side::Autopilot, Side::Component].map(|side| (format!("px4@{release}"), side)))
-    {
+        .flat_map(|release| [Side::Autopilot, Side::Component].map(|side| (format!("px4@{release}"), side)));
+    for (release, side) in vehicles.step_by(extent(1, 5)) {
         let found = probed_reference(&release, "", side);
         assert_eq!(counts(&found.result.findings), BTreeMap::new(), "{release} {side:?}");
         assert_eq!(found.result.notes, Vec::<String>::new(), "{release} {side:?}");

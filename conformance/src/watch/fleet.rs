@@ -212,6 +212,7 @@ mod tests {
     use super::super::roster::UAV_LIMIT;
     use super::*;
     use crate::clock::Clock;
+    use crate::tests::support::extent;
 
     fn received(text: &str) -> Event {
         Event::Received(Message::read(text.as_bytes()))
@@ -317,6 +318,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(extent(256, 96)))]
+
         #[test]
         fn accepts_arbitrary_messages(
             messages in proptest::collection::vec((json(), "UAV-INF|UAV-LIST|OBJ-DEL|SYS-TIME"), 1..8),

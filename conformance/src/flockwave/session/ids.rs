@@ -183,6 +183,7 @@ mod tests {
 
     use super::super::remembered::Remembered;
     use super::*;
+    use crate::tests::support::extent;
 
     /// An operation on an id.
     #[derive(Clone, Copy, Debug)]
@@ -215,6 +216,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(extent(256, 48)))]
+
         #[test]
         fn behaves_like_the_general_memory(
             steps in prop::collection::vec((step(), 0_u64..3, "[a-f]{1,2}"), 0..300),

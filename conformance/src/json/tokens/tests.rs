@@ -6,6 +6,7 @@ use serde_json::{Number, Value};
 
 use super::super::Tree;
 use super::*;
+use crate::tests::support::extent;
 
 /// Texts that are JSON, or are similar to JSON.
 fn texts() -> impl Strategy<Value = String> {
@@ -54,7 +55,7 @@ fn skips(text: &str) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(4_096))]
+    #![proptest_config(ProptestConfig::with_cases(extent(4_096, 768)))]
 
     #[test]
     fn reads_fractions_like_the_standard_library(text in "-?(0|[1-9][0-9]{0,18})\\.[0-9]{1,21}") {

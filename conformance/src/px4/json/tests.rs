@@ -12,6 +12,7 @@ use crate::definitions::Definitions;
 use crate::json::Tree;
 use crate::model::{Findings, Location};
 use crate::px4::memory::Plan;
+use crate::tests::support::extent;
 
 /// The texts that replace random pieces of a message.
 const PIECES: [&str; 28] = [
@@ -366,7 +367,7 @@ fn integers_may_be_written_with_a_fraction_of_zero() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(3_000))]
+    #![proptest_config(ProptestConfig::with_cases(extent(3_000, 900)))]
 
     #[test]
     fn both_readers_agree(

@@ -1,21 +1,21 @@
 //! Tests of conversions of JSON messages.
 
-use super::{checked_against, release, try_converted};
+use super::{checked_against, release, sample, short_flight, try_converted};
 use crate::check::Summary;
 use crate::convert::{Action, ConversionReport, Error, Settings};
-use crate::rules::sample::{Encoding, Flight};
+use crate::rules::sample::Encoding;
+use crate::tests::support::extent;
 
 /// Converts messages of a release.
 fn converted(bytes: &[u8], from: &str, to: &str) -> (ConversionReport, String) {
     let (report, output) =
-        try_converted(bytes, &release(from), to, Settings::default()).expect("a conversion");
+        try_converted(bytes, release(from), to, Settings::default()).expect("a conversion");
     (report, String::from_utf8(output).expect("UTF-8"))
 }
 
 /// A typical message of a release, as JSON.
 fn message(from: &str, name: &str) -> String {
-    let library = release(from);
-    let flight = Flight::new(library.base());
+    let flight = short_flight(from);
     let topic = flight.topic(name).expect("a message");
     flight.messages.iter().find(|sent| sent.topic == topic).expect("a message").value.to_string()
 }
@@ -27,21 +27,20 @@ fn line(from: &str, name: &str) -> String {
 
 #[test]
 fn converted_lines_agree_with_the_target_release() {
-    for (from, to) in [("1.16", "1.17"), ("1.17", "1.16"), ("1.13", "1.18"), ("main", "1.14")] {
+    let pairs = [("1.16", "1.17"), ("1.17", "1.16"), ("1.13", "1.18"), ("main", "1.14")];
+    for (from, to) in pairs.into_iter().step_by(extent(1, 2)) {
         let (from, to) = (format!("px4@{from}"), format!("px4@{to}"));
-        let (source, target) = (release(&from), release(&to));
-        let mut flight = Flight::new(source.base());
-        flight.messages.truncate(2 * flight.topics.len());
+        let (flight, target) = (sample(&from), release(&to));
         for encoding in [Encoding::Lines, Encoding::Rosbridge] {
             let bytes = encoding.write(&flight).expect("an encoding");
             // The keys of the messages show the release.
             let (report, output) = super::converted(&bytes, &to, Settings::default());
             assert_eq!(report.from, [from.as_str()]);
             assert!(report.is_complete(), "{:?}", report.problems);
-            assert!(report.count(Action::Converted) > 100 && report.count(Action::Copied) == 0);
+            assert!(report.count(Action::Converted) > extent(100, 15) && report.count(Action::Copied) == 0);
             let left_out = report.topics.iter().filter(|topic| topic.action == Action::LeftOut);
             let left_out: u64 = left_out.map(|topic| topic.messages).sum();
-            let found = checked_against(&output, &target).result;
+            let found = checked_against(&output, target).result;
             assert_eq!(found.records, flight.messages.len() as u64 - left_out);
             let Summary::Json(summary) = &found.summary else { panic!("JSON") };
             // A topic keeps its name if the target has several topics instead of it.
@@ -67,8 +66,7 @@ fn converted_lines_agree_with_the_target_release() {
 
 #[test]
 fn messages_of_the_target_release_stay_the_same() {
-    let library = release("px4@1.16");
-    let mut flight = Flight::new(library.base());
+    let mut flight = short_flight("px4@1.16").clone();
     flight.messages.truncate(flight.topics.len());
     for encoding in [Encoding::Lines, Encoding::Rosbridge] {
         let bytes = encoding.write(&flight).expect("an encoding");
@@ -177,7 +175,7 @@ fn names_of_topics_outside_of_px4_need_the_keys_of_the_type() {
         let (count, lost) = (messages.len() as u64, (messages.len() - expected.len()) as u64);
         assert_eq!((found.action, found.messages, found.unreadable), (action, count, lost), "{text}");
         assert_eq!((report.is_complete(), &found.reason), (lost == 0, &None), "{text}");
-        let is_checked = checked_against(text.as_bytes(), &release("px4@1.16")).result.checked > 0;
+        let is_checked = checked_against(text.as_bytes(), release("px4@1.16")).result.checked > 0;
         assert_eq!(is_checked, action == Action::Converted, "`check` and `convert` must agree: {text}");
     }
 }
@@ -214,7 +212,7 @@ fn messages_without_keys_decide_nothing() {
         assert_eq!((found.action, &found.reason), (action, &reason), "{text}");
         assert_eq!(found.messages, text.matches("publish").count() as u64, "{text}");
         assert!(report.is_complete(), "{text}");
-        let result = checked_against(text.as_bytes(), &release("px4@1.16")).result;
+        let result = checked_against(text.as_bytes(), release("px4@1.16")).result;
         let num_new = output.matches(&new).count() as u64;
         assert_eq!((result.records, result.checked), (found.messages, num_new), "{text}");
     }
@@ -296,7 +294,7 @@ fn the_notation_of_bytes_stays_the_same() {
         let (report, output) = converted(text_of(&value).as_bytes(), "px4@1.15", "px4@1.17");
         assert!(report.is_complete(), "{:?}", report.topics);
         assert!(output.contains(text), "{output}");
-        let found = checked_against(output.as_bytes(), &release("px4@1.17")).result;
+        let found = checked_against(output.as_bytes(), release("px4@1.17")).result;
         assert_eq!((found.checked, found.findings.groups().count()), (1, 0), "{output}");
     }
     // Other programs write text only.
@@ -348,14 +346,14 @@ fn arrays_stay_arrays_and_values_get_one_line_each() {
 #[test]
 fn flockwave_sessions_are_rejected() {
     let session = r#"{"$fw.version": "1.0", "id": "a", "body": {"type": "SYS-VER"}}"#;
-    let error = try_converted(session.as_bytes(), &release("px4@1.17"), "px4@1.16", Settings::default());
+    let error = try_converted(session.as_bytes(), release("px4@1.17"), "px4@1.16", Settings::default());
     assert!(matches!(error, Err(Error::Input(problem)) if problem.contains("Flockwave")));
 }
 
 #[test]
 fn text_without_objects_is_rejected() {
     for text in ["", "plain text\nwithout values\n", "[1, 2]"] {
-        let error = try_converted(text.as_bytes(), &release("px4@1.17"), "px4@1.16", Settings::default());
+        let error = try_converted(text.as_bytes(), release("px4@1.17"), "px4@1.16", Settings::default());
         assert!(
             matches!(error, Err(Error::Input(problem)) if problem == "expected objects in JSON, found none"),
             "{text}"

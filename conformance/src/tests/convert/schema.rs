@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{converted, flight};
+use super::{converted, sample};
 use crate::convert::{ConversionReport, Settings};
 use crate::report::schema::{Published, errors};
 
@@ -16,7 +16,7 @@ fn the_published_schema_is_up_to_date_and_described() {
 #[test]
 fn reports_match_the_schema() {
     let schema = CONVERSION.schema::<ConversionReport>();
-    let bytes = flight("px4@1.17").to_bytes();
+    let bytes = sample("px4@1.17").bag().to_bytes();
     for bytes in [&bytes[..], &bytes[..bytes.len() / 2]] {
         let (report, _) = converted(bytes, "px4@1.16", Settings::default());
         let mut value: Value = serde_json::from_str(&report.to_json()).expect("JSON");

@@ -6,6 +6,7 @@ use super::{DEFINITIONS, checked, covered, ping, violated, violated_by};
 use crate::rules::flockwave::sample::Session;
 use crate::rules::mutants;
 use crate::rules::sample::Flight;
+use crate::tests::support::extent;
 
 type Part = fn(&mut Session);
 
@@ -122,7 +123,8 @@ fn client_responds(session: &mut Session, body: &Value) {
 fn responses_of_the_client_are_not_checked() {
     let flight = Flight::new(&DEFINITIONS);
     let mut bodies: Vec<Value> = Vec::new();
-    for mutant in mutants().filter(|mutant| mutant.rule.is_on_flockwave()) {
+    let mutants = mutants().filter(|mutant| mutant.rule.is_on_flockwave());
+    for mutant in mutants.step_by(extent(1, 16)) {
         for (_, bytes) in mutant.captures(&flight) {
             let lines = bytes.split(|byte| *byte == b'\n');
             let lines = lines.filter_map(|line| serde_json::from_slice::<Value>(line).ok());
@@ -132,7 +134,7 @@ fn responses_of_the_client_are_not_checked() {
     bodies.retain(Value::is_object);
     bodies.sort_by_key(ToString::to_string);
     bodies.dedup();
-    assert!(bodies.len() > 200, "{}", bodies.len());
+    assert!(bodies.len() > extent(200, 30), "{}", bodies.len());
     for bodies in bodies.chunks(20) {
         let mut session = Session::opened();
         for body in bodies {

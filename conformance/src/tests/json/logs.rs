@@ -11,7 +11,8 @@ use crate::px4::comparison::{Comparison, compare};
 use uavspec_codegen::dynamic::Types;
 
 use super::{corruption, source};
-use crate::tests::support::shared;
+use crate::tests::support::{extent, shared};
+use crate::tests::ulog::head;
 
 /// The messages of a log in rosbridge form, if their format matches the definition.
 fn as_json(bytes: &[u8], definitions: &Definitions, types: &Types) -> (String, Vec<String>) {
@@ -83,14 +84,15 @@ fn real_logs_have_the_same_findings_as_json() {
     let mut checked = 0;
     for entry in fs::read_dir(&logs).expect("a folder") {
         let path = entry.expect("an entry").path();
-        let bytes = fs::read(&path).expect("a log");
-        let (lines, topics) = as_json(&bytes, &definitions, &types);
-        let of_log = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
+        let whole = fs::read(&path).expect("a log");
+        let bytes = head(&whole, extent(usize::MAX, 105_000));
+        let (lines, topics) = as_json(bytes, &definitions, &types);
+        let of_log = check_capture(bytes, None, &definitions).expect("bytes can be read");
         let of_json = check_json(lines.as_bytes(), None, &definitions);
         assert_eq!(corruption(&of_json), Vec::<String>::new(), "{}", path.display());
         assert_eq!(of_json.checked, source(&of_json).lines, "{}", path.display());
         assert_eq!(findings(&of_json, &topics), findings(&of_log, &topics), "{}", path.display());
         checked += of_json.checked;
     }
-    assert!(checked > 1_000, "{checked} messages have the format of the definitions");
+    assert!(checked > extent(1_000, 100), "{checked} messages have the format of the definitions");
 }

@@ -33,8 +33,8 @@ pub(crate) fn channel(
     metadata: &[(&str, &str)],
 ) -> Vec<u8> {
     let pairs = metadata.iter().flat_map(|(key, value)| [text(key.as_bytes()), text(value.as_bytes())]);
-    let pairs: Vec<u8> = pairs.flatten().collect();
-    let names = [text(topic.as_bytes()), text(encoding.as_bytes()), text(&pairs)].concat();
+    let pairs: Vec<Vec<u8>> = pairs.collect();
+    let names = [text(topic.as_bytes()), text(encoding.as_bytes()), text(&pairs.concat())].concat();
     record(4, &[&id.to_le_bytes(), &schema.to_le_bytes(), &names])
 }
 
@@ -61,10 +61,9 @@ pub(crate) const FORMS: [Form; 4] = [Form::Unchunked, Form::Plain, Form::Zstd, F
 
 /// Writes records in this form. Each element of `chunks` contains the records of one chunk.
 pub(crate) fn chunked(form: Form, chunks: &[Vec<u8>]) -> Vec<u8> {
-    chunks
-        .iter()
-        .flat_map(|records| if form == Form::Unchunked { records.clone() } else { chunk(form, records) })
-        .collect()
+    let stored =
+        |records: &Vec<u8>| if form == Form::Unchunked { records.clone() } else { chunk(form, records) };
+    chunks.iter().map(stored).collect::<Vec<_>>().concat()
 }
 
 pub(crate) fn chunk(form: Form, records: &[u8]) -> Vec<u8> {

@@ -112,7 +112,7 @@ fn a_flipped_bit_hides_no_message() {
     let intact = checked_bytes(&bytes);
     assert_eq!((intact.extent, intact.records), (Extent::Whole, 60));
     let mut random = Random(19);
-    for _ in 0..extent(4_000, 200) {
+    for _ in 0..extent(4_000, 25) {
         let mut flipped = bytes.clone();
         let at = random.index(bytes.len());
         flipped[at] ^= 1 << random.below(8);
@@ -173,11 +173,12 @@ fn a_truncated_file_is_checked_as_far_as_possible() {
 
 #[test]
 fn flipped_bits_never_panic() {
-    let content = flight();
+    let mut content = flight();
+    content.messages.truncate(extent(usize::MAX, 60));
     let bytes = content.to_bytes();
     let mut random = Random(18);
     let mut corrupted = 0;
-    for _ in 0..extent(2_000, 150) {
+    for _ in 0..extent(2_000, 24) {
         let mut flipped = bytes.clone();
         for _ in 0..=random.below(4) {
             // The schema and the roots of the tables are more interesting than the payloads.
@@ -187,7 +188,7 @@ fn flipped_bits_never_panic() {
         let result = checked_bytes(&flipped);
         corrupted += u64::from(result.extent != Extent::Whole);
     }
-    assert!(corrupted > 10, "{corrupted}");
+    assert!(corrupted > extent(10, 0), "{corrupted}");
 }
 
 /// A recording that was killed leaves its last messages in a second file.

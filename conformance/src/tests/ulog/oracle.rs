@@ -7,7 +7,7 @@ use crate::capture::ulog::{Event, Log, Problem, Reader};
 use serde_json::{Map, Value as Json, json};
 use uavspec_codegen::dynamic::{DynamicView, MessageType, ULOG_PACKAGE, Value};
 
-use crate::tests::support::shared;
+use crate::tests::support::{extent, shared};
 
 /// Logs of the corpus and their problems.
 const LOGS: [(&str, &[Problem]); 3] = [
@@ -137,7 +137,7 @@ impl Content {
     fn check_topics(&self, oracle: &Json) {
         let topics = oracle["topics"].as_array().expect("topics");
         assert_eq!(self.records.len(), topics.len());
-        for topic in topics {
+        for topic in topics.iter().step_by(extent(1, 5)) {
             let name = topic["name"].as_str().expect("a name");
             let key = (name.to_owned(), topic["multi_id"].as_u64().expect("a number"));
             let message_type = self.log.types().find(ULOG_PACKAGE, name).expect("a type");
@@ -198,15 +198,8 @@ fn number(value: Value<'_>) -> Json {
 
 /// The checksum of all values, column by column.
 fn columns_crc32(rows: &[Vec<(String, Value<'_>)>], fields: &Json) -> u32 {
-    let mut crc = u32::MAX;
-    let mut add = |bytes: &[u8]| {
-        for byte in bytes {
-            crc ^= u32::from(*byte);
-            for _ in 0..8 {
-                crc = crc >> 1 ^ (0xedb8_8320 & (crc & 1).wrapping_neg());
-            }
-        }
-    };
+    let mut crc = crc32fast::Hasher::new();
+    let mut add = |bytes: &[u8]| crc.update(bytes);
     for column in 0..rows[0].len() {
         let ty = fields[column][0].as_str().expect("a type");
         let bits = ty.trim_start_matches('u').trim_start_matches("int").trim_end_matches("_t");
@@ -222,7 +215,7 @@ fn columns_crc32(rows: &[Vec<(String, Value<'_>)>], fields: &Json) -> u32 {
             }
         }
     }
-    !crc
+    crc.finalize()
 }
 
 /// The value of an information message or a parameter.

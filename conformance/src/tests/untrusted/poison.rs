@@ -342,12 +342,17 @@ fn testee(testee: &mut Testee, text: &str) {
     }
 }
 
-/// A story with the text in every field.
-pub(super) fn story(text: &str) -> Story {
+fn story_without_text() -> Story {
     let definitions = Definitions::built_in();
     let bytes = Flight::new(&definitions).log().to_bytes();
     let story = Story::of_bytes(&bytes, &definitions, &Texts::of(Translations::default()));
-    let mut story = story.expect("a readable capture");
+    story.expect("a readable capture")
+}
+
+/// A story with the text in every field.
+pub(super) fn story(text: &str) -> Story {
+    static STORY: OnceLock<Story> = OnceLock::new();
+    let mut story = STORY.get_or_init(story_without_text).clone();
     story.capture = text.to_owned();
     story.definitions = text.to_owned();
     story.corruption = vec![text.to_owned()];

@@ -15,6 +15,7 @@ use super::super::session::Event;
 use super::*;
 use crate::clock::Clock;
 use crate::definitions::Definitions;
+use crate::tests::support::extent;
 
 static CODES: LazyLock<Codes> = LazyLock::new(|| Codes::new(&Definitions::built_in()));
 
@@ -270,7 +271,7 @@ fn shows_a_page_of_all_keys() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(extent(64, 20)))]
 
     #[test]
     fn draws_any_state_at_any_size(

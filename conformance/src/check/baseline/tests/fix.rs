@@ -6,6 +6,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 
 use super::*;
+use crate::tests::support::extent;
 
 #[test]
 fn removes_an_entry_with_its_comments_and_nothing_else() {
@@ -93,6 +94,8 @@ fn sample() -> impl Strategy<Value = Sample> {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(extent(256, 96)))]
+
     /// Entries that aren't stale stay unchanged, byte for byte. Only entries that a person must fix remain stale.
     #[test]
     fn a_fixed_list_has_no_stale_entries(samples in vec(sample(), 0..6), is_dos in any::<bool>()) {
