@@ -85,15 +85,20 @@ pub(crate) fn conforming(definitions: &Definitions) -> Vec<(&'static str, Captur
 
 /// Checks all mutants of all rules.
 pub(crate) fn matrix(definitions: &Definitions) -> Vec<Row> {
+    rows(definitions, mutants())
+}
+
+/// Checks mutants.
+pub(crate) fn rows(definitions: &Definitions, mutants: impl Iterator<Item = Mutant>) -> Vec<Row> {
     let flight = Flight::new(definitions);
     let violated = |bytes: Vec<u8>| Some(violated(&check_bytes(&bytes, definitions)?));
-    let rows = |mutant: Mutant| {
+    let rows_of = |mutant: Mutant| {
         let row = |title, violated| Row { rule: mutant.rule, mutant: mutant.clone(), title, violated };
         let captures = mutant.captures(&flight).into_iter();
         let rows: Vec<Row> = captures.map(|(title, bytes)| row(title, violated(bytes))).collect();
         if rows.is_empty() { vec![row(mutant.name.to_owned(), None)] } else { rows }
     };
-    mutants().flat_map(rows).collect()
+    mutants.flat_map(rows_of).collect()
 }
 
 /// Formats a list of rule ids.

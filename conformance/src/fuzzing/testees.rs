@@ -7,20 +7,13 @@ use serde_json::Value;
 use uavspec_codegen::terminal::shown;
 
 use super::{DEFINITIONS, Pieces};
-use crate::definitions::Definitions;
 use crate::testee::file::replay;
 use crate::testee::options::LINE_LIMIT;
 use crate::testee::{Case, Outcome, Verdict, cases, from_wire, to_wire};
 
 /// The cases that responses may answer: a few of each operation.
 static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| {
-    let mut definitions = Definitions::built_in();
-    for package in &mut definitions.schema.packages {
-        // Cases of pages aren't retained.
-        package.json_types.clear();
-        package.json_messages.clear();
-    }
-    let mut cases = cases(&definitions, DEFINITIONS.types());
+    let mut cases = cases(&DEFINITIONS, DEFINITIONS.types());
     cases.retain(|case| ["px4/Event", "px4/BatteryStatus"].contains(&case.type_name.as_str()));
     cases.truncate(200);
     cases

@@ -10,13 +10,14 @@ use crate::check::check_capture;
 use crate::definitions::Definitions;
 use crate::rules::sample::{Encoding, Flight};
 use crate::rules::{Mutant, RULES, mutants, rule};
-use crate::self_test::{Row, conforming, matrix};
+use crate::self_test::{Row, conforming, matrix, rows};
 use tempfile::TempDir;
 
 use support::{extent, shared};
 
 /// The rows of all mutants for the built-in definitions; in quick mode, of the tested mutants.
-pub(crate) static ROWS: LazyLock<Vec<Row>> = LazyLock::new(|| rows(&Definitions::built_in(), &[]));
+pub(crate) static ROWS: LazyLock<Vec<Row>> =
+    LazyLock::new(|| rows(&Definitions::built_in(), tested_mutants(&[])));
 
 /// In quick mode, the mutants of one in this many rules are tested.
 const STEP: usize = 37;
@@ -26,23 +27,6 @@ pub(crate) fn tested_mutants(also: &[&'static str]) -> impl Iterator<Item = Muta
     let some = RULES.iter().step_by(extent(1, STEP)).map(|rule| rule.id);
     let ids: BTreeSet<&str> = some.chain(also.iter().copied()).collect();
     mutants().filter(move |mutant| ids.contains(mutant.rule.id))
-}
-
-/// The matrix; in quick mode, the rows of some mutants.
-fn rows(definitions: &Definitions, also: &[&'static str]) -> Vec<Row> {
-    if extent(true, false) {
-        return matrix(definitions);
-    }
-    let flight = Flight::new(definitions);
-    let rows_of = |mutant: Mutant| {
-        let row = |(title, bytes): (String, Vec<u8>)| {
-            let result = check_capture(&bytes[..], None, definitions).expect("bytes");
-            let violated = result.findings.groups().map(|group| group.rule.id).collect();
-            Row { rule: mutant.rule, mutant: mutant.clone(), title, violated: Some(violated) }
-        };
-        mutant.captures(&flight).into_iter().map(row).collect::<Vec<Row>>()
-    };
-    tested_mutants(also).flat_map(rows_of).collect()
 }
 
 /// Asserts that conforming captures of these definitions have no findings. Returns the covered rules.
@@ -144,7 +128,7 @@ bool is_landed            # Whether it stands on the ground
     fs::write(folder.path().join("Mark.msg"), mark).expect("a file");
     let definitions = Definitions::load(folder.path()).expect("definitions");
     check_conforming(&definitions);
-    let found = check_rows(&rows(&definitions, &["PX-LEN-01", "PX-RANGE-01"]));
+    let found = check_rows(&rows(&definitions, tested_mutants(&["PX-LEN-01", "PX-RANGE-01"])));
     assert!(found.contains("PX-RANGE-01") && found.contains("PX-LEN-01"), "{found:?}");
     assert!(!found.contains("PX-VER-01"), "no message has a version");
 }
