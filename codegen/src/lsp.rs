@@ -14,7 +14,6 @@ mod diagnostics;
 mod discovery;
 mod fixes;
 mod format;
-mod history;
 mod hover;
 mod layout;
 mod lines;
@@ -35,14 +34,14 @@ mod workspace;
 
 use lsp_server::Connection;
 
-pub use self::history::History;
+pub use self::hover::History;
 #[cfg(any(fuzzing, test))]
 pub(crate) use self::replay::{Edit, replay};
 use self::server::Server;
 use crate::failure::Failure;
 
 /// Serves an editor on standard input and output until the editor ends the session.
-pub fn run(history: &dyn History) -> Result<(), Failure> {
+pub fn run(history: &History<'_>) -> Result<(), Failure> {
     let (connection, threads) = transport::stdio();
     serve(&connection, history)?;
     // The threads end when the connection is closed.
@@ -51,7 +50,7 @@ pub fn run(history: &dyn History) -> Result<(), Failure> {
 }
 
 /// Serves an editor on a connection until the editor ends the session.
-pub fn serve(connection: &Connection, history: &dyn History) -> Result<(), Failure> {
+pub fn serve(connection: &Connection, history: &History<'_>) -> Result<(), Failure> {
     let failed =
         |error: lsp_server::ProtocolError| Failure::new(format!("the editor violated the protocol: {error}"));
     let (id, parameters) = connection.initialize_start().map_err(failed)?;

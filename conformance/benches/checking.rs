@@ -29,8 +29,8 @@ use std::time::{Duration, Instant};
 
 use serde::de::IgnoredAny;
 use serde_json::{Value, json};
-use uavspec_conformance::check::{FlockwaveChecker, check_capture, check_json_thoroughly, parallel};
-use uavspec_conformance::definitions::Definitions;
+use uavspec_check::{FlockwaveChecker, check_capture, check_json_thoroughly, parallel};
+use uavspec_rules::definitions::Definitions;
 
 /// The number of JSON lines.
 const LINES: usize = 10_000;

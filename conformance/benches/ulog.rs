@@ -9,7 +9,7 @@ use std::path::Path;
 
 use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
-use uavspec_conformance::capture::ulog::{Event, Log, Reader};
+use uavspec_capture::ulog::{Event, Log, Reader};
 
 fn main() {
     divan::main();

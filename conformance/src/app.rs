@@ -36,6 +36,10 @@ mod required;
 mod rules;
 mod self_test;
 mod serve;
+#[cfg(not(feature = "stores"))]
+mod stores;
+#[cfg(not(feature = "tables"))]
+mod tables;
 mod target;
 mod test;
 mod testee;
@@ -47,14 +51,17 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
 use uavspec_codegen::cli;
 use uavspec_codegen::msg::Dialect;
-
-use crate::definitions::{Definitions, Library};
-use crate::flockwave::body_schema::SchemaError;
+use uavspec_flockwave::body_schema::SchemaError;
+use uavspec_model::text::{command_line, shown_value, shown_words, similar, terminal};
 #[cfg(test)]
-use crate::report::Report;
-use crate::report::{Outcome, OutcomeKind};
-use crate::rules::RULES;
-use crate::text::{command_line, shown_value, shown_words, similar, terminal};
+use uavspec_report::Report;
+use uavspec_report::{Outcome, OutcomeKind};
+use uavspec_rules::RULES;
+use uavspec_rules::definitions::{Definitions, Library};
+#[cfg(feature = "stores")]
+use uavspec_stores as stores;
+#[cfg(feature = "tables")]
+use uavspec_tables as tables;
 
 const PROGRAM: &str = "uavspec";
 

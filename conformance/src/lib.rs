@@ -1,8 +1,7 @@
 //! Checks drone software against its interface specifications.
 //!
-//! The crate checks PX4 logs (`ULog`), MCAP, JSON messages, recorded Flockwave sessions, codecs ([`testee`]) and live
-//! servers ([`probe`]). [`serve`] is a reference server, and `uavspec watch` shows a server's fleet. `uavspec-codegen`
-//! reads the definitions.
+//! The command line of `uavspec`: it checks PX4 logs (`ULog`), MCAP, JSON messages, recorded Flockwave sessions, codecs and
+//! live servers, and prints reports. The crates below this one do the work, and other programs can call them.
 //!
 //! ```text
 //!  bytes ──capture──▶ records ──check──▶ findings ──▶ verdicts ──report──▶ text, JSON, HTML, SARIF, …
@@ -14,37 +13,6 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
-#[cfg(test)]
-extern crate self as uavspec_conformance;
-
 pub mod app;
-mod bus;
-pub mod capture;
-pub mod check;
-pub mod clock;
-mod convert;
-pub mod definitions;
-mod explain;
-mod flockwave;
-#[cfg(any(fuzzing, test))]
-#[doc(hidden)]
-pub mod fuzzing;
-pub mod json;
-pub mod model;
-mod net;
-pub mod probe;
-mod px4;
-pub mod report;
-pub mod rules;
-mod self_test;
-pub mod serve;
-mod story;
-pub mod tables;
-pub mod testee;
 #[cfg(test)]
 mod tests;
-mod text;
-mod vehicle;
-mod watch;
-
-pub use flockwave::{body_schema, transport};

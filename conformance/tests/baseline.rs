@@ -6,8 +6,7 @@ use std::process::Command;
 
 use serde_json::{Value, json};
 use tempfile::TempDir;
-
-use crate::support::words;
+use uavspec_test_support::words;
 
 const GLIDER: &str = "\
 # State of a glider

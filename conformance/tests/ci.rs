@@ -12,8 +12,7 @@ use std::process::Command;
 use saphyr::{LoadableYamlNode as _, Scalar, Yaml};
 use serde_json::Value;
 use tempfile::TempDir;
-
-use crate::support::{files_of_guide, padded, write};
+use uavspec_test_support::{files_of_guide, padded, write};
 
 const CONFIG: &str = "[output]\njson_schema = \"schemas\"\n\n[[package]]\nname = \"demo\"\ndialect = \"px4\"\n\
                       include = [\"msg/*.msg\"]\n";

@@ -1,7 +1,5 @@
 //! Tests of the command line of `uavspec`.
 
-use crate::support;
-
 use std::fs;
 use std::io::Write as _;
 use std::path::Path;
@@ -11,7 +9,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::Value;
-use support::{padded, words, write_typical_definitions};
+use uavspec_test_support::{padded, words, write_typical_definitions};
 
 /// Runs `uavspec`, and returns its exit status, standard output and standard error.
 fn uavspec(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
@@ -462,7 +460,7 @@ fn prints_rules_and_help() {
     assert_eq!(status, Some(2));
     assert!(output.contains("no such rule") && output.contains("help:"), "{output}");
     let list: Value = serde_json::from_str(&uavspec(here, &["rules", "--format", "json"]).1).expect("JSON");
-    assert_eq!(list.as_array().map(Vec::len), Some(uavspec_conformance::rules::RULES.len()));
+    assert_eq!(list.as_array().map(Vec::len), Some(uavspec_rules::RULES.len()));
     let (status, printed, _) = uavspec(here, &["rules", "--matrix"]);
     assert_eq!(status, Some(0));
     assert!(printed.contains(", 0 with unexpected results") && !printed.contains("  !"), "{printed}");
@@ -474,7 +472,7 @@ fn prints_rules_and_help() {
     );
     let (status, printed, _) = uavspec(here, &["rules"]);
     assert_eq!(status, Some(0));
-    for rule in uavspec_conformance::rules::RULES {
+    for rule in uavspec_rules::RULES {
         assert!(printed.contains(rule.id) && printed.contains(rule.statement), "{}", rule.id);
     }
     let (status, printed, _) = uavspec(here, &["check", "--help"]);

@@ -12,9 +12,8 @@ use mcap::records::MessageHeader;
 use mcap::{MessageStream, WriteOptions};
 use serde_json::Value;
 use tempfile::TempDir;
-
 #[cfg(unix)]
-use crate::support::{send_signal, wait_for};
+use uavspec_test_support::{send_signal, wait_for};
 
 /// The definition of `ArmingCheckRequest` in PX4 1.16.
 const DEFINITION: &str = "uint32 MESSAGE_VERSION=0\nuint64 timestamp\nuint8 request_id\n";

@@ -1,13 +1,11 @@
 //! Tests of `uavspec explain`.
 
-use crate::support;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use serde_json::{Value, json};
-use support::shared;
+use uavspec_test_support::shared;
 
 /// Runs `uavspec explain`, and returns its exit status, standard output and standard error.
 fn explain(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {

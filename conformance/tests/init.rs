@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use tempfile::TempDir;
+use uavspec_test_support::{files_of_guide, write};
 use walkdir::WalkDir;
-
-use crate::support::{files_of_guide, write};
 
 const RUNTIME: &str = "uavspec-runtime";
 

@@ -6,7 +6,6 @@ mod ci;
 mod cli;
 mod convert;
 mod explain;
-mod imports;
 mod init;
 mod outputs;
 mod probe;
@@ -17,8 +16,6 @@ mod schema;
 mod serve;
 #[cfg(all(feature = "stores", feature = "tables"))]
 mod stores;
-#[allow(dead_code, reason = "the tests in src/tests use the rest")]
-mod support;
 mod testee;
 mod transport;
 mod untrusted;

@@ -20,15 +20,14 @@ use std::thread;
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use uavspec_conformance::check::check_capture;
-use uavspec_conformance::clock::Clock;
-use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::probe::{Options, Probed, RequestType, Selection, Stop, probe, probe_on};
-use uavspec_conformance::rules::flockwave;
-use uavspec_conformance::serve::{self, InMemory, Server, Transport};
-use uavspec_conformance::transport::{Endpoint, Network};
-
-use crate::support::memory::{Line, Scripted};
+use uavspec_check::check_capture;
+use uavspec_flockwave::transport::{Endpoint, Network};
+use uavspec_model::clock::Clock;
+use uavspec_probe::{Options, Probed, RequestType, Selection, Stop, probe, probe_on};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::flockwave;
+use uavspec_serve::{self, InMemory, Server, Transport};
+use uavspec_test_server::memory::{Line, Scripted};
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
 
@@ -86,7 +85,7 @@ fn scripted(options: Options, script: impl Fn(&mut Line, &[u8]) + 'static) -> Pr
 }
 
 /// Probes a reference server. The recording is copied.
-fn referenced(options: Options, served: serve::Options, copy: &Shared) -> Probed {
+fn referenced(options: Options, served: uavspec_serve::Options, copy: &Shared) -> Probed {
     let clock = Clock::simulated();
     let network = InMemory::new(served, &clock);
     let copy: Box<dyn std::io::Write> = Box::new(copy.clone());
@@ -100,7 +99,7 @@ fn compared(probe: impl FnOnce(Box<dyn std::io::Write>) -> Probed) -> Probed {
     assert!(probed.unrecorded.is_none());
     let recording = tape.0.lock().unwrap_or_else(PoisonError::into_inner).clone();
     let replayed = check_capture(&*recording, None, &DEFINITIONS).expect("bytes can be read");
-    let summary = |result: &uavspec_conformance::check::CaptureResult| -> Vec<String> {
+    let summary = |result: &uavspec_check::CaptureResult| -> Vec<String> {
         result.findings.groups().map(|group| format!("{group:?}")).collect()
     };
     assert_eq!(summary(&replayed), summary(&probed.result));
@@ -592,7 +591,7 @@ fn reports_a_trial_that_affects_other_clients() {
 
 /// A reference server whose UAVs move fast, and its URL.
 fn reference_server() -> (Server, String) {
-    let options = serve::Options { speed: 10.0, ..serve::Options::default() };
+    let options = uavspec_serve::Options { speed: 10.0, ..uavspec_serve::Options::default() };
     let free = SocketAddr::from(([127, 0, 0, 1], 0));
     let server = Server::start(options, &[(Transport::Tcp, free)]).expect("it starts");
     let url = server.listening()[0].to_string();
@@ -616,7 +615,7 @@ fn requests(tape: &Shared) -> Vec<(String, Value)> {
 fn commands_follow_the_order_of_a_flight_and_concern_only_named_uavs() {
     let options = Options::new(Duration::ZERO, None, vec!["glider-2".to_owned()]);
     let tape = Shared::default();
-    let probed = referenced(options, serve::Options::default(), &tape);
+    let probed = referenced(options, uavspec_serve::Options::default(), &tape);
     assert_eq!((probed.failure, probed.cut_short), (None, None));
     assert_eq!(probed.result.findings.groups().count(), 0);
     let requests = requests(&tape);
@@ -658,7 +657,7 @@ fn lands_uavs_whatever_is_selected() {
     let selection = selection.expect("known types").without_trials();
     let options = Options::new(Duration::ZERO, None, vec!["glider-2".to_owned()]);
     let tape = Shared::default();
-    let probed = referenced(Options { selection, ..options }, serve::Options::default(), &tape);
+    let probed = referenced(Options { selection, ..options }, uavspec_serve::Options::default(), &tape);
     assert_eq!((probed.failure, probed.cut_short), (None, None));
     let sent: Vec<String> = requests(&tape).into_iter().map(|(name, _)| name).collect();
     let at = |name: &str| sent.iter().position(|sent| sent == name);
@@ -669,7 +668,7 @@ fn lands_uavs_whatever_is_selected() {
 #[test]
 fn sends_every_request_type_or_says_why_not() {
     let login = ("pilot".to_owned(), "secret".to_owned());
-    let served = serve::Options { login: Some(login.clone()), ..serve::Options::default() };
+    let served = uavspec_serve::Options { login: Some(login.clone()), ..uavspec_serve::Options::default() };
     let probed = |options| simulated(options, |clock| InMemory::new(served.clone(), clock));
     let uavs = (1..=5).map(|number| format!("glider-{number}")).collect();
     let all = probed(Options::new(Duration::ZERO, Some(login.clone()), uavs));
@@ -685,7 +684,7 @@ fn sends_every_request_type_or_says_why_not() {
 #[test]
 fn stops_after_a_refused_login() {
     let login = Some(("pilot".to_owned(), "secret".to_owned()));
-    let served = serve::Options { login, ..serve::Options::default() };
+    let served = uavspec_serve::Options { login, ..uavspec_serve::Options::default() };
     let wrong = ("pilot".to_owned(), "wrong".to_owned());
     let options = Options::new(Duration::ZERO, Some(wrong), Vec::new());
     let probed = simulated(options, |clock| InMemory::new(served, clock));
@@ -707,7 +706,7 @@ fn uavspec(arguments: &[&str]) -> (Option<i32>, String, String) {
 fn probe_prints_its_outcome_and_records_the_session() {
     let location = SocketAddr::from(([127, 0, 0, 1], 0));
     let bug = flockwave::rule("FW-SYS-VER-02");
-    let options = serve::Options { bug, ..serve::Options::default() };
+    let options = uavspec_serve::Options { bug, ..uavspec_serve::Options::default() };
     let server = Server::start(options, &[(Transport::Tcp, location)]).expect("it starts");
     let url = server.listening()[0].to_string();
     let folder = tempfile::tempdir().expect("a folder");

@@ -4,10 +4,9 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use uavspec_test_support::cargo;
+use uavspec_test_support::python::{python, run};
 use walkdir::WalkDir;
-
-use crate::support::cargo;
-use crate::support::python::{python, run};
 
 /// The packages that the tests use.
 const PACKAGES: &[&str] = &[

@@ -17,12 +17,11 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
-use uavspec_conformance::clock::Clock;
-use uavspec_conformance::rules::flockwave;
-use uavspec_conformance::serve::{Options, Server, Transport};
-use uavspec_conformance::transport::{Client, MESSAGE_LIMIT, Received, connect};
-
-use super::support::deadline;
+use uavspec_flockwave::transport::{Client, MESSAGE_LIMIT, Received, connect};
+use uavspec_model::clock::Clock;
+use uavspec_rules::flockwave;
+use uavspec_serve::{Options, Server, Transport};
+use uavspec_test_support::deadline;
 
 /// The time for reading messages that have already arrived.
 const READING_TIME: Duration = Duration::from_millis(20);

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::support::python::{python, run};
+use uavspec_test_support::python::{python, run};
 
 /// The program to test.
 const UAVSPEC: &str = env!("CARGO_BIN_EXE_uavspec");

@@ -15,14 +15,13 @@ use std::time::Duration;
 
 use serde_json::Value;
 use uavspec_codegen::dynamic::{PlacedElement, Types};
-use uavspec_conformance::clock::Clock;
-use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::testee::{
+use uavspec_model::clock::Clock;
+use uavspec_probe::testee::{
     Case, ExpectedResponse, Format, Op, Options, Outcome, Target, Verdict, cases, run,
 };
+use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::Scalar;
-
-use crate::support::{cargo, wait_for};
+use uavspec_test_support::{cargo, wait_for};
 
 struct Suite {
     types: Types,

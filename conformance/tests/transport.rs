@@ -11,15 +11,14 @@ use std::net::{SocketAddr, TcpListener, UdpSocket};
 use std::time::Duration;
 
 use serde_json::{Value, json};
-use uavspec_conformance::clock::Clock;
-use uavspec_conformance::serve::{Options, Server, Transport};
-use uavspec_conformance::transport::{
+use uavspec_flockwave::transport::{
     Access, Client, Endpoint, Received, Trust, connect, connect_with, http_status, is_temporary,
 };
-
-use crate::support::proxy::Proxy;
-use crate::support::server::{custom_server, location, serve};
-use crate::support::{deadline, wait_for};
+use uavspec_model::clock::Clock;
+use uavspec_serve::{Options, Server, Transport};
+use uavspec_test_server::proxy::Proxy;
+use uavspec_test_server::server::{custom_server, location, serve};
+use uavspec_test_support::{deadline, wait_for};
 
 /// The time for reading messages that have already arrived.
 const SHORT_TIME: Duration = Duration::from_millis(20);

@@ -9,8 +9,7 @@ use std::path::Path;
 use std::process::Command;
 
 use serde_json::{Value, json};
-
-use crate::support::server::{answer_requests, custom_server};
+use uavspec_test_server::server::{answer_requests, custom_server};
 
 /// Starts a new line, and does everything to be more than text there.
 const HOSTILE: &str = "x\n::error::FORGED\nFORGED \u{1b}]0;t\u{7}\u{1b}[31m\r\u{9b}2J\u{202e}\u{2028}\u{200b}##[error]y##vso[task.complete]z";

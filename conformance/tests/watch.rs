@@ -4,9 +4,8 @@ use std::io::{BufRead as _, BufReader};
 use std::process::Command;
 
 use serde_json::json;
-use uavspec_conformance::serve::{Options, Transport, error};
-
-use crate::support::server::{custom_server, serve};
+use uavspec_serve::{Options, Transport, error};
+use uavspec_test_server::server::{custom_server, serve};
 
 /// Runs uavspec. Returns the exit status, standard output and standard error.
 ///

@@ -1,13 +1,12 @@
 //! Tests of baselines, for `lint` and `breaking`.
 
-use crate::support;
-
 use std::fs;
 use std::path::Path;
 
+use support::{write, xtask};
 use tempfile::TempDir;
 
-use support::{write, xtask};
+use crate::support;
 
 const CONFIG: &str = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"msg/*.msg\"]\n";
 const WIND: &str = "# Wind over ground\n\nuint64 timestamp  # [us] Since start\nfloat32 speed  # Speed\nfloat32 gust  # Strongest wind\n";

@@ -1,15 +1,14 @@
 //! Tests of `breaking` against folders and Git revisions.
 
-use crate::support;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value as Json;
+use support::{write, xtask};
 use tempfile::TempDir;
 
-use support::{write, xtask};
+use crate::support;
 
 const CONFIG: &str = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"msg/*.msg\"]\n";
 const WIND: &str =

@@ -1,16 +1,15 @@
 //! Tests of the command line: exit status, messages and file changes.
 
-use crate::support;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use quick_junit::{Report as Junit, TestCase, TestCaseStatus};
 use serde_json::Value as Json;
+use support::{write, xtask};
 use tempfile::TempDir;
 
-use support::{write, xtask};
+use crate::support;
 
 const CONFIG: &str = r#"
 [output]

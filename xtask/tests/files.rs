@@ -1,12 +1,12 @@
 //! Tests of commands that are limited to some files, and of report files.
 
-use crate::support;
-
 use std::fs;
 
 use serde_json::Value as Json;
 use support::{write, xtask};
 use tempfile::TempDir;
+
+use crate::support;
 
 const CONFIG: &str = "[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"msg/*.msg\"]\n";
 

@@ -1,7 +1,5 @@
 //! Tests of the files that commands write: nothing outside the output folder, no input replaced, nothing left behind.
 
-use crate::support;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -9,6 +7,8 @@ use std::process::{Command, Stdio};
 use support::{write, xtask};
 use tempfile::TempDir;
 use uavspec_codegen::stage::Stage;
+
+use crate::support;
 
 const WIND: &str = "uint64 timestamp  # [us] Since start\n";
 

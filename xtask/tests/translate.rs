@@ -1,14 +1,13 @@
 //! Tests of translation catalogues on the command line.
 
-use crate::support;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use support::{write, xtask};
 use tempfile::TempDir;
 
-use support::{write, xtask};
+use crate::support;
 
 const CONFIG: &str = r#"
 [output]

@@ -8,7 +8,6 @@ use lsp_types::{Contents, Hover, MarkupContent, MarkupKind};
 use uavspec_runtime::Number;
 
 use self::markup::Markup;
-use super::history::History;
 use super::snapshot::Document;
 use super::symbol::{self, Symbol, has_prefix};
 use crate::directive;
@@ -25,6 +24,11 @@ use crate::schema::{
 use crate::source::Span;
 use crate::unit;
 
+/// The history of messages in published releases, for hover texts: given the full ROS name of a message, such as
+/// `px4_msgs/msg/VehicleStatus`, and the name of a field or constant, the releases that contain it, and the changes, as
+/// lines of text.
+pub type History<'a> = dyn Fn(&str, Option<&str>) -> Vec<String> + 'a;
+
 /// The maximum number of listed members of an enum.
 const MAX_MEMBERS: usize = 30;
 
@@ -32,7 +36,7 @@ const MAX_MEMBERS: usize = 30;
 const MAX_CHANGES: usize = 10;
 
 /// The text about the item at a byte offset.
-pub(super) fn hover(document: &Document<'_>, history: &dyn History, offset: usize) -> Option<Hover> {
+pub(super) fn hover(document: &Document<'_>, history: &History<'_>, offset: usize) -> Option<Hover> {
     let (range, text) = match symbol::at(document, offset) {
         Some(found) => {
             let text = Describer { schema: &document.snapshot.schema, history }.symbol(&found.symbol)?;
@@ -112,7 +116,7 @@ fn about_annotation(annotation: &Annotation<'_>) -> Option<String> {
 
 struct Describer<'a> {
     schema: &'a Schema,
-    history: &'a dyn History,
+    history: &'a History<'a>,
 }
 
 impl Describer<'_> {
@@ -290,7 +294,7 @@ impl Describer<'_> {
     }
 
     fn add_history(&self, text: &mut Markup, message: &Message, item: Option<&str>) {
-        let lines = self.history.lines(&ros_name(self.schema, message), item);
+        let lines = (self.history)(&ros_name(self.schema, message), item);
         text.list("history", &lines, MAX_CHANGES);
     }
 

@@ -6,7 +6,6 @@ use lsp_server::Connection;
 use lsp_types::Position;
 use serde_json::{Value, json};
 
-use super::history::History;
 use super::server::Server;
 use super::uri;
 
@@ -16,15 +15,6 @@ const REQUESTS: [&str; 6] =
 
 /// The requests about a document.
 const WHOLE: [&str; 5] = ["documentSymbol", "foldingRange", "semanticTokens/full", "formatting", "inlayHint"];
-
-/// No history.
-struct Nothing;
-
-impl History for Nothing {
-    fn lines(&self, _: &str, _: Option<&str>) -> Vec<String> {
-        Vec::new()
-    }
-}
 
 /// A change of a document, and the position of the requests after it.
 #[derive(Debug)]
@@ -70,7 +60,7 @@ fn start(connection: &Connection) -> Server<'_> {
     let folder = json!([{ "uri": "file:///nowhere", "name": "nowhere" }]);
     let parameters =
         json!({ "processId": null, "rootUri": null, "capabilities": {}, "workspaceFolders": folder });
-    Server::new(connection, &Nothing, parameters).expect("valid parameters")
+    Server::new(connection, &|_, _| Vec::new(), parameters).expect("valid parameters")
 }
 
 fn open(server: &mut Server<'_>, uri: &str, text: &str) {

@@ -15,7 +15,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use super::history::History;
+use super::hover::History;
 use super::lines::Encoding;
 use super::parameters::Parameters;
 use super::project::Project;
@@ -37,7 +37,7 @@ pub(super) type Failed = (ErrorCode, String);
 /// The server of one editor.
 pub(super) struct Server<'c> {
     connection: &'c Connection,
-    history: &'c dyn History,
+    history: &'c History<'c>,
     workspace: Workspace,
     /// True if the editor can rename files as part of an edit.
     can_rename_files: bool,
@@ -61,7 +61,7 @@ impl<'c> Server<'c> {
     /// Creates the server for the parameters of the editor's `initialize` request.
     pub(super) fn new(
         connection: &'c Connection,
-        history: &'c dyn History,
+        history: &'c History<'c>,
         parameters: Value,
     ) -> Result<Self, serde_json::Error> {
         let parameters: Parameters = serde_json::from_value(parameters)?;

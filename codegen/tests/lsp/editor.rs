@@ -9,15 +9,11 @@ use std::time::Duration;
 use lsp_server::{Connection, Message, Notification, Request, RequestId};
 use serde_json::{Value, json};
 use tempfile::TempDir;
-use uavspec_codegen::lsp::{History, serve};
+use uavspec_codegen::lsp::serve;
 
 /// A history that every message has.
-struct Invented;
-
-impl History for Invented {
-    fn lines(&self, message: &str, item: Option<&str>) -> Vec<String> {
-        vec![format!("since 1.0: {message} {}", item.unwrap_or("whole"))]
-    }
+fn invented(message: &str, item: Option<&str>) -> Vec<String> {
+    vec![format!("since 1.0: {message} {}", item.unwrap_or("whole"))]
 }
 
 /// The time limit for a message, however slow the computer is. It ends tests that would hang.
@@ -53,7 +49,7 @@ impl Editor {
             fs::write(path, text).expect("a file");
         }
         let (connection, server) = Connection::memory();
-        let server = thread::spawn(move || serve(&server, &Invented).expect("a session"));
+        let server = thread::spawn(move || serve(&server, &invented).expect("a session"));
         let mut editor = Self {
             connection,
             server: Some(server),

@@ -18,7 +18,7 @@ use codec::Codec;
 use evil::RequestFault;
 use rude::ProtocolFault;
 use serde_json::{Value, json};
-use uavspec_conformance::definitions::Definitions;
+use uavspec_rules::definitions::Definitions;
 
 fn main() -> io::Result<ExitCode> {
     let arguments: Vec<String> = env::args().skip(1).collect();

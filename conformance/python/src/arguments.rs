@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use pyo3::buffer::PyBuffer;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use uavspec_conformance::tables::{Capture, Options};
+use uavspec_tables::{Capture, Options};
 
 /// The name of bytes without a name.
 const UNNAMED: &str = "bytes";

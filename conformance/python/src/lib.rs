@@ -1,7 +1,7 @@
 //! The Python package of uavspec: checks, reads and explains captures.
 //!
 //! ```text
-//!  Python ──capture, options──▶ functions ──▶ uavspec_conformance::tables ──▶ Report, Table ──▶ Python
+//!  Python ──capture, options──▶ functions ──▶ uavspec_tables ──▶ Report, Table ──▶ Python
 //! ```
 //!
 //! The work runs in separate threads, without Python's lock. The functions and their documentation for users
@@ -17,7 +17,7 @@ mod work;
 use std::num::NonZeroUsize;
 
 use pyo3::prelude::*;
-use uavspec_conformance::tables::{self, Capture, Options};
+use uavspec_tables::{self as tables, Capture, Options};
 
 use self::arguments::{capture, options};
 use self::results::{Report, Results, Story};

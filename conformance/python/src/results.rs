@@ -1,8 +1,8 @@
 //! The results of the functions.
 
 use pyo3::prelude::*;
-use uavspec_conformance::report::{self, Kind};
-use uavspec_conformance::tables::{self, Checked, Tables};
+use uavspec_report::Kind;
+use uavspec_tables::{self as tables, Checked, Tables};
 
 use crate::Error;
 use crate::table::Table;
@@ -63,7 +63,7 @@ impl Results {
 
 /// The report of a capture, with its tables.
 #[pyclass(frozen, extends = Results, module = "uavspec")]
-pub(crate) struct Report(report::Report);
+pub(crate) struct Report(uavspec_report::Report);
 
 impl Report {
     pub(crate) fn of(checked: Checked) -> PyClassInitializer<Self> {

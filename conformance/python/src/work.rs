@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 
 use pyo3::prelude::*;
-use uavspec_conformance::tables::{Checker, Options, Problem};
+use uavspec_tables::{Checker, Options, Problem};
 
 use crate::Error;
 

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use uavspec_model::net::tls::Trust;
+use uavspec_model::text::terminal;
 
 use super::Status;
 use super::serve::login;
-use crate::net::tls::Trust;
-use crate::text::terminal;
 
 /// Arguments of commands that connect to a server.
 #[derive(Args, Debug)]

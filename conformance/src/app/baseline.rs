@@ -6,17 +6,17 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use uavspec_check::baseline::{
+    Lists, NewEntry, Scope, Stale, Sums, excuse_findings, new_list, rule_outcomes, unread_outcome,
+};
 use uavspec_codegen::diagnostic::Level;
 use uavspec_codegen::stage::{Stage, folder_of};
+use uavspec_model::text::{plural, terminal};
+use uavspec_model::{Date, Extent, Reason};
+use uavspec_report::{About, CheckedCapture, Subject, Verdict};
 
 use super::Status;
 use super::outputs::Output;
-use crate::check::baseline::{
-    Lists, NewEntry, Scope, Stale, Sums, excuse_findings, new_list, rule_outcomes, unread_outcome,
-};
-use crate::model::{Date, Extent, Reason};
-use crate::report::{About, CheckedCapture, Subject, Verdict};
-use crate::text::{plural, terminal};
 
 /// Arguments of commands that read baselines.
 #[derive(Args, Debug)]

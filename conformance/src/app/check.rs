@@ -7,8 +7,18 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use clap::{Args, ValueEnum};
+use uavspec_capture::input::Input;
+use uavspec_check::baseline::Scope;
+use uavspec_check::story::{Story, Texts};
+use uavspec_check::{Checked, parallel};
 use uavspec_codegen::msg::Dialect;
 use uavspec_codegen::schema::MessageId;
+use uavspec_model::clock::Clock;
+use uavspec_model::text::terminal;
+use uavspec_model::{Reason, Rule};
+use uavspec_report::Origin;
+use uavspec_report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
+use uavspec_rules::definitions::{Definitions, Library};
 
 use super::baseline::{BaselineArgs, count_capture, count_unread};
 use super::explain::texts;
@@ -18,17 +28,8 @@ use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
+use super::tables::Done;
 use super::{Status, outcome_statuses, print_unknown};
-use crate::capture::input::Input;
-use crate::check::baseline::Scope;
-use crate::check::{Checked, parallel};
-use crate::clock::Clock;
-use crate::definitions::{Definitions, Library};
-use crate::model::{Reason, Rule};
-use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
-use crate::story::{Story, Texts};
-use crate::tables::{Done, Origin};
-use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg

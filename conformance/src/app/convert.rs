@@ -6,17 +6,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
+use uavspec_check::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
+use uavspec_check::{Opened, open_path};
 use uavspec_codegen::Failure;
 use uavspec_codegen::stage::write_file;
+use uavspec_model::text::terminal;
+use uavspec_rules::definitions::Library;
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::print_result;
 use super::{Format, Status};
-use crate::check::{Opened, open_path};
-use crate::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
-use crate::definitions::Library;
-use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec convert flight.ulg --to px4@1.16 -o converted.ulg

@@ -8,17 +8,17 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::Args;
+use uavspec_capture::names::is_capture;
+use uavspec_check::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
 use uavspec_codegen::stage::write_file;
+use uavspec_model::Extent;
+use uavspec_model::text::{plural, terminal};
+use uavspec_report::story::{to_html, to_json, to_text};
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::print;
 use super::{Format, Status};
-use crate::capture::names::is_capture;
-use crate::model::Extent;
-use crate::report::story::{to_html, to_json, to_text};
-use crate::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
-use crate::text::{plural, terminal};
 
 /// The path that means standard input.
 const STANDARD_INPUT: &str = "-";

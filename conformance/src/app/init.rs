@@ -10,10 +10,10 @@ use clap::Args;
 use uavspec_codegen::Failure;
 use uavspec_codegen::load::{FoundPackage, find_packages, package_name};
 use uavspec_codegen::msg::Dialect;
+use uavspec_model::text::{command_line, terminal};
 
 use self::files::{Files, RUNTIME};
 use super::Status;
-use crate::text::{command_line, terminal};
 
 const EXAMPLES: &str = "Examples:
   uavspec init                  for the definitions in the current folder

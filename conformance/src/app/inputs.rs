@@ -2,20 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use super::Status;
-use crate::capture::input::{self, Files, Input};
-#[cfg(feature = "stores")]
-use crate::capture::names::NOT_A_CAPTURE;
-#[cfg(feature = "stores")]
-use crate::capture::store::{self, Listed};
-use crate::report::Unreadable;
-use crate::tables::{Done, Origin};
-#[cfg(not(feature = "stores"))]
-use crate::text::is_object_url;
-use crate::text::{shown_url, terminal};
+use uavspec_capture::input::{self, Files, Input, Listed};
+use uavspec_capture::names::NOT_A_CAPTURE;
+use uavspec_model::text::{is_object_url, shown_url, terminal};
+use uavspec_report::{Origin, Unreadable};
+
+use super::tables::Done;
+use super::{Status, stores};
 
 /// The help for a URL that can't be listed.
-#[cfg(feature = "stores")]
 const CREDENTIALS: &str = "credentials come from the environment, such as AWS_ACCESS_KEY_ID";
 
 /// The captures that a user names.
@@ -54,15 +49,8 @@ impl Found {
     }
 
     fn add(&mut self, input: &Path) -> Result<(), Status> {
-        #[cfg(feature = "stores")]
-        if let Some(url) = input.to_str().filter(|_| store::is_url(input)) {
+        if let Some(url) = input.to_str().filter(|text| is_object_url(text)) {
             return self.add_url(url);
-        }
-        #[cfg(not(feature = "stores"))]
-        if let Some(url) = input.to_str().filter(|text| is_object_url(text) && !input.exists()) {
-            let problem = "this program was built without object stores: build it with `--features stores`";
-            terminal::error(format_args!("{}: {problem}", terminal::shown(&shown_url(url))), None);
-            return Err(Status::Usage);
         }
         self.add_path(input)
     }
@@ -88,19 +76,23 @@ impl Found {
     }
 
     /// Adds the objects that a URL denotes.
-    #[cfg(feature = "stores")]
     fn add_url(&mut self, url: &str) -> Result<(), Status> {
         let shown = shown_url(url);
-        let Listed { captures, skipped } = store::list(url).map_err(|problem| {
-            terminal::error(format_args!("{}: {problem}", terminal::shown(&shown)), Some(CREDENTIALS));
-            Status::Unreadable
+        let Listed { captures, skipped } = stores::list(url).map_err(|problem| {
+            let (help, status) = if cfg!(feature = "stores") {
+                (Some(CREDENTIALS), Status::Unreadable)
+            } else {
+                (None, Status::Usage)
+            };
+            terminal::error(format_args!("{}: {problem}", terminal::shown(&shown)), help);
+            status
         })?;
         if captures.is_empty() {
-            let file = Unreadable { path: shown, message: store::NOTHING.to_owned() };
+            let file = Unreadable { path: shown, message: stores::NOTHING.to_owned() };
             terminal::error(format_args!("{}: {}", terminal::shown(&file.path), file.message), None);
             self.empty.push(file);
         }
-        self.captures.extend(captures.into_iter().map(Input::Object));
+        self.captures.extend(captures);
         self.skipped
             .extend(skipped.into_iter().map(|path| Unreadable { path, message: NOT_A_CAPTURE.to_owned() }));
         Ok(())

@@ -6,12 +6,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use anstyle::AnsiColor;
+use uavspec_live::vehicle::remove_recordings;
+use uavspec_model::clock::Clock;
+use uavspec_model::text::terminal;
+use uavspec_probe::{Options, Stop};
 
 use super::Status;
-use crate::clock::Clock;
-use crate::probe::{Options, Stop};
-use crate::text::terminal;
-use crate::vehicle::remove_recordings;
 
 /// The exit status after an interrupt that ends the program immediately: 128 plus the number of SIGINT.
 pub(super) const INTERRUPTED: i32 = 130;

@@ -2,11 +2,11 @@
 
 use clap::Args;
 use uavspec_codegen::lsp;
+use uavspec_model::text::terminal;
+use uavspec_report::explain::History;
+use uavspec_rules::definitions::Library;
 
 use super::Status;
-use crate::definitions::Library;
-use crate::explain::History;
-use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec lsp    # started by an editor
@@ -26,7 +26,8 @@ pub(super) struct LspArgs {
 /// Runs `uavspec lsp`.
 pub(super) fn run(_: &LspArgs) -> Status {
     let library = Library::built_in();
-    match lsp::run(&History::new(&library)) {
+    let history = History::new(&library);
+    match lsp::run(&|message, item| history.lines(message, item)) {
         Ok(()) => Status::Conforms,
         Err(failure) => {
             terminal::eprintln!("{failure}");

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap_mangen::{Man, generate_to};
+use uavspec_model::text::terminal;
 
 use super::report::print_result;
 use super::{Status, interface};
-use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec man | man -l -

@@ -3,8 +3,7 @@
 use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
-
-use crate::report::Settings;
+use uavspec_report::Settings;
 
 /// Arguments of commands that check captures or sessions.
 #[derive(Args, Debug)]

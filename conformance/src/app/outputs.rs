@@ -5,13 +5,13 @@
 
 use std::path::{Path, PathBuf};
 
+use uavspec_capture::rosbag::metadata::files_of;
 use uavspec_codegen::identity::Identity;
 use uavspec_codegen::load::definition_files;
+use uavspec_model::text::terminal;
 use walkdir::WalkDir;
 
 use super::Status;
-use crate::capture::rosbag::metadata::files_of;
-use crate::text::terminal;
 
 /// The path that means standard input or standard output.
 const STANDARD: &str = "-";

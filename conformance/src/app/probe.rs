@@ -9,6 +9,15 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
+use uavspec_check::baseline::Scope;
+use uavspec_flockwave::transport::endpoint::Endpoint;
+use uavspec_model::Rule;
+use uavspec_model::clock::Clock;
+use uavspec_model::text::terminal;
+use uavspec_probe::{Options, Probed, Selection, probe};
+use uavspec_report::Origin;
+use uavspec_report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
+use uavspec_rules::definitions::Definitions;
 
 use self::vehicle::VehicleArgs;
 use super::access::AccessArgs;
@@ -22,15 +31,6 @@ use super::required::{RequireArgs, uncovered};
 use super::target::Target;
 use super::test::seconds;
 use super::{Status, outcome_statuses};
-use crate::check::baseline::Scope;
-use crate::clock::Clock;
-use crate::definitions::Definitions;
-use crate::flockwave::transport::endpoint::Endpoint;
-use crate::model::Rule;
-use crate::probe::{Options, Probed, Selection, probe};
-use crate::report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
-use crate::tables::Origin;
-use crate::text::terminal;
 
 const EXAMPLES: &str = "Examples:
   uavspec probe tcp://localhost:5001

@@ -7,15 +7,16 @@ use std::str::FromStr;
 
 use anstream::StripStream;
 use clap::{Args, ValueEnum as _};
+use uavspec_check::story::Story;
 use uavspec_codegen::stage::{folder_of, write_file};
+use uavspec_model::text::terminal;
+use uavspec_report::{Action, Kind, Report, Stream, Subject, Totals, Unreadable, end_text, subject_text};
+use uavspec_report::{Origin, TableFormat};
 
 use super::Status;
 use super::baseline::{BaselineArgs, NewBaseline};
 use super::outputs::Output;
-use crate::report::{Action, Kind, Report, Stream, Subject, Totals, Unreadable, end_text, subject_text};
-use crate::story::Story;
-use crate::tables::{Dataset, Done, Origin, TableFormat};
-use crate::text::terminal;
+use super::tables::{Dataset, Done};
 
 /// The path that means standard output.
 const STANDARD_OUTPUT: &str = "-";

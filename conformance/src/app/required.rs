@@ -1,12 +1,12 @@
 //! The option `--require`.
 
 use clap::Args;
+use uavspec_model::text::terminal;
+use uavspec_model::{Reason, Rule};
+use uavspec_report::Totals;
+use uavspec_rules::rule;
 
 use super::{Status, print_unknown_rule};
-use crate::model::{Reason, Rule};
-use crate::report::Totals;
-use crate::rules::rule;
-use crate::text::terminal;
 
 /// Arguments of commands that check rules.
 #[derive(Args, Debug)]

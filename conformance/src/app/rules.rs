@@ -1,13 +1,13 @@
 //! `uavspec rules`.
 
 use clap::Args;
+use uavspec_probe::self_test::matrix;
+use uavspec_report::rule_list;
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::rule;
 
 use super::report::print_result;
 use super::{Format, Status, print_unknown_rule};
-use crate::definitions::Definitions;
-use crate::report::rule_list;
-use crate::rules::rule;
-use crate::self_test::matrix;
 
 /// Arguments of `rules`.
 #[derive(Args, Debug)]
@@ -45,7 +45,7 @@ pub(super) fn rules(args: &RulesArgs) -> Status {
             if format == Format::Json { rule_list::matrix_json(&rows) } else { rule_list::matrix_text(&rows) }
         }
         (None, Format::Text) => rule_list::to_text(),
-        (None, Format::Json) => rule_list::to_json(&crate::rules::RULES),
+        (None, Format::Json) => rule_list::to_json(&uavspec_rules::RULES),
     };
     print_result(&text).err().unwrap_or(Status::Conforms)
 }

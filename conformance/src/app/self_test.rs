@@ -8,21 +8,21 @@ use std::time::Duration;
 
 use anstyle::{AnsiColor, Style};
 use clap::Args;
+use uavspec_check::parallel;
+use uavspec_live::bus::Address;
+use uavspec_model::text::{terminal, thousands};
+use uavspec_probe::self_test::live::{cases as server_cases, live};
+use uavspec_probe::self_test::vehicle::{self, check_bus, pairs};
+use uavspec_probe::self_test::{Found, Row, conforming, list, matrix};
+use uavspec_probe::testee::case::cases;
+use uavspec_probe::testee::options::Options;
+use uavspec_probe::testee::run::run;
+use uavspec_probe::testee::target::Target;
+use uavspec_rules::RULES;
+use uavspec_rules::definitions::Definitions;
 
 use super::Status;
 use super::progress::Progress;
-use crate::bus::Address;
-use crate::check::parallel;
-use crate::definitions::Definitions;
-use crate::rules::RULES;
-use crate::self_test::live::{cases as server_cases, live};
-use crate::self_test::vehicle::{self, check_bus, pairs};
-use crate::self_test::{Found, Row, conforming, list, matrix};
-use crate::testee::case::cases;
-use crate::testee::options::Options;
-use crate::testee::run::run;
-use crate::testee::target::Target;
-use crate::text::{terminal, thousands};
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();

@@ -12,15 +12,15 @@ use std::time::Duration;
 
 use clap::Args;
 use serde_json::json;
+use uavspec_live::bus::Address;
+use uavspec_live::vehicle::Namespace;
+use uavspec_model::clock::Clock;
+use uavspec_model::text::terminal;
+use uavspec_serve::{Options, Server, Transport, error, loss};
 
 use self::bug::ServedBug;
 use super::Status;
 use super::test::seconds;
-use crate::bus::Address;
-use crate::clock::Clock;
-use crate::serve::{Options, Server, Transport, error, loss};
-use crate::text::terminal;
-use crate::vehicle::Namespace;
 
 /// The default address, with the port that Flockwave clients try first.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5001";

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::bus::Address;
-use crate::flockwave::transport::endpoint::Endpoint;
+use uavspec_flockwave::transport::endpoint::Endpoint;
+use uavspec_live::bus::Address;
 
 /// A Flockwave server or a PX4 vehicle.
 #[derive(Clone, Debug)]

@@ -8,26 +8,26 @@ use std::time::Duration;
 
 use clap::Args;
 use globset::{Glob, GlobMatcher};
+use uavspec_check::baseline::Scope;
 use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::stage::write_file;
+use uavspec_model::net::Address;
+use uavspec_model::text::{command_line, terminal};
+use uavspec_probe::testee::case::{Case, cases};
+use uavspec_probe::testee::file::{dump, replay};
+use uavspec_probe::testee::known::{case_outcomes, excuse_cases};
+use uavspec_probe::testee::options::Options;
+use uavspec_probe::testee::outcome::Outcome;
+use uavspec_probe::testee::run::run;
+use uavspec_probe::testee::target::Target;
+use uavspec_report::Origin;
+use uavspec_report::{Action, Report, Subject};
 
 use super::baseline::BaselineArgs;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::{Outputs, ReportArgs};
 use super::{Status, outcome_statuses};
-use crate::check::baseline::Scope;
-use crate::net::Address;
-use crate::report::{Action, Report, Subject};
-use crate::tables::Origin;
-use crate::testee::case::{Case, cases};
-use crate::testee::file::{dump, replay};
-use crate::testee::known::{case_outcomes, excuse_cases};
-use crate::testee::options::Options;
-use crate::testee::outcome::Outcome;
-use crate::testee::run::run;
-use crate::testee::target::Target;
-use crate::text::{command_line, terminal};
 
 const EXAMPLES: &str = "Examples:
   uavspec test -- ./my-codec --stdio

@@ -5,16 +5,16 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
+use uavspec_model::net::Address;
+use uavspec_model::text::terminal;
+use uavspec_probe::testee::case::cases;
+use uavspec_probe::testee::lint::report::{to_json, to_text};
+use uavspec_probe::testee::lint::{CHECKS, Check, check, lint};
+use uavspec_probe::testee::options::Options;
 
 use super::progress::Progress;
 use super::test::{seconds, target};
 use super::{Format, Status, print_unknown};
-use crate::net::Address;
-use crate::testee::case::cases;
-use crate::testee::lint::report::{to_json, to_text};
-use crate::testee::lint::{CHECKS, Check, check, lint};
-use crate::testee::options::Options;
-use crate::text::terminal;
 
 /// Subcommands of `testee`.
 #[derive(Debug, Subcommand)]

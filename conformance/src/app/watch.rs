@@ -11,6 +11,18 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use ratatui::crossterm::event;
+use uavspec_capture::names::is_capture;
+use uavspec_flockwave::transport::access::Access;
+use uavspec_flockwave::transport::endpoint::Endpoint;
+use uavspec_live::watch::codes::Codes;
+use uavspec_live::watch::fleet::{Fleet, Link};
+use uavspec_live::watch::list::table;
+use uavspec_live::watch::screen::{Screen, Step};
+use uavspec_live::watch::session::{Event, Session};
+use uavspec_live::watch::view::{Scene, draw};
+use uavspec_model::clock::Clock;
+use uavspec_model::text::terminal;
+use uavspec_rules::definitions::Definitions;
 
 use self::vehicle::VehicleArgs;
 use super::Status;
@@ -19,18 +31,6 @@ use super::outputs::{self, Inputs};
 use super::report::print_result;
 use super::target::Target;
 use super::test::seconds;
-use crate::capture::names::is_capture;
-use crate::clock::Clock;
-use crate::definitions::Definitions;
-use crate::flockwave::transport::access::Access;
-use crate::flockwave::transport::endpoint::Endpoint;
-use crate::text::terminal;
-use crate::watch::codes::Codes;
-use crate::watch::fleet::{Fleet, Link};
-use crate::watch::list::table;
-use crate::watch::screen::{Screen, Step};
-use crate::watch::session::{Event, Session};
-use crate::watch::view::{Scene, draw};
 
 /// The capacity of the input queue. While the queue is full, no messages are received.
 const WAITING_LIMIT: usize = 16;
@@ -211,7 +211,7 @@ fn gather(clock: &Clock, time: Duration, inputs: &Receiver<Input>) -> Fleet {
 /// The reason why a fleet is incomplete.
 fn missing(fleet: &Fleet) -> String {
     match (&fleet.link, &fleet.remark) {
-        (Link::Lost { reason, .. }, _) => crate::text::shown(reason),
+        (Link::Lost { reason, .. }, _) => uavspec_model::text::shown(reason),
         (Link::Connecting, _) => "the server doesn't respond".to_owned(),
         (Link::Connected, Some(remark)) => remark.clone(),
         (Link::Connected, None) if fleet.is_empty() => "the server didn't send a list of its UAVs".to_owned(),
@@ -309,8 +309,9 @@ fn forward_terminal_events(sender: &SyncSender<Input>) {
 
 #[cfg(test)]
 mod tests {
+    use uavspec_live::watch::message::Message;
+
     use super::*;
-    use crate::watch::message::Message;
 
     /// The events of a connection, with the reason why the fleet stays incomplete.
     const INCOMPLETE: [(&[&str], &str); 4] = [

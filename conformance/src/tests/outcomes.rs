@@ -6,14 +6,14 @@ use std::path::Path;
 
 use quick_junit::{NonSuccessKind, Report as Junit, TestCaseStatus};
 use serde_json::{Value, json};
+use uavspec_report::{Kind, Report};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::flockwave::sample::Session;
+use uavspec_rules::mutants;
+use uavspec_rules::sample::Flight;
+use uavspec_test_support::extent;
 
 use crate::app;
-use crate::definitions::Definitions;
-use crate::report::{Kind, Report};
-use crate::rules::flockwave::sample::Session;
-use crate::rules::mutants;
-use crate::rules::sample::Flight;
-use crate::tests::support::extent;
 
 /// The outcome of each file, by the name of the file.
 type Outcomes = BTreeMap<String, String>;

@@ -8,10 +8,10 @@ use std::process::Command;
 
 use serde_json::Value;
 use tempfile::TempDir;
+use uavspec_test_support::write;
 
 use super::expression::{Context, expanded, value};
 use super::{MESSAGE, Project, capture, example, members, path_with_uavspec, repository, string, yaml};
-use crate::support::write;
 
 /// The inputs of github/codeql-action/upload-sarif.
 const UPLOAD_INPUTS: [&str; 8] =

@@ -6,9 +6,9 @@ use std::process::Command;
 
 use quick_junit::Report as Junit;
 use serde_json::Value;
+use uavspec_test_support::write;
 
 use super::{MESSAGE, Project, capture, example, members, path_with_uavspec, repository, string, yaml};
-use crate::support::write;
 
 /// The variable that only merge request pipelines have.
 const MERGE_REQUEST: &str = "CI_MERGE_REQUEST_DIFF_BASE_SHA";

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use uavspec_test_support::python::python;
+use uavspec_test_support::write;
+
 use super::{GUST, Project, commit, example, git, path_with_uavspec, repository};
-use crate::support::python::python;
-use crate::support::write;
 
 /// The version of pre-commit.
 const VERSION: &str = "pre-commit==4.7.0";

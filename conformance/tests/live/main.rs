@@ -8,6 +8,4 @@ mod python;
 mod roles;
 mod rosbridge;
 mod self_test;
-#[path = "../support/python.rs"]
-mod support;
 mod zenoh;

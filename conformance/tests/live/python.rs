@@ -4,15 +4,15 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::OnceLock;
 
-use super::support;
-
 /// The packages of the peers.
 const REQUIREMENTS: &str = include_str!("requirements.txt");
 
 /// Python with the packages of the peers. The folder also contains a peer in Rust.
 fn python() -> &'static Path {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| support::python("live-peers", &REQUIREMENTS.lines().collect::<Vec<_>>()))
+    PYTHON.get_or_init(|| {
+        uavspec_test_support::python::python("live-peers", &REQUIREMENTS.lines().collect::<Vec<_>>())
+    })
 }
 
 /// A peer, which ends when it is dropped.

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 use tempfile::NamedTempFile;
-use uavspec_conformance::definitions::Definitions;
+use uavspec_rules::definitions::Definitions;
 
 use super::probe::Probed;
 use super::python::Peer;

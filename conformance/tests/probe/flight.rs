@@ -6,13 +6,13 @@ use std::process::{Child, Stdio};
 use std::sync::Condvar;
 use std::sync::atomic::AtomicUsize;
 
-use uavspec_conformance::transport::{Received, connect};
+use uavspec_flockwave::transport::{Received, connect};
+use uavspec_test_server::proxy::{Pass, Proxy, Watch};
+use uavspec_test_support::deadline;
+#[cfg(unix)]
+use uavspec_test_support::send_signal;
 
 use super::*;
-use crate::support::deadline;
-use crate::support::proxy::{Pass, Proxy, Watch};
-#[cfg(unix)]
-use crate::support::send_signal;
 
 pub(super) const UAV: &str = "glider-2";
 

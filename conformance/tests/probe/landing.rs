@@ -3,13 +3,13 @@
 
 use std::rc::Rc;
 
-use uavspec_conformance::transport::Received;
+use uavspec_flockwave::transport::Received;
+use uavspec_test_server::memory::Watched;
+use uavspec_test_server::proxy::Pass;
+use uavspec_test_support::extent;
 
 use super::flight::{FLIGHT, GROUND, MOTORS, Requests, SLEEP, UAV};
 use super::*;
-use crate::support::extent;
-use crate::support::memory::Watched;
-use crate::support::proxy::Pass;
 
 /// A reference server in simulated time.
 struct Sky {
@@ -19,18 +19,18 @@ struct Sky {
 }
 
 impl Sky {
-    fn new(options: serve::Options) -> Self {
+    fn new(options: uavspec_serve::Options) -> Self {
         let clock = Clock::simulated();
         Self { server: InMemory::new(options, &clock), clock, requests: Requests::default() }
     }
 
     fn with_bug(rule: &str) -> Self {
-        Self::new(serve::Options { bug: flockwave::rule(rule), ..serve::Options::default() })
+        Self::new(uavspec_serve::Options { bug: flockwave::rule(rule), ..uavspec_serve::Options::default() })
     }
 
     fn with_nulls() -> Self {
         let null_results = ["UAV-LAND", "UAV-MOTOR", "UAV-WAKEUP"].map(str::to_owned).into();
-        Self::new(serve::Options { null_results, ..serve::Options::default() })
+        Self::new(uavspec_serve::Options { null_results, ..uavspec_serve::Options::default() })
     }
 
     /// Calls a function with the type of each request.
@@ -101,7 +101,10 @@ fn probed_over(network: &dyn Network, options: &Options) -> Probed {
 fn lands_uavs_on_a_new_connection_and_logs_in_again() {
     let login = ("pilot".to_owned(), "secret".to_owned());
     for points in [&["UAV-HOVER"][..], &["UAV-RTH", "UAV-LAND"], &["UAV-LAND"]] {
-        let sky = Sky::new(serve::Options { login: Some(login.clone()), ..serve::Options::default() });
+        let sky = Sky::new(uavspec_serve::Options {
+            login: Some(login.clone()),
+            ..uavspec_serve::Options::default()
+        });
         let left = RefCell::new(points.to_vec());
         let at = move |name: &str| {
             let mut left = left.borrow_mut();
@@ -126,7 +129,7 @@ fn lands_uavs_on_a_new_connection_and_logs_in_again() {
 #[test]
 fn lands_uavs_on_connections_that_are_shorter_than_a_landing() {
     let stay = Some(Duration::from_millis(1_500));
-    let sky = Sky::new(serve::Options { stay, speed: 10.0, ..serve::Options::default() });
+    let sky = Sky::new(uavspec_serve::Options { stay, speed: 10.0, ..uavspec_serve::Options::default() });
     let limit = Duration::from_secs(30);
     let probed = sky.flown(|_| Pass::Forward, |options| Options { landing_limit: limit, ..options });
     assert_eq!(probed.danger, None, "{:?}", sky.requests.types());
@@ -136,7 +139,7 @@ fn lands_uavs_on_connections_that_are_shorter_than_a_landing() {
 
 #[test]
 fn lands_uavs_after_the_time_limit() {
-    let sky = Sky::new(serve::Options::default());
+    let sky = Sky::new(uavspec_serve::Options::default());
     let (clock, limit) = (sky.clock.clone(), Duration::from_secs(9));
     let at = move |name: &str| {
         if name == "UAV-HOVER" {
@@ -176,7 +179,7 @@ impl std::io::Write for Panicking {
 #[test]
 fn lands_uavs_after_a_panic() {
     for points in [&["UAV-TAKEOFF"][..], &["UAV-HOVER"], &["UAV-LAND"], &["UAV-FLY", "UAV-LAND", "UAV-INF"]] {
-        let sky = Sky::new(serve::Options::default());
+        let sky = Sky::new(uavspec_serve::Options::default());
         let record = Panicking { left: points.to_vec(), tape: Shared::default() };
         let record: Box<dyn std::io::Write> = Box::new(record);
         let probed = probe_on(&sky.server, &ENDPOINT, &sky.options(), &DEFINITIONS, Some(record));
@@ -202,7 +205,7 @@ impl std::io::Write for Full {
 
 #[test]
 fn a_full_recording_ends_no_flight() {
-    let sky = Sky::new(serve::Options::default());
+    let sky = Sky::new(uavspec_serve::Options::default());
     let network = sky.watched(|_| Pass::Forward);
     let probed = probe_on(&network, &ENDPOINT, &sky.options(), &DEFINITIONS, Some(Box::new(Full(false))));
     assert_eq!((probed.danger, probed.cut_short), (None, None));
@@ -214,7 +217,7 @@ fn a_full_recording_ends_no_flight() {
 #[test]
 fn a_uav_that_is_lost_in_flight_is_not_safe() {
     let losses = vec![(UAV.to_owned(), Duration::from_secs(5))];
-    let sky = Sky::new(serve::Options { losses, ..serve::Options::default() });
+    let sky = Sky::new(uavspec_serve::Options { losses, ..uavspec_serve::Options::default() });
     let limit = Duration::from_secs(20);
     let probed = sky.flown(|_| Pass::Forward, |options| Options { landing_limit: limit, ..options });
     let danger = probed.danger.expect("a UAV");
@@ -253,7 +256,7 @@ fn null_results_of_commands_to_motors_lose_no_flight() {
 #[test]
 fn a_landing_needs_no_answer() {
     for lost in [&["UAV-LAND"][..], &["UAV-TAKEOFF", "UAV-LAND"], &["UAV-RTH", "UAV-LAND"]] {
-        let sky = Sky::new(serve::Options::default());
+        let sky = Sky::new(uavspec_serve::Options::default());
         let network = Watched {
             hears: Rc::new(move |bytes| {
                 let message: Value = serde_json::from_slice(bytes).expect("JSON");
@@ -270,7 +273,7 @@ fn a_landing_needs_no_answer() {
 /// The server reports no states after the takeoff.
 #[test]
 fn a_uav_whose_state_is_not_reported_is_told_to_land_again_and_again() {
-    let sky = Sky::new(serve::Options::default());
+    let sky = Sky::new(uavspec_serve::Options::default());
     let has_taken_off = Rc::new(Cell::new(false));
     let (at, heard) = (Rc::clone(&has_taken_off), has_taken_off);
     let network = Watched {
@@ -316,7 +319,7 @@ fn an_ignored_command_to_land_is_sent_again_soon_and_is_a_finding() {
 
 /// The number of requests of a flight without an interruption.
 fn number_of_requests() -> usize {
-    let sky = Sky::new(serve::Options::default());
+    let sky = Sky::new(uavspec_serve::Options::default());
     let probed = probed_over(&sky.watched(|_| Pass::Forward), &sky.all_options());
     assert_eq!((probed.danger, probed.cut_short), (None, None));
     sky.requests.types().len()
@@ -327,7 +330,7 @@ fn an_interrupt_at_any_request_leaves_safe_uavs_and_right_reasons() {
     let all = number_of_requests();
     assert!(all > 100, "{all}");
     for number in (0..all).step_by(extent(1, 4)) {
-        let sky = Sky::new(serve::Options::default());
+        let sky = Sky::new(uavspec_serve::Options::default());
         let (stop, count) = (Stop::default(), Cell::new(0));
         let interrupt = stop.clone();
         let watch = move |_: &str| {
@@ -352,7 +355,7 @@ fn an_interrupt_at_any_request_leaves_safe_uavs_and_right_reasons() {
 
 #[test]
 fn what_the_user_left_out_is_not_interrupted() {
-    let sky = Sky::new(serve::Options::default());
+    let sky = Sky::new(uavspec_serve::Options::default());
     let stop = Stop::default();
     let interrupt = stop.clone();
     let watch = move |name: &str| {
@@ -375,7 +378,7 @@ fn what_the_user_left_out_is_not_interrupted() {
 fn waits_for_named_uavs_that_appear_late() {
     let late = |seconds| {
         let appearances = vec![(UAV.to_owned(), Duration::from_secs(seconds))];
-        let sky = Sky::new(serve::Options { appearances, ..serve::Options::default() });
+        let sky = Sky::new(uavspec_serve::Options { appearances, ..uavspec_serve::Options::default() });
         let probed = probed_over(&sky.watched(|_| Pass::Forward), &sky.all_options());
         assert_eq!((&probed.danger, &probed.cut_short), (&None, &None));
         (sky, probed)
@@ -410,11 +413,11 @@ impl std::io::Write for Interrupting {
 
 /// Interrupts a flight over a transport after the UAV has taken off.
 fn interrupt_flight(transport: Transport, scheme: &str, query: &str, is_encrypted: bool) {
-    use uavspec_conformance::transport::Trust;
+    use uavspec_flockwave::transport::Trust;
+    use uavspec_test_server::proxy::{Proxy, certified};
 
     use super::flight::assert_safe;
-    use crate::support::proxy::{Proxy, certified};
-    let options = serve::Options { speed: 10.0, ..serve::Options::default() };
+    let options = uavspec_serve::Options { speed: 10.0, ..uavspec_serve::Options::default() };
     let free = SocketAddr::from(([127, 0, 0, 1], 0));
     let server = Server::start(options, &[(Transport::Tcp, free), (transport, free)]).expect("it starts");
     let mut address = server.listening()[1].address;
@@ -433,7 +436,7 @@ fn interrupt_flight(transport: Transport, scheme: &str, query: &str, is_encrypte
         trust,
         stop: stop.clone(),
         clock: Clock::real(),
-        ..Sky::new(serve::Options::default()).options()
+        ..Sky::new(uavspec_serve::Options::default()).options()
     };
     let record = Interrupting { stop: stop.clone(), point: "UAV-FLY" };
     let probed = probe(&endpoint, &options, &DEFINITIONS, Some(Box::new(record)), &|_, _| {});

@@ -2,17 +2,18 @@
 
 use std::rc::Rc;
 
-use uavspec_conformance::model::Level;
-use uavspec_conformance::transport::Trust;
+use uavspec_flockwave::transport::Trust;
+use uavspec_model::Level;
+use uavspec_test_server::memory::Watched;
+use uavspec_test_server::proxy::{MOVED, Pass, Proxy, certified};
+use uavspec_test_server::server;
+use uavspec_test_support::{LIMIT, Random};
 
 use super::*;
-use crate::support::memory::Watched;
-use crate::support::proxy::{MOVED, Pass, Proxy, certified};
-use crate::support::{LIMIT, Random, server};
 
 /// Probes the reference server through a proxy. `url` contains `ADDRESS` in place of the address.
 fn probed_through(proxy: Proxy, transport: Transport, url: &str, options: &Options) -> Probed {
-    let (_server, address) = server::serve(serve::Options::default(), transport);
+    let (_server, address) = server::serve(uavspec_serve::Options::default(), transport);
     let probed = probed(&url.replace("ADDRESS", &proxy.start(address).to_string()), options);
     assert_conforms(&probed);
     probed
@@ -22,7 +23,8 @@ fn probed_through(proxy: Proxy, transport: Transport, url: &str, options: &Optio
 /// message is lost if it returns false.
 fn probed_in_memory(url: &str, options: Options, passes: impl Fn(&Clock, &[u8]) -> bool + 'static) -> Probed {
     let clock = Clock::simulated();
-    let (server, endpoint) = (InMemory::new(serve::Options::default(), &clock), url.parse().expect("a URL"));
+    let (server, endpoint) =
+        (InMemory::new(uavspec_serve::Options::default(), &clock), url.parse().expect("a URL"));
     let (options, passes) =
         (Options { clock: clock.clone(), ..options }, Rc::new(move |bytes: &[u8]| passes(&clock, bytes)));
     let hears = Rc::clone(&passes);
@@ -36,7 +38,7 @@ fn probed_in_memory(url: &str, options: Options, passes: impl Fn(&Clock, &[u8]) 
 fn assert_conforms(probed: &Probed) {
     assert_eq!(probed.failure, None);
     // The proxy has another port than SYS-PORTS states, which is no violation.
-    let is_violation = |group: &&uavspec_conformance::model::Group| group.rule.level != Level::Info;
+    let is_violation = |group: &&uavspec_model::Group| group.rule.level != Level::Info;
     let found: Vec<_> = probed.result.findings.groups().filter(is_violation).collect();
     assert!(found.is_empty(), "{found:?}");
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::support::server::{answer_requests, custom_server};
+use uavspec_test_server::server::{answer_requests, custom_server};
 
 use super::*;
 

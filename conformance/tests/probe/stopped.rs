@@ -1,7 +1,8 @@
 //! Probes of servers that stop serving, and of servers over HTTP.
 
+use uavspec_test_support::{LIMIT, wait_for};
+
 use super::*;
-use crate::support::{LIMIT, wait_for};
 
 /// Options for a server that the system may delay. All of its answers or failures arrive, so the limits cost no time.
 fn patient() -> Options {
@@ -20,7 +21,7 @@ fn selected(url: &str, only: &[&str]) -> Options {
 fn buggy(transport: Transport, rule: &str, login: Option<(String, String)>) -> (Server, String) {
     let bug = flockwave::rule(rule);
     assert_eq!(bug.is_none(), rule.is_empty());
-    let options = serve::Options { bug, login, ..serve::Options::default() };
+    let options = uavspec_serve::Options { bug, login, ..uavspec_serve::Options::default() };
     let free = SocketAddr::from(([127, 0, 0, 1], 0));
     let server = Server::start(options, &[(transport, free)]).expect("it starts");
     let url = server.listening()[0].to_string();

@@ -7,11 +7,11 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use serde_json::json;
-use uavspec_conformance::clock::Clock;
-use uavspec_conformance::serve::{Options, Reason, Server, Transport};
-use uavspec_conformance::transport::{Received, connect};
+use uavspec_flockwave::transport::{Received, connect};
+use uavspec_model::clock::Clock;
+use uavspec_serve::{Options, Reason, Server, Transport};
+use uavspec_test_support::{LIMIT, deadline, wait_for};
 
-use super::super::support::{LIMIT, deadline, wait_for};
 use super::{ENDPOINTS, READING_TIME, address, client, request, request_body, serve, settle, until};
 
 /// A server whose time stands still, so that no time limit depends on how fast the computer is.

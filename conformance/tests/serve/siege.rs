@@ -10,7 +10,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use uavspec_conformance::transport::{Client, Received, connect};
+use uavspec_flockwave::transport::{Client, Received, connect};
 
 use super::request;
 

@@ -7,8 +7,8 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Barrier, Mutex, PoisonError};
 use std::thread;
 
-use uavspec_conformance::clock::Clock;
-use uavspec_conformance::testee::{Options, Verdict, check, run};
+use uavspec_model::clock::Clock;
+use uavspec_probe::testee::{Options, Verdict, check, run};
 
 use super::lint::{assert_good, failed_checks, lint_testee};
 use super::{

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::process::Command;
 
 use serde_json::Value;
-use uavspec_conformance::check::parallel;
-use uavspec_conformance::testee::{CHECKS, Check, LintResult, Options, check, lint};
+use uavspec_check::parallel;
+use uavspec_probe::testee::{CHECKS, Check, LintResult, Options, check, lint};
 
 use super::{impatient, options, patiently, suite, testee};
 

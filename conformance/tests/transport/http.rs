@@ -1,7 +1,8 @@
 //! HTTP statuses, redirects and logins.
 
+use uavspec_test_server::proxy::MOVED;
+
 use super::*;
-use crate::support::proxy::MOVED;
 
 /// `pilot:secret` in base64.
 const LOGIN: &str = "cGlsb3Q6c2VjcmV0";

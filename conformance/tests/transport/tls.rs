@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use uavspec_test_server::proxy::{certified, certified_with};
+
 use super::*;
-use crate::support::proxy::{certified, certified_with};
 
 const TLS_URLS: [(&str, &str); 5] = [
     ("tcps", ""),

@@ -18,7 +18,7 @@ use std::{env, fs, process};
 
 use libfuzzer_sys::fuzz_target;
 use uavspec_codegen::fuzzing;
-use uavspec_conformance::fuzzing::{TARGETS, Target};
+use uavspec_fuzzing::{TARGETS, Target};
 
 /// The targets for definitions and codecs. The targets for captures, servers and testees are in `uavspec-conformance`.
 const OWN_TARGETS: &[Target] = &[

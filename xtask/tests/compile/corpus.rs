@@ -19,7 +19,9 @@ struct Row {
     strategies: fn(&mut TestRunner),
 }
 
-fn row<T: Message + Arbitrary + JsonSchema + Serialize + DeserializeOwned + Debug>(name: &'static str) -> Row {
+fn row<T: Message + Arbitrary + JsonSchema + Serialize + DeserializeOwned + Debug>(
+    name: &'static str,
+) -> Row {
     Row { name, convert: convert::<T>, schema: schema::<T>, strategies: strategies::<T> }
 }
 
@@ -44,7 +46,8 @@ fn convert<T: Message + Serialize + DeserializeOwned>(text: &str, bytes: [&[u8];
         assert_eq!(serde_json::to_string(&read).expect("JSON"), text, "{order:?}");
         for end in 0..bytes.len() {
             // The last bytes may be only alignment.
-            let error = T::from_cdr(&bytes[..end]).err().unwrap_or_else(|| panic!("{end} bytes suffice: {text}"));
+            let error =
+                T::from_cdr(&bytes[..end]).err().unwrap_or_else(|| panic!("{end} bytes suffice: {text}"));
             assert!(error.offset <= end, "{error}");
         }
         let mut longer = bytes.to_vec();

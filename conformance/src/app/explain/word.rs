@@ -1,12 +1,12 @@
 //! Explains words by the definitions of all releases.
 
 use uavspec_codegen::json_text;
+use uavspec_model::text::terminal;
+use uavspec_report::explain::{Unknown, explain, to_text};
+use uavspec_rules::definitions::{Library, ReleaseId};
 
 use crate::app::report::print_result;
 use crate::app::{Format, Status};
-use crate::definitions::{Library, ReleaseId};
-use crate::explain::{Unknown, explain, to_text};
-use crate::text::terminal;
 
 /// Explains a word, by all releases or by one. Errors are printed.
 pub(super) fn explain_word(word: &str, release: Option<&str>, format: Format) -> Status {

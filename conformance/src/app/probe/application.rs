@@ -7,11 +7,11 @@ use std::path::Path;
 
 use memchr::memmem;
 use uavspec_codegen::msg::Dialect;
+use uavspec_model::ApplicationType;
+use uavspec_model::text::{plural, terminal};
 use walkdir::WalkDir;
 
 use crate::app::{Status, library};
-use crate::model::ApplicationType;
-use crate::text::{plural, terminal};
 
 /// The extensions of files that may name topics.
 const EXTENSIONS: [&str; 11] = ["c", "cc", "cpp", "h", "hpp", "json", "launch", "py", "rs", "xml", "yaml"];
@@ -86,7 +86,7 @@ fn topics_in(text: &[u8]) -> Vec<String> {
 
 /// A name, and its part before the version.
 fn with_unversioned(name: String) -> Vec<String> {
-    let unversioned = crate::definitions::unversioned(&name).map(str::to_owned);
+    let unversioned = uavspec_rules::definitions::unversioned(&name).map(str::to_owned);
     std::iter::once(name).chain(unversioned).collect()
 }
 

@@ -6,20 +6,19 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use globset::{Glob, GlobSet, GlobSetBuilder};
+use uavspec_check::Checked;
+use uavspec_live::bus::{self, Address};
+use uavspec_live::vehicle::{Namespace, Options, probe};
+use uavspec_model::clock::Clock;
+use uavspec_model::text::{plural, terminal};
+use uavspec_report::CheckedCapture;
+use uavspec_rules::px4::Side;
 
 use super::application::Application;
 use super::{ProbeArgs, report, start_reports};
 use crate::app::progress::Progress;
 use crate::app::test::seconds;
 use crate::app::{Status, interrupt, library};
-use crate::bus::{self, Address};
-use crate::check::Checked;
-use crate::clock::Clock;
-use crate::probe;
-use crate::report::CheckedCapture;
-use crate::rules::px4::Side;
-use crate::text::{plural, terminal};
-use crate::vehicle::{Namespace, Options, probe};
 
 /// The default time to listen.
 const TIME: Duration = Duration::from_secs(20);
@@ -117,7 +116,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let required = args.require.rules()?;
     let outputs = start_reports(args)?;
     let baselines = args.baseline.read()?;
-    let interruptible = probe::Options::new(Duration::ZERO, None, Vec::new());
+    let interruptible = uavspec_probe::Options::new(Duration::ZERO, None, Vec::new());
     interrupt::install(&interruptible)?;
     let stop = interruptible.stop;
     let failed = |problem: String| {

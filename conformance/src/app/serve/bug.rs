@@ -1,14 +1,14 @@
 //! The bugs of `uavspec serve`.
 
 use serde_json::json;
+use uavspec_model::Rule;
+use uavspec_model::text::terminal;
+use uavspec_probe::self_test;
+use uavspec_rules::flockwave::{self, FlockwaveRule};
+use uavspec_rules::px4::{self, Bug, Side};
 
 use super::ServeArgs;
 use crate::app::Format;
-use crate::model::Rule;
-use crate::rules::flockwave::{self, FlockwaveRule};
-use crate::rules::px4::{self, Bug, Side};
-use crate::self_test;
-use crate::text::terminal;
 
 /// A rule that a reference violates on purpose.
 #[derive(Clone, Copy, Debug)]

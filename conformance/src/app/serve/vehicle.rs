@@ -4,16 +4,16 @@ use std::sync::mpsc::{TryRecvError, channel};
 
 use serde_json::json;
 use uavspec_codegen::msg::Dialect;
+use uavspec_live::bus::{self, Address};
+use uavspec_live::vehicle;
+use uavspec_model::clock::Clock;
+use uavspec_model::text::terminal;
+use uavspec_rules::definitions::Library;
+use uavspec_rules::px4::Side;
 
 use super::bug::{self, ServedBug};
 use super::{ServeArgs, end_on_request};
 use crate::app::{Format, Status, library};
-use crate::bus::{self, Address};
-use crate::clock::Clock;
-use crate::definitions::Library;
-use crate::rules::px4::Side;
-use crate::text::terminal;
-use crate::vehicle;
 
 /// Serves a reference participant until the time has passed or the end is requested.
 pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Status {

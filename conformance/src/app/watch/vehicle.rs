@@ -11,22 +11,22 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use ratatui::crossterm::event;
+use uavspec_check::story::Texts;
+use uavspec_live::bus::{self, Address};
+use uavspec_live::vehicle::remove_recordings;
+use uavspec_live::watch::screen::Step;
+use uavspec_live::watch::vehicle::playback::{Kind, Playback, Watcher};
+use uavspec_live::watch::vehicle::screen::{Command, Screen};
+use uavspec_live::watch::vehicle::source::{Live, replay, watch_live};
+use uavspec_live::watch::view::vehicle::{Scene, draw, text};
+use uavspec_model::clock::Clock;
+use uavspec_model::text::terminal;
+use uavspec_rules::definitions::Library;
 
 use super::{Input, MAX_FRAME_TIME, MIN_FRAME_TIME, Restore, WAITING_LIMIT, WatchArgs, install_end};
 use super::{forward_terminal_events, has_colours};
 use crate::app::report::print_result;
 use crate::app::{Status, explain, interrupt, library};
-use crate::bus::{self, Address};
-use crate::clock::Clock;
-use crate::definitions::Library;
-use crate::story::Texts;
-use crate::text::terminal;
-use crate::vehicle::remove_recordings;
-use crate::watch::screen::Step;
-use crate::watch::vehicle::playback::{Kind, Playback, Watcher};
-use crate::watch::vehicle::screen::{Command, Screen};
-use crate::watch::vehicle::source::{Live, replay, watch_live};
-use crate::watch::view::vehicle::{Scene, draw, text};
 
 /// The time after which --once prints the state of a live vehicle.
 const TIME: Duration = Duration::from_secs(5);

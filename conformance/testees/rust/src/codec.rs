@@ -3,9 +3,9 @@
 use serde_json::{Value, json};
 use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
 use uavspec_codegen::schema::{Message, Schema};
-use uavspec_conformance::body_schema::DefinedSchemas;
-use uavspec_conformance::json::Tree;
-use uavspec_conformance::testee::{PROTOCOL, from_base64, from_wire, to_base64, to_wire};
+use uavspec_flockwave::body_schema::DefinedSchemas;
+use uavspec_model::json::Tree;
+use uavspec_probe::testee::{PROTOCOL, from_base64, from_wire, to_base64, to_wire};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{ErrorClass, Severity};
 

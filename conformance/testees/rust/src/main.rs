@@ -14,7 +14,7 @@ use std::io::{self, BufRead as _, Write as _};
 use std::path::Path;
 
 use codec::Codec;
-use uavspec_conformance::definitions::Definitions;
+use uavspec_rules::definitions::Definitions;
 
 fn main() -> io::Result<()> {
     let arguments: Vec<String> = env::args().skip(1).collect();

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use uavspec_conformance::definitions::Definitions;
-use uavspec_conformance::testee::{Case, Options, Target, cases, lint, run};
+use uavspec_probe::testee::{Case, Options, Target, cases, lint, run};
+use uavspec_rules::definitions::Definitions;
 
 fn options() -> Options {
     let command = Target::Command(vec![env!("CARGO_BIN_EXE_uavspec-testee").into()]);

@@ -7,8 +7,8 @@ use std::thread::{self, Scope};
 use std::time::Duration;
 
 use serde_json::json;
+use uavspec_test_support::Random;
 
-use super::super::super::support::Random;
 use super::request;
 
 /// The number of threads that run the bad clients.

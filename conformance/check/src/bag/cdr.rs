@@ -1,0 +1,225 @@
+//! Checks the CDR messages of a channel.
+
+use std::borrow::Cow;
+use std::io::Read as _;
+use std::rc::Rc;
+
+use uavspec_capture::input::zstd::{self, MAGIC as ZSTD};
+use uavspec_capture::mcap::Reader;
+use uavspec_codegen::dynamic::{DynamicMessage, DynamicView, MessageType};
+use uavspec_codegen::msg::{Dialect, Kind};
+use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
+use uavspec_px4::memory::{Plan, shared_fields, time_offset};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::px4;
+use uavspec_runtime::cdr::{ByteOrder, HEADER};
+
+use super::Stated;
+
+/// The maximum size of a decompressed message, in bytes. Uncompressed messages have the same limit.
+const MAX_UNPACKED: u64 = Reader::<&[u8]>::MAX_RECORD;
+
+/// A decoded message.
+pub(super) struct Seen {
+    /// The `timestamp` field, if there is one.
+    pub(super) timestamp: Option<u64>,
+    /// The field values in memory layout, if they are needed.
+    pub(super) memory: Option<Vec<u8>>,
+}
+
+/// The encapsulation header of a payload.
+enum Header {
+    /// Plain CDR, which is supported.
+    Plain,
+    /// Another kind of CDR, which isn't supported.
+    Other,
+    /// An unknown kind.
+    Unknown([u8; 2]),
+    /// No header: the payload is too short.
+    Short,
+}
+
+/// The source of the type of a channel's messages.
+#[derive(Clone)]
+pub(super) enum TypeSource {
+    /// The definition, which equals the schema in the file if there is one.
+    Definition(MessageId),
+    /// The schema in the file, which differs from the definition.
+    Differing(Rc<Stated>, MessageId),
+    /// The schema in the file. There is no definition.
+    Own(Rc<Stated>),
+}
+
+impl TypeSource {
+    /// The definition of the channel.
+    fn definition(&self) -> Option<MessageId> {
+        match self {
+            Self::Definition(id) | Self::Differing(_, id) => Some(*id),
+            Self::Own(_) => None,
+        }
+    }
+
+    /// The type of the messages.
+    pub(super) fn message_type<'t>(&'t self, definitions: &'t Definitions) -> MessageType<'t> {
+        match self {
+            Self::Definition(id) => definitions.types().get(*id),
+            Self::Differing(stated, _) | Self::Own(stated) => stated.root(),
+        }
+    }
+}
+
+/// The checker for the messages of a channel, with counts.
+pub(super) struct CdrChecker {
+    source: TypeSource,
+    plan: Plan,
+    /// The offset of `timestamp` in memory.
+    timestamp: Option<usize>,
+    /// The number of payloads whose header was checked.
+    headers: u64,
+    bodies: u64,
+    /// The number of decoded messages.
+    messages: u64,
+    /// The number of payloads in unsupported CDR encodings.
+    others: u64,
+}
+
+impl CdrChecker {
+    pub(super) fn new(source: TypeSource, definitions: &Definitions) -> Self {
+        let ty = source.message_type(definitions);
+        let plan = Plan::new(ty, source.definition(), &definitions.schema, &px4::VALUES);
+        Self {
+            plan,
+            timestamp: time_offset(ty, "timestamp"),
+            source,
+            headers: 0,
+            bodies: 0,
+            messages: 0,
+            others: 0,
+        }
+    }
+
+    /// The fields that are checked, and all fields of the messages. If the schema in the file differs from the definition,
+    /// only the fields that they share are checked.
+    pub(super) fn fields(&self, definitions: &Definitions) -> (u64, u64) {
+        let message_type = self.source.message_type(definitions);
+        match self.source {
+            TypeSource::Differing(_, id) => shared_fields(message_type, Some(id), &definitions.schema),
+            TypeSource::Definition(_) | TypeSource::Own(_) => {
+                let num_fields = message_type.layout().len() as u64;
+                (num_fields, num_fields)
+            }
+        }
+    }
+
+    /// True if the messages lack the timestamp that PX4 requires. `None` for messages of other packages, and for services.
+    pub(super) fn lacks_timestamp(&self, definitions: &Definitions) -> Option<bool> {
+        let schema = &definitions.schema;
+        let message = schema.message(self.source.definition()?);
+        let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
+        (is_px4 && message.kind == Kind::Message).then_some(self.timestamp.is_none())
+    }
+
+    /// Checks a payload. Returns `None` if it can't be decoded.
+    pub(super) fn check(
+        &mut self,
+        payload: &[u8],
+        wants_values: bool,
+        channel: &Channel<'_>,
+        location: Location,
+        definitions: &Definitions,
+        findings: &mut Findings,
+    ) -> Option<Seen> {
+        let definition = self.source.definition().map(|id| definitions.schema.message(id).span);
+        let mut report = |rule: &'static Rule, detail: Detail| {
+            let excerpt = || detail.excerpt(hexadecimal(payload));
+            findings.report(rule, channel.subject(), location, definition, excerpt);
+        };
+        match self.header(payload) {
+            Header::Plain => {}
+            Header::Other => return None,
+            Header::Unknown(found) => {
+                let expected = "00 01 (little endian) or 00 00 (big endian)";
+                report(&px4::CDR_01.rule, Detail::differs(expected, hexadecimal(&found)));
+                return None;
+            }
+            Header::Short => {
+                let expected = format!("a header of {HEADER} bytes");
+                report(&px4::CDR_02.rule, Detail::differs(expected, payload.len()));
+                return None;
+            }
+        }
+        self.bodies += 1;
+        let source = self.source.clone();
+        let message = match source.message_type(definitions).decode_cdr(payload) {
+            Ok(message) => message,
+            Err(error) => {
+                report(&px4::CDR_02.rule, Detail::new(error.to_string()));
+                return None;
+            }
+        };
+        self.messages += 1;
+        self.plan.check(message.memory(), channel.subject(), location, findings);
+        let memory = wants_values.then(|| message.memory().to_vec());
+        Some(Seen { timestamp: self.timestamp_of(&message), memory })
+    }
+
+    /// The field values of a message, if they are needed.
+    pub(super) fn view<'v>(
+        &'v self,
+        seen: &'v Seen,
+        definitions: &'v Definitions,
+    ) -> Option<DynamicView<'v>> {
+        let memory = seen.memory.as_deref()?;
+        self.source.message_type(definitions).view_memory(memory).ok()
+    }
+
+    /// Checks the header of a payload.
+    fn header(&mut self, payload: &[u8]) -> Header {
+        let [first, second, _, _, ..] = *payload else {
+            self.bodies += 1;
+            return Header::Short;
+        };
+        self.headers += 1;
+        match (ByteOrder::of(payload), [first, second]) {
+            (Ok(_), _) => Header::Plain,
+            // Parameter lists and CDR version 2.
+            (Err(_), [0, 2 | 3 | 6..=0xb]) => {
+                self.others += 1;
+                Header::Other
+            }
+            (Err(_), found) => Header::Unknown(found),
+        }
+    }
+
+    fn timestamp_of(&self, message: &DynamicMessage<'_>) -> Option<u64> {
+        let bytes = message.memory().get(self.timestamp?..)?;
+        Some(u64::from_le_bytes(*bytes.first_chunk()?))
+    }
+
+    /// Adds the coverage of rules. Returns the number of payloads in unsupported CDR encodings.
+    pub(super) fn close(self, findings: &mut Findings) -> u64 {
+        findings.cover(&px4::CDR_01.rule, self.headers);
+        findings.cover(&px4::CDR_02.rule, self.bodies);
+        self.plan.count(self.messages, findings);
+        self.others
+    }
+}
+
+/// Decompresses a payload if rosbag2 compressed each message separately. Zstd data can't be mistaken for an
+/// encapsulation header.
+pub fn decompressed(payload: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+    if !payload.starts_with(&ZSTD) {
+        return Ok(Cow::Borrowed(payload));
+    }
+    let mut bytes = Vec::new();
+    let read =
+        zstd::decompress(payload).and_then(|frames| frames.take(MAX_UNPACKED + 1).read_to_end(&mut bytes));
+    match read {
+        Ok(_) if bytes.len() as u64 > MAX_UNPACKED => {
+            Err(format!("the compressed message has more than {MAX_UNPACKED} bytes"))
+        }
+        Ok(_) => Ok(Cow::Owned(bytes)),
+        Err(error) => Err(format!("the message can't be decompressed: {error}")),
+    }
+}

@@ -1,0 +1,273 @@
+//! A channel, with its state during the check and its summary.
+
+use std::rc::Rc;
+use std::sync::Arc;
+
+use uavspec_codegen::schema::MessageId;
+use uavspec_model::{Channel, Findings, Location};
+use uavspec_px4::comparison::{Comparison, Differences};
+use uavspec_px4::json::{Plans, SharedFields};
+use uavspec_rules::definitions::Definitions;
+
+use super::Declared;
+use super::cdr::CdrChecker;
+use crate::coverage::{PartResult, Parts, Share, Tally};
+use crate::release::ComparedTopic;
+use crate::topic::topic_of;
+
+/// A channel of a bag.
+#[derive(Clone, Debug)]
+pub struct BagChannel {
+    /// The topic.
+    pub topic: String,
+    /// The encoding of the channel's messages, e.g. `cdr`.
+    pub encoding: String,
+    /// The name and encoding of the channel's schema, if there is one.
+    pub schema: Option<(String, String)>,
+    /// The number of messages.
+    pub messages: u64,
+    /// The number of messages in unsupported CDR encodings: parameter lists and CDR version 2.
+    pub other_cdr: u64,
+    /// True if both the hash and the schema of the channel differ from the definition.
+    pub has_other_hash: bool,
+    /// The extent to which the channel was checked.
+    pub status: CheckStatus,
+    /// The reason why the channel's schema wasn't used instead of a definition, or a remark on the schema.
+    pub remark: Option<String>,
+    /// The release of the definition that the messages were checked against, such as `px4@1.16`.
+    pub release: Option<String>,
+    /// The mean number of messages per second, with three decimals.
+    pub rate: Option<f64>,
+}
+
+/// The extent to which a channel was checked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CheckStatus {
+    /// The messages were checked against the definition.
+    Checked(Basis),
+    /// Neither the channel's schema nor its topic names a definition. The messages were checked against the schema in the
+    /// file.
+    OwnSchema,
+    /// Neither the channel's schema nor its topic names a definition.
+    Undefined,
+    /// The messages are neither CDR nor JSON.
+    Unsupported,
+}
+
+/// The comparison of a channel's schema with the definition.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Basis {
+    /// The schema was compared. Channels with the same schema share the result.
+    Compared(Arc<Comparison>),
+    /// There is no schema, or it has no fields.
+    NoSchema,
+    /// The schema is only the name of the type.
+    OnlyName,
+    /// The encoding of the schema isn't supported, e.g. `ros2idl`.
+    Encoding(String),
+    /// The schema is invalid; contains the reason.
+    Unreadable(String),
+    /// The schema is too long.
+    TooLong,
+    /// Messages of the defined type aren't supported; contains the reason. The channel wasn't checked.
+    Unusable(String),
+    /// Neither a usable schema nor a type hash shows the release. Several definitions have messages of this size, or
+    /// none has. The channel wasn't checked.
+    Undecided,
+    /// There is no usable schema, and the type hash is not that of the definition. The channel wasn't checked.
+    OtherHash,
+    /// The channels have too many fields. This channel wasn't checked.
+    TooMany,
+}
+
+impl CheckStatus {
+    /// The differences between the schema of the channel and the definition.
+    pub fn differences(&self) -> Option<&Differences> {
+        let Self::Checked(Basis::Compared(comparison)) = self else { return None };
+        match &**comparison {
+            Comparison::Differs(differences) => Some(differences),
+            Comparison::Equal | Comparison::Undefined => None,
+        }
+    }
+}
+
+impl From<&CheckStatus> for PartResult {
+    fn from(status: &CheckStatus) -> Self {
+        match status {
+            CheckStatus::Checked(Basis::Compared(comparison)) => (&**comparison).into(),
+            CheckStatus::Checked(Basis::Unusable(_)) | CheckStatus::Unsupported => Self::Unsupported,
+            CheckStatus::Checked(Basis::TooMany) => Self::TooMany,
+            CheckStatus::OwnSchema => Self::OwnSchema,
+            CheckStatus::Undefined | CheckStatus::Checked(Basis::Undecided | Basis::OtherHash) => {
+                Self::Undefined
+            }
+            CheckStatus::Checked(_) => Self::Checked,
+        }
+    }
+}
+
+impl Basis {
+    /// The reason why there is no comparison.
+    pub fn problem(&self) -> Option<String> {
+        match self {
+            Self::Compared(_) => None,
+            Self::NoSchema => Some("no schema with fields".to_owned()),
+            Self::OnlyName => Some("the schema is only the name of the type".to_owned()),
+            Self::Encoding(encoding) => Some(format!("the schema encoding `{encoding}` isn't supported")),
+            Self::Unreadable(error) => Some(format!("invalid schema: {error}")),
+            Self::TooLong => Some("the schema is too long".to_owned()),
+            Self::Unusable(defect) => Some(format!("not checked: its definition {defect}")),
+            Self::Undecided => Some(
+                "not checked: there is no usable schema or type hash, and the size of the messages doesn't show their \
+                 release"
+                    .to_owned(),
+            ),
+            Self::OtherHash => Some(
+                "not checked: there is no usable schema, and the type hash is not that of the definition".to_owned(),
+            ),
+            Self::TooMany => Some("not checked: the channels have too many fields".to_owned()),
+        }
+    }
+}
+
+/// The identity of a channel for findings and rules.
+pub(super) struct Identity {
+    pub(super) index: usize,
+    pub(super) name: String,
+    /// The name with its namespace.
+    pub(super) topic: String,
+    pub(super) definition: Option<MessageId>,
+    pub(super) version: Option<u32>,
+    pub(super) location: Location,
+}
+
+/// A channel with its state.
+pub(super) struct Open {
+    pub(super) identity: Identity,
+    encoding: String,
+    pub(super) schema: Option<(String, String)>,
+    pub(super) reading: Reading,
+    pub(super) tally: Tally,
+    /// The fields that the messages and the definition share, if the messages are read.
+    pub(super) fields: Option<Share>,
+    pub(super) has_other_hash: bool,
+    pub(super) status: CheckStatus,
+    pub(super) remark: Option<String>,
+}
+
+/// The reader for the messages of a channel.
+pub(super) enum Reading {
+    Skipped,
+    Cdr(Box<CdrChecker>),
+    /// JSON. Contains the only fields to check, if the schema of the channel differs from the definition.
+    Json(MessageId, Option<Rc<SharedFields>>),
+    /// JSON. The name of the channel suggests a type. The first message with keys decides whether it has this type.
+    Guess(MessageId, Box<Declared>),
+}
+
+impl Identity {
+    pub(super) fn channel(&self) -> Channel<'_> {
+        Channel {
+            index: self.index,
+            topic: &self.name,
+            full_topic: &self.topic,
+            multi_id: None,
+            definition: self.definition,
+            version: self.version,
+            location: self.location,
+        }
+    }
+}
+
+impl Open {
+    pub(super) fn new(
+        declared: &Declared,
+        schema: Option<(&str, &str)>,
+        definition: Option<MessageId>,
+        location: Location,
+        index: usize,
+    ) -> Self {
+        let is_known = matches!(declared.encoding.as_str(), "cdr" | "json");
+        let escaped = |text: &str| text.escape_debug().to_string();
+        Self {
+            identity: Identity {
+                index,
+                name: escaped(topic_of(&declared.topic)),
+                topic: escaped(&declared.topic),
+                definition,
+                version: None,
+                location,
+            },
+            encoding: escaped(&declared.encoding),
+            schema: schema.map(|(name, encoding)| (escaped(name), escaped(encoding))),
+            reading: Reading::Skipped,
+            tally: Tally::default(),
+            fields: None,
+            has_other_hash: false,
+            remark: None,
+            status: if is_known { CheckStatus::Undefined } else { CheckStatus::Unsupported },
+        }
+    }
+
+    /// The channel, compared with its definition.
+    pub(super) fn compared(&self) -> ComparedTopic<'_> {
+        let is_equal = match &self.status {
+            CheckStatus::Checked(Basis::Compared(comparison)) => **comparison == Comparison::Equal,
+            // The hash or the size of the messages is that of the definition.
+            CheckStatus::Checked(Basis::NoSchema | Basis::OnlyName | Basis::Encoding(_)) => true,
+            _ => false,
+        };
+        ComparedTopic { topic: &self.identity.topic, definition: self.identity.definition, is_equal }
+    }
+
+    /// The differences between the channel's schema and the definition.
+    pub(super) fn differences(&self) -> Option<&Differences> {
+        self.status.differences()
+    }
+
+    /// Adds the coverage of rules, and returns the summary.
+    pub(super) fn close(
+        self,
+        plans: Option<&Plans>,
+        definitions: &Definitions,
+        findings: &mut Findings,
+        parts: &mut Parts,
+    ) -> BagChannel {
+        let Tally { records, decoded, checked, .. } = self.tally;
+        let release = self.identity.definition.and_then(|id| definitions.release_of(id));
+        let mut other_cdr = 0;
+        match (self.reading, plans) {
+            (Reading::Cdr(check), _) => other_cdr = check.close(findings),
+            (Reading::Json(message_id, shared), Some(plans)) => {
+                plans.count(message_id, shared.as_deref(), checked, findings);
+            }
+            _ => {}
+        }
+        let mut result = PartResult::from(&self.status);
+        if other_cdr > 0 {
+            result = result.max(PartResult::Unsupported);
+        }
+        // Only messages that don't show the type of their channel are decoded but not checked.
+        if decoded > checked {
+            result = result.max(PartResult::Keyless);
+        }
+        parts.add(
+            &self.identity.topic,
+            result,
+            self.tally,
+            self.fields.unwrap_or_default().times(checked, records),
+        );
+        BagChannel {
+            topic: self.identity.topic,
+            encoding: self.encoding,
+            schema: self.schema,
+            messages: records,
+            other_cdr,
+            has_other_hash: self.has_other_hash,
+            status: self.status,
+            remark: self.remark,
+            release: release.map(|release| release.label.clone()),
+            rate: self.tally.rate(),
+        }
+    }
+}

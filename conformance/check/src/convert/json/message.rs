@@ -1,0 +1,69 @@
+//! Writes JSON messages in the forms that programs use: with the deviations that `check` accepts.
+
+use serde_json::Value;
+use uavspec_codegen::dynamic::{DynamicMessage, MessageType, PlacedElement};
+use uavspec_model::json::base64;
+use uavspec_px4::json::{Dialect, Dialects, is_bytes};
+
+/// Writes a message with these deviations. `NaN` becomes `null`, because the token isn't JSON.
+pub(super) fn write(message: &DynamicMessage<'_>, dialects: Dialects) -> Result<String, String> {
+    let text = message.view().to_json_text().map_err(|error| error.to_string())?;
+    let has = |wanted| dialects.iter().any(|dialect| dialect == wanted);
+    let notation = match (has(Dialect::Base64), has(Dialect::NumbersForText)) {
+        (false, false) => return Ok(text),
+        (is_base64, has_numbers) => Notation { is_base64, has_numbers },
+    };
+    let mut value = serde_json::from_str(&text).map_err(|error| error.to_string())?;
+    notation.apply(&mut value, message.message_type());
+    serde_json::to_string(&value).map_err(|error| error.to_string())
+}
+
+/// True if two types have the same JSON messages, provided that they have the same CDR payloads.
+pub(super) fn has_same_names(source: MessageType<'_>, target: MessageType<'_>) -> bool {
+    source.layout().zip(target.layout()).all(|(source, target)| {
+        source.name == target.name
+            && match (source.element, target.element) {
+                (PlacedElement::Message(source), PlacedElement::Message(target)) => {
+                    has_same_names(source, target)
+                }
+                _ => true,
+            }
+    })
+}
+
+/// The notation of bytes in a message.
+#[derive(Clone, Copy)]
+struct Notation {
+    /// True if arrays of bytes are base64.
+    is_base64: bool,
+    /// True if text is an array of numbers.
+    has_numbers: bool,
+}
+
+impl Notation {
+    fn apply(self, message: &mut Value, ty: MessageType<'_>) {
+        for field in ty.layout() {
+            let Some(value) = message.get_mut(field.name) else { continue };
+            match (field.element, value) {
+                (PlacedElement::Message(ty), Value::Array(elements)) => {
+                    for element in elements {
+                        self.apply(element, ty);
+                    }
+                }
+                (PlacedElement::Message(ty), value) => self.apply(value, ty),
+                (PlacedElement::Text(room), value) => {
+                    let mut bytes = value.as_str().unwrap_or_default().as_bytes().to_vec();
+                    bytes.resize(room as usize, 0);
+                    *value = if self.has_numbers { bytes.into() } else { base64::encode(&bytes).into() };
+                }
+                (element, value @ Value::Array(_)) if self.is_base64 && is_bytes(element) => {
+                    let byte = |value: &Value| value.as_u64().and_then(|value| u8::try_from(value).ok());
+                    let bytes: Option<Vec<u8>> =
+                        value.as_array().and_then(|all| all.iter().map(byte).collect());
+                    *value = base64::encode(&bytes.unwrap_or_default()).into();
+                }
+                _ => {}
+            }
+        }
+    }
+}

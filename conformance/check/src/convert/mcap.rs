@@ -1,0 +1,580 @@
+//! Converts MCAP files.
+
+mod json_schema;
+
+use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io::{self, Read, Seek as _, SeekFrom, Write};
+
+use mcap::records::MessageHeader;
+use tempfile::SpooledTempFile;
+use uavspec_capture::input::UpToError;
+use uavspec_capture::mcap::{AttachmentHead, Event, Item, Packing, Reader, Writer, compressed};
+use uavspec_codegen::schema::MessageId;
+use uavspec_model::json::Tree;
+use uavspec_model::text::{start_of, utf8};
+use uavspec_rules::definitions::Definitions;
+use uavspec_runtime::cdr::ByteOrder;
+
+use super::plan::{Converted, Converters, Plan, Treatment};
+use super::report::{Action, Problems, TopicReport};
+use super::topic::Topic;
+use super::{Error, Settings};
+use crate::json::MAX_NAME;
+use crate::{HASH, StatedType, confirms, decompressed, definition_of, digest, is_guess, stated_type};
+
+/// The maximum total size of the schemas and channels in a file, in bytes. It includes the names of attachments and
+/// metadata records, which the index of the output contains. The limit also applies to the schemas in the output.
+const MAX_SIZE: usize = 64 << 20;
+
+/// The size of the attachments that are kept in memory, in bytes. A larger one is stored in a temporary file, until it
+/// is complete.
+const MAX_ATTACHMENT: usize = 16 << 20;
+
+/// The maximum total size of the JSON messages that wait for a decision about their type, in bytes. The channel that
+/// exceeds it is copied.
+const MAX_WAITING: usize = 16 << 20;
+
+/// A schema: its name, encoding and text.
+type Schema = (String, String, Vec<u8>);
+
+/// The name, the encoding and the text of a schema in the output.
+type Content<'s> = (Cow<'s, str>, Cow<'s, str>, Cow<'s, [u8]>);
+
+/// The origin of a schema in the output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Origin {
+    /// The schema of the input with this id.
+    Input(u16),
+    /// A message of the target, as its definition.
+    Target(MessageId),
+    /// A message of the target, in the encoding of this schema of the input.
+    Json(MessageId, u16),
+}
+
+/// The declaration of a channel.
+struct Declared {
+    id: u16,
+    /// The id of the schema; 0 if there is none.
+    schema: u16,
+    topic: String,
+    encoding: String,
+    metadata: BTreeMap<String, String>,
+    /// A hash of the declaration.
+    digest: u64,
+}
+
+struct Channel<'p> {
+    topic: Topic<'p>,
+    /// A hash of the declaration.
+    digest: u64,
+    is_json: bool,
+    /// The guess about a JSON channel, until it is decided. Until then, the output doesn't contain the channel.
+    guess: Option<Box<Guess>>,
+}
+
+/// A JSON channel whose name suggests a type. The first message with keys decides whether it has this type.
+struct Guess {
+    message_id: MessageId,
+    declared: Declared,
+    /// The messages so far.
+    waiting: Vec<(MessageHeader, Vec<u8>)>,
+    /// The size of these messages, in bytes.
+    size: usize,
+}
+
+struct Stream<'p, 'o> {
+    plan: &'p Plan,
+    settings: Settings,
+    output: Writer<&'o mut dyn Write>,
+    schemas: HashMap<u16, Schema>,
+    /// The ids of the schemas that exceed a limit.
+    left_out: BTreeSet<u16>,
+    /// The total size of the schemas and channels, in bytes, with the names of attachments and metadata records.
+    size: usize,
+    /// The ids of the schemas in the output.
+    written: HashMap<Origin, u16>,
+    /// The total size of the schemas in the output, in bytes.
+    written_size: usize,
+    converters: Converters<'p>,
+    /// The total size of the messages that wait for a decision, in bytes.
+    waiting_size: usize,
+    /// The channels, by id. The output has the same ids.
+    channels: Vec<Option<Box<Channel<'p>>>>,
+    /// The attachment that is being read.
+    attachment: Option<SpooledTempFile>,
+}
+
+/// Converts a file. Returns the topics and the parts that can't be read.
+pub(super) fn convert(
+    input: impl Read,
+    plan: &Plan,
+    settings: Settings,
+    output: &mut dyn Write,
+) -> Result<(Vec<TopicReport>, Problems), Error> {
+    let mut input = UpToError::new(input);
+    let (mut reader, mut problems) = (Reader::new(&mut input), Problems::default());
+    let (mut output, mut stream) = (Some(output), None);
+    while let Ok(Some(item)) = reader.next() {
+        let profile = match &item.event {
+            Event::Problem(problem) => {
+                problems.add(format!("byte {}: {problem}", item.offset));
+                continue;
+            }
+            Event::Header { .. } if stream.is_some() => {
+                problems.add(format!(
+                    "byte {}: another MCAP file starts here: split the file to convert it",
+                    item.offset
+                ));
+                break;
+            }
+            Event::Header { profile, .. } => profile.clone(),
+            _ => String::new(),
+        };
+        // The writer needs the profile of the header, which is the first record.
+        if let Some(output) = output.take() {
+            stream = Some(Stream::new(plan, settings, Writer::new(output, &profile)?));
+        }
+        if let Some(stream) = &mut stream {
+            stream.item(item, &mut problems)?;
+        }
+    }
+    let bytes = reader.bytes();
+    if let Some(error) = &input.error {
+        problems.add(format!("byte {bytes}: the rest is unreadable: {error}"));
+    }
+    // Even without records, the output is a valid file.
+    if let Some(output) = output {
+        Writer::new(output, "")?.finish()?;
+    }
+    let Some(mut stream) = stream else { return Ok((Vec::new(), problems)) };
+    for problem in stream.decide_rest()? {
+        problems.add(format!("byte {bytes}: {problem}"));
+    }
+    stream.output.finish()?;
+    let channels = stream.channels.into_iter().flatten();
+    Ok((channels.map(|channel| channel.topic.finish()).collect(), problems))
+}
+
+impl<'p, 'o> Stream<'p, 'o> {
+    fn new(plan: &'p Plan, settings: Settings, output: Writer<&'o mut dyn Write>) -> Self {
+        Self {
+            plan,
+            settings,
+            output,
+            schemas: HashMap::new(),
+            left_out: BTreeSet::new(),
+            size: 0,
+            written: HashMap::new(),
+            written_size: 0,
+            converters: Converters::default(),
+            waiting_size: 0,
+            channels: Vec::new(),
+            attachment: None,
+        }
+    }
+
+    fn item(&mut self, item: Item<'_>, problems: &mut Problems) -> Result<(), Error> {
+        if matches!(item.event, Event::Schema { .. } | Event::Channel { .. } | Event::Message { .. }) {
+            self.output.set_packing(item.packing)?;
+        }
+        let found = match item.event {
+            Event::Schema { id, name, encoding, text } => self.schema(id, (name, encoding), text),
+            Event::Channel { id, schema, topic, encoding, metadata } => {
+                self.channel(id, schema, (topic, encoding), metadata)?
+            }
+            Event::Message { channel, time, publish_time, sequence, payload } => {
+                let header = MessageHeader { channel_id: channel, sequence, log_time: time, publish_time };
+                self.message(header, payload)?
+            }
+            Event::Attachment { length, at, bytes } => self.attachment((length, at), bytes)?,
+            Event::Metadata { body } => self.metadata(body)?,
+            Event::Private { opcode, body, is_in_chunk } => {
+                self.output.private(opcode, body, is_in_chunk)?;
+                None
+            }
+            Event::Header { .. } | Event::Problem(_) => None,
+        };
+        if let Some(problem) = found {
+            problems.add(format!("byte {}: {problem}", item.offset));
+        }
+        Ok(())
+    }
+
+    /// Stores a schema. Returns the problem if it is left out. Chunks and the summary repeat schemas; the first declaration
+    /// of an id is used.
+    fn schema(&mut self, id: u16, (name, encoding): (String, String), text: &[u8]) -> Option<String> {
+        if id == 0 {
+            return Some("a schema has the reserved id 0".to_owned());
+        }
+        if let Some((known_name, known_encoding, known)) = self.schemas.get(&id) {
+            let is_same = *known_name == name && *known_encoding == encoding && *known == text;
+            return (!is_same).then(|| declared_again("schema", id));
+        }
+        if self.left_out.contains(&id) {
+            return None;
+        }
+        let problem = if name.len() > MAX_NAME || encoding.len() > MAX_NAME {
+            format!("the name or the encoding is longer than {MAX_NAME} bytes")
+        } else if fits(&mut self.size, name.len() + encoding.len() + text.len()) {
+            self.schemas.insert(id, (name, encoding, text.to_vec()));
+            return None;
+        } else {
+            too_large()
+        };
+        self.left_out.insert(id);
+        Some(format!("schema {id}: {problem}"))
+    }
+
+    /// Declares a channel. Returns the problem if it is left out.
+    fn channel(
+        &mut self,
+        id: u16,
+        schema: u16,
+        (topic, encoding): (String, String),
+        metadata: BTreeMap<String, String>,
+    ) -> Result<Option<String>, Error> {
+        let digest = digest(&(schema, &topic, &encoding, &metadata));
+        let at = usize::from(id);
+        if let Some(Some(known)) = self.channels.get(at) {
+            return Ok((known.digest != digest).then(|| declared_again("channel", id)));
+        }
+        if self.channels.len() <= at {
+            self.channels.resize_with(at + 1, || None);
+        }
+        let is_json = encoding == "json";
+        if let Some(reason) = self.refusal(schema, &topic, &encoding, &metadata) {
+            let problem = format!("channel {id}: {reason}");
+            let topic = Topic::left_out(&start_of(&topic, MAX_NAME), reason);
+            let channel = Channel { topic, digest, is_json, guess: None };
+            self.channels[at] = Some(Box::new(channel));
+            return Ok(Some(problem));
+        }
+        let plan = self.plan;
+        let source = plan.source();
+        let names = self.schemas.get(&schema).map(names);
+        let definition = definition_of(&topic, names, source);
+        let is_undecided =
+            |id: &MessageId| is_json && plan.concerns(*id) && is_guess(&topic, names, *id, source);
+        let guess = definition.filter(is_undecided);
+        let declared = Declared { id, schema, topic, encoding, metadata, digest };
+        let Some(message_id) = guess else { return self.declare(declared, definition) };
+        let topic = Topic::new(&declared.topic, (None, Treatment::Copy), plan, self.settings);
+        let guess = Some(Box::new(Guess { message_id, declared, waiting: Vec::new(), size: 0 }));
+        self.channels[at] = Some(Box::new(Channel { topic, digest, is_json, guess }));
+        Ok(None)
+    }
+
+    /// Writes the declaration of a channel, and opens the channel. `definition` is the definition of its messages. Returns
+    /// the problem if the channel is left out.
+    fn declare(
+        &mut self,
+        declared: Declared,
+        definition: Option<MessageId>,
+    ) -> Result<Option<String>, Error> {
+        let plan = self.plan;
+        let stored = self.schemas.get(&declared.schema);
+        let treatment = treatment(plan, &declared, stored, definition, &mut self.converters);
+        let Declared { id, schema, topic, encoding, mut metadata, digest } = declared;
+        let is_json = encoding == "json";
+        let mut topic = Topic::new(&topic, treatment, plan, self.settings);
+        let origin = match &topic.converted {
+            Some(converted) => {
+                let target = converted.conversion.to;
+                if !is_json || metadata.contains_key(HASH) {
+                    metadata.insert(HASH.to_owned(), plan.target_type(target).1.to_owned());
+                }
+                if is_json { Origin::Json(target, schema) } else { Origin::Target(target) }
+            }
+            None => Origin::Input(schema),
+        };
+        let mut problem = None;
+        if topic.report.action != Action::LeftOut {
+            if let Some(schema) = self.written(origin)? {
+                self.output.channel((id, schema), (topic.output_name(), &encoding), &metadata)?;
+            } else {
+                topic.leave_out(too_large());
+                problem = Some(format!("channel {id}: {}", too_large()));
+            }
+        }
+        let channel = Channel { topic, digest, is_json, guess: None };
+        self.channels[usize::from(id)] = Some(Box::new(channel));
+        Ok(problem)
+    }
+
+    /// The reason why a new channel is left out: it exceeds a limit, or its schema is unknown. Without the schema, its
+    /// topic could be mistaken for a topic of PX4.
+    fn refusal(
+        &mut self,
+        schema: u16,
+        topic: &str,
+        encoding: &str,
+        metadata: &BTreeMap<String, String>,
+    ) -> Option<String> {
+        if topic.len() > MAX_NAME || encoding.len() > MAX_NAME {
+            return Some(format!("the topic or the encoding is longer than {MAX_NAME} bytes"));
+        }
+        if self.left_out.contains(&schema) {
+            return Some(format!("its schema {schema} is left out"));
+        }
+        if schema != 0 && !self.schemas.contains_key(&schema) {
+            return Some(format!("its schema {schema} hasn't been declared yet"));
+        }
+        let pairs: usize = metadata.iter().map(|(key, value)| key.len() + value.len()).sum();
+        (!fits(&mut self.size, topic.len() + encoding.len() + pairs)).then(too_large)
+    }
+
+    /// The id of a schema in the output; 0 if there is none. Writes the schema if necessary. `None` if the schemas in the
+    /// output take too much space.
+    fn written(&mut self, origin: Origin) -> Result<Option<u16>, Error> {
+        if let Some(id) = self.written.get(&origin) {
+            return Ok(Some(*id));
+        }
+        let Some((name, encoding, text)) = content(self.plan, &self.schemas, origin) else {
+            return Ok(Some(0));
+        };
+        if !fits(&mut self.written_size, text.len()) {
+            return Ok(None);
+        }
+        let id = u16::try_from(self.written.len() + 1);
+        let id = id.map_err(|_| io::Error::other("the output needs more than 65,535 schemas"))?;
+        self.output.schema(id, (&name, &encoding), &text)?;
+        self.written.insert(origin, id);
+        Ok(Some(id))
+    }
+
+    /// Writes a message. Returns the problem if its channel is unknown, or if the channel is left out from now on.
+    fn message(&mut self, header: MessageHeader, payload: &[u8]) -> Result<Option<String>, Error> {
+        let id = header.channel_id;
+        let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut) else {
+            return Ok(Some(format!("a message refers to channel {id}, which hasn't been declared yet")));
+        };
+        let Some(guess) = &mut channel.guess else {
+            channel.write(&header, payload, &mut self.output)?;
+            return Ok(None);
+        };
+        let decision = guess.decision(payload, self.plan.source());
+        let size = size_of::<(MessageHeader, Vec<u8>)>() + payload.len();
+        guess.waiting.push((header, payload.to_vec()));
+        guess.size += size;
+        self.waiting_size += size;
+        if decision.is_none() && self.waiting_size <= MAX_WAITING {
+            return Ok(None);
+        }
+        let definition = Some(guess.message_id).filter(|_| decision == Some(true));
+        let problem = self.decide(usize::from(id), definition)?;
+        // The limit is exceeded.
+        if decision.is_none()
+            && let Some(channel) = self.channels.get_mut(usize::from(id)).and_then(Option::as_deref_mut)
+        {
+            let limit = MAX_WAITING >> 20;
+            let reason = format!("more than {limit} MiB of messages precede the first one with keys");
+            channel.topic.report.reason.get_or_insert(reason);
+        }
+        Ok(problem)
+    }
+
+    /// Declares a channel whose guess is decided, and writes its messages so far. They follow later messages of other
+    /// channels. Does nothing if the channel has no guess. Returns the problem if the channel is left out.
+    fn decide(&mut self, at: usize, definition: Option<MessageId>) -> Result<Option<String>, Error> {
+        let channel = self.channels.get_mut(at).and_then(Option::as_deref_mut);
+        let Some(guess) = channel.and_then(|channel| channel.guess.take()) else { return Ok(None) };
+        let Guess { declared, waiting, size, .. } = *guess;
+        self.waiting_size -= size;
+        let problem = self.declare(declared, definition)?;
+        if let Some(channel) = self.channels.get_mut(at).and_then(Option::as_deref_mut) {
+            for (header, payload) in waiting {
+                channel.write(&header, &payload, &mut self.output)?;
+            }
+        }
+        Ok(problem)
+    }
+
+    /// Decides the remaining guesses at the end of the file, as wrong. Returns the problems.
+    fn decide_rest(&mut self) -> Result<Vec<String>, Error> {
+        let mut problems = Vec::new();
+        for at in 0..self.channels.len() {
+            problems.extend(self.decide(at, None)?);
+        }
+        Ok(problems)
+    }
+
+    /// Copies a metadata record. Returns the problem if it is left out. The index contains the name.
+    fn metadata(&mut self, body: &[u8]) -> Result<Option<String>, Error> {
+        let length = body.first_chunk().map_or(0, |length| u32::from_le_bytes(*length) as usize);
+        if !fits(&mut self.size, length) {
+            return Ok(Some(format!("a metadata record is left out: {}", too_large())));
+        }
+        self.output.metadata(body)?;
+        Ok(None)
+    }
+
+    /// Copies an attachment after its last part. Returns the problem if it is left out. A truncated attachment is left out
+    /// as well.
+    fn attachment(&mut self, (length, at): (u64, u64), bytes: &[u8]) -> Result<Option<String>, Error> {
+        if at == 0 {
+            // The index contains both texts.
+            let head = AttachmentHead::read(bytes);
+            let names = head.map_or(0, |head| head.name.len() + head.media_type.len());
+            if !fits(&mut self.size, names) {
+                self.attachment = None;
+                return Ok(Some(format!("an attachment is left out: {}", too_large())));
+            }
+            self.attachment = Some(SpooledTempFile::new(MAX_ATTACHMENT));
+        }
+        let Some(body) = &mut self.attachment else { return Ok(None) };
+        body.write_all(bytes)?;
+        if at + bytes.len() as u64 == length {
+            body.seek(SeekFrom::Start(0))?;
+            self.output.attachment(length, body)?;
+            self.attachment = None;
+        }
+        Ok(None)
+    }
+}
+
+impl Channel<'_> {
+    /// Writes a message, unless it is left out.
+    fn write(
+        &mut self,
+        header: &MessageHeader,
+        payload: &[u8],
+        output: &mut Writer<impl Write>,
+    ) -> Result<(), Error> {
+        self.topic.report.messages += 1;
+        if self.topic.report.action == Action::LeftOut {
+            return Ok(());
+        }
+        let is_json = self.is_json;
+        let payload = match self.topic.report.action {
+            Action::Converted => self.topic.convert(|converted, losses| {
+                if is_json { converted.json_payload(payload, losses) } else { converted.cdr(payload, losses) }
+            }),
+            _ => Some(Cow::Borrowed(payload)),
+        };
+        let Some(payload) = payload else { return Ok(()) };
+        output.message(header, &payload)?;
+        Ok(())
+    }
+}
+
+impl Guess {
+    /// True if a payload confirms the guess, false if it refutes the guess. `None` if it decides nothing.
+    fn decision(&self, payload: &[u8], definitions: &Definitions) -> Option<bool> {
+        let message = Tree::read(utf8(payload).ok()?).ok()?;
+        confirms(&message, self.message_id, definitions)
+    }
+}
+
+/// The problem of a declaration that differs from an earlier one.
+fn declared_again(kind: &str, id: u16) -> String {
+    format!("{kind} {id} is declared again with different content; the first declaration is used")
+}
+
+/// The problem of declarations that take too much space.
+fn too_large() -> String {
+    format!("the schemas, channels and names take more than {} MiB", MAX_SIZE >> 20)
+}
+
+/// Adds a size to a total, unless this would exceed the limit. Returns true if it was added.
+fn fits(total: &mut usize, size: usize) -> bool {
+    let sum = total.saturating_add(size);
+    if sum > MAX_SIZE {
+        return false;
+    }
+    *total = sum;
+    true
+}
+
+/// The content of a schema in the output.
+fn content<'s>(plan: &Plan, schemas: &'s HashMap<u16, Schema>, origin: Origin) -> Option<Content<'s>> {
+    let of_input = |id: u16| schemas.get(&id);
+    let definition = |message: MessageId| {
+        let text = plan.target_text(message).into_bytes();
+        (plan.target_type(message).0.into(), "ros2msg".into(), text.into())
+    };
+    match origin {
+        Origin::Target(message) => Some(definition(message)),
+        Origin::Input(id) => {
+            let (name, encoding, text) = of_input(id)?;
+            Some((name.into(), encoding.into(), text.into()))
+        }
+        Origin::Json(message, id) => {
+            let (_, encoding, text) = of_input(id)?;
+            if encoding == "ros2msg" {
+                return Some(definition(message));
+            }
+            // Other encodings can't be written. An empty text states nothing.
+            let has_text = encoding == "jsonschema" && !text.is_empty();
+            let text = if has_text { json_schema::text(plan.target_schema(), message) } else { Vec::new() };
+            Some((plan.target_type(message).0.into(), encoding.into(), text.into()))
+        }
+    }
+}
+
+/// The name and the encoding of a schema.
+pub(super) fn names((name, encoding, _): &Schema) -> (&str, &str) {
+    (name, encoding)
+}
+
+/// The treatment of a channel whose messages have this definition, and the release of its messages.
+fn treatment<'p>(
+    plan: &'p Plan,
+    declared: &Declared,
+    schema: Option<&Schema>,
+    definition: Option<MessageId>,
+    converters: &mut Converters<'p>,
+) -> (Option<String>, Treatment<'p>) {
+    let definitions = plan.source();
+    let Declared { topic, encoding, metadata, .. } = declared;
+    let stated = schema.map(|(name, encoding, text)| (name.as_str(), encoding.as_str(), &**text));
+    let Some(id) = definition else {
+        let is_other = |target: &Definitions| {
+            let id = definition_of(topic, schema.map(names), target).filter(|_| encoding == "cdr");
+            id.is_some_and(|id| stated_type(stated, metadata, id, target) == StatedType::Other)
+        };
+        return (None, plan.undefined(is_other));
+    };
+    if !plan.concerns(id) {
+        return (None, Treatment::Copy);
+    }
+    let treatment = match encoding.as_str() {
+        "cdr" => match stated_type(stated, metadata, id, definitions) {
+            StatedType::Other => plan.differs(id),
+            // Only the type shows the fields of a CDR message.
+            StatedType::Unknown if plan.is_release_unknown(id) => Plan::unknown_release(),
+            StatedType::Same | StatedType::Unknown => plan.treatment(id, topic, converters),
+        },
+        "json" => plan.treatment(id, topic, converters),
+        _ => Treatment::Copy,
+    };
+    (definitions.release_of(id).map(|release| release.label.clone()), treatment)
+}
+
+impl Converted<'_> {
+    /// Converts a CDR payload. Counts the losses. A readable payload stays the same if both types have the same payloads.
+    fn cdr<'m>(&self, payload: &'m [u8], losses: &mut [u64]) -> Result<Cow<'m, [u8]>, String> {
+        let plain = decompressed(payload)?;
+        let order = ByteOrder::of(&plain).map_err(|fault| fault.to_string())?;
+        let message = self.source.decode_cdr(&plain).map_err(|error| error.to_string())?;
+        if self.converter.keeps_cdr() {
+            return Ok(Cow::Borrowed(payload));
+        }
+        let converted = self.message(&message, losses)?.to_cdr(order).map_err(|error| error.to_string())?;
+        // A message that was compressed separately stays compressed.
+        match plain {
+            Cow::Borrowed(_) => Ok(Cow::Owned(converted)),
+            Cow::Owned(_) => {
+                compressed(Packing::Zstd, &converted).map(Cow::Owned).map_err(|error| error.to_string())
+            }
+        }
+    }
+
+    /// Converts a JSON payload. Counts the losses.
+    fn json_payload<'m>(&self, payload: &'m [u8], losses: &mut [u64]) -> Result<Cow<'m, [u8]>, String> {
+        let tree = Tree::read(utf8(payload)?).map_err(|error| error.to_string())?;
+        // Foxglove writes bytes as base64, as rosbridge does.
+        let text = self.json(&tree, true, losses)?;
+        Ok(text.map_or(Cow::Borrowed(payload), |text| Cow::Owned(text.into_bytes())))
+    }
+}

@@ -1,0 +1,382 @@
+//! The conversions from the releases of a capture to the target release.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::fs;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, Version, read_hints};
+use uavspec_codegen::dynamic::MessageType;
+use uavspec_codegen::release::{entries, full_name, write};
+use uavspec_codegen::schema::fingerprint::ros_name;
+use uavspec_codegen::schema::{Element, Message, MessageId, Schema};
+use uavspec_codegen::source::SourceId;
+use uavspec_codegen::{Failure, SourceMap};
+use uavspec_definitions::PX4_HINTS;
+use uavspec_model::text::terminal;
+use uavspec_rules::definitions::{Definitions, Library, LoadedRelease, versioned};
+
+use crate::topic_of;
+
+/// The length of a separator line in the text of a type.
+const SEPARATOR: usize = 80;
+
+/// The conversions of all messages of a capture's releases.
+pub struct Plan {
+    source: Arc<Definitions>,
+    target: Arc<Definitions>,
+    release: LoadedRelease,
+    /// True if the user names the release of the capture.
+    is_source_named: bool,
+    /// The conversions of each package of the source, by its index.
+    packages: BTreeMap<usize, Package>,
+    /// The definitions of the target by full ROS name, as text.
+    texts: BTreeMap<String, String>,
+}
+
+/// The conversions of a package.
+struct Package {
+    conversions: Conversions,
+    /// True if the target is newer.
+    is_forward: bool,
+}
+
+/// The treatment of the messages of a type.
+pub(crate) enum Treatment<'p> {
+    /// The type isn't part of the conversion.
+    Copy,
+    /// The messages have no counterpart, or the definitions don't decide their conversion; contains the reason.
+    LeaveOut(String),
+    /// The messages are converted.
+    Convert(Rc<Converted<'p>>),
+}
+
+/// The conversion of the messages of a type.
+pub(crate) struct Converted<'p> {
+    pub(crate) conversion: &'p Conversion,
+    pub(crate) converter: Converter<'p>,
+    pub(crate) source: MessageType<'p>,
+}
+
+/// The compiled conversions of a capture. Topics with the same messages share a conversion, since a bag may have 65,535
+/// topics.
+#[derive(Default)]
+pub(super) struct Converters<'p> {
+    /// The conversions by the message of the capture and the two messages of the conversion, which may be that of a
+    /// twin.
+    by_messages: HashMap<(MessageId, MessageId, MessageId), Rc<Converted<'p>>>,
+}
+
+/// True if two messages have the same fields and constants.
+fn is_declared_alike(one: &Message, other: &Message) -> bool {
+    let fields = |message: &Message| -> Vec<_> {
+        message.fields.iter().map(|field| (field.name.clone(), field.ty)).collect()
+    };
+    let constants = |message: &Message| -> Vec<_> {
+        message.constants.iter().map(|known| (known.name.clone(), known.value.clone())).collect()
+    };
+    fields(one) == fields(other) && constants(one) == constants(other)
+}
+
+/// Hints, with the file of the user's hints.
+struct HintFiles {
+    sources: SourceMap,
+    hints: Hints,
+    own: Option<SourceId>,
+}
+
+impl HintFiles {
+    fn read(path: Option<&Path>) -> Result<Self, Failure> {
+        let mut sources = SourceMap::default();
+        let mut hints = Hints::default();
+        // Tests ensure that the published hints have no mistakes.
+        if let Ok(id) = sources.add("definitions/hints/px4.toml", PX4_HINTS.as_bytes().to_vec()) {
+            hints = read_hints(&sources, id);
+        }
+        let Some(path) = path else { return Ok(Self { sources, hints, own: None }) };
+        let name = terminal::path(path);
+        let text = fs::read(path).map_err(|error| Failure::new(format!("{name}: {error}")))?;
+        let id = sources
+            .add(name.clone(), text)
+            .map_err(|diagnostic| Failure::new(format!("{name}: {}", diagnostic.problem)))?;
+        let own = read_hints(&sources, id);
+        Ok(Self { hints: hints.with(own), sources, own: Some(id) })
+    }
+
+    /// Fails if the hints have a mistake, or if a hint of the user is never used.
+    fn check(&self, found: &[&Conversions], versions: &[(Version<'_>, Version<'_>)]) -> Result<(), Failure> {
+        let mistakes = self.hints.mistakes.iter().chain(found.iter().flat_map(|found| &found.mistakes));
+        let unused = self.hints.unused(found, versions);
+        let is_own = |span| self.own == Some(self.sources.source_of(span));
+        let first = mistakes.cloned().chain(unused).find(|mistake| is_own(mistake.span));
+        first.map_or(Ok(()), |mistake| {
+            let position = self.sources.position(mistake.span);
+            let path = self.sources.path(self.sources.source_of(mistake.span));
+            let place = format!("{path}:{}:{}", position.line, position.column);
+            Err(Failure::new(format!("{place}: {}", mistake.message)).with_hint(mistake.help))
+        })
+    }
+}
+
+impl Plan {
+    /// Plans the conversion of captures with the definitions `source` to a release. `library` contains the fingerprints
+    /// of all releases. The user's hints take precedence over the published ones.
+    pub fn new(
+        source: Arc<Definitions>,
+        library: &Library,
+        to: &Library,
+        hints: Option<&Path>,
+    ) -> Result<Self, Failure> {
+        let target = Arc::clone(to.base());
+        let Some(release) = target.releases().first().cloned() else {
+            return Err(Failure::new("the target is not a release"));
+        };
+        let hints = HintFiles::read(hints)?;
+        let mut packages = BTreeMap::new();
+        let mut versions = Vec::new();
+        for (index, package) in source.schema.packages.iter().enumerate() {
+            let ros_package = &package.ros_package;
+            let twin = target.schema.packages.iter().position(|twin| twin.ros_package == *ros_package);
+            let first = package.messages.first().and_then(|id| source.release_of(*id));
+            let (Some(twin), Some(from)) = (twin, first.filter(|from| from.family == release.family)) else {
+                continue;
+            };
+            let index_of = |label: &str| library.index().find(label);
+            let is_forward = index_of(&from.label) <= index_of(&release.label);
+            let before = Version { schema: &source.schema, package: index };
+            let after = Version { schema: &target.schema, package: twin };
+            let pair = if is_forward { (before, after) } else { (after, before) };
+            let conversions = Conversions::between(pair.0, pair.1, &hints.hints);
+            versions.push(pair);
+            packages.insert(index, Package { conversions, is_forward });
+        }
+        let found: Vec<&Conversions> = packages.values().map(|package| &package.conversions).collect();
+        if !found.is_empty() {
+            hints.check(&found, &versions)?;
+        }
+        let text = write(&target.schema);
+        let texts = entries(&text).map(|entry| (full_name(&entry), entry.text.to_owned())).collect();
+        let is_source_named = library.names_release(release.family);
+        Ok(Self { source, target, release, is_source_named, packages, texts })
+    }
+
+    /// The definitions of the capture.
+    pub(super) fn source(&self) -> &Definitions {
+        &self.source
+    }
+
+    /// The releases of the capture that are converted.
+    pub(super) fn sources(&self) -> Vec<String> {
+        let releases = self.source.releases().iter().filter(|release| release.family == self.release.family);
+        releases.map(|release| release.label.clone()).collect()
+    }
+
+    pub(super) fn target_schema(&self) -> &Schema {
+        &self.target.schema
+    }
+
+    pub(super) fn target_label(&self) -> &str {
+        &self.release.label
+    }
+
+    /// True if the type is part of the conversion.
+    pub(super) fn concerns(&self, id: MessageId) -> bool {
+        self.packages.contains_key(&self.source.schema.message(id).package)
+    }
+
+    /// True if neither the capture nor the user shows the release of messages of this type without a schema.
+    pub(super) fn is_release_unknown(&self, id: MessageId) -> bool {
+        !self.is_source_named && self.source.is_undecided(id)
+    }
+
+    /// The treatment of messages that the source doesn't define. `is_other` is true if the target defines other messages for
+    /// their topic or type.
+    pub(super) fn undefined(&self, is_other: impl FnOnce(&Definitions) -> bool) -> Treatment<'_> {
+        if self.packages.is_empty() || !is_other(&self.target) {
+            return Treatment::Copy;
+        }
+        Treatment::LeaveOut(format!("only {} defines it", self.release.title))
+    }
+
+    /// The treatment of messages whose fields differ from the definition of their type.
+    pub(super) fn differs(&self, id: MessageId) -> Treatment<'_> {
+        let release = self.source.release_of(id).map_or("", |release| &release.title);
+        Treatment::LeaveOut(format!("its fields differ from {release}"))
+    }
+
+    /// The treatment of messages of an unknown release.
+    pub(super) fn unknown_release() -> Treatment<'static> {
+        let reason = "there is no usable schema or type hash, and the size of the messages doesn't show their release; \
+                      name it with --from";
+        Treatment::LeaveOut(reason.to_owned())
+    }
+
+    /// The treatment of the messages of a type, on a topic. `converters` contains the conversions of the other topics.
+    pub(super) fn treatment<'p>(
+        &'p self,
+        id: MessageId,
+        topic: &str,
+        converters: &mut Converters<'p>,
+    ) -> Treatment<'p> {
+        let message = self.source.schema.message(id);
+        let Some(Package { conversions, is_forward }) = self.packages.get(&message.package) else {
+            return Treatment::Copy;
+        };
+        let all = if *is_forward { &conversions.forward } else { &conversions.backward };
+        let target = |conversion: &Conversion| self.target.schema.message(conversion.to);
+        let name = topic_of(topic);
+        let has_topic = |conversion: &Conversion| target(conversion).topics.iter().any(|known| known == name);
+        // A topic may have another message in the target.
+        let find = |id| {
+            let found = all.iter().filter(|conversion| conversion.from == id);
+            found.max_by_key(|conversion| (has_topic(conversion), target(conversion).name == message.name))
+        };
+        let twin = || self.twin(message, name).and_then(find).filter(|found| has_topic(found));
+        let Some(conversion) = find(id).or_else(twin) else { return self.without_conversion(message) };
+        if let Some(reason) = self.undecided(conversion) {
+            return Treatment::LeaveOut(reason);
+        }
+        let compile = || {
+            let source = self.source.types().get(id);
+            let converter = Converter::new(conversion, source, self.target.types().get(conversion.to));
+            Rc::new(Converted { conversion, converter, source })
+        };
+        let messages = (id, conversion.from, conversion.to);
+        Treatment::Convert(Rc::clone(converters.by_messages.entry(messages).or_insert_with(compile)))
+    }
+
+    /// The treatment of messages of a type that has no conversion. Events of services have none, but most services stay
+    /// the same.
+    fn without_conversion(&self, message: &Message) -> Treatment<'_> {
+        let name = ros_name(&self.source.schema, message);
+        match self.target.message_of_type(&name).map(|id| self.target.schema.message(id)) {
+            Some(twin) if twin.type_hash == message.type_hash => Treatment::Copy,
+            Some(_) => Treatment::LeaveOut("its service has other fields in the target release".to_owned()),
+            None => Treatment::LeaveOut(format!("{} lacks the message {}", self.release.title, message.name)),
+        }
+    }
+
+    /// A message of the source that is declared like `message` and has the name of the topic's message in the target.
+    /// Releases before PX4 1.14 repeat a message for each of its topics.
+    fn twin(&self, message: &Message, topic: &str) -> Option<MessageId> {
+        let target = self.target.schema.message(self.target.message_of_topic(topic)?);
+        let all = &self.source.schema.packages.get(message.package)?.messages;
+        all.iter().copied().find(|id| {
+            let other = self.source.schema.message(*id);
+            other.name == target.name && is_declared_alike(message, other)
+        })
+    }
+
+    /// The reason why a conversion can't be used.
+    fn undecided(&self, conversion: &Conversion) -> Option<String> {
+        if conversion.is_decided() {
+            return None;
+        }
+        let more = conversion.undecided.len().saturating_sub(1);
+        let more = if more > 0 { format!(" (and {more} more)") } else { String::new() };
+        let own = conversion.undecided.first().map(|found| format!("{}{more}", found.message));
+        let nested = || {
+            let name = conversion.blocked_by.map(|id| self.target.schema.message(id).name.as_str());
+            format!("the conversion of the nested message {} is undecided", name.unwrap_or_default())
+        };
+        Some(format!("undecided: {}", own.unwrap_or_else(nested)))
+    }
+
+    /// The name of a topic in the output, if it differs. PX4's topics for ROS 2 end with the version of the message.
+    pub(super) fn renamed(&self, topic: &str, conversion: &Conversion) -> Option<String> {
+        let source = self.source.schema.message(conversion.from);
+        let target = self.target.schema.message(conversion.to);
+        let name = topic_of(topic);
+        let (before, after) = (source.version.unwrap_or(0), target.version.unwrap_or(0));
+        let is_versioned = before != after && topic.contains("/fmu/");
+        let unversioned = match before {
+            1.. if is_versioned => name.strip_suffix(&format!("_v{before}"))?,
+            _ => name,
+        };
+        let renamed = self.counterpart(unversioned, source, target);
+        let renamed = versioned(renamed, is_versioned.then_some(after));
+        let start = topic.rfind(name).filter(|_| renamed != name)?;
+        Some([&topic[..start], &renamed, &topic[start + name.len()..]].concat())
+    }
+
+    /// The name of a topic in the target. The only topic of a message is renamed with the message, unless both releases
+    /// have this topic, or the source has the new topic as well. All other topics keep their names, since the definitions
+    /// don't show which topic of several replaced another.
+    fn counterpart<'t>(&self, topic: &'t str, source: &Message, target: &'t Message) -> &'t str {
+        let is_renamed = source.name != target.name && source.topics == [topic];
+        let is_known = target.topics.iter().any(|known| known == topic);
+        let new = target.topics.first().filter(|_| is_renamed && !is_known);
+        new.filter(|new| self.source.message_of_topic(new).is_none()).map_or(topic, String::as_str)
+    }
+
+    /// The name of a type in the output, if it differs. The notation stays the same.
+    pub(super) fn renamed_type(&self, ty: &str, conversion: &Conversion) -> Option<String> {
+        let target = &self.target.schema.message(conversion.to).name;
+        let (package, name) = ty.rsplit_once('/')?;
+        (name != target).then(|| format!("{package}/{target}"))
+    }
+
+    /// The full ROS name and the type hash of a message of the target.
+    pub(super) fn target_type(&self, id: MessageId) -> (String, &str) {
+        let message = self.target.schema.message(id);
+        (ros_name(&self.target.schema, message), &message.type_hash)
+    }
+
+    /// The definition of a message of the target, or of a part of a service, by its full ROS name.
+    fn text(&self, name: &str) -> Option<&str> {
+        let part = |suffix: &str, at: usize| {
+            let service = self.texts.get(name.strip_suffix(suffix)?)?;
+            service.split("---\n").nth(at)
+        };
+        let message = self.texts.get(name).map(String::as_str);
+        message.or_else(|| part("_Request", 0)).or_else(|| part("_Response", 1))
+    }
+
+    /// The definition of a message of the target with its nested messages, as bags store it.
+    pub(super) fn target_text(&self, id: MessageId) -> String {
+        let (mut text, mut known, mut waiting) = (String::new(), BTreeSet::from([id]), vec![id]);
+        while let Some(id) = waiting.pop() {
+            let message = self.target.schema.message(id);
+            let name = ros_name(&self.target.schema, message);
+            if !text.is_empty() {
+                let name = name.replacen("/msg/", "/", 1);
+                text.extend([&*"=".repeat(SEPARATOR), "\nMSG: ", &name, "\n"]);
+            }
+            text.push_str(self.text(&name).unwrap_or_default());
+            for field in &message.fields {
+                if let Element::Message(nested) = field.ty.element
+                    && known.insert(nested)
+                {
+                    waiting.push(nested);
+                }
+            }
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn topics_with_the_same_messages_share_a_conversion() {
+        let release = Library::release("px4@1.16").expect("a release");
+        let plan = Plan::new(Arc::clone(release.base()), &Library::built_in(), &release, None);
+        let plan = plan.expect("a plan");
+        let mut converters = Converters::default();
+        let mut conversion = |name: &str, topic: &str| {
+            let id = plan.source().message_of_topic(name).expect("a message");
+            match plan.treatment(id, topic, &mut converters) {
+                Treatment::Convert(converted) => converted,
+                Treatment::Copy | Treatment::LeaveOut(_) => panic!("{name} isn't converted"),
+            }
+        };
+        let [first, second] =
+            ["/fmu/out/cpuload", "/vehicle_1/fmu/out/cpuload"].map(|topic| conversion("cpuload", topic));
+        let other = conversion("vehicle_attitude", "/fmu/out/vehicle_attitude");
+        assert!(Rc::ptr_eq(&first, &second) && !Rc::ptr_eq(&first, &other));
+        assert_eq!(converters.by_messages.len(), 2);
+    }
+}

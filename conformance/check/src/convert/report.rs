@@ -1,0 +1,209 @@
+//! The report of a conversion.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use serde::Serialize;
+use uavspec_codegen::json_text;
+use uavspec_model::text::{plural, shown, thousands};
+
+use super::plan::Plan;
+
+/// The version of the JSON form.
+const VERSION: u32 = 1;
+
+/// The maximum number of problems to list.
+const MAX_PROBLEMS: usize = 100;
+
+/// The result of a conversion.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+pub struct ConversionReport {
+    /// The version of this format.
+    pub version: u32,
+    /// The version of the program.
+    pub uavspec: String,
+    /// The path of the capture.
+    pub capture: String,
+    /// The releases that the capture agrees with, such as `px4@1.18`.
+    pub from: Vec<String>,
+    /// The target release.
+    pub to: String,
+    /// The topics, by name.
+    pub topics: Vec<TopicReport>,
+    /// The parts of the capture that can't be read.
+    pub problems: Vec<String>,
+    /// The number of problems that aren't listed.
+    pub more_problems: u64,
+}
+
+/// A topic of the capture.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+pub struct TopicReport {
+    /// The name in the capture.
+    pub topic: String,
+    /// The name in the output, if it differs.
+    pub renamed: Option<String>,
+    /// The treatment of the messages.
+    pub action: Action,
+    /// The release of the source message.
+    pub from: Option<String>,
+    /// The reason why messages are left out or copied unchanged.
+    pub reason: Option<String>,
+    /// The number of messages.
+    pub messages: u64,
+    /// The number of unreadable messages, which are left out.
+    pub unreadable: u64,
+    /// The error of the first unreadable message.
+    pub error: Option<String>,
+    /// The data that the conversion loses.
+    pub losses: Vec<Loss>,
+    /// The fields that may have a value that the target's definition excludes.
+    pub unchecked: Vec<String>,
+}
+
+/// The treatment of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Action {
+    /// The messages have the type of the target release.
+    Converted,
+    /// The messages are copied unchanged.
+    Copied,
+    /// The messages aren't in the output.
+    LeftOut,
+}
+
+impl Action {
+    fn text(self) -> &'static str {
+        match self {
+            Self::Converted => "converted",
+            Self::Copied => "copied",
+            Self::LeftOut => "left out",
+        }
+    }
+}
+
+/// Data that the conversion of a topic loses.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+pub struct Loss {
+    /// The loss, in the words of the conversion.
+    pub text: String,
+    /// The number of messages that contain the data; `None` if it isn't counted.
+    pub messages: Option<u64>,
+}
+
+/// The problems in a capture.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Problems {
+    listed: Vec<String>,
+    more: u64,
+}
+
+impl Problems {
+    pub(super) fn add(&mut self, problem: String) {
+        if self.listed.len() < MAX_PROBLEMS {
+            self.listed.push(problem);
+        } else {
+            self.more += 1;
+        }
+    }
+}
+
+impl ConversionReport {
+    pub(super) fn new(path: &Path, plan: &Plan, mut topics: Vec<TopicReport>, problems: Problems) -> Self {
+        topics.sort_by(|left, right| (left.action, &left.topic).cmp(&(right.action, &right.topic)));
+        Self {
+            version: VERSION,
+            uavspec: env!("CARGO_PKG_VERSION").to_owned(),
+            capture: path.to_string_lossy().into_owned(),
+            from: plan.sources(),
+            to: plan.target_label().to_owned(),
+            topics,
+            problems: problems.listed,
+            more_problems: problems.more,
+        }
+    }
+
+    /// True if all data in the capture could be read.
+    pub fn is_complete(&self) -> bool {
+        self.problems.is_empty() && self.topics.iter().all(|topic| topic.unreadable == 0)
+    }
+
+    /// The number of topics with an action.
+    pub fn count(&self, action: Action) -> usize {
+        self.topics.iter().filter(|topic| topic.action == action).count()
+    }
+
+    /// The report in JSON.
+    pub fn to_json(&self) -> String {
+        json_text::pretty(self)
+    }
+
+    /// The report for people.
+    pub fn to_text(&self) -> String {
+        let from =
+            if self.from.is_empty() { "no known release".to_owned() } else { shown(&self.from.join(", ")) };
+        let mut text = format!("{}: {from} to {}\n", shown(&self.capture), shown(&self.to));
+        for topic in &self.topics {
+            topic.write(&mut text);
+        }
+        for problem in &self.problems {
+            let _ = writeln!(text, "  problem    {}", shown(problem));
+        }
+        if self.more_problems > 0 {
+            let _ = writeln!(text, "  problem    {} more", thousands(self.more_problems));
+        }
+        let [converted, copied, left_out] =
+            [Action::Converted, Action::Copied, Action::LeftOut].map(|action| self.count(action));
+        let _ = writeln!(
+            text,
+            "{} converted, {copied} copied unchanged, {left_out} left out",
+            plural(converted, "topic")
+        );
+        text
+    }
+}
+
+impl TopicReport {
+    /// A topic without messages, which is left out.
+    pub(super) fn new(topic: &str) -> Self {
+        Self {
+            topic: topic.to_owned(),
+            renamed: None,
+            action: Action::LeftOut,
+            from: None,
+            reason: None,
+            messages: 0,
+            unreadable: 0,
+            error: None,
+            losses: Vec::new(),
+            unchecked: Vec::new(),
+        }
+    }
+
+    fn write(&self, text: &mut String) {
+        let Self { topic, renamed, action, reason, messages, .. } = self;
+        let _ = write!(text, "  {:<10} {}", action.text(), shown(topic));
+        if let Some(renamed) = renamed {
+            let _ = write!(text, " as {}", shown(renamed));
+        }
+        let _ = write!(text, ": {}", plural(*messages, "message"));
+        if let Some(reason) = reason {
+            let _ = write!(text, "; {}", shown(reason));
+        }
+        text.push('\n');
+        for loss in &self.losses {
+            let _ = match loss.messages {
+                Some(0) => continue,
+                Some(count) => {
+                    writeln!(text, "             {} ({})", shown(&loss.text), plural(count, "message"))
+                }
+                None => writeln!(text, "             {}", shown(&loss.text)),
+            };
+        }
+        if let Some(error) = &self.error {
+            let count = plural(self.unreadable, "unreadable message");
+            let _ = writeln!(text, "             {count} left out; the first: {}", shown(error));
+        }
+    }
+}

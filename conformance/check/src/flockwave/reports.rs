@@ -1,0 +1,400 @@
+//! A fast path for status reports without new findings. Nearly all status reports take this path.
+//!
+//! The fast path reads a line in one pass, without building a tree, and compares each value with its schema. Lines with
+//! implausible values take the general path. Besides these comparisons, only a few properties determine the findings in
+//! a report: its version and, for each state, the present fields, the null fields, and the text of the error codes
+//! ([`Kind`]).
+//!
+//! Nearly all lines and states have the [form](Forms) of an earlier one. The text between their values is then compared
+//! as a whole, and decides the kind of a state.
+//!
+//! When a state of a new kind appears, all message checks ([`Check::Message`](uavspec_rules::flockwave::Check)) run on a
+//! report that contains only this state. The signature of these checks guarantees that nothing else affects them, so
+//! the results apply to all states of that kind. A line takes the general path if its findings are still needed as
+//! examples, or if they name a UAV for the first time. Later lines are only counted. The other checks still receive
+//! each report as a [`StatusReport`](uavspec_rules::flockwave::StatusReport).
+//!
+//! Lines in an unusual form, and other messages, take the general path.
+
+mod cache;
+mod forms;
+
+use std::borrow::Cow;
+use std::collections::HashSet;
+use std::ops::Range;
+
+use uavspec_codegen::schema::json_type::Direction;
+use uavspec_flockwave::body_schema::{Members, Scalar};
+use uavspec_model::Findings;
+use uavspec_model::json::{Token, Tokens, Tree, Unclear, leading_integer};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::flockwave::plausible;
+
+use self::cache::{Kind, Known};
+use self::forms::Forms;
+
+/// The maximum length of a line on this path, in bytes. The limit ensures that no line exceeds the maximum number of
+/// values in a tree.
+const MAX_LINE: usize = 1 << 20;
+
+/// The maximum length of a message id, in bytes. Lines with longer ids are rare, and take the general path.
+const MAX_ID: usize = 36;
+
+/// The maximum number of fields in a state. Each field takes one bit.
+const MAX_FIELDS: usize = 64;
+
+/// The keys of a line, its message and its body.
+const KEYS: [&str; 9] = ["t", "conn", "dir", "msg", "$fw.version", "id", "body", "type", "status"];
+
+/// A line with a status report.
+#[derive(Debug)]
+pub(crate) struct Report<'l> {
+    /// The name of the connection.
+    pub(super) name: &'l str,
+    /// The time, in seconds.
+    pub(super) time: f64,
+    /// The whole line.
+    pub(super) text: &'l str,
+    /// The `id` of the message.
+    pub(crate) id: &'l str,
+    /// The UAVs and the timestamps of their states.
+    pub(crate) timestamps: Vec<(&'l str, Tree<'l>)>,
+    version: &'l str,
+}
+
+/// Reads status reports.
+#[derive(Default)]
+pub(super) struct Reports<'d> {
+    /// `None` if this path can't be used.
+    states: Option<States<'d>>,
+    /// The forms of lines.
+    lines: Forms<LineValue, ()>,
+}
+
+/// Reads the states in a report.
+struct States<'d> {
+    members: Members<'d>,
+    id: usize,
+    timestamp: usize,
+    errors: usize,
+    known: Known<'d>,
+    /// The forms of states, each with the kind of its states.
+    forms: Forms<StateValue<'d>, usize>,
+    /// The positions of the values in the latest state.
+    values: Vec<(Range<usize>, StateValue<'d>)>,
+    /// The kind of each state in the latest report.
+    kinds: Vec<usize>,
+}
+
+/// The values of a line.
+#[derive(Default)]
+pub(super) struct Line<'l> {
+    time: Option<f64>,
+    name: Option<&'l str>,
+    version: Option<&'l str>,
+    id: Option<&'l str>,
+    timestamps: Option<Vec<(&'l str, Tree<'l>)>>,
+    /// One bit for each of [`KEYS`] that was read.
+    keys: u16,
+    /// The positions of the values.
+    values: Vec<(Range<usize>, LineValue)>,
+}
+
+/// A value in a line that differs between reports.
+#[derive(Clone, Copy, Debug)]
+enum LineValue {
+    Time,
+    Name,
+    Version,
+    Id,
+    States,
+}
+
+/// A value in a state that differs between states of the same kind.
+#[derive(Clone, Copy, Debug)]
+enum StateValue<'d> {
+    /// The characters of the UAV's id.
+    Id,
+    Timestamp,
+    /// Any other value except null. A field that is null makes a state of another kind.
+    Scalar(Scalar<'d>),
+}
+
+impl Report<'_> {
+    /// The type of the message.
+    pub(crate) const TYPE: &'static str = "UAV-INF";
+
+    /// The number of values in the body: `type` and `status`.
+    pub(super) const NUM_VALUES: u64 = 2;
+}
+
+impl<'d> Reports<'d> {
+    /// Creates a reader for the status reports of these definitions.
+    pub(super) fn new(definitions: &'d Definitions) -> Self {
+        let members =
+            definitions.defined_schemas().members(Report::TYPE, Direction::Notification, "status", plausible);
+        let members = members.filter(|members| members.num_fields() <= MAX_FIELDS);
+        let states = members.and_then(|members| States::new(members, Known::new(definitions)));
+        Self { states, ..Self::disabled() }
+    }
+
+    /// Creates a reader that leaves all lines to the general path.
+    pub(super) fn disabled() -> Self {
+        Self::default()
+    }
+
+    /// Reads a line, if it is a status report whose findings may be known.
+    pub(super) fn read<'l>(&mut self, bytes: &'l [u8]) -> Option<Report<'l>> {
+        let states = self.states.as_mut().filter(|_| bytes.len() <= MAX_LINE)?;
+        let text = str::from_utf8(bytes).ok()?;
+        let line = match known_line(text, &mut self.lines, states) {
+            Some(line) => line,
+            None => new_line(text, &mut self.lines, states).ok()?,
+        };
+        let (id, timestamps) = (line.id?, line.timestamps?);
+        let is_usual = (1..=MAX_ID).contains(&id.len()) && are_different(&timestamps);
+        let report =
+            Report { name: line.name?, time: line.time?, text, id, timestamps, version: line.version? };
+        is_usual.then_some(report)
+    }
+
+    /// Counts the most recently read report, unless it has new findings. Returns true if it was counted. Otherwise, it
+    /// must take the general path, which reports the findings.
+    pub(super) fn count(&mut self, report: &Report<'_>, findings: &Findings) -> bool {
+        let Some(States { kinds, known, .. }) = &mut self.states else { return false };
+        let uavs = report.timestamps.iter().map(|(uav, _)| *uav);
+        known.count(report.version, kinds.iter().copied().zip(uavs), findings).is_some()
+    }
+
+    /// The number of counted reports.
+    pub(super) fn seen(&self) -> u64 {
+        self.states.as_ref().map_or(0, |states| states.known.seen())
+    }
+
+    /// Adds the results of all counted reports to the findings.
+    pub(super) fn report_counted(&self, findings: &mut Findings) {
+        if let Some(states) = &self.states {
+            states.known.report_counted(findings);
+        }
+    }
+}
+
+/// Reads a line in a known form.
+fn known_line<'l>(
+    text: &'l str,
+    forms: &mut Forms<LineValue, ()>,
+    states: &mut States<'_>,
+) -> Option<Line<'l>> {
+    let mut line = Line::default();
+    let (length, ()) = forms.read(text, |value, rest| {
+        let mut tokens = Tokens::new(rest);
+        line.read(*value, &mut tokens, states).ok()?;
+        Some(tokens.at())
+    })?;
+    (length == text.len()).then_some(line)
+}
+
+/// Reads a line, and learns its form.
+fn new_line<'l>(
+    text: &'l str,
+    forms: &mut Forms<LineValue, ()>,
+    states: &mut States<'_>,
+) -> Result<Line<'l>, Unclear> {
+    let mut line = Line::default();
+    let mut tokens = Tokens::new(text);
+    let is_text = |tokens: &mut Tokens<'_>, text| if plain(tokens)? == text { Ok(()) } else { Err(Unclear) };
+    tokens.members(|tokens, key| {
+        line.add_key(&key)?;
+        match &*key {
+            "t" => line.find(LineValue::Time, tokens, states),
+            "conn" => line.find(LineValue::Name, tokens, states),
+            "dir" => is_text(tokens, "in"),
+            "msg" => tokens.members(|tokens, key| {
+                line.add_key(&key)?;
+                match &*key {
+                    "$fw.version" => line.find(LineValue::Version, tokens, states),
+                    "id" => line.find(LineValue::Id, tokens, states),
+                    "body" => tokens.members(|tokens, key| {
+                        line.add_key(&key)?;
+                        match &*key {
+                            "type" => is_text(tokens, Report::TYPE),
+                            "status" => line.find(LineValue::States, tokens, states),
+                            _ => Err(Unclear),
+                        }
+                    }),
+                    _ => Err(Unclear),
+                }
+            }),
+            _ => Err(Unclear),
+        }
+    })?;
+    tokens.end()?;
+    if line.keys.count_ones() as usize != KEYS.len() {
+        return Err(Unclear);
+    }
+    forms.learn(text, line.values.drain(..), ());
+    Ok(line)
+}
+
+impl<'l> Line<'l> {
+    /// Adds a known key. If a key is repeated, other readers may use another value.
+    fn add_key(&mut self, key: &str) -> Result<(), Unclear> {
+        let bit = 1 << KEYS.iter().position(|known| *known == key).ok_or(Unclear)?;
+        if self.keys & bit != 0 {
+            return Err(Unclear);
+        }
+        self.keys |= bit;
+        Ok(())
+    }
+
+    /// Reads a value, and stores its position.
+    fn find(
+        &mut self,
+        value: LineValue,
+        tokens: &mut Tokens<'l>,
+        states: &mut States<'_>,
+    ) -> Result<(), Unclear> {
+        let start = tokens.at();
+        self.read(value, tokens, states)?;
+        self.values.push((start..tokens.at(), value));
+        Ok(())
+    }
+
+    fn read(
+        &mut self,
+        value: LineValue,
+        tokens: &mut Tokens<'l>,
+        states: &mut States<'_>,
+    ) -> Result<(), Unclear> {
+        match value {
+            LineValue::Time => self.time = Some(time(&tokens.token()?)?),
+            LineValue::Name => self.name = Some(plain(tokens)?),
+            LineValue::Version => self.version = Some(plain(tokens)?),
+            LineValue::Id => self.id = Some(plain(tokens)?),
+            LineValue::States => self.timestamps = Some(states.read(tokens)?),
+        }
+        Ok(())
+    }
+}
+
+impl<'d> States<'d> {
+    fn new(members: Members<'d>, known: Known<'d>) -> Option<Self> {
+        Some(Self {
+            id: members.field("id")?,
+            timestamp: members.field("timestamp")?,
+            errors: members.field("errors")?,
+            members,
+            known,
+            forms: Forms::default(),
+            values: Vec::new(),
+            kinds: Vec::new(),
+        })
+    }
+
+    /// Reads the states in a report. Returns the UAVs and the timestamps.
+    fn read<'l>(&mut self, tokens: &mut Tokens<'l>) -> Result<Vec<(&'l str, Tree<'l>)>, Unclear> {
+        // The previous report probably had about the same number of states.
+        let mut timestamps = Vec::with_capacity(self.kinds.len());
+        self.kinds.clear();
+        tokens.members(|tokens, uav| {
+            let Cow::Borrowed(uav) = uav else { return Err(Unclear) };
+            let (timestamp, kind) = match self.known_state(tokens, uav) {
+                Some(read) => read,
+                None => self.new_state(tokens, uav)?,
+            };
+            self.kinds.push(kind);
+            timestamps.push((uav, Tree::Int(timestamp.into())));
+            Ok(())
+        })?;
+        Ok(timestamps)
+    }
+
+    /// Reads the state of a UAV in a known form. Returns the timestamp and the kind.
+    #[inline]
+    fn known_state(&mut self, tokens: &mut Tokens<'_>, uav: &str) -> Option<(i64, usize)> {
+        let Self { members, id, timestamp: timestamp_field, .. } = self;
+        let mut timestamp = None;
+        let (length, kind) = self.forms.read(tokens.rest_text(), |value, rest| match value {
+            StateValue::Scalar(scalar) => scalar.length(rest),
+            StateValue::Timestamp => {
+                let (value, length) = leading_integer(rest.as_bytes())?;
+                timestamp = Some(value);
+                members.accepts(*timestamp_field, &Token::Int(value.into())).then_some(length)
+            }
+            StateValue::Id => (rest.starts_with(uav) && members.accepts_text(*id, uav)).then_some(uav.len()),
+        })?;
+        tokens.advance(length);
+        Some((timestamp?, kind))
+    }
+
+    /// Reads the state of a UAV, and learns its form. Returns the timestamp and the kind.
+    fn new_state(&mut self, tokens: &mut Tokens<'_>, uav: &str) -> Result<(i64, usize), Unclear> {
+        let start = tokens.at();
+        let mut kind = Kind::default();
+        let mut timestamp = None;
+        self.values.clear();
+        tokens.object(|tokens| {
+            let field = self.members.field(&tokens.key()?).ok_or(Unclear)?;
+            let bit = 1 << field;
+            if kind.fields & bit != 0 {
+                return Err(Unclear);
+            }
+            kind.fields |= bit;
+            tokens.peek();
+            let from = tokens.at() - start;
+            let fits = if field == self.id {
+                let id = plain(tokens)?;
+                // Without the quotation marks.
+                self.values.push((from + 1..tokens.at() - start - 1, StateValue::Id));
+                id == uav && self.members.accepts_text(field, id)
+            } else if field == self.timestamp {
+                let value = tokens.integer().ok_or(Unclear)?;
+                self.values.push((from..tokens.at() - start, StateValue::Timestamp));
+                timestamp = Some(value);
+                self.members.accepts(field, &Token::Int(value.into()))
+            } else if tokens.takes_null() {
+                kind.nulls |= bit;
+                true
+            } else if field == self.errors {
+                kind.errors = tokens.flat_list().ok_or(Unclear)?;
+                // Some findings about other values concern the whole message, not each state.
+                let is_usual = |byte| matches!(byte, b'[' | b']' | b',' | b' ' | b'0'..=b'9');
+                kind.errors.bytes().all(is_usual)
+            } else {
+                self.members.takes(field, tokens, |range, scalar| {
+                    let range = range.start - start..range.end - start;
+                    self.values.push((range, StateValue::Scalar(scalar)));
+                })?;
+                true
+            };
+            if fits { Ok(()) } else { Err(Unclear) }
+        })?;
+        let timestamp = timestamp.ok_or(Unclear)?;
+        let state = tokens.since(start);
+        let kind = self.known.kind(kind, (uav, state)).ok_or(Unclear)?;
+        self.forms.learn(state, self.values.drain(..), kind);
+        Ok((timestamp, kind))
+    }
+}
+
+/// A string without escapes.
+fn plain<'l>(tokens: &mut Tokens<'l>) -> Result<&'l str, Unclear> {
+    tokens.plain_text().ok_or(Unclear)
+}
+
+/// A time in seconds.
+fn time(token: &Token<'_>) -> Result<f64, Unclear> {
+    match token {
+        #[allow(clippy::cast_precision_loss)] // times in seconds are small enough
+        Token::Int(value) => Ok(*value as f64),
+        Token::Float(value, _) => Ok(*value),
+        _ => Err(Unclear),
+    }
+}
+
+/// True if no UAV appears twice. Most servers sort the states by UAV id.
+fn are_different(timestamps: &[(&str, Tree<'_>)]) -> bool {
+    let mut seen = HashSet::new();
+    timestamps.is_sorted_by(|(one, _), (other, _)| one < other)
+        || timestamps.iter().all(|(uav, _)| seen.insert(uav))
+}

@@ -1,0 +1,98 @@
+//! The number of messages of each type.
+
+use std::collections::HashMap;
+
+use uavspec_codegen::schema::json_type::Direction;
+use uavspec_rules::definitions::Definitions;
+
+use super::TypeCount;
+use crate::coverage::Tally;
+
+/// The maximum number of unknown types that are counted by name. Hostile input may contain any number of types.
+const MAX_UNKNOWN: usize = 1_000;
+
+/// The maximum length of an unknown type's name, in bytes.
+const MAX_NAME: usize = 128;
+
+/// The counts of all types.
+#[derive(Default)]
+pub(super) struct Types {
+    all: Vec<(String, TypeCounts)>,
+    /// The indices of the types, by name.
+    indices: HashMap<String, usize>,
+    num_unknown: usize,
+    /// The index of the latest message's type.
+    latest: usize,
+}
+
+/// The counts of a type.
+pub(super) struct TypeCounts {
+    /// True if the definitions contain the type.
+    pub(super) is_known: bool,
+    pub(super) messages: TypeCount,
+    /// The messages from the server, by direction.
+    from_server: [FromServer; 3],
+}
+
+/// The messages of a type that the server sent in one direction.
+#[derive(Clone, Copy, Default)]
+pub(super) struct FromServer {
+    /// True if there is a body schema. A type may have no schema for some directions.
+    pub(super) is_checked: bool,
+    pub(super) tally: Tally,
+    /// The number of values in the bodies.
+    pub(super) values: u64,
+}
+
+impl TypeCounts {
+    fn new(name: &str, definitions: &Definitions) -> Self {
+        let schemas = definitions.body_schemas();
+        let from_server = Direction::ALL.map(|direction| FromServer {
+            is_checked: schemas.is_defined(name, direction),
+            ..FromServer::default()
+        });
+        Self { is_known: schemas.has(name), messages: TypeCount::default(), from_server }
+    }
+
+    /// The messages that the server sent in a direction.
+    pub(super) fn sent_by_server(&mut self, direction: Direction) -> &mut FromServer {
+        &mut self.from_server[direction as usize]
+    }
+
+    /// The messages from the server, by direction, without the directions in which it sent none.
+    pub(super) fn directions(&self) -> impl Iterator<Item = (Direction, &FromServer)> {
+        let all = Direction::ALL.into_iter().zip(&self.from_server);
+        all.filter(|(_, found)| found.tally.records > 0)
+    }
+}
+
+impl Types {
+    /// The counts of a type. Returns `None` if the type isn't counted by name.
+    pub(super) fn get(&mut self, name: &str, definitions: &Definitions) -> Option<&mut TypeCounts> {
+        // Consecutive messages usually have the same type.
+        if self.all.get(self.latest).is_none_or(|(latest, _)| latest != name) {
+            self.latest = match self.indices.get(name) {
+                Some(index) => *index,
+                None => self.add(name, definitions)?,
+            };
+        }
+        self.all.get_mut(self.latest).map(|(_, counts)| counts)
+    }
+
+    fn add(&mut self, name: &str, definitions: &Definitions) -> Option<usize> {
+        let counts = TypeCounts::new(name, definitions);
+        let is_known = counts.is_known;
+        if !is_known && (self.num_unknown == MAX_UNKNOWN || name.len() > MAX_NAME) {
+            return None;
+        }
+        self.num_unknown += usize::from(!is_known);
+        let index = self.all.len();
+        self.indices.insert(name.to_owned(), index);
+        self.all.push((name.to_owned(), counts));
+        Some(index)
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &(String, TypeCounts)> {
+        self.all.iter()
+    }
+}

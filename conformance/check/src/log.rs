@@ -1,0 +1,624 @@
+//! Checks PX4 logs.
+
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::Read;
+use std::sync::Arc;
+
+use serde::{Serialize, Serializer};
+use uavspec_capture::input::UpToError;
+use uavspec_capture::ulog::{Data, Event, FormatSet, Item, Log, LogProblem, Problem, Reader, Record};
+use uavspec_capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
+use uavspec_codegen::dynamic::{FormatProblem, MessageType};
+use uavspec_codegen::schema::MessageId;
+use uavspec_model::text::{plural, shown};
+use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
+use uavspec_px4::comparison::{Comparison, compare};
+use uavspec_px4::format_plan::{FormatPlan, FormatPlans};
+use uavspec_px4::memory::time_offset;
+use uavspec_rules::definitions::{BATTERY_STATUS, Clues, Definitions, FormatClue, Library, VEHICLE_STATUS};
+use uavspec_rules::px4;
+
+use super::coverage::{PartResult, Parts, Share, Tally, Unit};
+use super::release::{ComparedTopic, MAX_AHEAD, ReleaseMatch, release_lines, release_matches};
+use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
+
+pub(super) const KIND: Kind = Kind {
+    name: "ULog",
+    detect: |start| has_magic(start, &ULOG_MAGIC),
+    clues: |source, library| match source.file.and_then(|path| File::open(path).ok()) {
+        // Bytes that aren't read needn't be kept for the check.
+        Some(file) => clues(file, library),
+        None => clues(&mut *source.bytes, library),
+    },
+    check: |input, _, run| check_log(input, run),
+};
+
+/// The kind for encrypted logs, which are detected but can't be read.
+pub(super) const ENCRYPTED: Kind = Kind {
+    name: "ULog",
+    detect: |start| start.starts_with(&ENCRYPTED_MAGIC),
+    clues: |_, _| Clues::default(),
+    check: |_, _, _| CaptureResult::unknown(ENCRYPTED_TEXT),
+};
+
+/// The reason why an encrypted log can't be read.
+pub(super) const ENCRYPTED_TEXT: &str = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
+                                         https://docs.px4.io/main/en/dev_log/log_encryption";
+
+/// The length up to which a log is searched for all its topics before the check. A longer log may not be read ahead to
+/// its end.
+const MAX_SHORT: u64 = MAX_AHEAD / 2;
+
+/// The summary of a log.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[schemars(rename = "Ulog")]
+pub struct LogSummary {
+    /// The name and version of the firmware.
+    pub firmware: Option<String>,
+    /// The number of dropouts.
+    pub dropouts: u64,
+    /// The releases that the formats were compared with.
+    pub releases: Vec<ReleaseMatch>,
+    /// The topics by name, each compared with its definition.
+    #[serde(serialize_with = "format_rows")]
+    #[schemars(with = "Vec<Format>")]
+    pub formats: Vec<(String, Comparison)>,
+}
+
+/// The format of a topic, compared with its definition.
+#[derive(Serialize, schemars::JsonSchema)]
+struct Format<'f> {
+    /// The topic.
+    topic: &'f str,
+    /// The result of the comparison.
+    result: FormatResult,
+    /// The differences; empty if there are none.
+    message: String,
+}
+
+/// The result of comparing a format with its definition.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+enum FormatResult {
+    /// All fields have the same types and offsets.
+    Equal,
+    /// Something differs.
+    Differs,
+    /// There is no known definition for the format.
+    Undefined,
+}
+
+impl<'f> Format<'f> {
+    fn new((topic, comparison): &'f (String, Comparison)) -> Self {
+        let (result, message) = match comparison {
+            Comparison::Equal => (FormatResult::Equal, String::new()),
+            Comparison::Undefined => (FormatResult::Undefined, String::new()),
+            Comparison::Differs(differences) => (FormatResult::Differs, differences.to_string()),
+        };
+        Self { topic, result, message }
+    }
+}
+
+fn format_rows<S: Serializer>(formats: &[(String, Comparison)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(formats.iter().map(Format::new))
+}
+
+impl Describe for LogSummary {
+    fn facts(&self, totals: Totals) -> Vec<String> {
+        vec![
+            self.firmware.as_deref().map_or_else(|| "unknown firmware".to_owned(), shown),
+            totals.duration(),
+            plural(self.formats.len(), "topic"),
+            plural(totals.records, "record"),
+            plural(self.dropouts, "dropout"),
+        ]
+    }
+
+    fn lines(&self) -> Vec<Line> {
+        let formats: Vec<Format<'_>> = self.formats.iter().map(Format::new).collect();
+        let with_result = |wanted| formats.iter().filter(move |format| format.result == wanted);
+        let text = format!(
+            "{} of {} topics match, {} differ, {} unknown",
+            with_result(FormatResult::Equal).count(),
+            formats.len(),
+            with_result(FormatResult::Differs).count(),
+            with_result(FormatResult::Undefined).count(),
+        );
+        let differing =
+            with_result(FormatResult::Differs).map(|format| (format.topic, shown(&format.message)));
+        let definitions = Line::new("definitions", text).list("differs", differing);
+        release_lines(&self.releases, definitions)
+    }
+
+    fn noun(&self) -> &'static str {
+        "log"
+    }
+}
+
+/// Reads the formats and the version of a log up to its first data. If the library asks for the needed topics, a short log
+/// is read to its end.
+fn clues(input: impl Read, library: &Library) -> Clues {
+    let (mut reader, mut clues) = (Reader::new(input), Clues::default());
+    let mut log = Log::with_cache(Arc::clone(library.formats()));
+    let mut names = library.is_for_one_capture().then(BTreeSet::new);
+    let is_at_data = loop {
+        let Ok(Some(item)) = reader.next() else { break false };
+        match item.event {
+            Event::Data { .. } => break true,
+            Event::Information { key: "ver_sw_release", value: [_, _, minor, major], .. } => {
+                clues.version = Some((*major, *minor));
+            }
+            _ => {}
+        }
+        if let Some(names) = &mut names {
+            names.extend(announced(&item.event));
+        }
+        log.take(&item, &mut |_, _| {});
+    };
+    let topics: BTreeSet<&str> = log.subscriptions().map(|subscription| &*subscription.topic).collect();
+    // A log that ends early may have no subscriptions.
+    let is_topic = |name: &str| topics.is_empty() || topics.contains(name);
+    let formats = log.types().iter().zip(log.format_set().layouts());
+    let formats = formats.filter(|(format, _)| is_topic(format.name()));
+    let formats = formats.filter_map(|(format, layout)| Some((format.name().to_owned(), (*layout)?)));
+    clues.formats = formats.map(|(name, layout)| (name, FormatClue::Layout(layout))).collect();
+    clues.needed = names.filter(|_| is_at_data).and_then(|names| needed(reader, names));
+    clues
+}
+
+/// The topic or the type that an event announces.
+fn announced(event: &Event<'_>) -> Option<String> {
+    match event {
+        Event::Format { name, .. } | Event::Subscription { name, .. } => Some((*name).to_owned()),
+        _ => None,
+    }
+}
+
+/// All topics whose definitions the check of a log needs. `None` if the log is long, so that reading it for this would
+/// take longer than reading a whole release.
+fn needed(mut reader: Reader<impl Read>, mut names: BTreeSet<String>) -> Option<BTreeSet<String>> {
+    while reader.position() < MAX_SHORT {
+        if reader.next_data().is_some() {
+            continue;
+        }
+        let Some(item) = reader.next().ok()? else { break };
+        names.extend(announced(&item.event));
+    }
+    names.extend([VEHICLE_STATUS, BATTERY_STATUS].map(str::to_owned));
+    (reader.position() < MAX_SHORT).then_some(names)
+}
+
+/// Checks the readable part of a PX4 log.
+pub fn check_ulog(input: impl Read, definitions: &Definitions) -> CaptureResult {
+    check_log(input, CheckRun::new(definitions))
+}
+
+fn check_log(input: impl Read, run: CheckRun<'_>) -> CaptureResult {
+    let mut checker = LogChecker::new(run);
+    let mut input = UpToError::new(input);
+    let mut reader = Reader::new(&mut input);
+    let mut log = Log::with_cache(Arc::clone(checker.run.definitions.formats()));
+    loop {
+        while let Some(data) = reader.next_data() {
+            checker.data(data, &mut log);
+        }
+        let Ok(Some(item)) = reader.next() else { break };
+        if let Event::Data { id, payload } = item.event {
+            checker.data(Data { offset: item.offset, id, payload }, &mut log);
+            continue;
+        }
+        checker.item(&item);
+        let topic = match item.event {
+            Event::Subscription { id, .. } => Some(id),
+            _ => None,
+        };
+        log.take(&item, &mut |offset, problem| checker.report_problem(offset, &problem));
+        match topic.map(|id| (id, log.subscription(id))) {
+            Some((id, Some(subscription))) => {
+                checker.open(id, &subscription.topic, subscription.multi_id, item.offset);
+            }
+            // There was no room for the subscription.
+            Some((id, None)) => checker.drop_topic(id),
+            None => {}
+        }
+    }
+    let position = reader.position();
+    if let Some(error) = &input.error {
+        // The findings up to here remain valid.
+        checker.run.unreadable(Location::Byte(position), error);
+    }
+    if checker.open.is_empty() && checker.run.extent == Extent::Whole {
+        let text = "the log has no subscriptions: it ends within or directly after its definitions section"
+            .to_owned();
+        checker.run.corruption(Location::Byte(position), text, Extent::EndsEarly);
+    }
+    log.finish(&mut |offset, problem| checker.report_problem(offset, &problem));
+    checker.finish(&log, position)
+}
+
+/// A topic of the log, with its state.
+struct Open {
+    index: usize,
+    topic: String,
+    multi_id: u8,
+    offset: u64,
+    definition: Option<MessageId>,
+    /// Set when the first message arrives.
+    plan: Option<Arc<FormatPlan>>,
+    tally: Tally,
+    /// The number of records whose values have no meaning.
+    unpublished: u64,
+}
+
+struct LogChecker<'d> {
+    run: CheckRun<'d>,
+    /// The topics by message id.
+    open: Vec<Option<Box<Open>>>,
+    /// The plans of the log's formats, once data has arrived.
+    plans: Option<(Arc<FormatSet>, Arc<FormatPlans>)>,
+    /// The topics with data, each with the offset of its subscription and the comparison of its format. A log may
+    /// declare a format again after its data, so the result is that of the format when the data was read.
+    compared: BTreeMap<String, (u64, Comparison)>,
+    /// The topics whose subscription has ended.
+    parts: Parts,
+    /// The topics with other instances than the first.
+    several: BTreeSet<String>,
+    firmware: Option<String>,
+    dropouts: u64,
+    /// The location of the previous item, if it is a record.
+    latest: Option<Location>,
+    /// True if the item is a corrupt part.
+    is_gap: bool,
+    /// True if the previous item is a corrupt part.
+    is_behind_gap: bool,
+}
+
+impl<'d> LogChecker<'d> {
+    fn new(run: CheckRun<'d>) -> Self {
+        Self {
+            run,
+            open: Vec::new(),
+            plans: None,
+            compared: BTreeMap::new(),
+            parts: Parts::default(),
+            several: BTreeSet::new(),
+            firmware: None,
+            dropouts: 0,
+            latest: None,
+            is_gap: false,
+            is_behind_gap: false,
+        }
+    }
+
+    fn item(&mut self, item: &Item<'_>) {
+        let location = Location::Byte(item.offset);
+        let is_gap = matches!(&item.event, Event::Problem(problem) if problem.extent() != Extent::Whole);
+        self.is_behind_gap = std::mem::replace(&mut self.is_gap, is_gap);
+        if let Some(record) = self.latest.take().filter(|_| is_gap) {
+            // The corrupt part may begin within the record before it.
+            self.run.findings.retract(record);
+        }
+        match &item.event {
+            Event::Start { timestamp, .. } => self.run.started(*timestamp),
+            Event::Unsubscription { id } => {
+                if let Some(Some(open)) = self.open.get(usize::from(*id)) {
+                    self.run.closed(&open.channel());
+                }
+            }
+            Event::Information { key: "ver_sw_release" | "ver_sw_branch" | "sys_name", value, ty } => {
+                self.information(ty, value);
+            }
+            Event::Dropout { milliseconds } => {
+                self.dropouts += 1;
+                self.run.dropout(*milliseconds, location);
+            }
+            // The message may have been data of any topic.
+            Event::Unknown { .. } => self.run.lost_any(location),
+            // Version 0 of the log format has no flag bits.
+            Event::Problem(Problem::NoFlagBits { version: 0 }) => {}
+            Event::Problem(problem) if problem.is_harmless() => self.run.note(&problem.to_string()),
+            Event::Problem(problem) => self.run.corruption(location, problem.to_string(), problem.extent()),
+            _ => {}
+        }
+    }
+
+    /// Checks data.
+    fn data(&mut self, data: Data<'_>, log: &mut Log) {
+        self.is_behind_gap = std::mem::take(&mut self.is_gap);
+        self.latest = None;
+        self.run.records += 1;
+        if let Some(Some(open)) = self.open.get_mut(usize::from(data.id)) {
+            open.tally.records += 1;
+        }
+        let record = log.data(data, &mut |offset, problem| self.report_problem(offset, &problem));
+        if let Some(record) = record {
+            self.record(&record, data.offset);
+        }
+    }
+
+    fn open(&mut self, id: u16, topic: &str, multi_id: u8, offset: u64) {
+        // Repeated subscriptions reuse the slot, so that memory stays bounded.
+        let slot = usize::from(id);
+        if slot >= self.open.len() {
+            self.open.resize_with(slot + 1, || None);
+        }
+        let before = self.open[slot].take();
+        if let Some(before) = &before {
+            self.run.closed(&before.channel());
+        }
+        if multi_id > 0 {
+            self.several.insert(topic.to_owned());
+        }
+        let index = before.as_ref().map_or_else(|| self.run.number_channel(), |before| before.index);
+        let open = Open {
+            index,
+            topic: topic.to_owned(),
+            multi_id,
+            offset,
+            definition: self.run.definitions.message_of_logged_topic(topic),
+            plan: None,
+            tally: Tally::default(),
+            unpublished: 0,
+        };
+        self.run.opened(&open.channel());
+        self.open[slot] = Some(Box::new(open));
+        if let Some(before) = before {
+            before.close(&mut self.run.findings, &mut self.parts);
+        }
+    }
+
+    /// Closes the topic of an id whose new subscription wasn't stored, and clears the topic's name.
+    fn drop_topic(&mut self, id: u16) {
+        if let Some(Some(open)) = self.open.get_mut(usize::from(id)) {
+            self.run.closed(&open.channel());
+            open.topic = String::new();
+        }
+    }
+
+    fn record(&mut self, record: &Record<'_>, offset: u64) {
+        let Some(Some(open)) = self.open.get_mut(usize::from(record.subscription.id)) else { return };
+        let location = Location::Byte(offset);
+        let subject = SubjectName { name: &open.topic, instance: Some(open.multi_id) };
+        let plan = match &mut open.plan {
+            Some(plan) => plan,
+            empty => {
+                let definitions = self.run.definitions;
+                let compile = |has_values| {
+                    let (format, definition) = (record.message_type, open.definition);
+                    FormatPlan::new(format, definition, &definitions.schema, &px4::VALUES, has_values)
+                };
+                let plans = match &mut self.plans {
+                    Some((formats, plans)) if Arc::ptr_eq(formats, record.formats) => plans,
+                    plans => {
+                        let new = (Arc::clone(record.formats), definitions.plans(record.formats));
+                        &mut plans.insert(new).1
+                    }
+                };
+                if let Entry::Vacant(new) = self.compared.entry(open.topic.clone()) {
+                    check_timestamp(record.message_type, location, &mut self.run);
+                    new.insert((open.offset, comparison(record.message_type, plans, definitions)));
+                }
+                empty.insert(plans.plan(&open.topic, compile))
+            }
+        };
+        let time_at = |offset: Option<usize>| {
+            let bytes = offset.and_then(|at| record.payload.get(at..at + 8))?;
+            Some(u64::from_le_bytes(bytes.try_into().ok()?))
+        };
+        let timestamp = time_at(plan.timestamp);
+        // Older releases of PX4 log topics that were never published. Their memory is empty, so no value has a meaning.
+        let is_published = timestamp != Some(0) || record.payload.iter().any(|byte| *byte != 0);
+        if let Some(values) = plan.values.as_ref().filter(|_| is_published) {
+            values.check(record.payload, subject, location, &mut self.run.findings);
+        }
+        self.latest = Some(location);
+        if let Some((timestamp, utc)) = timestamp.zip(time_at(plan.utc)) {
+            self.run.clock.set_utc(timestamp, utc);
+        }
+        open.tally.count(open.definition.is_some() && plan.values.is_some(), self.run.logged(timestamp));
+        open.unpublished += u64::from(!is_published);
+        let wants_values = self.run.wants_values(open.index);
+        let values = wants_values.then(|| record.message_type.view_uorb(record.payload).ok()).flatten();
+        let message = Message { timestamp, logged: None, values: values.filter(|_| is_published), location };
+        self.run.message(&open.channel(), &message, values);
+    }
+
+    /// Reports a problem with a format, a subscription or a size. A problem that a rule covers is a violation of that
+    /// rule. If part of the log is missing, that part may have contained the format or subscription, so the problem
+    /// doesn't count as a violation.
+    fn report_problem(&mut self, offset: u64, problem: &LogProblem) {
+        let location = Location::Byte(offset);
+        self.latest = Some(location);
+        let detail = Detail::new(problem.to_string());
+        let is_whole = self.run.extent == Extent::Whole;
+        match problem {
+            // The size may be the end of the corrupt part.
+            LogProblem::DataSize { .. } if self.is_behind_gap => {
+                self.run.corruption(location, problem.to_string(), Extent::WithGaps);
+                self.run.lost_any(location);
+            }
+            LogProblem::DataSize { id, padded, no_padding, found } => {
+                let expected = if padded == no_padding {
+                    format!("{padded} bytes")
+                } else {
+                    format!("{padded} bytes, or {no_padding} without padding")
+                };
+                let detail = detail.expected(expected).actual(format!("{found} bytes"));
+                self.drop_data(*id, &px4::DATA_01.rule, detail, location);
+            }
+            LogProblem::UnknownId { id } | LogProblem::Unsubscribed { id } if is_whole => {
+                let detail = detail.expected("a subscribed id").actual(format!("id {id}"));
+                self.drop_data(*id, &px4::DATA_02.rule, detail, location);
+            }
+            LogProblem::Format { name, problem: FormatProblem::UnknownType { ty, .. } } if is_whole => {
+                let ty = ty.escape_debug();
+                let detail = detail.expected(format!("a format `{ty}`")).actual("none");
+                let definition = self.run.definition_of(name);
+                self.run.findings.report(&px4::FMT_02.rule, name, location, definition, || detail);
+            }
+            LogProblem::MissingFormat { id } | LogProblem::UnusableFormat { id } => {
+                match known(&self.open, *id).map(|open| open.index) {
+                    Some(index) => {
+                        self.run.corrupt_part(location, problem.to_string(), Extent::Whole);
+                        self.run.lost(index, location);
+                    }
+                    None => self.run.corruption(location, problem.to_string(), Extent::Whole),
+                }
+            }
+            LogProblem::LateFormat { .. } | LogProblem::Resubscribed { .. } => {
+                self.run.note(&problem.to_string());
+            }
+            _ => self.run.corruption(location, problem.to_string(), Extent::Whole),
+        }
+    }
+
+    /// Reports data that violates a rule and can't be read. If the topic is unknown, the data may belong to any
+    /// topic.
+    fn drop_data(&mut self, id: u16, rule: &'static Rule, detail: Detail, location: Location) {
+        let Some(open) = known(&self.open, id) else {
+            self.run.findings.report(rule, &format!("id {id}"), location, None, || detail);
+            return self.run.lost_any(location);
+        };
+        let definition = open.definition.map(|id| self.run.definitions.schema.message(id).span);
+        self.run.findings.report(rule, open.channel().subject(), location, definition, || detail);
+        self.run.lost(open.index, location);
+    }
+
+    fn finish(mut self, log: &Log, bytes: u64) -> CaptureResult {
+        for open in std::mem::take(&mut self.open).into_iter().flatten() {
+            open.close(&mut self.run.findings, &mut self.parts);
+        }
+        for rule in [&px4::DATA_01.rule, &px4::DATA_02.rule] {
+            self.run.findings.cover(rule, self.run.records);
+        }
+        self.run.findings.hide_only_instances(|topic| !self.several.contains(topic));
+        let formats = formats(log, self.compared, &mut self.run);
+        // Records without a definition, or in a different format, aren't fully checked.
+        for (topic, comparison) in &formats {
+            self.parts.add_result(topic, comparison.into());
+        }
+        let definitions = self.run.definitions;
+        let topics = formats.iter().map(|(topic, comparison)| ComparedTopic {
+            topic,
+            definition: definitions.message_of_logged_topic(topic),
+            is_equal: *comparison == Comparison::Equal,
+        });
+        let releases = release_matches(definitions, &topics);
+        let summary = LogSummary { firmware: self.firmware, dropouts: self.dropouts, releases, formats };
+        self.run.finish(bytes, Summary::Log(summary), Unit::Topic, self.parts)
+    }
+
+    fn information(&mut self, ty: &str, value: &[u8]) {
+        let text = match <[u8; 4]>::try_from(value) {
+            // The version as a number: major, minor, patch and release type.
+            Ok(bytes) if ty == "uint32_t" => {
+                let [_, patch, minor, major] = bytes;
+                format!("v{major}.{minor}.{patch}")
+            }
+            _ if ty.starts_with("char[") => String::from_utf8_lossy(value).into_owned(),
+            _ => return,
+        };
+        self.firmware = Some(match self.firmware.take() {
+            Some(known) => format!("{known} {text}"),
+            None => text,
+        });
+    }
+}
+
+impl Open {
+    fn channel(&self) -> Channel<'_> {
+        Channel {
+            index: self.index,
+            topic: &self.topic,
+            full_topic: &self.topic,
+            multi_id: Some(self.multi_id),
+            definition: self.definition,
+            version: None,
+            location: Location::Byte(self.offset),
+        }
+    }
+
+    fn close(self, findings: &mut Findings, parts: &mut Parts) {
+        let Self { tally, plan, unpublished, .. } = self;
+        let mut result = PartResult::Checked;
+        match plan.as_ref().map(|plan| &plan.values) {
+            Some(Some(values)) => values.count(tally.decoded - unpublished, findings),
+            Some(None) => result = PartResult::TooMany,
+            None => {}
+        }
+        let fields = plan.map_or_else(Share::default, |plan| plan.shared_fields.into());
+        let values = fields.times(tally.checked, tally.records);
+        parts.add(&self.topic, result, tally, values);
+    }
+}
+
+/// The topic of a message id. `None` if its subscription is unknown.
+fn known(open: &[Option<Box<Open>>], id: u16) -> Option<&Open> {
+    open.get(usize::from(id))?.as_deref().filter(|open| !open.topic.is_empty())
+}
+
+/// Checks that messages of a format have a timestamp.
+fn check_timestamp(format: MessageType<'_>, location: Location, run: &mut CheckRun<'_>) {
+    run.findings.cover(&px4::FMT_03.rule, 1);
+    if time_offset(format, "timestamp").is_none() {
+        let definition = run.definition_of(format.name());
+        run.findings.report(&px4::FMT_03.rule, format.name(), location, definition, || {
+            Detail::new("the format has no `uint64_t timestamp` field")
+                .expected("uint64_t timestamp")
+                .actual("no such field")
+        });
+    }
+}
+
+/// Compares a format with the definition of its topic.
+fn comparison(format: MessageType<'_>, plans: &FormatPlans, definitions: &Definitions) -> Comparison {
+    plans.comparison(format.name(), || match definitions.message_of_logged_topic(format.name()) {
+        None => Comparison::Undefined,
+        Some(id) => compare(format, definitions.types().get(id)),
+    })
+}
+
+/// Reports the formats that differ from the definitions, and returns all comparisons. `compared` contains the topics
+/// with data. The formats of the other subscribed topics are compared and checked for a timestamp here.
+fn formats(
+    log: &Log,
+    mut compared: BTreeMap<String, (u64, Comparison)>,
+    run: &mut CheckRun<'_>,
+) -> Vec<(String, Comparison)> {
+    let definitions = run.definitions;
+    let mut opened: BTreeMap<&str, u64> = BTreeMap::new();
+    for subscription in log.subscriptions() {
+        opened.entry(&subscription.topic).or_insert(subscription.offset);
+    }
+    // Without data, a format that the log declares in two ways isn't compared. Such a format has no fields.
+    for (name, _) in log.formats().filter(|(_, fields)| fields.is_empty()) {
+        opened.remove(name);
+    }
+    let plans = definitions.plans(log.format_set());
+    for format in log.types().iter() {
+        run.findings.cover(&px4::FMT_02.rule, 1);
+        // Its fields are unknown, or those of a format that it contains.
+        if format.defect().is_some() {
+            continue;
+        }
+        let Some(offset) = opened.get(format.name()).copied() else { continue };
+        if let Entry::Vacant(new) = compared.entry(format.name().to_owned()) {
+            check_timestamp(format, Location::Byte(offset), run);
+            new.insert((offset, comparison(format, &plans, definitions)));
+        }
+    }
+    for (topic, (offset, comparison)) in &compared {
+        if *comparison != Comparison::Undefined {
+            run.findings.cover(&px4::FMT_01.rule, 1);
+        }
+        if let Comparison::Differs(differences) = comparison {
+            // The location doesn't depend on the instance whose data comes first.
+            let location = Location::Byte(*opened.get(topic.as_str()).unwrap_or(offset));
+            let definition = run.definition_of(topic);
+            run.findings.report(&px4::FMT_01.rule, topic, location, definition, || differences.detail());
+        }
+    }
+    compared.into_iter().map(|(topic, (_, comparison))| (topic, comparison)).collect()
+}

@@ -1,0 +1,27 @@
+//! Passes the records of a capture to other code than rules.
+
+use uavspec_flockwave::record::SessionRecord;
+use uavspec_model::{Channel, Message};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::px4::Interest;
+
+/// Receives the records of a capture in addition to the rules. Times are in µs, by the clock of the capture.
+pub trait Observer {
+    /// Handles a new channel, and returns the observer's interest in it.
+    fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest;
+
+    /// Handles a channel whose release is unknown. Its messages don't follow.
+    fn undecided(&mut self, _channel: &Channel<'_>, _definitions: &Definitions) {}
+
+    /// Receives a message of any channel.
+    fn message(
+        &mut self,
+        channel: &Channel<'_>,
+        message: &Message<'_>,
+        time: Option<u64>,
+        definitions: &Definitions,
+    );
+
+    /// Receives a record of a session.
+    fn session_record(&mut self, record: &SessionRecord<'_>, time: Option<u64>, definitions: &Definitions);
+}

@@ -1,0 +1,467 @@
+//! The part of a check that all kinds of captures share.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::io;
+
+use uavspec_codegen::dynamic::DynamicView;
+use uavspec_codegen::source::Span;
+use uavspec_flockwave::record::{Connection, Direction, SessionRecord};
+use uavspec_flockwave::session::{Exchange, Sessions, message_excerpt};
+use uavspec_model::json::Tree;
+use uavspec_model::text::{shown, thousands};
+use uavspec_model::{ApplicationType, Channel, Endpoint, Extent, Findings, Location, Message, Rule};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::px4::Interest;
+use uavspec_rules::{RuleContext, flockwave, px4};
+
+use super::coverage::Parts;
+use super::flockwave::{Listeners, Report};
+use super::{CaptureResult, Clock, Observer, Summary, Unit};
+
+/// The maximum number of distinct corrupt parts to report.
+const MAX_CORRUPT_PARTS: usize = 100;
+
+/// The maximum number of notes.
+const MAX_NOTES: usize = 100;
+
+/// The part of a check that all kinds of captures share: channels, sessions, and the rules that span several messages.
+pub(super) struct CheckRun<'d> {
+    pub(super) definitions: &'d Definitions,
+    pub(super) findings: Findings,
+    /// The rules on sequences of messages.
+    followers: Vec<Follower>,
+    /// The checks of session rules.
+    listeners: Listeners<'d>,
+    /// Receives the records in addition to the rules.
+    pub(super) observer: Option<&'d mut dyn Observer>,
+    /// The subscribers of each channel, by channel index.
+    channels: Vec<Subscribers>,
+    pub(super) sessions: Sessions,
+    pub(super) records: u64,
+    pub(super) checked: u64,
+    /// The time at which logging began, in µs since boot, if the capture states it.
+    start: Option<u64>,
+    first: Option<u64>,
+    last: u64,
+    /// The corrupt parts by description.
+    corruption: HashMap<String, CorruptPart>,
+    more_corruption: u64,
+    notes: Vec<String>,
+    cut_short: Vec<String>,
+    pub(super) extent: Extent,
+    pub(super) clock: Clock,
+    /// The time of the current record in µs, if it isn't the timestamp of the message.
+    record_time: Option<u64>,
+    /// The log time and the sequence number of the current record, if it is in a bag.
+    pub(super) logged: Option<Logged>,
+}
+
+/// The facts that a bag states about a message.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Logged {
+    /// The time at which the message was recorded, in ns.
+    pub(super) time: u64,
+    /// The sequence number.
+    pub(super) sequence: Option<u32>,
+}
+
+/// A corrupt part: its first location and the number of occurrences.
+struct CorruptPart {
+    number: usize,
+    location: Location,
+    times: u64,
+}
+
+/// A rule that checks a sequence of messages, with its state.
+struct Follower {
+    rule: &'static Rule,
+    checker: Box<dyn px4::Checker>,
+    coverage: u64,
+}
+
+/// The rules and the observer that receive the messages of a channel.
+#[derive(Default)]
+struct Subscribers {
+    /// The indices of the [`Follower`]s that receive the channel's messages.
+    followers: Vec<usize>,
+    /// The highest [`Interest`] among these followers and the observer.
+    interest: Interest,
+    /// The interest of the observer.
+    observed: Interest,
+}
+
+impl Follower {
+    fn check<T>(
+        &mut self,
+        definitions: &Definitions,
+        findings: &mut Findings,
+        check: impl FnOnce(&mut dyn px4::Checker, &mut RuleContext<'_>) -> T,
+    ) -> T {
+        let Self { rule, checker, coverage } = self;
+        check(&mut **checker, &mut RuleContext { rule, definitions, findings, coverage })
+    }
+}
+
+impl<'d> CheckRun<'d> {
+    pub(super) fn new(definitions: &'d Definitions) -> Self {
+        let followers = px4::RULES.iter().filter_map(|rule| match rule.check {
+            px4::Check::State(start) => Some(Follower { rule: &rule.rule, checker: start(), coverage: 0 }),
+            px4::Check::Value | px4::Check::Source => None,
+        });
+        Self {
+            definitions,
+            findings: Findings::default(),
+            followers: followers.collect(),
+            listeners: Listeners::new(definitions),
+            observer: None,
+            channels: Vec::new(),
+            sessions: Sessions::default(),
+            records: 0,
+            checked: 0,
+            start: None,
+            first: None,
+            last: 0,
+            corruption: HashMap::new(),
+            more_corruption: 0,
+            notes: Vec::new(),
+            cut_short: Vec::new(),
+            extent: Extent::Whole,
+            clock: Clock::default(),
+            record_time: None,
+            logged: None,
+        }
+    }
+
+    /// Creates a run that passes the records to an observer as well, if there is one.
+    pub(super) fn observed_by<'o: 'd>(
+        definitions: &'d Definitions,
+        observer: Option<&'d mut (dyn Observer + 'o)>,
+    ) -> Self {
+        let mut run = Self::new(definitions);
+        if let Some(observer) = observer {
+            run.observer = Some(observer);
+        }
+        run
+    }
+
+    /// Reserves the index of a new channel.
+    pub(super) fn number_channel(&mut self) -> usize {
+        self.channels.push(Subscribers::default());
+        self.channels.len() - 1
+    }
+
+    pub(super) fn opened(&mut self, channel: &Channel<'_>) {
+        let mut subscribers = Subscribers::default();
+        for (at, follower) in self.followers.iter_mut().enumerate() {
+            let opened = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
+                checker.opened(channel, context)
+            };
+            let interest = follower.check(self.definitions, &mut self.findings, opened);
+            if interest > Interest::Nothing {
+                subscribers.followers.push(at);
+                subscribers.interest = subscribers.interest.max(interest);
+            }
+        }
+        if let Some(observer) = &mut self.observer {
+            subscribers.observed = observer.opened(channel, self.definitions);
+            subscribers.interest = subscribers.interest.max(subscribers.observed);
+        }
+        self.channels[channel.index] = subscribers;
+    }
+
+    /// Handles an open channel whose messages aren't read, because their release is unknown.
+    pub(super) fn undecided(&mut self, channel: &Channel<'_>) {
+        if let Some(observer) = &mut self.observer {
+            observer.undecided(channel, self.definitions);
+        }
+    }
+
+    pub(super) fn closed(&mut self, channel: &Channel<'_>) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.closed(channel));
+    }
+
+    /// Passes the capture's start time, in µs since boot, to the rules.
+    pub(super) fn started(&mut self, time: u64) {
+        self.clock.start(time);
+        self.start = Some(time);
+        self.followers.iter_mut().for_each(|follower| follower.checker.started(time));
+    }
+
+    /// True if a rule or the observer needs the field values of a channel's messages.
+    pub(super) fn wants_values(&self, channel: usize) -> bool {
+        self.channels[channel].interest == Interest::Values
+    }
+
+    /// True if the observer needs the field values of a channel's messages.
+    pub(super) fn observes_values(&self, channel: usize) -> bool {
+        self.channels[channel].observed == Interest::Values
+    }
+
+    /// Passes a message to the rules of its channel. The message's values have already been checked. The observer may
+    /// receive other values than the rules: rules receive no values of messages whose size varies, of JSON messages with
+    /// findings, or of topics that were never published.
+    pub(super) fn message(
+        &mut self,
+        channel: &Channel<'_>,
+        message: &Message<'_>,
+        observed: Option<DynamicView<'_>>,
+    ) {
+        self.checked += 1;
+        // A log time of 0 is unknown.
+        if self.record_time.unwrap_or_default() == 0 {
+            self.include_timestamp(message.timestamp);
+        }
+        for at in &self.channels[channel.index].followers {
+            let message = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
+                checker.message(channel, message, context);
+            };
+            self.followers[*at].check(self.definitions, &mut self.findings, message);
+        }
+        if let Some(observer) = &mut self.observer {
+            let is_known = |time: &u64| *time > 0;
+            let time = self.record_time.filter(is_known).or(message.timestamp.filter(is_known));
+            let Message { timestamp, logged, location, .. } = *message;
+            let message = Message { timestamp, logged, values: observed, location };
+            observer.message(channel, &message, time, self.definitions);
+        }
+        self.place(message.location, message.timestamp);
+    }
+
+    /// Adds the time to the findings in a message. `timestamp` is the timestamp of the message in µs.
+    fn place(&mut self, location: Location, timestamp: Option<u64>) {
+        let time = self.record_time.or(timestamp);
+        let logged = self.logged;
+        self.findings.complete(location, |detail| {
+            detail.time = time;
+            detail.log_time = logged.map(|logged| logged.time);
+            detail.sequence = logged.and_then(|logged| logged.sequence);
+        });
+    }
+
+    /// Sets the time of the current record, in µs since 1970, and extends the time span to include it. The timestamps of
+    /// messages don't count then, because they may have another clock.
+    pub(super) fn record_at(&mut self, time: u64) {
+        self.record_time = Some(time);
+        self.include_timestamp(Some(time));
+        self.clock.start(time);
+        self.clock.set_utc(time, time);
+    }
+
+    /// A timestamp in µs, if it is known and isn't older than the log. The first message of a topic may be older: its
+    /// publisher sent it before logging began.
+    pub(super) fn logged(&self, timestamp: Option<u64>) -> Option<u64> {
+        timestamp.filter(|timestamp| *timestamp > 0 && self.start.is_none_or(|start| *timestamp >= start))
+    }
+
+    /// Extends the time span to include a timestamp in µs.
+    fn include_timestamp(&mut self, timestamp: Option<u64>) {
+        if let Some(timestamp) = self.logged(timestamp) {
+            self.first = Some(self.first.map_or(timestamp, |first| first.min(timestamp)));
+            self.last = self.last.max(timestamp);
+        }
+    }
+
+    /// Extends the time span to include a time in seconds.
+    pub(super) fn include_time(&mut self, time: Option<f64>) {
+        if let Some(time) = time.and_then(microseconds) {
+            self.record_at(time);
+        }
+    }
+
+    /// Passes a record of a session to the rules.
+    pub(super) fn session_record(&mut self, record: &SessionRecord<'_>) {
+        if let Some(observer) = &mut self.observer {
+            observer.session_record(record, record.time.and_then(microseconds), self.definitions);
+        }
+        let exchange = self.sessions.follow(record, self.definitions.body_schemas());
+        self.record(&exchange);
+    }
+
+    /// Like `session_record`, for a status report whose content has already been checked. The record needs no value.
+    pub(super) fn checked_report(&mut self, record: &SessionRecord<'_>, report: &Report<'_>) {
+        let mut exchange = Exchange::checked_notification(record, Report::TYPE, report.id);
+        self.sessions.follow_checked(&mut exchange);
+        self.listeners.checked_report(&exchange, &report.timestamps, &mut self.findings);
+        self.complete(&exchange);
+    }
+
+    /// Handles the end of a connection. `why` is the reason, if known.
+    pub(super) fn disconnected(&mut self, connection: Connection<'_>, why: Option<&str>) {
+        let (serial, unanswered) = self.sessions.ended(connection.index);
+        for request in unanswered {
+            let record = SessionRecord {
+                connection,
+                direction: Direction::Event,
+                time: None,
+                text: "",
+                value: None,
+                trial: None,
+                note: request.failure.as_deref().or(why),
+                location: request.location,
+            };
+            self.record(&Exchange::unanswered(&record, serial, request.clone()));
+        }
+    }
+
+    fn record(&mut self, exchange: &Exchange<'_>) {
+        self.listeners.record(exchange, &mut self.findings);
+        self.complete(exchange);
+    }
+
+    /// Adds the exchange to the findings that it caused.
+    fn complete(&mut self, exchange: &Exchange<'_>) {
+        let record = exchange.record;
+        self.findings.complete(record.location, |detail| {
+            let request = exchange.request.as_ref();
+            let time = record.time.or_else(|| request.and_then(|request| request.time));
+            detail.time = time.and_then(microseconds);
+            record.connection.name.clone_into(&mut detail.connection);
+            detail.only = flockwave::shown_by(exchange).unwrap_or_default();
+            if detail.request.is_empty() {
+                detail.request = request.map(|request| request.excerpt.clone()).unwrap_or_default();
+            }
+            // The record of a checked status report has no value, but its text is complete.
+            let line = Tree::read(record.text).ok();
+            let bare = line.as_ref().filter(|line| line.get("$fw.version").is_some());
+            if let Some(message) = line.as_ref().and_then(|line| line.get("msg")).or(bare)
+                && matches!(message, Tree::Object(_))
+            {
+                let path = if detail.path.is_empty() { "/body" } else { &detail.path };
+                detail.excerpt = message_excerpt(message, path);
+            }
+        });
+    }
+
+    /// Passes a publisher or subscriber of a live vehicle to the rules.
+    pub(super) fn endpoint(&mut self, endpoint: &Endpoint, location: Location) {
+        for follower in &mut self.followers {
+            let found = |checker: &mut dyn px4::Checker, context: &mut RuleContext<'_>| {
+                checker.endpoint(endpoint, location, context);
+            };
+            follower.check(self.definitions, &mut self.findings, found);
+        }
+        self.place(location, None);
+    }
+
+    /// Passes the end of a publisher or subscriber to the rules.
+    pub(super) fn endpoint_ended(&mut self, id: &str) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.endpoint_ended(id));
+    }
+
+    /// Passes a type in an application to the rules.
+    pub(super) fn application(&mut self, ty: &ApplicationType) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.application(ty));
+    }
+
+    pub(super) fn dropout(&mut self, milliseconds: u16, location: Location) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.dropout(milliseconds, location));
+    }
+
+    /// Handles an unreadable message on a channel. Stateful rules may depend on the message.
+    pub(super) fn lost(&mut self, channel: usize, location: Location) {
+        self.place(location, None);
+        for at in &self.channels[channel].followers {
+            self.followers[*at].checker.corruption(location);
+        }
+    }
+
+    /// Like `lost`, for a message of an unknown channel.
+    pub(super) fn lost_any(&mut self, location: Location) {
+        self.followers.iter_mut().for_each(|follower| follower.checker.corruption(location));
+        self.listeners.corruption(location);
+    }
+
+    /// The location of a topic's definition, if there is one.
+    pub(crate) fn definition_of(&self, topic: &str) -> Option<Span> {
+        let id = self.definitions.message_of_logged_topic(topic)?;
+        Some(self.definitions.schema.message(id).span)
+    }
+
+    /// Records an unreadable part that was skipped.
+    pub(super) fn gap(&mut self, location: Location, text: String) {
+        self.corruption(location, text, Extent::WithGaps);
+    }
+
+    /// Records a corrupt part, which may have contained messages of any channel, and the extent to which the capture is
+    /// readable.
+    pub(super) fn corruption(&mut self, location: Location, text: String, extent: Extent) {
+        self.lost_any(location);
+        self.sessions.lose();
+        self.corrupt_part(location, text, extent);
+    }
+
+    /// Records a corrupt part, and the extent to which the capture is readable.
+    pub(super) fn corrupt_part(&mut self, location: Location, text: String, extent: Extent) {
+        self.extent = self.extent.max(extent);
+        let number = self.corruption.len();
+        match self.corruption.entry(text) {
+            Entry::Occupied(mut known) => known.get_mut().times += 1,
+            // The reason for an early stop is always reported.
+            Entry::Vacant(new) if number < MAX_CORRUPT_PARTS || extent == Extent::Unreadable => {
+                _ = new.insert(CorruptPart { number, location, times: 1 });
+            }
+            Entry::Vacant(_) => self.more_corruption += 1,
+        }
+    }
+
+    /// Adds a notable event of a live vehicle.
+    pub(super) fn note(&mut self, text: &str) {
+        add(&mut self.notes, text);
+    }
+
+    /// Adds a reason why the capture is incomplete although it can be read.
+    pub(super) fn cut_short(&mut self, reason: &str) {
+        add(&mut self.cut_short, reason);
+    }
+
+    /// Records a read error, after which nothing more can be read.
+    pub(super) fn unreadable(&mut self, location: Location, error: &io::Error) {
+        self.corruption(location, format!("the rest is unreadable: {error}"), Extent::Unreadable);
+    }
+
+    pub(super) fn finish(mut self, bytes: u64, summary: Summary, unit: Unit, parts: Parts) -> CaptureResult {
+        for follower in &mut self.followers {
+            follower.check(self.definitions, &mut self.findings, |checker, context| checker.end(context));
+            self.findings.cover(follower.rule, follower.coverage);
+        }
+        self.listeners.end(&mut self.findings);
+        self.findings.close();
+        let mut corruption: Vec<(String, CorruptPart)> = self.corruption.into_iter().collect();
+        corruption.sort_by_key(|(_, reported)| reported.number);
+        let reported = |(text, reported): (String, CorruptPart)| match reported.times {
+            1 => (reported.location, text),
+            times => (reported.location, format!("{text} ({} times)", thousands(times))),
+        };
+        CaptureResult {
+            summary,
+            bytes,
+            duration: self.first.map_or(0, |first| self.last - first),
+            end: self.last,
+            records: self.records,
+            checked: self.checked,
+            corruption: corruption.into_iter().map(reported).collect(),
+            more_corruption: self.more_corruption,
+            notes: self.notes,
+            cut_short: self.cut_short,
+            extent: self.extent,
+            clock: self.clock,
+            coverage: parts.finish(unit, self.records),
+            findings: self.findings,
+        }
+    }
+}
+
+/// Adds a text, unless it is known or there are too many.
+fn add(texts: &mut Vec<String>, text: &str) {
+    let text = shown(text);
+    if texts.len() < MAX_NOTES && !texts.contains(&text) {
+        texts.push(text);
+    }
+}
+
+/// A time in µs. `None` if it is negative.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // the cast saturates
+pub(super) fn microseconds(seconds: f64) -> Option<u64> {
+    (seconds >= 0.0).then_some((seconds * 1e6) as u64)
+}

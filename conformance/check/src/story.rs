@@ -1,0 +1,298 @@
+//! The story of a flight: the changes in a capture that explain what the vehicle did, and why.
+//!
+//! ```text
+//!  check ──records──▶ Follower ──▶ lanes ──▶ Story ──report──▶ text, JSON, HTML
+//!                        ▲
+//!        definitions, translations
+//! ```
+//!
+//! The topics of the story, and the kinds of lanes that they make, are listed in `px4.rs` and `session.rs`. All other
+//! texts come from the definitions.
+
+mod context;
+mod label;
+mod lane;
+mod px4;
+mod session;
+#[cfg(test)]
+mod tests;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::path::Path;
+
+use serde::Serialize;
+use uavspec_capture::input::Input;
+use uavspec_codegen::schema::MessageId;
+use uavspec_flockwave::record::SessionRecord;
+use uavspec_model::{Channel, Extent, Message};
+use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_rules::px4::Interest;
+
+use self::context::Context;
+pub use self::label::{Item, Label, Texts};
+use self::lane::Lanes;
+pub use self::lane::{Change, Lane, LaneKind, MAX_ALL_CHANGES, MAX_CHANGES, Part, Severity, Value};
+use self::px4::{Px4, TOPICS};
+pub use self::px4::{event_part, flags, number, required_flags, state_value, text, topic_name};
+use self::session::{Session, TYPES};
+use crate::{
+    CaptureResult, Checked, Clock, Observer, Part as CheckedPart, PartResult, Reading, ReleaseMatch, Summary,
+};
+
+/// The version of the JSON format.
+const VERSION: u32 = 1;
+
+/// The story of a capture.
+#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+pub struct Story {
+    /// The version of this format. The version increases if a member is removed or changes meaning.
+    pub version: u32,
+    /// The version of uavspec.
+    pub uavspec: String,
+    /// The path of the capture.
+    pub capture: String,
+    /// The path of the definitions, the release, or the name of the built-in definitions.
+    pub definitions: String,
+    /// The releases that the capture agrees with.
+    pub releases: Vec<ReleaseMatch>,
+    /// The time of the start in UTC, if the capture states it.
+    pub start_utc: Option<String>,
+    /// The time from the start to the last message, in µs.
+    pub duration_us: u64,
+    /// The extent to which the capture is readable.
+    pub extent: Extent,
+    /// The corrupt parts of the capture.
+    pub corruption: Vec<String>,
+    /// The number of messages on topics of the story that can't be read.
+    pub unreadable_messages: u64,
+    /// The languages of the labels other than English, by tag.
+    pub languages: BTreeMap<String, String>,
+    /// The topics of the story, or the message types if the capture is a session.
+    pub topics: Vec<Topic>,
+    /// The lanes.
+    pub lanes: Vec<Lane>,
+    /// The number of values without a lane, because there are too many lanes.
+    pub values_without_lane: u64,
+    /// True if the times of a report are in UTC instead of relative to the start.
+    #[serde(skip)]
+    pub is_session: bool,
+    #[serde(skip)]
+    clock: Clock,
+    #[serde(skip)]
+    start: u64,
+}
+
+/// A topic of the story.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+pub struct Topic {
+    /// The name of the topic or message type.
+    pub name: String,
+    /// The status.
+    pub status: TopicStatus,
+}
+
+/// The status of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum TopicStatus {
+    /// The topic is in the story.
+    Explained,
+    /// The topic is in the story, but its format differs from the definition. The meaning of values may differ too.
+    Differs,
+    /// The topic is in the capture, but has no definition.
+    Undefined,
+    /// The topic isn't in the capture.
+    Absent,
+}
+
+impl Story {
+    /// Reads a capture. The inner error is the reason why nothing can be read.
+    ///
+    /// Fails if the capture can't be opened.
+    pub fn read(
+        path: &Path,
+        library: &Library,
+        texts: &Texts,
+        reading: Reading<'_>,
+    ) -> io::Result<Result<Self, String>> {
+        let input = Input::Path(path.to_owned());
+        Ok(Self::check(&input, None, library, texts, reading)?.1)
+    }
+
+    /// Like [`Self::read`], and also checks the capture.
+    pub fn check(
+        input: &Input,
+        message_id: Option<MessageId>,
+        library: &Library,
+        texts: &Texts,
+        reading: Reading<'_>,
+    ) -> io::Result<(Checked, Result<Self, String>)> {
+        let mut follower = Follower::new(texts);
+        let checked = crate::check_input(input, message_id, library, Some(&mut follower), reading)?;
+        let story = follower.finish(input.name(), &checked.result, &checked.definitions);
+        Ok((checked, story))
+    }
+
+    /// Checks a capture. With texts, also reads its story, if anything can be read.
+    pub fn check_with(
+        texts: Option<&Texts>,
+        input: &Input,
+        message_id: Option<MessageId>,
+        library: &Library,
+        reading: Reading<'_>,
+    ) -> io::Result<(Checked, Option<Self>)> {
+        let Some(texts) = texts else {
+            return Ok((crate::check_input(input, message_id, library, None, reading)?, None));
+        };
+        let (checked, story) = Self::check(input, message_id, library, texts, reading)?;
+        Ok((checked, story.ok()))
+    }
+
+    /// Like [`Self::read`], for bytes in memory.
+    pub fn of_bytes(bytes: &[u8], definitions: &Definitions, texts: &Texts) -> Result<Self, String> {
+        let mut follower = Follower::new(texts);
+        let result = crate::observe_capture(bytes, definitions, &mut follower);
+        let result = result.map_err(|error| error.to_string())?;
+        follower.finish("capture".to_owned(), &result, definitions)
+    }
+
+    /// The time in UTC of a time since the start.
+    pub fn utc(&self, time_us: i64) -> Option<String> {
+        self.clock.utc(self.start.checked_add_signed(time_us)?)
+    }
+
+    /// The time in UTC of a time since the start, in µs since 1970.
+    pub fn utc_micros(&self, time_us: i64) -> Option<u64> {
+        self.clock.utc_micros(self.start.checked_add_signed(time_us)?)
+    }
+
+    /// The names of the topics with a status.
+    pub fn topics(&self, status: TopicStatus) -> impl Iterator<Item = &str> {
+        self.topics.iter().filter(move |topic| topic.status == status).map(|topic| &*topic.name)
+    }
+}
+
+/// Makes the lanes from the records of a capture.
+struct Follower<'t> {
+    texts: &'t Texts,
+    lanes: Lanes,
+    px4: Px4,
+    session: Session,
+    /// The names of the topics with readable messages.
+    seen: BTreeSet<&'static str>,
+    /// The time of the latest record. Records without a time have the time of the record before.
+    latest: u64,
+    unreadable: u64,
+}
+
+impl Observer for Follower<'_> {
+    fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest {
+        if self.px4.opened(channel, definitions) { Interest::Values } else { Interest::Nothing }
+    }
+
+    fn message(
+        &mut self,
+        channel: &Channel<'_>,
+        message: &Message<'_>,
+        time: Option<u64>,
+        definitions: &Definitions,
+    ) {
+        self.latest = time.unwrap_or(self.latest);
+        let (texts, lanes, time) = (self.texts, &mut self.lanes, self.latest);
+        let mut context = Context { definitions, texts, lanes, time };
+        match self.px4.message(channel, message, &mut context) {
+            Some(Ok(topic)) => _ = self.seen.insert(topic),
+            Some(Err(topic)) => {
+                self.seen.insert(topic);
+                self.unreadable += 1;
+            }
+            None => {}
+        }
+    }
+
+    fn session_record(&mut self, record: &SessionRecord<'_>, time: Option<u64>, definitions: &Definitions) {
+        self.latest = time.unwrap_or(self.latest);
+        let (texts, lanes, time) = (self.texts, &mut self.lanes, self.latest);
+        let mut context = Context { definitions, texts, lanes, time };
+        self.seen.extend(self.session.record(record, &mut context));
+    }
+}
+
+impl<'t> Follower<'t> {
+    fn new(texts: &'t Texts) -> Self {
+        Self {
+            texts,
+            lanes: Lanes::default(),
+            px4: Px4::default(),
+            session: Session::default(),
+            seen: BTreeSet::new(),
+            latest: 0,
+            unreadable: 0,
+        }
+    }
+
+    fn finish(
+        self,
+        capture: String,
+        result: &CaptureResult,
+        definitions: &Definitions,
+    ) -> Result<Story, String> {
+        if let Summary::Unknown(unknown) = &result.summary {
+            return Err(unknown.reason.clone());
+        }
+        let is_session = matches!(result.summary, Summary::Flockwave(_));
+        let start = result.clock.start_time().unwrap_or(result.end.saturating_sub(result.duration));
+        let end = result.end.max(self.latest);
+        let corruption = result.corruption.iter();
+        let corruption = corruption.map(|(location, text)| format!("{location}: {text}")).collect();
+        let topics = self.topics(is_session, &result.coverage.parts);
+        let values_without_lane = self.lanes.more;
+        let mut lanes = self.lanes.finish(start, end);
+        px4::hide_only_channels(&mut lanes);
+        Ok(Story {
+            version: VERSION,
+            uavspec: env!("CARGO_PKG_VERSION").to_owned(),
+            capture,
+            definitions: definitions.name.clone(),
+            releases: result.summary.releases().to_vec(),
+            start_utc: result.clock.utc(start),
+            duration_us: end.saturating_sub(start),
+            extent: result.extent,
+            corruption,
+            unreadable_messages: self.unreadable,
+            languages: self.texts.languages(),
+            topics,
+            values_without_lane,
+            lanes,
+            is_session,
+            clock: result.clock,
+            start,
+        })
+    }
+
+    /// The topics of the story with their statuses.
+    fn topics(&self, is_session: bool, parts: &[CheckedPart]) -> Vec<Topic> {
+        let names: Vec<&str> =
+            if is_session { TYPES.to_vec() } else { TOPICS.iter().map(|topic| topic.name).collect() };
+        let status = |name: &str| {
+            let mut same = parts.iter().filter(|part| is_same_topic(&part.name, name));
+            match same.find(|part| part.result != PartResult::Checked).map(|part| part.result) {
+                Some(PartResult::Different) if self.seen.contains(name) => TopicStatus::Differs,
+                _ if self.seen.contains(name) => TopicStatus::Explained,
+                Some(PartResult::Undefined) => TopicStatus::Undefined,
+                _ => TopicStatus::Absent,
+            }
+        };
+        names.into_iter().map(|name| Topic { name: name.to_owned(), status: status(name) }).collect()
+    }
+}
+
+/// True if a name in a capture denotes a topic: `/fmu/out/vehicle_status_v1`, or the type `px4/VehicleStatus`.
+fn is_same_topic(name: &str, topic: &str) -> bool {
+    let last = name.rsplit('/').next().unwrap_or(name);
+    let is_version = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let last = last.rsplit_once("_v").filter(|(_, end)| is_version(end)).map_or(last, |(start, _)| start);
+    let letters = |text: &str| text.replace('_', "").to_lowercase();
+    letters(last) == letters(topic)
+}

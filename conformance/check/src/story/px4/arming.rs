@@ -1,0 +1,150 @@
+//! Arming checks: requests, the replies of external components, and the registrations of these components.
+
+use std::collections::BTreeMap;
+
+use uavspec_codegen::dynamic::{DynamicView, Value as FieldValue};
+use uavspec_codegen::schema::MessageId;
+
+use super::{Defined, defined, event_part, number, rank_of};
+use crate::story::context::Context;
+use crate::story::label::{Item, Label};
+use crate::story::lane::{Lane, LaneKind, Part, Severity, Value};
+
+const REQUEST: &str = "arming_check_request";
+const REPLY: &str = "arming_check_reply";
+
+/// The verdict of a reply.
+const VERDICT: &str = "can_arm_and_run";
+
+/// The maximum number of components whose names are stored. PX4 supports far fewer components.
+const MAX_COMPONENTS: usize = 256;
+
+/// Follows the external components.
+#[derive(Default)]
+pub(super) struct Arming {
+    /// The current names of the components, by registration id. PX4 reuses the ids of components that were removed.
+    names: BTreeMap<i128, String>,
+}
+
+impl Arming {
+    /// Records the registrations that a request asks. PX4 sends requests continuously, so requests aren't events.
+    pub(super) fn request(&mut self, values: DynamicView<'_>, context: &mut Context<'_>) {
+        let mask = number(values, "valid_registrations_mask");
+        let name = if mask.is_some() { "valid_registrations_mask" } else { REQUEST };
+        let lane = context.lanes.get((REQUEST, "", name), || Lane {
+            rank: rank_of(REQUEST),
+            ..Lane::new(REQUEST, name, LaneKind::State)
+        });
+        let Some(lane) = lane else { return };
+        let parts = mask.map_or_else(|| vec![Part::new("sent", None)], |mask| self.registrations(mask));
+        context.lanes.set(lane, context.time, Value::new(parts, Severity::Normal));
+    }
+
+    /// The registrations in a mask, with the names of the components.
+    fn registrations(&self, mask: i128) -> Vec<Part> {
+        let is_valid = |bit: &u32| mask & (1 << bit) != 0;
+        let part = |bit: u32| {
+            let name = self.names.get(&bit.into());
+            Part::new(format!("registration {bit}"), name.and_then(|name| Label::plain(name)))
+        };
+        (0..u32::BITS).filter(is_valid).map(part).collect()
+    }
+
+    /// Records a reply of a component.
+    pub(super) fn reply(&self, id: MessageId, values: DynamicView<'_>, context: &mut Context<'_>) {
+        let Some(registration) = number(values, "registration_id") else { return };
+        let subject = component(registration, self.names.get(&registration));
+        let lane = context.lanes.get((REPLY, &subject, VERDICT), || Lane {
+            rank: rank_of(REPLY),
+            ..Lane::new(REPLY, VERDICT, LaneKind::State)
+        });
+        let Some(lane) = lane else { return };
+        let can_run = number(values, VERDICT) != Some(0);
+        let mut parts = vec![Part::new(if can_run { "true" } else { "false" }, None)];
+        if let Some(FieldValue::Array(events)) = values.get("events") {
+            let used = number(values, "num_events").and_then(|count| usize::try_from(count).ok());
+            let events = events.iter().take(used.unwrap_or_default());
+            parts.extend(events.filter_map(|event| match event {
+                FieldValue::Message(event) => event_part(event),
+                _ => None,
+            }));
+        }
+        // The requirements of the mode, and the problems of the health component.
+        for Defined { name, value, .. } in defined(id, values, context.definitions) {
+            if matches!(value, FieldValue::Bool(true)) && name != VERDICT {
+                let label = context.texts.label(id, Item::Field(name), context.definitions);
+                parts.push(Part::new(name, label));
+            }
+        }
+        let severity = if can_run { Severity::Normal } else { Severity::Warning };
+        context.lanes.set(lane, context.time, Value::new(parts, severity));
+    }
+
+    /// Records a message that registers or removes a component.
+    pub(super) fn registration(
+        &mut self,
+        topic: &str,
+        definition: MessageId,
+        values: DynamicView<'_>,
+        context: &mut Context<'_>,
+    ) {
+        let lane = context.lanes.get((topic, "", topic), || Lane {
+            rank: rank_of(topic),
+            ..Lane::new(topic, topic, LaneKind::Event)
+        });
+        let is_refused = number(values, "success") == Some(0);
+        let registration = number(values, "arming_check_id").filter(|id| *id >= 0 && !is_refused);
+        if let (Some(id), Some(name)) = (registration, values.get("name").and_then(text)) {
+            self.set_name(id, name, context);
+        }
+        let fields = defined(definition, values, context.definitions).into_iter();
+        let fields = fields.filter(|field| field.name != "timestamp");
+        let parts = fields.filter_map(|Defined { name, value, .. }| {
+            let shown = match value {
+                FieldValue::Bool(is_set) => return is_set.then(|| Part::new(name, None)),
+                FieldValue::Int(value) => value.to_string(),
+                FieldValue::UInt(value) => value.to_string(),
+                other => text(other)?,
+            };
+            Some(Part::new(format!("{name} {shown}"), None))
+        });
+        if let Some(lane) = lane {
+            let severity = if is_refused { Severity::Warning } else { Severity::Info };
+            context.lanes.event(lane, context.time, Value::new(parts.collect(), severity));
+        }
+    }
+
+    /// Sets the name of a component. Earlier replies with this id belong to the first component with a name. The replies
+    /// of that component end if another component gets the id.
+    fn set_name(&mut self, registration: i128, name: String, context: &mut Context<'_>) {
+        if self.names.len() >= MAX_COMPONENTS && !self.names.contains_key(&registration) {
+            return;
+        }
+        let named = component(registration, Some(&name));
+        match self.names.insert(registration, name) {
+            None => context.lanes.rename((REPLY, &component(registration, None), VERDICT), &named),
+            Some(before) => {
+                let before = component(registration, Some(&before));
+                if before != named {
+                    context.lanes.end((REPLY, &before, VERDICT), context.time);
+                }
+            }
+        }
+    }
+}
+
+/// The subject of a component's replies.
+fn component(registration: i128, name: Option<&String>) -> String {
+    let name = name.filter(|name| !name.is_empty()).map(|name| format!(", {name}"));
+    format!("registration {registration}{}", name.unwrap_or_default())
+}
+
+/// The value of a text field.
+pub fn text(value: FieldValue<'_>) -> Option<String> {
+    match value {
+        FieldValue::Text(bytes) | FieldValue::String(bytes) => {
+            Some(String::from_utf8_lossy(bytes).into_owned())
+        }
+        _ => None,
+    }
+}

@@ -1,0 +1,53 @@
+//! A program without JSON Schemas of users.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use uavspec_codegen::schema::json_type::Direction;
+use uavspec_model::json::Tree;
+use uavspec_model::text::terminal;
+
+use super::{DefinedSchemas, Deviation};
+
+/// No schemas: this program can't read JSON Schemas of users.
+#[derive(Debug, Default)]
+pub struct Schemas(());
+
+/// The reason why user-supplied schemas can't be used.
+#[derive(Debug)]
+pub struct SchemaError {
+    /// The folder.
+    path: PathBuf,
+}
+
+impl fmt::Display for SchemaError {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let problem = "this program can't read JSON Schemas: build it with `--features schemas`";
+        write!(formatter, "{}: {problem}", terminal::path(&self.path))
+    }
+}
+
+impl std::error::Error for SchemaError {}
+
+#[allow(clippy::unused_self, reason = "as in a program with schemas")]
+impl Schemas {
+    /// Fails if there is a folder.
+    pub fn load(folders: &[PathBuf], _: &DefinedSchemas) -> Result<Self, SchemaError> {
+        match folders.first() {
+            Some(folder) => Err(SchemaError { path: folder.clone() }),
+            None => Ok(Self(())),
+        }
+    }
+
+    pub(crate) fn has(&self, _: &str) -> bool {
+        false
+    }
+
+    pub(crate) fn is_defined(&self, _: &str, _: Direction) -> bool {
+        false
+    }
+
+    pub(crate) fn check(&self, _: &str, _: Direction, _: &Tree<'_>) -> Option<Vec<Deviation>> {
+        None
+    }
+}

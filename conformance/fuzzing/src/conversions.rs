@@ -1,0 +1,94 @@
+//! The target for conversions of captures.
+
+use std::io::{Cursor, Read};
+use std::path::Path;
+use std::sync::{Arc, LazyLock};
+
+use uavspec_capture::MCAP_MAGIC;
+use uavspec_capture::mcap::{Event, Reader};
+use uavspec_check::Opened;
+use uavspec_check::convert::{Action, ConversionReport, Plan, Settings, convert};
+use uavspec_codegen::Failure;
+use uavspec_rules::definitions::Library;
+use uavspec_rules::sample::{Bag, Flight};
+
+use super::Pieces;
+
+/// The number of channels in a seed.
+const SEED_CHANNELS: usize = 12;
+
+/// The release of the seeds.
+static SOURCE: LazyLock<Library> = LazyLock::new(|| release("px4@1.17"));
+
+/// The conversion to another release. Creating a plan takes longer than converting an input.
+static PLAN: LazyLock<Plan> = LazyLock::new(|| {
+    let source = Arc::clone(SOURCE.base());
+    valid(Plan::new(source, &Library::built_in(), &release("px4@1.16"), None))
+});
+
+fn release(label: &str) -> Library {
+    valid(Library::release(label))
+}
+
+fn valid<T>(result: Result<T, Failure>) -> T {
+    result.unwrap_or_else(|failure| panic!("{failure}"))
+}
+
+/// Converts an MCAP file. The output is readable, and contains all messages that the report doesn't leave out.
+pub(super) fn mcap(data: &[u8]) {
+    if !data.starts_with(&MCAP_MAGIC) {
+        return;
+    }
+    for keeps_unconverted in [false, true] {
+        let settings = Settings { keeps_unconverted };
+        let (report, output) = converted(Box::new(Cursor::new(data.to_vec())), settings);
+        let kept = report.topics.iter().filter(|topic| topic.action != Action::LeftOut);
+        let expected = kept.map(|topic| topic.messages - topic.unreadable);
+        assert_eq!(messages(&output), expected.sum::<u64>());
+        let (_, in_pieces) = converted(Box::new(Pieces::new(data)), settings);
+        assert!(output == in_pieces, "the output depends on the lengths of reads");
+    }
+}
+
+fn converted<'b>(bytes: Box<dyn Read + Send + 'b>, settings: Settings) -> (ConversionReport, Vec<u8>) {
+    let mut output = Vec::new();
+    let opened = Opened { kind: "MCAP", definitions: Arc::clone(SOURCE.base()), bytes, state: None };
+    let report = convert((Path::new("fuzz.mcap"), opened), &PLAN, settings, &mut output);
+    (report.unwrap_or_else(|error| panic!("{error:?}")), output)
+}
+
+/// The number of messages in an output.
+fn messages(output: &[u8]) -> u64 {
+    let (mut reader, mut count) = (Reader::new(output), 0);
+    while let Some(item) = reader.next().unwrap_or_else(|error| panic!("memory: {error}")) {
+        match item.event {
+            Event::Problem(problem) => panic!("the output has a problem: {problem}"),
+            Event::Message { .. } => count += 1,
+            _ => {}
+        }
+    }
+    count
+}
+
+/// Bags with a few channels each.
+pub(super) fn mcap_seeds() -> Vec<Vec<u8>> {
+    let mut flight = Flight::new(SOURCE.base());
+    flight.messages.truncate(flight.topics.len());
+    let whole = flight.bag();
+    let parts = whole.channels.chunks(SEED_CHANNELS).enumerate();
+    let part = |(number, channels): (usize, &[_])| {
+        let first = number * SEED_CHANNELS;
+        let own = |(channel, time, payload): &(u16, u64, Vec<u8>)| {
+            let channel = usize::from(*channel).checked_sub(first).filter(|at| *at < channels.len())?;
+            Some((u16::try_from(channel).ok()?, *time, payload.clone()))
+        };
+        Bag {
+            application: Vec::new(),
+            channels: channels.to_vec(),
+            endpoints: Vec::new(),
+            messages: whole.messages.iter().filter_map(own).collect(),
+        }
+        .to_bytes()
+    };
+    parts.map(part).collect()
+}

@@ -1,0 +1,139 @@
+//! The fuzz targets of this crate: one function for each kind of input. A function reads arbitrary bytes, and panics if
+//! a property does not hold. `cargo xtask fuzz` runs the functions.
+
+mod bag_metadata;
+#[cfg(feature = "schemas")]
+mod body_schema_grammar;
+mod captures;
+mod conversions;
+mod lists;
+#[cfg(feature = "schemas")]
+mod schemas;
+mod server;
+mod testees;
+mod transports;
+mod watching;
+
+use std::io::{self, Read};
+use std::sync::LazyLock;
+
+use uavspec_rules::definitions::{Definitions, Library};
+
+/// A kind of input.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    /// The name of the target.
+    pub name: &'static str,
+    /// Checks an input.
+    pub check: fn(&[u8]),
+    /// Creates the inputs that a first run starts from.
+    pub seeds: fn() -> Vec<Vec<u8>>,
+}
+
+/// All targets.
+pub const TARGETS: &[Target] = &[
+    Target { name: "ulog", check: captures::ulog, seeds: captures::ulog_seeds },
+    Target { name: "mcap", check: captures::mcap, seeds: captures::mcap_seeds },
+    Target { name: "sqlite-bag", check: captures::sqlite_bag, seeds: captures::sqlite_bag_seeds },
+    Target { name: "bag-metadata", check: captures::bag_metadata, seeds: captures::bag_metadata_seeds },
+    Target { name: "bag-metadata-grammar", check: bag_metadata::grammar, seeds: choices },
+    Target { name: "json-capture", check: captures::json, seeds: captures::json_seeds },
+    Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
+    Target { name: "session", check: captures::session, seeds: captures::session_seeds },
+    Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
+    Target { name: "known-failures", check: lists::known_failures, seeds: lists::known_failure_seeds },
+    Target { name: "known-failures-grammar", check: lists::grammar, seeds: choices },
+    #[cfg(feature = "schemas")]
+    Target { name: "body-schema", check: schemas::body_schema, seeds: schemas::body_schema_seeds },
+    #[cfg(feature = "schemas")]
+    Target { name: "body-schema-grammar", check: body_schema_grammar::grammar, seeds: choices },
+    Target { name: "http", check: transports::http, seeds: transports::http_seeds },
+    Target { name: "web-socket", check: transports::web_socket, seeds: transports::web_socket_seeds },
+    Target { name: "socket-io", check: transports::socket_io, seeds: transports::socket_io_seeds },
+    Target { name: "endpoint", check: transports::endpoint, seeds: transports::endpoint_seeds },
+    Target { name: "tcp-server", check: server::tcp, seeds: server::seeds },
+    Target { name: "udp-server", check: server::udp, seeds: server::seeds },
+    Target { name: "udp-client", check: watching::datagrams, seeds: watching::seeds },
+    Target { name: "testee", check: testees::answers, seeds: testees::seeds },
+];
+
+/// The built-in definitions.
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
+
+/// The definitions of all releases.
+static LIBRARY: LazyLock<Library> = LazyLock::new(Library::built_in);
+
+/// Choices that bytes make. Without bytes, the first option is chosen.
+struct Choices<'b>(std::slice::Iter<'b, u8>);
+
+impl<'b> Choices<'b> {
+    fn new(bytes: &'b [u8]) -> Self {
+        Self(bytes.iter())
+    }
+
+    /// A number below a limit.
+    fn below(&mut self, limit: usize) -> usize {
+        self.0.next().map_or(0, |byte| usize::from(*byte) % limit)
+    }
+
+    fn of<T: Copy>(&mut self, options: &[T]) -> T {
+        options[self.below(options.len())]
+    }
+}
+
+/// Bytes that make all choices.
+fn choices() -> Vec<Vec<u8>> {
+    vec![vec![1; 60], (0..=255).collect(), (0..=120).rev().collect()]
+}
+
+/// A reader that returns a few bytes at a time. The lengths vary.
+struct Pieces<'b> {
+    bytes: &'b [u8],
+    length: usize,
+}
+
+impl<'b> Pieces<'b> {
+    fn new(bytes: &'b [u8]) -> Self {
+        Self { bytes, length: 0 }
+    }
+}
+
+impl Read for Pieces<'_> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        self.length = self.length % 7 + 1;
+        let length = self.length.min(out.len()).min(self.bytes.len());
+        let (piece, rest) = self.bytes.split_at(length);
+        out[..length].copy_from_slice(piece);
+        self.bytes = rest;
+        Ok(length)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use uavspec_test_support::{Random, extent};
+
+    use super::TARGETS;
+
+    /// Each target accepts its seeds, and changed seeds.
+    #[test]
+    fn the_properties_of_each_input_hold_for_seeds_and_mutants() {
+        // The quick step omits the conversion, which takes long to prepare.
+        for target in TARGETS.iter().skip(extent(0, 1)).step_by(extent(1, 3)) {
+            let seeds = (target.seeds)();
+            assert!(!seeds.is_empty(), "{} has no seeds", target.name);
+            let mut random = Random(7);
+            let step = seeds.len().div_ceil(extent(8, 2));
+            for seed in seeds.into_iter().step_by(step) {
+                (target.check)(&seed);
+                for _ in 0..extent(3, 1) {
+                    let mut changed = seed.clone();
+                    changed[random.index(seed.len())] ^= 1 << random.below(8);
+                    (target.check)(&changed);
+                    changed.truncate(random.index(seed.len()));
+                    (target.check)(&changed);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Connections to the buses on which vehicles and applications exchange messages.
+//!
+//! A [`Bus`] reports publishers, subscribers and messages as they appear. All buses report ROS names: the topic
+//! `/fmu/out/vehicle_status`, and the type `px4_msgs/msg/VehicleStatus`.
+
+mod address;
+#[cfg(feature = "dds")]
+mod dds;
+mod foxglove;
+pub mod memory;
+mod problems;
+#[cfg(any(feature = "dds", feature = "zenoh", test))]
+mod queue;
+mod rosbridge;
+mod websocket;
+#[cfg(feature = "zenoh")]
+mod zenoh;
+
+use std::hash::{Hash, Hasher};
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::time::Instant;
+
+use uavspec_model::clock::Clock;
+use uavspec_model::{Endpoint, Qos};
+
+pub use self::address::{Address, Scheme};
+
+/// The maximum length of the name of a topic, a type or a node, in bytes.
+pub(crate) const MAX_NAME: usize = 256;
+
+/// The maximum number of endpoints that a bus reports.
+pub(crate) const MAX_ENDPOINTS: usize = 10_000;
+
+/// Connects to a bus. `peers` are IP addresses of computers that multicast doesn't reach. `names` are topics to receive
+/// from a bus that can't list its topics.
+///
+/// # Errors
+/// Fails if there is no connection within a few seconds. The text names the problem, and the way to correct it.
+pub fn connect(address: &Address, peers: &[IpAddr], names: &[String]) -> Result<Box<dyn Bus>, String> {
+    // Only DDS has peers.
+    let _ = peers;
+    match address {
+        #[cfg(feature = "dds")]
+        Address::Dds { domain } => dds::connect(*domain, peers),
+        #[cfg(feature = "zenoh")]
+        Address::Server { scheme: Scheme::Zenoh, host, port, domain } => {
+            Ok(Box::new(zenoh::Zenoh::connect(host, *port, *domain)?))
+        }
+        Address::Server { scheme: Scheme::Foxglove, host, port, .. } => {
+            Ok(Box::new(foxglove::Foxglove::connect(&server(host, *port))?))
+        }
+        Address::Server { scheme: Scheme::Rosbridge, host, port, .. } => {
+            Ok(Box::new(rosbridge::Rosbridge::connect(&server(host, *port), names)?))
+        }
+        #[allow(unreachable_patterns, reason = "all transports may be part of the program")]
+        _ => {
+            let feature = address.scheme();
+            Err(format!("this program was built without {feature}: build it with `--features {feature}`"))
+        }
+    }
+}
+
+/// The address of a server.
+fn server(host: &str, port: u16) -> uavspec_model::net::Address {
+    uavspec_model::net::Address { host: host.to_owned(), port }
+}
+
+/// A connection to a bus.
+pub trait Bus {
+    /// The next event. Waits until the deadline if there is none.
+    fn receive(&mut self, deadline: Instant) -> Option<Event>;
+
+    /// Receives the messages of a topic from now on. `qos` is the requested quality of service. Does nothing if the topic
+    /// is already subscribed. An error describes the problem.
+    fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String>;
+
+    /// Prepares to publish on a topic. An error describes the problem.
+    fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String>;
+
+    /// Publishes a message in CDR, including the encapsulation header. An error describes the problem.
+    fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String>;
+
+    /// The clock of deadlines and messages.
+    fn clock(&self) -> Clock {
+        Clock::real()
+    }
+
+    /// The losses that [`receive`](Self::receive) didn't return before the caller stopped receiving.
+    fn remaining_losses(&mut self) -> Vec<Event> {
+        Vec::new()
+    }
+
+    /// True if a publisher and a subscriber exchange messages only if their quality of service is compatible.
+    fn is_matched_by_qos(&self) -> bool {
+        false
+    }
+}
+
+/// The number of a publisher that [`Bus::advertise`] created.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Publisher(pub usize);
+
+/// A topic with its type.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Topic {
+    /// The name, such as `/fmu/out/vehicle_status`.
+    pub name: Arc<str>,
+    /// The type, such as `px4_msgs/msg/VehicleStatus`.
+    pub type_name: Arc<str>,
+    /// The ROS type hash, if it is known.
+    pub type_hash: Option<Arc<str>>,
+}
+
+/// The encoding of a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Encoding {
+    /// CDR, including the encapsulation header.
+    Cdr,
+    /// A JSON object.
+    Json,
+}
+
+/// A schema that a bus states for a type.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Schema {
+    /// The encoding, such as `ros2msg`.
+    pub encoding: String,
+    /// The text.
+    pub text: Vec<u8>,
+}
+
+impl Hash for Schema {
+    /// The recorder looks up the schema of each message, so the text isn't read.
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        (&self.encoding, self.text.len()).hash(state);
+    }
+}
+
+/// A change on a bus.
+#[derive(Clone, Debug)]
+pub enum Event {
+    /// A publisher or subscriber appeared, or its quality of service changed.
+    Endpoint(Endpoint),
+    /// The publisher or subscriber with this id ended.
+    Ended(String),
+    /// A message.
+    Message(Received),
+    /// Messages of a topic are missing: they were lost on the way, or arrived faster than they were read.
+    Lost {
+        /// The topic.
+        topic: Arc<str>,
+        /// The number of messages.
+        count: u64,
+    },
+    /// Data that isn't received or can't be read. The text names the data, the problem and its origin.
+    Unreadable(String),
+    /// A remark about the bus, such as an invalid announcement. No message is missing. The text names the problem and its
+    /// origin.
+    Problem(String),
+    /// The connection ended. The text is the reason. No event follows.
+    Closed(String),
+}
+
+/// A message that was received.
+#[derive(Clone, Debug)]
+pub struct Received {
+    /// The topic.
+    pub topic: Topic,
+    /// The schema of the type, if the bus states it.
+    pub schema: Option<Arc<Schema>>,
+    /// The encoding of the payload.
+    pub encoding: Encoding,
+    /// The time of reception, in ns since 1970.
+    pub time: u64,
+    /// The message.
+    pub payload: Vec<u8>,
+    /// True if this program sent it, in a role.
+    pub is_own: bool,
+}
+
+/// The time in ns since 1970.
+pub(crate) fn nanoseconds(clock: &Clock) -> u64 {
+    u64::try_from(clock.since_1970().as_nanos()).unwrap_or(u64::MAX)
+}

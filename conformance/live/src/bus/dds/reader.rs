@@ -1,0 +1,127 @@
+//! Subscribers of serialized messages.
+
+use std::convert::Infallible;
+
+use rustdds::bytes::Bytes;
+use rustdds::no_key::{Decode, DefaultDecoder, DeserializerAdapter, SerializerAdapter, SimpleDataReader};
+use rustdds::{DomainParticipant, QosPolicies, RepresentationIdentifier, Subscriber, TopicKind};
+use uavspec_model::{History, Qos};
+
+use super::super::Topic;
+use super::{names, qos};
+
+/// The number of messages that rustdds stores for each topic: 256 ms at 250 Hz. It also stores messages that were read or
+/// sent.
+pub(crate) const DEPTH: u32 = 64;
+
+/// A subscriber of serialized messages.
+pub(crate) type RawReader = SimpleDataReader<Vec<u8>, RawAdapter>;
+
+/// Creates subscribers.
+pub(crate) struct Readers {
+    participant: DomainParticipant,
+    subscriber: Subscriber,
+}
+
+impl Readers {
+    pub(crate) fn new(participant: &DomainParticipant) -> Result<Self, String> {
+        let subscriber = participant.create_subscriber(&QosPolicies::qos_none());
+        let subscriber = subscriber.map_err(|error| format!("can't create a DDS subscriber: {error}"))?;
+        Ok(Self { participant: participant.clone(), subscriber })
+    }
+
+    /// Creates a subscriber of a topic. All subscribers store the same number of messages, which DDS doesn't announce.
+    pub(crate) fn create(&self, topic: &Topic, qos: &Qos) -> Result<RawReader, String> {
+        let policies = qos::to_policies(&Qos { history: Some(History::KeepLast(DEPTH)), ..qos.clone() });
+        let (name, type_name) = (names::topic_to_dds(&topic.name), names::type_to_dds(&topic.type_name));
+        self.participant
+            .create_topic(name, type_name, &policies, TopicKind::NoKey)
+            .and_then(|topic| self.subscriber.create_simple_datareader_no_key(&topic, Some(policies)))
+            .map_err(|error| format!("can't subscribe: {error}"))
+    }
+}
+
+/// Passes on serialized messages.
+pub(crate) struct RawAdapter;
+
+/// The identifiers of encodings. rustdds doesn't return their bytes.
+const ENCODINGS: [(RepresentationIdentifier, [u8; 2]); 17] = {
+    use RepresentationIdentifier as Id;
+    [
+        (Id::CDR_LE, [0, 1]),
+        (Id::CDR_BE, [0, 0]),
+        (Id::PL_CDR_BE, [0, 2]),
+        (Id::PL_CDR_LE, [0, 3]),
+        (Id::XML, [0, 4]),
+        (Id::XCDR2_BE, [0, 6]),
+        (Id::XCDR2_LE, [0, 7]),
+        (Id::D_CDR2_BE, [0, 8]),
+        (Id::D_CDR2_LE, [0, 9]),
+        (Id::PL_XCDR2_BE, [0, 10]),
+        (Id::PL_XCDR2_LE, [0, 11]),
+        (Id::CDR2_BE, [0, 0x10]),
+        (Id::CDR2_LE, [0, 0x11]),
+        (Id::PL_CDR2_BE, [0, 0x12]),
+        (Id::PL_CDR2_LE, [0, 0x13]),
+        (Id::D_CDR_BE, [0, 0x14]),
+        (Id::D_CDR_LE, [0, 0x15]),
+    ]
+};
+
+const SUPPORTED: [RepresentationIdentifier; ENCODINGS.len()] = {
+    let mut supported = [RepresentationIdentifier::CDR_LE; ENCODINGS.len()];
+    let mut index = 0;
+    while index < ENCODINGS.len() {
+        supported[index] = ENCODINGS[index].0;
+        index += 1;
+    }
+    supported
+};
+
+impl DeserializerAdapter<Vec<u8>> for RawAdapter {
+    type Error = Infallible;
+    type Decoded = Vec<u8>;
+
+    fn supported_encodings() -> &'static [RepresentationIdentifier] {
+        &SUPPORTED
+    }
+
+    fn transform_decoded(decoded: Vec<u8>) -> Vec<u8> {
+        decoded
+    }
+}
+
+impl DefaultDecoder<Vec<u8>> for RawAdapter {
+    type Decoder = RawDecoder;
+    const DECODER: RawDecoder = RawDecoder;
+}
+
+/// Restores the encapsulation header of messages.
+#[derive(Clone)]
+pub(crate) struct RawDecoder;
+
+impl Decode<'_, Vec<u8>> for RawDecoder {
+    type Error = Infallible;
+
+    fn decode_bytes(self, body: &[u8], encoding: RepresentationIdentifier) -> Result<Vec<u8>, Infallible> {
+        let known = ENCODINGS.iter().find(|(id, _)| *id == encoding);
+        let [first, second] = known.map_or([0xff, 0xff], |(_, bytes)| *bytes);
+        let mut payload = Vec::with_capacity(body.len() + 4);
+        // rustdds drops the options, which state the number of padding bytes at most.
+        payload.extend_from_slice(&[first, second, 0, 0]);
+        payload.extend_from_slice(body);
+        Ok(payload)
+    }
+}
+
+impl SerializerAdapter<Bytes> for RawAdapter {
+    type Error = Infallible;
+
+    fn output_encoding() -> RepresentationIdentifier {
+        RepresentationIdentifier::CDR_LE
+    }
+
+    fn to_bytes(value: &Bytes) -> Result<Bytes, Infallible> {
+        Ok(value.clone())
+    }
+}

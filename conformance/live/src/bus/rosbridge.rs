@@ -1,0 +1,321 @@
+//! A client of the rosbridge protocol, version 2.
+//!
+//! The protocol has no discovery. The node rosapi lists the topics; without it, the user must name them. Messages are JSON:
+//! depending on the version of the server, NaN is `null` or a bare token, and bytes are base64.
+
+use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+use uavspec_model::clock::Clock;
+use uavspec_model::json::Tree;
+use uavspec_model::net::Address;
+use uavspec_model::{Endpoint, EndpointKind, Qos};
+
+use super::websocket::{CONNECT_LIMIT, Link, Protocol, Service, check_name, excerpt, list, receive, string};
+use super::{Bus, Encoding, Event, MAX_ENDPOINTS, Publisher, Received, Topic, nanoseconds};
+
+const SERVICE: Service = Service { example: "rosbridge_websocket (port 9090)", subprotocols: "" };
+
+/// The interval between requests for the list of topics.
+const LIST_INTERVAL: Duration = Duration::from_secs(5);
+
+/// The maximum time until rosapi answers.
+const LIST_LIMIT: Duration = Duration::from_secs(10);
+
+/// The service that lists the topics.
+const LIST_SERVICE: &str = "/rosapi/topics";
+
+/// The id of requests for the list of topics.
+const LIST_ID: &str = "topics";
+
+/// The error of publishing.
+const ONLY_JSON: &str =
+    "rosbridge accepts JSON instead of CDR: to publish, connect with dds://, zenoh:// or foxglove://";
+
+/// A connection to a rosbridge server.
+pub(super) struct Rosbridge {
+    link: Link,
+    listing: Listing,
+    /// The number of requests for the list that have no answer yet. A slow answer may follow the next request.
+    unanswered: usize,
+    /// True if the latest request for the list failed.
+    has_failed: bool,
+    /// True if a failure was reported.
+    is_reported: bool,
+    /// The listed topics with their types.
+    topics: BTreeMap<String, Arc<str>>,
+    /// The topics to receive.
+    subscribed: HashMap<Arc<str>, Topic>,
+    /// The topics to receive if rosapi isn't available, without those from which a message was received.
+    names: Vec<String>,
+}
+
+/// The state of the list of topics.
+#[derive(Clone, Copy)]
+enum Listing {
+    /// The list is requested at this time.
+    Due(Instant),
+    /// The list was requested at this time.
+    Requested(Instant),
+}
+
+impl Rosbridge {
+    /// Connects. `names` are the topics to receive if rosapi isn't available. An error describes the problem.
+    pub(super) fn connect(address: &Address, names: &[String]) -> Result<Self, String> {
+        Ok(Self {
+            link: Link::open(&SERVICE, address, Clock::real().now() + CONNECT_LIMIT)?,
+            listing: Listing::Due(Clock::real().now()),
+            unanswered: 0,
+            has_failed: false,
+            is_reported: false,
+            topics: BTreeMap::new(),
+            subscribed: HashMap::new(),
+            names: names.to_vec(),
+        })
+    }
+
+    fn message(&mut self, name: &str, payload: &str) -> Result<(), String> {
+        let unknown = || format!("received a message of {:?}, which has no subscription", excerpt(name));
+        let topic = self.subscribed.get_mut(name).ok_or_else(unknown)?;
+        self.names.retain(|waiting| waiting != name);
+        if topic.type_name.is_empty()
+            && let Some(listed) = self.topics.get(name)
+        {
+            topic.type_name = Arc::clone(listed);
+        }
+        let (topic, payload) = (topic.clone(), payload.as_bytes().to_vec());
+        let message = Received {
+            topic,
+            schema: None,
+            encoding: Encoding::Json,
+            time: nanoseconds(&Clock::real()),
+            payload,
+            is_own: false,
+        };
+        self.link.push(Event::Message(message));
+        Ok(())
+    }
+
+    /// Handles an answer to a request for the list of topics.
+    fn answered(&mut self, response: &Tree<'_>) {
+        let Some(unanswered) = self.unanswered.checked_sub(1) else {
+            return self.link.problem(format!("received an answer of {LIST_SERVICE} without a request"));
+        };
+        self.unanswered = unanswered;
+        self.listing = Listing::Due(Clock::real().now() + LIST_INTERVAL);
+        match self.listed(response) {
+            Ok(()) => self.has_failed = false,
+            Err(reason) => self.fail(&reason),
+        }
+    }
+
+    /// Reads the list of topics. An error is the reason why there is none.
+    fn listed(&mut self, response: &Tree<'_>) -> Result<(), String> {
+        let values = response.get("values");
+        if response.get("result") == Some(&Tree::Bool(false)) {
+            return Err(described(values));
+        }
+        let values = values.ok_or("the member `values` is missing")?;
+        let (names, types) = (list(values, "topics")?, list(values, "types")?);
+        if names.len() != types.len() {
+            return Err(format!("found {} topics but {} types", names.len(), types.len()));
+        }
+        if names.len() > MAX_ENDPOINTS {
+            let limit = format!("{LIST_SERVICE}: ignored the topics after the first {MAX_ENDPOINTS}");
+            self.link.unreadable(limit);
+        }
+        let mut topics = BTreeMap::new();
+        for (name, ty) in names.iter().zip(types).take(MAX_ENDPOINTS) {
+            match listed_topic(name, ty) {
+                Ok((name, ty)) => _ = topics.insert(name.to_owned(), ty.into()),
+                Err(problem) => self.link.problem(format!("{LIST_SERVICE}: ignored a topic: {problem}")),
+            }
+        }
+        self.update(topics);
+        Ok(())
+    }
+
+    /// Reports the differences to the previous list.
+    fn update(&mut self, topics: BTreeMap<String, Arc<str>>) {
+        for name in self.topics.keys().filter(|name| !topics.contains_key(*name)) {
+            self.link.push(Event::Ended(name.clone()));
+        }
+        for (name, ty) in topics.iter().filter(|(name, ty)| self.topics.get(*name) != Some(ty)) {
+            self.link.push(Event::Endpoint(publisher(name, ty)));
+        }
+        self.topics = topics;
+    }
+
+    /// Continues without a list until the next request.
+    fn fail(&mut self, reason: &str) {
+        self.has_failed = true;
+        self.listing = Listing::Due(Clock::real().now() + LIST_INTERVAL);
+        let remedy = if self.names.is_empty() {
+            "Start rosapi_node in addition to rosbridge, or name the topics with --topics"
+        } else {
+            "Only the topics that --topics names without patterns are received"
+        };
+        if !std::mem::replace(&mut self.is_reported, true) {
+            self.link.problem(format!("{LIST_SERVICE} doesn't list the topics: {reason}. {remedy}"));
+        }
+        self.subscribe_names();
+    }
+
+    /// Subscribes to the named topics from which no message was received. The server finds out their types, and refuses
+    /// topics that have no publisher yet.
+    fn subscribe_names(&mut self) {
+        for name in self.names.clone() {
+            self.subscribed.remove(&*name);
+            let topic = Topic { name: name.into(), type_name: "".into(), type_hash: None };
+            if let Err(problem) = self.subscribe(&topic, &Qos::WEAKEST) {
+                self.link.unreadable(format!("{}: {problem}", topic.name.escape_debug()));
+            }
+        }
+    }
+
+    /// Reports a status of the server. An error means that it refuses a topic, unless the list was requested.
+    fn status(&mut self, status: &Tree<'_>) {
+        let text = format!("the server reports a problem: {}", described(status.get("msg")));
+        // Named topics are tried until they have a publisher.
+        let is_tried = self.has_failed || status.get("id").and_then(Tree::as_str) == Some(LIST_ID);
+        match string(status, "level") {
+            Ok("info" | "none") => {}
+            Ok("error") if !is_tried => self.link.unreadable(text),
+            _ => self.link.problem(text),
+        }
+    }
+
+    fn request_list(&mut self) {
+        self.listing = Listing::Requested(Clock::real().now());
+        self.unanswered = self.unanswered.saturating_add(1);
+        let request = json!({ "op": "call_service", "id": LIST_ID, "service": LIST_SERVICE, "args": {} });
+        // An error closes the connection, which is an event.
+        let _ = self.link.request(&request);
+    }
+}
+
+impl Protocol for Rosbridge {
+    fn link(&mut self) -> &mut Link {
+        &mut self.link
+    }
+
+    fn text(&mut self, text: &str) -> Result<(), String> {
+        let (operation, places) = Tree::read_with_places(text).map_err(|error| error.to_string())?;
+        match string(&operation, "op")? {
+            "publish" => {
+                let payload = place(&operation, places, "msg").and_then(|place| text.get(place));
+                self.message(string(&operation, "topic")?, payload.ok_or("the member `msg` is missing")?)
+            }
+            "service_response" if is_list(&operation) => {
+                self.answered(&operation);
+                Ok(())
+            }
+            "status" => {
+                self.status(&operation);
+                Ok(())
+            }
+            "fragment" => {
+                Err("received a part of a message: configure rosbridge without fragment_size".to_owned())
+            }
+            "png" => Err("received a message in PNG, which wasn't requested".to_owned()),
+            _ => Ok(()),
+        }
+    }
+
+    fn binary(&mut self, _: &[u8]) -> Result<(), String> {
+        Err("received a binary message, which wasn't requested".to_owned())
+    }
+
+    fn poll(&mut self) -> Option<Instant> {
+        match self.listing {
+            Listing::Due(time) if time > Clock::real().now() => return Some(time),
+            Listing::Due(_) => self.request_list(),
+            Listing::Requested(time) if Clock::real().now() < time + LIST_LIMIT => {
+                return Some(time + LIST_LIMIT);
+            }
+            Listing::Requested(_) => self.fail(&format!("no answer within {LIST_LIMIT:?}")),
+        }
+        None
+    }
+}
+
+impl Bus for Rosbridge {
+    fn receive(&mut self, deadline: Instant) -> Option<Event> {
+        receive(self, deadline)
+    }
+
+    /// Subscribes to a topic. The server chooses the quality of service.
+    fn subscribe(&mut self, topic: &Topic, _: &Qos) -> Result<(), String> {
+        check_name("topic", &topic.name)?;
+        check_name("type", &topic.type_name)?;
+        if self.subscribed.contains_key(&topic.name) {
+            return Ok(());
+        }
+        if self.subscribed.len() >= MAX_ENDPOINTS {
+            return Err(format!("expected at most {MAX_ENDPOINTS} subscriptions"));
+        }
+        let mut request = json!({ "op": "subscribe", "topic": &*topic.name, "compression": "none" });
+        // Without a type, the server looks for a publisher.
+        if !topic.type_name.is_empty() {
+            request["type"] = (*topic.type_name).into();
+        }
+        self.link.request(&request)?;
+        self.subscribed.insert(Arc::clone(&topic.name), topic.clone());
+        Ok(())
+    }
+
+    fn advertise(&mut self, _: &Topic, _: &Qos) -> Result<Publisher, String> {
+        Err(ONLY_JSON.to_owned())
+    }
+
+    fn publish(&mut self, _: Publisher, _: &[u8]) -> Result<(), String> {
+        Err(ONLY_JSON.to_owned())
+    }
+}
+
+/// The position of the value of a member.
+fn place(operation: &Tree<'_>, places: Vec<Range<usize>>, key: &str) -> Option<Range<usize>> {
+    let Tree::Object(members) = operation else { return None };
+    members.iter().zip(places).find(|((known, _), _)| known == key).map(|(_, place)| place)
+}
+
+/// True if a response has no name, or that of the service that lists the topics.
+fn is_list(response: &Tree<'_>) -> bool {
+    response.get("service").is_none_or(|name| name.as_str() == Some(LIST_SERVICE))
+}
+
+/// The description of a problem by the server.
+fn described(value: Option<&Tree<'_>>) -> String {
+    let text = value.and_then(Tree::as_str).map(|text| format!("{:?}", excerpt(text)));
+    text.unwrap_or_else(|| value.map_or_else(|| "no text".to_owned(), Tree::excerpt))
+}
+
+/// The name and the type of a listed topic.
+fn listed_topic<'t>(name: &'t Tree<'_>, ty: &'t Tree<'_>) -> Result<(&'t str, &'t str), String> {
+    let text =
+        |value: &'t Tree<'_>| value.as_str().ok_or_else(|| format!("expected a string, found {value}"));
+    let (name, ty) = (text(name)?, text(ty)?);
+    check_name("topic", name)?;
+    check_name("type", ty)?;
+    Ok((name, ty))
+}
+
+/// A listed topic as a publisher.
+fn publisher(name: &str, type_name: &str) -> Endpoint {
+    Endpoint {
+        id: name.to_owned(),
+        kind: EndpointKind::Publisher,
+        node: None,
+        topic: name.to_owned(),
+        type_name: type_name.to_owned(),
+        type_hash: None,
+        qos: None,
+        is_matched_by_qos: false,
+    }
+}
+
+#[cfg(test)]
+mod tests;

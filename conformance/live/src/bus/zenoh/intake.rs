@@ -1,0 +1,69 @@
+//! The messages of a subscribed topic. Zenoh's threads deliver them.
+
+use std::mem;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use uavspec_model::clock::Clock;
+use zenoh::sample::{Sample, SampleKind};
+
+use super::attachment::Attachment;
+use super::sequence::{Delivery, Observation, Sequences};
+use crate::bus::queue::Sender;
+use crate::bus::{Encoding, Event, Received, Topic, nanoseconds};
+
+/// The receiving end of a subscription.
+pub(super) struct Intake {
+    topic: Topic,
+    sender: Sender,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    sequences: Sequences,
+    /// True if messages without a valid attachment were reported.
+    is_reported: bool,
+}
+
+impl Intake {
+    pub(super) fn new(topic: Topic, sender: Sender) -> Self {
+        Self { topic, sender, state: Mutex::default() }
+    }
+
+    /// Adds a message and its losses to the queue.
+    pub(super) fn accept(&self, sample: &Sample, delivery: Delivery) {
+        if sample.kind() != SampleKind::Put {
+            return;
+        }
+        // The state is locked until the message is in the queue, so that no other thread overtakes this one.
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        match sample.attachment().and_then(|bytes| Attachment::parse(&bytes.to_bytes())) {
+            Some(attachment) => match state.sequences.observe(&attachment, delivery) {
+                Observation::Repeated => return,
+                Observation::New => {}
+                Observation::After(count) => self.lost(count),
+            },
+            None if mem::replace(&mut state.is_reported, true) => {}
+            None => self.report_attachment(),
+        }
+        self.sender.send(Event::Message(Received {
+            topic: self.topic.clone(),
+            schema: None,
+            encoding: Encoding::Cdr,
+            time: nanoseconds(&Clock::real()),
+            payload: sample.payload().to_bytes().into_owned(),
+            is_own: false,
+        }));
+    }
+
+    fn lost(&self, count: u64) {
+        self.sender.send(Event::Lost { topic: Arc::clone(&self.topic.name), count });
+    }
+
+    fn report_attachment(&self) {
+        let name = self.topic.name.escape_debug();
+        self.sender.send(Event::Problem(format!(
+            "{name}: found a message without number, time and publisher in its attachment; rmw_zenoh ignores it"
+        )));
+    }
+}

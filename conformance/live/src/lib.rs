@@ -1,0 +1,15 @@
+//! Live vehicles and servers: the [buses](bus) that carry their messages, the [roles](vehicle) of PX4's arming checks,
+//! and the [displays](watch) of what vehicles and servers say.
+//!
+//! ```
+//! use uavspec_live::bus::Address;
+//!
+//! let address: Address = "zenoh://127.0.0.1".parse().unwrap();
+//! assert_eq!(address.to_string(), "zenoh://127.0.0.1:7447");
+//! ```
+
+#![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
+
+pub mod bus;
+pub mod vehicle;
+pub mod watch;

@@ -1,0 +1,47 @@
+//! The participants of a vehicle's bus that this program can be.
+//!
+//! A role is a state machine without input, output or clock. An [`Actor`](super::actor::Actor) connects a role to a bus.
+
+use uavspec_model::Endpoint;
+use uavspec_rules::px4::Sent;
+
+/// A participant of the bus. All times are in µs since boot.
+pub(crate) trait Role {
+    /// The folder of the topics that this participant publishes: `in` or `out`. The received topics are in the other one.
+    fn folder(&self) -> &'static str;
+
+    /// The types of the published messages.
+    fn published(&self) -> &'static [&'static str];
+
+    /// The types of the received messages.
+    fn received(&self) -> &'static [&'static str];
+
+    /// Handles a publisher or subscriber that was discovered.
+    fn discovered(&mut self, _endpoint: &Endpoint, _now: u64) {}
+
+    /// Handles a message. Returns the messages to send.
+    fn receive(&mut self, message: &Sent, now: u64) -> Vec<Sent>;
+
+    /// Sends the messages that are due.
+    fn tick(&mut self, now: u64) -> Vec<Sent>;
+
+    /// The time of the next [`tick`](Self::tick). `None` if nothing is due.
+    fn next_tick(&self) -> Option<u64>;
+
+    /// Ends the role. Returns the last messages to send.
+    fn leave(&mut self, now: u64) -> Vec<Sent>;
+
+    /// Notable events for the report.
+    fn notes(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+/// The purpose of a role.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// The role tests another participant: it sends unusual messages, which are all valid.
+    Judge,
+    /// The role is a reference for other programs.
+    Reference,
+}

@@ -1,0 +1,66 @@
+//! The rate of messages.
+
+use std::time::Instant;
+
+/// The number of seconds over which the rate is averaged.
+const WINDOW: u64 = 5;
+
+/// The number of counters: one for each second of the window, and one for the current second.
+const NUM_SECONDS: usize = 6;
+
+/// Counts messages per second.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rate {
+    start: Option<Instant>,
+    /// The most recent seconds and the number of messages in each, latest first.
+    seconds: [(u64, u32); NUM_SECONDS],
+}
+
+impl Rate {
+    /// Counts a message.
+    pub(super) fn count(&mut self, now: Instant) {
+        let start = *self.start.get_or_insert(now);
+        let second = now.saturating_duration_since(start).as_secs();
+        if self.seconds[0].0 != second {
+            self.seconds.rotate_right(1);
+            self.seconds[0] = (second, 0);
+        }
+        let counted = &mut self.seconds[0];
+        counted.1 = counted.1.saturating_add(1);
+    }
+
+    /// The average number per second over the completed seconds of the window.
+    pub(super) fn per_second(&self, now: Instant) -> f64 {
+        let Some(start) = self.start else { return 0.0 };
+        let second = now.saturating_duration_since(start).as_secs();
+        let window = second.saturating_sub(WINDOW)..second;
+        let counted = self.seconds.iter().filter(|(second, _)| window.contains(second));
+        let sum: u32 = counted.map(|(_, count)| *count).fold(0, u32::saturating_add);
+        let over = u32::try_from(window.end - window.start).unwrap_or(u32::MAX);
+        f64::from(sum) / f64::from(over.max(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use uavspec_model::clock::Clock;
+
+    use super::*;
+
+    #[test]
+    fn averages_over_completed_seconds() {
+        let start = Clock::simulated().now();
+        let at = |seconds: f64| start + Duration::from_secs_f64(seconds);
+        let mut rate = Rate::default();
+        let per_second = |rate: &Rate, seconds: f64| format!("{:.2}", rate.per_second(at(seconds)));
+        assert_eq!(per_second(&rate, 1.0), "0.00");
+        for tenth in 0..100 {
+            rate.count(at(f64::from(tenth) / 10.0 + 0.05));
+        }
+        for (seconds, expected) in [(10.1, "10.00"), (12.5, "6.00"), (20.0, "0.00")] {
+            assert_eq!(per_second(&rate, seconds), expected);
+        }
+    }
+}

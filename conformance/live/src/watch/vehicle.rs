@@ -1,0 +1,229 @@
+//! The known state of a PX4 vehicle, as far as it explains why the vehicle can't arm. The state does no input or output,
+//! so the same messages result in the same state.
+//!
+//! ```text
+//!  bus, capture ──record──▶ checker ──message──▶ Watcher ──▶ Vehicle ──▶ view
+//!                                                   ▲
+//!                                                playback: pause, speed
+//! ```
+//!
+//! Vehicles are not trusted: all numbers of items are limited, and all text is escaped before it is shown.
+
+mod battery;
+mod components;
+mod flags;
+pub mod playback;
+pub mod screen;
+pub mod source;
+#[cfg(test)]
+pub(crate) mod tests;
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use uavspec_check::story::{Part, Texts, number, state_value, topic_name};
+use uavspec_codegen::dynamic::DynamicView;
+use uavspec_codegen::schema::MessageId;
+use uavspec_model::clock::Clock;
+use uavspec_model::{Channel, Message};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::px4::Interest;
+
+pub(crate) use self::battery::{Batteries, Battery};
+pub(crate) use self::components::{Component, Components, Readiness};
+pub(crate) use self::flags::{Flag, Flags, Known};
+use super::rate::Rate;
+
+/// The topics that the display needs.
+pub(crate) const TOPICS: [&str; 7] = [
+    "vehicle_status",
+    "failsafe_flags",
+    "battery_status",
+    "arming_check_request",
+    "arming_check_reply",
+    "register_ext_component_reply",
+    "unregister_ext_component",
+];
+
+/// The maximum number of channels that are followed.
+const MAX_CHANNELS: usize = 10_000;
+
+/// The definitions of a message, with their texts.
+#[derive(Clone, Copy)]
+pub(crate) struct Meaning<'m> {
+    /// The definition of the message.
+    pub id: MessageId,
+    /// The definitions.
+    pub definitions: &'m Definitions,
+    /// The texts.
+    pub texts: &'m Texts,
+}
+
+/// A vehicle.
+#[derive(Clone, Debug, Default)]
+pub struct Vehicle {
+    /// The name of the definitions that explain the messages.
+    pub release: Option<Arc<str>>,
+    /// The state in `vehicle_status`.
+    pub status: Status,
+    /// The failsafe flags.
+    pub flags: Flags,
+    /// The batteries.
+    pub batteries: Batteries,
+    /// The external components.
+    pub components: Components,
+    /// The number of messages.
+    pub messages: u64,
+    /// The time of the latest message, in µs.
+    pub latest: Option<u64>,
+    /// A topic that several channels carry: the messages of several vehicles can't be distinguished.
+    pub ambiguous: Option<&'static str>,
+    /// The topics of the display whose release is unknown.
+    pub undecided: BTreeSet<&'static str>,
+    /// The number of messages that can't be read, on the topics of the display.
+    pub unreadable: u64,
+    rate: Rate,
+    /// The time of the first message, by both clocks.
+    first: Option<(u64, Instant)>,
+    channels: Vec<Option<(&'static str, MessageId)>>,
+}
+
+/// The state that `vehicle_status` contains.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Status {
+    /// The number of the mode.
+    pub mode: Option<i128>,
+    /// The mode.
+    pub nav_state: Option<Part>,
+    /// The arming state.
+    pub arming_state: Option<Part>,
+    /// True if a failsafe is active.
+    pub is_failsafe: Option<bool>,
+    /// True if the checks before the flight pass.
+    pub has_passed_checks: Option<bool>,
+}
+
+impl Status {
+    fn read(values: DynamicView<'_>, meaning: Meaning<'_>) -> Self {
+        let part = |name: &str| {
+            let Meaning { id, definitions, texts } = meaning;
+            let value = state_value(("vehicle_status", name), id, number(values, name)?, definitions, texts)?;
+            value.parts.into_iter().next()
+        };
+        let flag = |name: &str| number(values, name).map(|value| value != 0);
+        Self {
+            mode: number(values, "nav_state"),
+            nav_state: part("nav_state"),
+            arming_state: part("arming_state"),
+            is_failsafe: flag("failsafe"),
+            has_passed_checks: flag("pre_flight_checks_pass"),
+        }
+    }
+}
+
+impl Vehicle {
+    /// Handles a channel whose release is unknown.
+    pub(crate) fn undecided(&mut self, channel: &Channel<'_>, definitions: &Definitions) {
+        self.undecided.extend(topic_name(channel, definitions).filter(|topic| TOPICS.contains(topic)));
+    }
+
+    /// Handles a new channel. Returns the display's interest in its messages.
+    pub(crate) fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> Interest {
+        self.release = Some(definitions.name.as_str().into());
+        if channel.index >= MAX_CHANNELS {
+            return Interest::Nothing;
+        }
+        let topic = topic_name(channel, definitions).filter(|topic| TOPICS.contains(topic));
+        let count = self.channels.len().max(channel.index + 1);
+        self.channels.resize(count, None);
+        self.channels[channel.index] = None;
+        // Several instances of a topic belong to one vehicle.
+        if let Some(topic) = topic.filter(|_| channel.multi_id.is_none()) {
+            let is_known = self.channels.iter().flatten().any(|(known, _)| *known == topic);
+            self.ambiguous = self.ambiguous.or(is_known.then_some(topic));
+        }
+        if topic == Some("failsafe_flags") {
+            self.flags = Flags::default();
+        }
+        self.channels[channel.index] = topic.zip(channel.definition);
+        if topic.is_some() { Interest::Values } else { Interest::Nothing }
+    }
+
+    /// Forgets the channels of a connection that was lost. The known state remains.
+    pub(crate) fn forget_channels(&mut self) {
+        self.channels.clear();
+        self.ambiguous = None;
+    }
+
+    /// Takes a message. Returns true if the displayed state changes, apart from ages and rates.
+    pub(crate) fn message(
+        &mut self,
+        channel: &Channel<'_>,
+        message: &Message<'_>,
+        time: Option<u64>,
+        (definitions, texts): (&Definitions, &Texts),
+    ) -> bool {
+        let time = time.or(self.latest).unwrap_or_default();
+        self.count(time);
+        let Some((topic, id)) = self.channels.get(channel.index).copied().flatten() else { return false };
+        let Some(values) = message.values else {
+            self.unreadable = self.unreadable.saturating_add(1);
+            return false;
+        };
+        let meaning = Meaning { id, definitions, texts };
+        match topic {
+            "vehicle_status" => {
+                let status = Status::read(values, meaning);
+                let is_changed = status != self.status;
+                self.status = status;
+                is_changed
+            }
+            "failsafe_flags" => self.flags.message(values, meaning),
+            "battery_status" => self.batteries.message(channel.multi_id, values, meaning),
+            "arming_check_request" => self.components.request(values),
+            "arming_check_reply" => self.components.reply(values, time),
+            "register_ext_component_reply" => self.components.registered(values),
+            _ => self.components.unregistered(values),
+        }
+    }
+
+    fn count(&mut self, time: u64) {
+        self.messages += 1;
+        self.latest = Some(self.latest.map_or(time, |latest| latest.max(time)));
+        self.first.get_or_insert_with(|| (time, Clock::real().now()));
+        if let Some(now) = self.instant(time) {
+            self.rate.count(now);
+        }
+    }
+
+    /// The instant of a time in µs, on an arbitrary scale.
+    fn instant(&self, time: u64) -> Option<Instant> {
+        let (first, start) = self.first?;
+        start.checked_add(Duration::from_micros(time.saturating_sub(first)))
+    }
+
+    /// True if a topic of the display has a message.
+    pub fn has_state(&self) -> bool {
+        let has_components = self.components.has_request || !self.components.all.is_empty();
+        has_components
+            || !self.flags.is_empty()
+            || !self.batteries.0.is_empty()
+            || self.status != Status::default()
+    }
+
+    /// The number of messages per second.
+    pub(crate) fn rate(&self, now: u64) -> f64 {
+        self.instant(now).map_or(0.0, |now| self.rate.per_second(now))
+    }
+
+    /// The time from the first message to a time.
+    pub(crate) fn elapsed(&self, now: u64) -> Duration {
+        Duration::from_micros(self.first.map_or(0, |(first, _)| now.saturating_sub(first)))
+    }
+}
+
+/// The time since another time. Both are in µs.
+pub(crate) fn age(time: u64, now: u64) -> Duration {
+    Duration::from_micros(now.saturating_sub(time))
+}

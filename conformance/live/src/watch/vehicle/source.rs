@@ -1,0 +1,141 @@
+//! The sources of messages: live vehicles and captures.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use globset::{Glob, GlobSet, GlobSetBuilder};
+use uavspec_capture::input::Input;
+use uavspec_check::story::Texts;
+use uavspec_check::{Checked, Summary, check_input};
+use uavspec_model::Qos;
+use uavspec_model::clock::Clock;
+use uavspec_model::text::plural;
+use uavspec_rules::definitions::Library;
+
+use super::TOPICS;
+use super::playback::{Playback, Watcher};
+use crate::bus::{Bus, Event, Publisher, Topic};
+use crate::vehicle::{Options, observe};
+use crate::watch::fleet::Link;
+
+/// The time until the next attempt to connect.
+const PAUSE: Duration = Duration::from_secs(2);
+
+/// The maximum time of a connection. After it, the display connects again.
+const MAX_TIME: Duration = Duration::from_secs(365 * 24 * 60 * 60);
+
+/// The functions that a live source needs.
+pub struct Live<'l> {
+    /// Connects to the vehicle.
+    pub connect: &'l dyn Fn() -> Result<Box<dyn Bus>, String>,
+    /// The clock of the vehicle.
+    pub clock: Clock,
+    /// Returns true if the display has ended.
+    pub is_stopped: fn() -> bool,
+}
+
+/// Receives the messages of a vehicle. Connects again if the connection ends. Returns only if the first connection fails
+/// or the display ends.
+pub fn watch_live(live: &Live<'_>, library: &Library, texts: &Texts, playback: &Playback) {
+    let mut is_first = true;
+    while !(live.is_stopped)() {
+        let reason = match (live.connect)() {
+            Ok(mut bus) => {
+                playback.forget_channels();
+                playback.set_link(Link::Connected);
+                is_first = false;
+                let options = Options {
+                    time: MAX_TIME,
+                    topics: topics(),
+                    role: None,
+                    namespace: None,
+                    application: None,
+                    record: None,
+                    is_stopped: Box::new(live.is_stopped),
+                };
+                let mut tap = Tap { bus: &mut *bus, playback };
+                let mut watcher = Watcher { playback, texts, clock: live.clock.clone() };
+                match observe(&mut tap, library, &options, &mut watcher) {
+                    Ok(reason) => reason.unwrap_or_default(),
+                    Err(error) => format!("can't write a temporary file: {error}"),
+                }
+            }
+            Err(problem) => problem,
+        };
+        playback.set_link(Link::Lost { reason, again: live.clock.now() + PAUSE });
+        if is_first {
+            return;
+        }
+        live.clock.sleep(PAUSE);
+    }
+}
+
+/// The patterns of the topics to receive. Newer releases append the version of the message to the name.
+fn topics() -> Option<GlobSet> {
+    let mut set = GlobSetBuilder::new();
+    for name in TOPICS {
+        for pattern in [format!("**/{name}"), format!("**/{name}_v[0-9]*")] {
+            set.add(Glob::new(&pattern).ok()?);
+        }
+    }
+    set.build().ok()
+}
+
+/// Notes the problems of a bus.
+struct Tap<'t> {
+    bus: &'t mut dyn Bus,
+    playback: &'t Playback,
+}
+
+impl Bus for Tap<'_> {
+    fn receive(&mut self, deadline: Instant) -> Option<Event> {
+        let event = self.bus.receive(deadline)?;
+        match &event {
+            Event::Lost { count, .. } => self.playback.lose(*count),
+            Event::Unreadable(problem) | Event::Problem(problem) => self.playback.note(problem.clone()),
+            Event::Endpoint(_) | Event::Ended(_) | Event::Message(_) | Event::Closed(_) => {}
+        }
+        Some(event)
+    }
+
+    fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
+        let subscribed = self.bus.subscribe(topic, qos);
+        if let Err(problem) = &subscribed {
+            self.playback.note(format!("{}: {problem}", topic.name));
+        }
+        subscribed
+    }
+
+    fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String> {
+        self.bus.advertise(topic, qos)
+    }
+
+    fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
+        self.bus.publish(publisher, payload)
+    }
+
+    fn clock(&self) -> Clock {
+        self.bus.clock()
+    }
+
+    fn is_matched_by_qos(&self) -> bool {
+        self.bus.is_matched_by_qos()
+    }
+}
+
+/// Replays a capture. `watcher` waits until a message is due.
+pub fn replay(path: &Path, library: &Library, mut watcher: Watcher<'_>) {
+    let (input, playback) = (Input::Path(path.to_owned()), watcher.playback);
+    let observed = check_input(&input, None, library, Some(&mut watcher), &|input| input);
+    let ended = observed.map_err(|error| error.to_string()).and_then(|Checked { result, .. }| {
+        if let Summary::Unknown(unknown) = result.summary {
+            return Err(unknown.reason);
+        }
+        if !result.corruption.is_empty() {
+            let count = plural(result.corruption.len() as u64 + result.more_corruption, "part");
+            playback.note(format!("{count} of the capture can't be read"));
+        }
+        Ok(())
+    });
+    playback.end(ended);
+}

@@ -1,0 +1,43 @@
+//! What all other crates say: rules, records, places in a capture, findings and verdicts; and what they need for that:
+//! JSON, text for people, time and network streams.
+//!
+//! ```
+//! use uavspec_model::{Level, Location};
+//!
+//! assert_eq!(Location::Line(3).to_string(), "line 3");
+//! assert!(Level::Must > Level::Should);
+//! ```
+
+#![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
+
+pub mod clock;
+pub mod json;
+pub mod net;
+pub mod text;
+
+mod application;
+mod date;
+mod detail;
+mod endpoint;
+mod excuse;
+mod finding;
+mod reason;
+mod record;
+mod rule;
+mod subject;
+
+pub use self::application::ApplicationType;
+pub use self::date::Date;
+pub use self::detail::Detail;
+pub use self::detail::hexadecimal;
+pub use self::endpoint::History;
+pub use self::endpoint::{Durability, Endpoint, EndpointKind, Liveliness, Qos, Reliability};
+pub use self::excuse::{Excuse, ExcuseKind};
+pub use self::finding::{Counted, MAX_EXAMPLES};
+pub use self::finding::{Findings, Group, Verdict};
+pub use self::reason::Reason;
+pub use self::record::{Channel, Message};
+pub use self::record::{Extent, Location};
+pub use self::rule::DISPUTED;
+pub use self::rule::{Level, Rule, Status};
+pub use self::subject::SubjectName;

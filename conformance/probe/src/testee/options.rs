@@ -1,0 +1,69 @@
+//! Options of a run.
+
+use std::time::Duration;
+
+use uavspec_model::clock::Clock;
+
+use super::target::Target;
+
+/// The default maximum length of a line, in bytes.
+pub const LINE_LIMIT: usize = 16 << 20;
+
+/// Options of a run.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The testee to run.
+    pub target: Target,
+    /// The maximum number of pending requests per process.
+    pub window: usize,
+    /// The time limit for the next response.
+    pub timeout: Duration,
+    /// The time limit for accepting a connection and for sending a hello.
+    pub start_timeout: Duration,
+    /// The number of concurrent processes.
+    pub jobs: usize,
+    /// The maximum number of consecutive restarts of one job without finding a case that crashes the testee by itself.
+    pub max_restarts: u32,
+    /// The maximum number of consecutive timeouts of one job. The run also ends after three times as many in all.
+    pub max_timeouts: u32,
+    /// The maximum length of a line, in bytes.
+    pub line_limit: usize,
+    /// The clock of the time limits. The run only reads it, so another thread must move simulated time.
+    pub clock: Clock,
+}
+
+impl Options {
+    /// The default options.
+    pub const fn new(target: Target) -> Self {
+        Self {
+            target,
+            window: 32,
+            timeout: Duration::from_secs(5),
+            // Some virtual machines start slowly.
+            start_timeout: Duration::from_secs(30),
+            jobs: 1,
+            max_restarts: 20,
+            max_timeouts: 3,
+            line_limit: LINE_LIMIT,
+            clock: Clock::real(),
+        }
+    }
+
+    /// The maximum length of lines between two responses, in bytes. A testee that writes more answers nothing else.
+    pub(super) const fn stray_limit(&self) -> usize {
+        self.line_limit / 64
+    }
+
+    /// The maximum length of all lines of a run that are no correct responses, in bytes.
+    pub(super) const fn wrong_limit(&self) -> usize {
+        self.line_limit.saturating_mul(8)
+    }
+}
+
+/// The beginning of a line, as quoted text.
+pub(super) fn excerpt(line: &[u8]) -> String {
+    const MAX_LENGTH: usize = 80;
+    let part = line.get(..MAX_LENGTH).unwrap_or(line);
+    let end = if line.len() > MAX_LENGTH { "…" } else { "" };
+    format!("`{}{end}`", String::from_utf8_lossy(part).trim_end())
+}

@@ -1,0 +1,79 @@
+//! The formats of types in logs.
+
+use std::fmt::Write as _;
+
+use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
+use uavspec_codegen::schema::Shape;
+use uavspec_runtime::Scalar;
+
+/// The fields of a type's format, with the padding of the memory layout.
+pub fn fields(ty: MessageType<'_>) -> String {
+    let mut placed: Vec<Placed<'_>> = ty.layout().collect();
+    placed.sort_by_key(|field| field.offset);
+    let (mut text, mut end, mut paddings) = (String::new(), 0, 0);
+    // Writing to a string can't fail.
+    let mut pad = |text: &mut String, from: usize, to: usize| {
+        if to > from {
+            let _ = write!(text, "uint8_t[{}] _padding{paddings};", to - from);
+            paddings += 1;
+        }
+    };
+    for field in placed {
+        pad(&mut text, end, field.offset);
+        let (length, elements) = match (field.element, field.shape) {
+            (PlacedElement::Text(length), _) => (Some(length), 1),
+            (_, Shape::Array(length)) => (Some(length), length as usize),
+            _ => (None, 1),
+        };
+        let array = length.map(|length| format!("[{length}]")).unwrap_or_default();
+        let _ = write!(text, "{}{array} {};", name_of(field.element), field.name);
+        end = field.offset + field.stride * elements;
+    }
+    pad(&mut text, end, ty.size().map_or(end, |size| size.padded));
+    text
+}
+
+/// The types that a type contains, including those of its nested messages.
+pub fn nested(ty: MessageType<'_>) -> Vec<MessageType<'_>> {
+    let mut found: Vec<MessageType<'_>> = Vec::new();
+    let mut waiting = vec![ty];
+    while let Some(ty) = waiting.pop() {
+        for field in ty.layout() {
+            if let PlacedElement::Message(nested) = field.element
+                && !found.iter().any(|known| known.name() == nested.name())
+            {
+                found.push(nested);
+                waiting.push(nested);
+            }
+        }
+    }
+    found
+}
+
+/// The name of a nested type: the message's name in `snake_case`, as in topic names.
+pub fn format_name(message: &str) -> String {
+    let mut text = String::new();
+    for (at, letter) in message.char_indices() {
+        if letter.is_ascii_uppercase() && at > 0 {
+            text.push('_');
+        }
+        text.push(letter.to_ascii_lowercase());
+    }
+    text
+}
+
+/// The name of a field's type.
+fn name_of(element: PlacedElement<'_>) -> String {
+    match element {
+        PlacedElement::Scalar(scalar) => match scalar {
+            Scalar::Float32 => "float".to_owned(),
+            Scalar::Float64 => "double".to_owned(),
+            Scalar::Bool | Scalar::Char => scalar.name().to_owned(),
+            _ => format!("{}_t", scalar.name()),
+        },
+        PlacedElement::Text(_) => "char".to_owned(),
+        // Messages of a fixed size have no strings.
+        PlacedElement::String { .. } => String::new(),
+        PlacedElement::Message(nested) => format_name(nested.name()),
+    }
+}

@@ -1,0 +1,130 @@
+//! A fast check of values in memory. Most values pass, and only the others are examined further.
+
+use uavspec_codegen::schema::Restriction;
+use uavspec_runtime::{Number, Scalar};
+
+use crate::values::{Constraint, Element, number};
+
+/// A fast check that only accepts values without findings. Most values need at most two comparisons.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Healthy {
+    /// The bytes 0 and 1.
+    Bool,
+    /// UTF-8 text up to the first NUL.
+    Text,
+    /// A string without invalid UTF-8.
+    String,
+    /// Integers between two bounds, inclusive.
+    Between(Scalar, i64, i64),
+    /// Bytes from a set, with a bit for each byte.
+    Among([u64; 4]),
+    /// Floats between two bounds, inclusive. NaN needs the full check.
+    Floats(Scalar, f64, f64),
+    /// All values need the full check.
+    Unknown,
+}
+
+impl Healthy {
+    /// Derives the fast check from a constraint. To verify the derived ranges, their ends are checked against the
+    /// constraint. `None` if nothing is constrained.
+    pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
+        let scalar = match constraint.element {
+            Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
+            Element::Text(_) => return Some(Self::Text),
+            Element::String { .. } => return Some(Self::String),
+            Element::Scalar(scalar) => scalar,
+            Element::Message(_) => return None,
+        };
+        let restriction = constraint.restriction?;
+        if restriction.constraint() == uavspec_runtime::Constraint::NONE {
+            return None;
+        }
+        if let Scalar::UInt8 | Scalar::Byte | Scalar::Char | Scalar::Int8 = scalar {
+            let is_healthy =
+                |byte: usize| u8::try_from(byte).is_ok_and(|byte| constraint.check_bytes(&[byte]).is_ok());
+            let bits =
+                |word| (0..64).filter(|bit| is_healthy(64 * word + bit)).fold(0, |bits, bit| bits | 1 << bit);
+            return Some(Self::Among(std::array::from_fn(bits)));
+        }
+        let is_healthy = |number: Number| constraint.check_number(number).is_ok();
+        let healthy = if !restriction.constraint().is_interval() {
+            None
+        } else if scalar.is_float() {
+            Some(Self::floats(scalar, restriction))
+        } else {
+            Self::integers(scalar, restriction)
+        };
+        let are_ends_healthy = match &healthy {
+            Some(Self::Between(_, low, high)) => {
+                [*low, *high].map(|end| Number::Int(end.into())).into_iter().all(is_healthy)
+            }
+            Some(Self::Floats(_, low, high)) => [*low, *high].map(Number::Float).into_iter().all(is_healthy),
+            _ => false,
+        };
+        Some(healthy.filter(|_| are_ends_healthy).unwrap_or(Self::Unknown))
+    }
+
+    fn floats(scalar: Scalar, restriction: &Restriction) -> Self {
+        let bound = |number: Option<Number>, default: f64| match number {
+            None => default,
+            #[allow(clippy::cast_precision_loss)] // the ends are verified later
+            Some(Number::Int(value)) => value as f64,
+            Some(Number::Float(value)) => value,
+        };
+        let low = bound(restriction.limits.low, f64::NEG_INFINITY);
+        Self::Floats(scalar, low, bound(restriction.limits.high, f64::INFINITY))
+    }
+
+    fn integers(scalar: Scalar, restriction: &Restriction) -> Option<Self> {
+        let bound = |number: Option<Number>, default: i64| match number {
+            None => Some(default),
+            Some(Number::Int(value)) => i64::try_from(value).ok(),
+            Some(Number::Float(_)) => None,
+        };
+        let high = match (restriction.limits.high, restriction.limits.count) {
+            (None, Some(count)) => Some(Number::Int(count.into())),
+            (high, None) => high,
+            (Some(_), Some(_)) => return None,
+        };
+        let (low, high) = (bound(restriction.limits.low, i64::MIN)?, bound(high, i64::MAX)?);
+        let is_plain = scalar != Scalar::UInt64;
+        is_plain.then_some(Self::Between(scalar, low, high))
+    }
+
+    /// True if the value is guaranteed to produce no findings.
+    #[inline]
+    pub(super) fn accepts(&self, value: &[u8]) -> bool {
+        match self {
+            Self::Bool => value[0] < 2,
+            Self::Text => std::str::from_utf8(until_nul(value)).is_ok(),
+            Self::String => std::str::from_utf8(value).is_ok(),
+            Self::Between(scalar, low, high) => {
+                integer(*scalar, value).is_some_and(|value| (*low..=*high).contains(&value))
+            }
+            Self::Among(set) => set[usize::from(value[0] / 64)] >> (value[0] % 64) & 1 == 1,
+            Self::Floats(scalar, low, high) => {
+                float(*scalar, value).is_some_and(|value| *low <= value && value <= *high)
+            }
+            Self::Unknown => false,
+        }
+    }
+}
+
+fn until_nul(text: &[u8]) -> &[u8] {
+    text.iter().position(|byte| *byte == 0).map_or(text, |end| &text[..end])
+}
+
+fn integer(scalar: Scalar, bytes: &[u8]) -> Option<i64> {
+    match number(scalar, bytes)? {
+        Number::Int(value) => i64::try_from(value).ok(),
+        Number::Float(_) => None,
+    }
+}
+
+fn float(scalar: Scalar, bytes: &[u8]) -> Option<f64> {
+    match scalar {
+        Scalar::Float32 => Some(f32::from_le_bytes(bytes.try_into().ok()?).into()),
+        Scalar::Float64 => Some(f64::from_le_bytes(bytes.try_into().ok()?)),
+        _ => None,
+    }
+}

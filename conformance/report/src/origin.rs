@@ -1,0 +1,19 @@
+//! The origin of a capture.
+
+use uavspec_capture::input::Input;
+
+/// The facts about the origin of a capture that a report doesn't contain.
+#[derive(Clone, Debug, Default)]
+pub struct Origin {
+    /// The size in bytes, before decompression.
+    pub size: Option<u64>,
+    /// The version that an object store states.
+    pub etag: Option<String>,
+}
+
+impl Origin {
+    /// The facts about an input.
+    pub fn of(input: &Input) -> Self {
+        Self { size: input.size(), etag: input.etag().map(str::to_owned) }
+    }
+}

@@ -1,0 +1,122 @@
+//! The story of a flight in each format.
+//!
+//! All texts from captures are escaped when a report is rendered.
+
+mod html;
+#[cfg(test)]
+mod schema;
+mod text;
+
+use uavspec_check::ReleaseMatch;
+use uavspec_check::story::{Change, Lane, LaneKind, Story, TopicStatus, Value};
+use uavspec_codegen::json_text;
+use uavspec_model::text::{plural, shown};
+
+pub use self::html::to_html;
+pub use self::text::to_text;
+
+/// The texts for the statuses of topics, in the order of reports.
+const STATUSES: [(TopicStatus, &str); 4] = [
+    (TopicStatus::Explained, "in the story"),
+    (TopicStatus::Differs, "in the story, but the format differs from the definition"),
+    (TopicStatus::Undefined, "in the capture, but without a definition"),
+    (TopicStatus::Absent, "not in the capture"),
+];
+
+/// The story in JSON.
+pub fn to_json(story: &Story) -> String {
+    json_text::pretty(story)
+}
+
+/// A change of a lane.
+#[derive(Clone, Copy)]
+struct Entry<'s> {
+    lane: &'s Lane,
+    change: &'s Change,
+    value: &'s Value,
+}
+
+/// All listed changes in chronological order. First values come first.
+fn entries(story: &Story) -> Vec<Entry<'_>> {
+    let mut entries: Vec<Entry<'_>> = Vec::new();
+    for lane in &story.lanes {
+        let listed = lane.listed().filter_map(|change| Some((change, lane.values.get(change.value)?)));
+        entries.extend(listed.map(|(change, value)| Entry { lane, change, value }));
+    }
+    // The sort is stable, so changes at the same time have the order of the lanes.
+    entries.sort_by_key(|entry| {
+        (!entry.change.is_first, if entry.change.is_first { 0 } else { entry.change.time_us })
+    });
+    entries
+}
+
+/// The name of a lane, with its topic and its subject.
+fn lane_name(lane: &Lane) -> String {
+    let name =
+        if lane.name == lane.topic { lane.name.clone() } else { format!("{}.{}", lane.topic, lane.name) };
+    match &lane.subject {
+        Some(subject) => shown(&format!("{name} ({subject})")),
+        None => shown(&name),
+    }
+}
+
+/// The label that a report shows after a value: in a lane of a flag, the flag's own label.
+fn is_flag(lane: &Lane) -> bool {
+    lane.kind == LaneKind::Flag
+}
+
+/// The time of a change: relative to the start, or in UTC for a session.
+fn time(story: &Story, time_us: i64) -> String {
+    let utc = story.utc(time_us).filter(|_| story.is_session);
+    // `2026-11-23T10:20:30.123Z`
+    utc.and_then(|utc| utc.get(11..23).map(str::to_owned)).unwrap_or_else(|| clock(time_us))
+}
+
+/// A time as minutes, seconds and milliseconds.
+fn clock(time_us: i64) -> String {
+    let millis = time_us.unsigned_abs() / 1_000;
+    let sign = if time_us < 0 && millis > 0 { "-" } else { "" };
+    format!("{sign}{:02}:{:02}.{:03}", millis / 60_000, millis / 1_000 % 60, millis % 1_000)
+}
+
+/// A duration as minutes, seconds and milliseconds.
+fn duration(micros: u64) -> String {
+    clock(i64::try_from(micros).unwrap_or(i64::MAX))
+}
+
+/// The plural noun for lanes with flags.
+const fn flag_noun(story: &Story) -> &'static str {
+    if story.is_session { "error codes" } else { "flags" }
+}
+
+/// The flags that were set for some time, or that changed.
+fn flags(story: &Story) -> impl Iterator<Item = &Lane> {
+    story.lanes.iter().filter(|lane| is_flag(lane) && lane.num_changes() > 0)
+}
+
+/// The number of flags that were never set.
+fn num_quiet(story: &Story) -> usize {
+    story.lanes.iter().filter(|lane| is_flag(lane) && lane.num_changes() == 0).count()
+}
+
+/// The number of listed changes, and the number of changes that aren't listed.
+fn totals(story: &Story) -> (u64, u64) {
+    let more: u64 = story.lanes.iter().map(|lane| lane.more_changes).sum();
+    (story.lanes.iter().map(|lane| lane.listed().count() as u64).sum(), more)
+}
+
+/// Remarks on missing parts of the capture and the story.
+fn remarks(story: &Story) -> Vec<String> {
+    let mut remarks: Vec<String> =
+        story.corruption.iter().map(|text| format!("not readable: {}", shown(text))).collect();
+    remarks.extend(story.releases.iter().filter_map(ReleaseMatch::problem));
+    if story.unreadable_messages > 0 {
+        let count = plural(story.unreadable_messages, "message");
+        remarks.push(format!("{count} can't be read or violate a rule"));
+    }
+    if story.values_without_lane > 0 {
+        let count = plural(story.values_without_lane, "value");
+        remarks.push(format!("{count} left out: the story has too many lanes"));
+    }
+    remarks
+}

@@ -1,0 +1,216 @@
+//! The story as an HTML page with a picture: lanes over time.
+//!
+//! The page requires no network. Its only script zooms the picture and switches the language; the content security policy
+//! permits this script by its hash, and nothing else. Without the script, the page shows the whole flight.
+
+mod picture;
+#[cfg(test)]
+mod tests;
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use uavspec_check::story::{Label, Lane, Story, Value};
+use uavspec_codegen::terminal::guarded;
+use uavspec_model::text::{plural, shown, thousands};
+
+use super::{
+    STATUSES, duration, entries, flag_noun, flags, is_flag, lane_name, num_quiet, remarks, time, totals,
+};
+use crate::html::{page_foot, page_head};
+use crate::outcome::capitalized;
+
+/// The style sheet of the picture, which follows that of all reports.
+const STYLE: &str = include_str!("html/story.css");
+
+/// The script, which is embedded in the page.
+const SCRIPT: &str = include_str!("html/story.js");
+
+/// The SHA-256 hash of the script.
+const SCRIPT_HASH: &str = "sha256-NJQLFLfSyIAzWC+NOyvU/9UnsV5YO+uz7VblwJiprmY=";
+
+/// The language of the definitions.
+const ENGLISH: (&str, &str) = ("en", "English");
+
+/// The story as a page. `language` is the tag of the language in which labels are initially shown.
+pub fn to_html(story: &Story, language: &str, command: &str) -> String {
+    let policy = format!(
+        "default-src 'none'; style-src 'unsafe-inline'; script-src '{SCRIPT_HASH}'; base-uri 'none'; \
+         form-action 'none'"
+    );
+    let title = format!("Story of {}", story.capture);
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" data-language=(language) {
+            (page_head(&title, &story.uavspec, &policy, &styles(story)))
+            body.story {
+                main {
+                    (head(story))
+                    (controls(story, language))
+                    (picture::picture(story))
+                    (changes(story))
+                    (flag_table(story))
+                    (topics(story))
+                }
+                (page_foot(command, &story.uavspec))
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    guarded(&page.into_string()).into_owned() + "\n"
+}
+
+/// The style sheet, with a rule for each language: it hides the labels in other languages.
+fn styles(story: &Story) -> String {
+    let hide = |tag: &str| {
+        format!("[data-language=\"{tag}\"] [data-label]:not([data-label=\"{tag}\"]) {{ display: none; }}\n")
+    };
+    let hidden: String = languages(story).map(|(tag, _)| hide(tag)).collect();
+    STYLE.to_owned() + &hidden
+}
+
+/// The tag and the name of each language, English first.
+fn languages(story: &Story) -> impl Iterator<Item = (&str, &str)> {
+    let others = story.languages.iter().map(|(tag, name)| (tag.as_str(), name.as_str()));
+    std::iter::once(ENGLISH).chain(others)
+}
+
+fn head(story: &Story) -> Markup {
+    let (listed, more) = totals(story);
+    html! {
+        header.head {
+            p.kicker { "Story of a flight" }
+            h1 { (shown(&story.capture)) }
+            p.lede {
+                (duration(story.duration_us)) " long"
+                @if let Some(start) = &story.start_utc { ", starts " (shown(start)) }
+                ", explained by " span.path { (shown(&story.definitions)) }
+            }
+            @let remarks = remarks(story);
+            @if !remarks.is_empty() { ul.remarks { @for remark in &remarks { li { (remark) } } } }
+            dl.figures {
+                div { dt { "changes" @if more > 0 { ", and " (thousands(more)) " that aren't listed" } } dd { (thousands(listed)) } }
+                div { dt { (flag_noun(story)) " set for some time" } dd { (flags(story).count()) } }
+                // An error code that was never set has no lane.
+                @if !story.is_session { div { dt { "flags never set" } dd { (num_quiet(story)) } } }
+            }
+        }
+    }
+}
+
+fn controls(story: &Story, language: &str) -> Markup {
+    html! {
+        div.controls id="controls" hidden {
+            div.zoom role="group" aria-label="Zoom" {
+                button type="button" id="in" { "+" span.name { " Zoom in" } }
+                button type="button" id="out" { "−" span.name { " Zoom out" } }
+                button type="button" id="whole" { "0" span.name { " Whole flight" } }
+            }
+            @if !story.languages.is_empty() {
+                label { "Labels " select id="language" {
+                    @for (tag, name) in languages(story) {
+                        option value=(tag) lang=(tag) selected[tag == language] { (shown(name)) }
+                    }
+                } }
+            }
+            p.aside { "Keys: + and − zoom, arrows pan, 0 shows the whole flight. Mouse: drag to pan, Ctrl and wheel to zoom." }
+        }
+    }
+}
+
+/// A label in all languages. A label without translations is in English.
+fn label(label: &Label, story: &Story) -> Markup {
+    html! {
+        @if label.translations.is_empty() {
+            span { (shown(&label.text)) }
+        } @else {
+            @for (tag, _) in languages(story) {
+                @let is_translated = label.translations.contains_key(tag);
+                span data-label=(tag) lang=(if is_translated { tag } else { ENGLISH.0 }) {
+                    (shown(label.in_language(tag)))
+                }
+            }
+        }
+    }
+}
+
+/// A value with the labels of its parts.
+fn value(lane: &Lane, value: &Value, story: &Story) -> Markup {
+    html! {
+        @if value.parts.is_empty() { "none" }
+        @for (at, part) in value.parts.iter().enumerate() {
+            @if at > 0 { "; " }
+            @if is_flag(lane) { (shown(&part.name)) } @else { code { (shown(&part.name)) } }
+            @if let Some(text) = &part.label { " – " (label(text, story)) }
+        }
+    }
+}
+
+fn changes(story: &Story) -> Markup {
+    let all = entries(story);
+    html! {
+        section aria-labelledby="changes" {
+            h2 id="changes" { "Changes" }
+            @if all.is_empty() {
+                p { "There are no changes." }
+            } @else {
+                table.changes {
+                    thead { tr { th scope="col" { "Time" } th scope="col" { "Lane" } th scope="col" { "Change" } } }
+                    tbody {
+                        @for entry in &all {
+                            tr {
+                                td.when { @if entry.change.is_first { "at start" } @else { (time(story, entry.change.time_us)) } }
+                                td {
+                                    code { (lane_name(entry.lane)) }
+                                    @if let Some(text) = &entry.lane.label { span.aside { (label(text, story)) } }
+                                }
+                                td { (value(entry.lane, entry.value, story)) }
+                            }
+                        }
+                    }
+                }
+            }
+            @for lane in story.lanes.iter().filter(|lane| lane.more_changes > 0) {
+                p.more { code { (lane_name(lane)) } ": " (plural(lane.more_changes, "more change")) " aren't listed." }
+            }
+        }
+    }
+}
+
+fn flag_table(story: &Story) -> Markup {
+    html! {
+        @if flags(story).next().is_some() {
+            section aria-labelledby="flags" {
+                h2 id="flags" { (capitalized(flag_noun(story))) }
+                table.counts {
+                    thead { tr {
+                        th scope="col" { "Name" } th.number scope="col" { "Time set" } th.number scope="col" { "Changes" }
+                    } }
+                    tbody { @for lane in flags(story) { tr {
+                        th scope="row" {
+                            code { (lane_name(lane)) }
+                            @if let Some(text) = &lane.label { span.aside { (label(text, story)) } }
+                        }
+                        td.number { (duration(lane.set_us())) }
+                        td.number { (thousands(lane.num_changes())) }
+                    } } }
+                }
+            }
+        }
+    }
+}
+
+fn topics(story: &Story) -> Markup {
+    html! {
+        section aria-labelledby="topics" {
+            h2 id="topics" { (if story.is_session { "Message types" } else { "Topics" }) }
+            dl.evidence {
+                @for (status, heading) in STATUSES {
+                    @let names: Vec<String> = story.topics(status).map(shown).collect();
+                    @if !names.is_empty() {
+                        dt { (heading) }
+                        dd { @for (at, name) in names.iter().enumerate() { @if at > 0 { ", " } code { (name) } } }
+                    }
+                }
+            }
+        }
+    }
+}

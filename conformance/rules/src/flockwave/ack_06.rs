@@ -1,0 +1,61 @@
+//! `FW-ACK-06`.
+//!
+//! AUTH-INF reports that a login is required, but doesn't say which requests require a login. The probe chooses a
+//! request that requires a login.
+
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, Violates,
+    body, mutant, served, source,
+};
+
+/// The rule.
+pub static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-ACK-06",
+        name: "Refusal before login",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "Before login, a request that requires a login is refused with ACK-NAK.",
+        source: source::MESSAGES,
+        applies_to: "probe requests that test this rule",
+        why: "If the server serves protected requests before login, anyone who can connect can read data and send \
+              commands reserved for authenticated users.",
+        example: r#"→ {"type":"AUTH-INF"}
+← {"type":"AUTH-INF","methods":["basic"],"required":true}
+→ {"type":"UAV-LIST"}
+← {"type":"UAV-LIST","ids":["uav-1","uav-2"]}"#,
+        fix: "Check the login before you handle the request. Answer with ACK-NAK until a user is logged in.",
+    },
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::behaviour("With --login, requests that require a login are served before login.")
+        .needs(Needs::Login),
+    trial: None,
+    mutants: &[
+        Mutant {
+            name: "the request is served before login",
+            make: || {
+                let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
+                let request = json!({ "type": "UAV-LIST" });
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, served))
+            },
+            also: &[],
+        },
+        Mutant {
+            name: "the request is not answered",
+            make: || mutant::unanswered("tcp#9", &RULE.rule),
+            also: &[],
+        },
+    ],
+};
+
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if served::tried(exchange, context) && exchange.type_name != Some("ACK-NAK") {
+        exchange.violates(context, || {
+            let found = exchange.type_name.map_or_else(|| "another answer".to_owned(), body::quoted);
+            Detail::differs("ACK-NAK", found)
+        });
+    }
+}

@@ -1,0 +1,99 @@
+//! `FW-OBJ-DEL-02`.
+
+use serde_json::json;
+use uavspec_flockwave::session::ids::Ids;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Rule, RuleContext, SessionCheck,
+    Status, StatusReport, Tree, Violates, body, mutant, source,
+};
+
+/// The rule.
+pub static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-OBJ-DEL-02",
+        name: "Deleted objects stay deleted",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "Once OBJ-DEL has reported an object as deleted, no list contains the object until the server \
+                    reports its state again.",
+        source: source::DERIVED,
+        applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
+        why: "Clients remove the object after OBJ-DEL. If the object appears in the next list, the operator sees a UAV \
+              that does not exist.",
+        example: r#"← {"type":"OBJ-DEL","ids":["uav-2"]}
+→ {"type":"OBJ-LIST"}
+← {"type":"OBJ-LIST","ids":["uav-1","uav-2"]}"#,
+        fix: "Remove the object from the registry before you send OBJ-DEL, and build OBJ-LIST and UAV-LIST from the \
+              same registry.",
+    },
+    checks: &[Check::Session(|| Box::new(Gone::default()))],
+    covers: &[],
+    bug: Bug::behaviour("Deleted objects stay in the lists."),
+    trial: None,
+    mutants: &[Mutant {
+        name: "a deleted object is listed again",
+        make: || {
+            mutant::then(|session| {
+                session.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
+            })
+        },
+        also: &[],
+    }],
+};
+
+/// The memory limit, in bytes.
+const MEMORY_LIMIT: usize = 1 << 20;
+
+/// The maximum length of a stored id, in bytes: 64 characters of up to four bytes each.
+const MAX_ID: usize = 256;
+
+/// The deleted objects, by connection and id.
+struct Gone(Ids<()>);
+
+impl Default for Gone {
+    fn default() -> Self {
+        Self(Ids::new(MEMORY_LIMIT))
+    }
+}
+
+impl SessionCheck for Gone {
+    fn exchange(&mut self, exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+        if !exchange.is_from_server() || !exchange.record.connection.is_ordered {
+            return;
+        }
+        for (id, _) in body::members(exchange.body, "status") {
+            self.0.remove(exchange.serial, id);
+        }
+        let ids = match exchange.field("ids") {
+            Some(Tree::List(ids)) => ids.iter().filter_map(Tree::as_str).filter(|id| id.len() <= MAX_ID),
+            _ => return,
+        };
+        match exchange.type_name {
+            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert(exchange.serial, id, (), id.len())),
+            Some("OBJ-LIST" | "UAV-LIST") => {
+                context.covered();
+                let mut ids = ids;
+                if let Some(id) = ids.find(|id| self.0.contains(exchange.serial, id)) {
+                    exchange.violates(context, || {
+                        Detail::new(format!("{} is listed although it was deleted", body::quoted(id)))
+                            .at("/body/ids")
+                    });
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
+        if report.connection().is_ordered {
+            for (id, _) in report.timestamps() {
+                self.0.remove(report.connection_id().serial, id);
+            }
+        }
+    }
+
+    fn corruption(&mut self, _: Location) {
+        self.0.clear();
+    }
+}

@@ -1,0 +1,58 @@
+//! `FW-OBJ-LIST-03`.
+
+use serde_json::json;
+
+use super::{
+    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Rule, RuleContext, Status, Tree,
+    Trial, Violates, mutant, served, source,
+};
+
+/// The rule.
+pub static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-OBJ-LIST-03",
+        name: "Filter with an unknown type",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "For an unknown object type in `filter`, OBJ-LIST returns an empty list.",
+        source: source::MESSAGES,
+        applies_to: "OBJ-LIST requests from a probe that tests this rule",
+        why: "Extensions add object types, so clients ask for types that this server does not know. To them, a refusal \
+              looks like a failure, and a list of all objects looks like a match.",
+        example: r#"→ {"type":"OBJ-LIST","filter":["cloud"]}
+← {"type":"ACK-NAK","reason":"Unknown object type: cloud"}"#,
+        fix: "Do not validate the types in `filter`. Return the matching objects, or an empty list if the type is \
+              unknown.",
+    },
+    checks: &[Check::Exchange(check)],
+    covers: &[],
+    bug: Bug::behaviour("OBJ-LIST refuses unknown object types."),
+    trial: Some(Trial::Requests(|_| {
+        vec![Request::new("", json!({ "type": "OBJ-LIST", "filter": ["unknown-type"] }))]
+    })),
+    mutants: &[
+        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant {
+            name: "all objects are listed",
+            make: || {
+                let request = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
+                let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, all))
+            },
+            also: &[],
+        },
+    ],
+};
+
+fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
+    if !served::served(exchange, context) || exchange.response("OBJ-LIST").is_none() {
+        return;
+    }
+    if let Some(Tree::List(ids)) = exchange.field("ids")
+        && !ids.is_empty()
+    {
+        exchange.violates(context, || {
+            Detail::differs("an empty list", format!("{} ids", ids.len())).at("/body/ids")
+        });
+    }
+}

@@ -1,0 +1,48 @@
+//! `FW-UAV-INF-05`.
+
+use serde_json::json;
+use uavspec_model::json::pointer;
+
+use super::{
+    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree, body, mutant,
+    source,
+};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-INF-05",
+        name: "Fields of a status report",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "A UAV-INF notification has no fields other than `type` and `status`.",
+        source: source::MESSAGES,
+        applies_to: "UAV-INF",
+        why: "Clients do not expect errors in a notification, and drop them. The operator never learns about the \
+              problem.",
+        example: r#"{"type":"UAV-INF","status":{},"error":{"uav-9":"Connection lost"}}"#,
+        fix: "Send only `status`. Report problems in the `errors` of a UAV. Report lost UAVs with OBJ-DEL.",
+    },
+    checks: &[Check::Message(check)],
+    covers: &[],
+    bug: Bug::message("UAV-INF notifications have an `error`.", |out| {
+        if let Some(body) = out.notification_of("UAV-INF") {
+            body["error"] = json!({ "ghost-1": "there is no such UAV" });
+        }
+    }),
+    trial: None,
+    mutants: &[Mutant {
+        name: "a notification with `error`",
+        make: || mutant::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),
+        also: &[],
+    }],
+};
+
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::Object(members)) = message.notification("UAV-INF") else { return };
+    context.covered();
+    if let Some((key, _)) = members.iter().find(|(key, _)| key != "type" && key != "status") {
+        message.violates(context, || {
+            Detail::new(format!("unexpected field {}", body::quoted(key))).at(pointer(&["body", key]))
+        });
+    }
+}

@@ -1,0 +1,43 @@
+//! `FW-UAV-INF-06`.
+
+use serde_json::json;
+
+use super::{
+    Bug, Check, FlockwaveRule, Level, Mutant, Request, Rule, Status, Trial, mutant, served, source, trial,
+};
+
+/// The rule.
+pub static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-INF-06",
+        name: "Unknown UAVs",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "UAV-INF lists an unknown UAV in `error` instead of refusing the request.",
+        source: source::DERIVED,
+        applies_to: "UAV-INF requests from a probe that tests this rule",
+        why: "If one unknown id fails the whole request, the client does not get the state of any requested UAV.",
+        example: r#"→ {"type":"UAV-INF","ids":["uav-9"]}
+← {"type":"ACK-NAK","reason":"Unknown UAV: uav-9"}"#,
+        fix: "Look up each id separately, and add unknown ids to `error`.",
+    },
+    checks: &[Check::Exchange(|exchange, context| served::in_error(exchange, context, &["UAV-INF"]))],
+    covers: &[],
+    bug: Bug::behaviour("An unknown UAV fails the whole request."),
+    trial: Some(Trial::Requests(|_| {
+        vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::UNKNOWN_ID] }))]
+    })),
+    mutants: &[
+        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant {
+            name: "the response has a state for an unknown UAV",
+            make: || {
+                let request = json!({ "type": "UAV-INF", "ids": ["nobody"] });
+                let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
+                let reported = json!({ "type": "UAV-INF", "status": status });
+                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, reported))
+            },
+            also: &[],
+        },
+    ],
+};

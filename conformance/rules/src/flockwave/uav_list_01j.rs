@@ -1,0 +1,54 @@
+//! `FW-UAV-LIST-01J`.
+
+use uavspec_flockwave::body_schema::Mismatch;
+
+use super::{
+    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
+    Status, Tree, body, mutant, source,
+};
+
+pub(super) static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UAV-LIST-01J",
+        name: "Form of UAV ids",
+        level: Level::Should,
+        status: Status::Advisory,
+        statement: "The `ids` are unique, and each is 1 to 64 characters long and contains no `/`.",
+        source: source::SCHEMA,
+        applies_to: "UAV-LIST",
+        why: "Device paths start with the UAV id and use `/` as a separator, so an id with a slash cannot be \
+              addressed. If an id is repeated, clients may show the UAV twice.",
+        example: r#"{"type":"UAV-LIST","ids":["fleet/uav-1"]}"#,
+        fix: "Replace slashes in ids, shorten long ids, and remove duplicates.",
+    },
+    checks: &[Check::Message(check)],
+    covers: &[
+        Attribution::new(&["UAV-LIST"], "ids", &[Fault::Value]),
+        Attribution::new(&["UAV-LIST"], "ids.*", &[Fault::Value]),
+    ],
+    bug: Bug::message("UAV-LIST contains its first id twice.", |out| out.repeat_first_id("UAV-LIST")),
+    trial: None,
+    mutants: &[
+        Mutant {
+            name: "a duplicate id",
+            make: || mutant::reply("UAV-LIST", |body| body["ids"][0] = "swift".into()),
+            also: &[],
+        },
+        Mutant {
+            name: "an id with a slash",
+            make: || mutant::reply("UAV-LIST", |body| body["ids"][0] = "kite/2".into()),
+            also: &[],
+        },
+    ],
+};
+
+fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
+    let Some(Tree::List(ids)) = message.body_of("UAV-LIST").and_then(|body| body.get("ids")) else { return };
+    body::unique(message, context, "ids");
+    // FW-UAV-LIST-01 reports ids that are not strings.
+    let wrong =
+        ids.iter().filter(|id| id.as_str().is_some()).find_map(|id| ExpectedValue::ObjectId.mismatch(id));
+    if let Some(found) = wrong {
+        body::mismatched(message, context, Mismatch { path: "/body/ids".to_owned(), ..found });
+    }
+}

@@ -1,0 +1,41 @@
+//! `FW-UDP-02`.
+
+use uavspec_flockwave::transport::endpoint::Endpoint;
+
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Step, Strain, Trial, mutant,
+    source, udp,
+};
+
+/// The rule.
+pub static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UDP-02",
+        name: "Address of a response over UDP",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "Over UDP, the response goes to the address and port that the request came from.",
+        source: source::DERIVED,
+        applies_to: udp::APPLIES_TO,
+        why: "The client receives responses only on the socket that sent the request, and most firewalls and NATs drop \
+              all other datagrams.",
+        example: r#"→ {"type":"SYS-PING"}
+(the request comes from port 40001, the response goes to port 40002)"#,
+        fix: "Send the response to the source address of the request, as `recvfrom` returns it.",
+    },
+    checks: &[Check::Session(|| Box::new(udp::Trials::new()))],
+    covers: &[],
+    bug: Bug::behaviour("Over UDP, all responses go to the address of the first client.").needs(Needs::Udp),
+    trial: Some(Trial::Attempts(Strain::Plain, attempts)),
+    mutants: &[
+        Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },
+        Mutant { name: "a refused request", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },
+    ],
+};
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    match endpoint {
+        Endpoint::Udp(_) => vec![Attempt::new("", udp::REQUESTS.map(Step::request))],
+        _ => Vec::new(),
+    }
+}

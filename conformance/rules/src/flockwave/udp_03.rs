@@ -1,0 +1,46 @@
+//! `FW-UDP-03`.
+
+use uavspec_flockwave::transport::endpoint::Endpoint;
+
+use super::{
+    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Strain, Trial, env_27, mutant,
+    source, trial, udp,
+};
+
+/// The rule.
+pub static RULE: FlockwaveRule = FlockwaveRule {
+    rule: Rule {
+        id: "FW-UDP-03",
+        name: "Malformed datagrams do no harm",
+        level: Level::Info,
+        status: Status::Advisory,
+        statement: "Over UDP, the server keeps serving after a datagram that is not a message.",
+        source: source::DERIVED,
+        applies_to: udp::APPLIES_TO,
+        why: "Anyone can send a datagram to a UDP port. If an invalid datagram stops the server, a single port scan \
+              ends the service for all clients.",
+        example: r#"→ {"type":"SYS-PING"}
+← {"type":"ACK-ACK"}
+→ this is not JSON
+→ {"type":"SYS-PING"}
+(no response)"#,
+        fix: "Catch the parser error, drop the datagram, and continue receiving.",
+    },
+    checks: &[Check::Session(|| Box::new(udp::Trials::if_server_sends()))],
+    covers: &[],
+    bug: Bug::behaviour("Over UDP, a datagram that is not JSON ends the service.")
+        .needs(Needs::Udp)
+        .with(&[&env_27::RULE.rule]),
+    trial: Some(Trial::Attempts(Strain::Noise, attempts)),
+    mutants: &[
+        Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },
+        Mutant { name: "a refused request", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },
+    ],
+};
+
+fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {
+    match endpoint {
+        Endpoint::Udp(_) => trial::after_noise("after a datagram that is not JSON", &udp::REQUESTS),
+        _ => Vec::new(),
+    }
+}

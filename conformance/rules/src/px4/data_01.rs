@@ -1,0 +1,36 @@
+//! `PX-DATA-01`.
+
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+
+/// The rule.
+pub static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-DATA-01",
+        name: "Size of data messages",
+        level: Level::Must,
+        status: Status::Normative,
+        statement: "A data message has the size of its format, with or without the trailing padding.",
+        source: "the format in the log, and PX4's logger",
+        applies_to: "logs",
+        why: "Readers find fields by their offset in the format. If the size differs, the record was written with a \
+              different format, and its values are unreliable.",
+        example: "format:  uint64_t timestamp;uint32_t valid_registrations_mask;\n\
+            \x20        uint8_t request_id;uint8_t[3] _padding0;\n\
+            payload: 12 bytes; expected 16, or 13 without padding",
+        fix: "Generate the format and the logged struct from the same definition. Log the whole struct.",
+    },
+    check: Check::Source,
+    bug: None,
+    mutants: &[
+        Mutant {
+            name: "a payload of four bytes",
+            change: Change::Ulog(|_, log| log.with_payload(0, |payload| payload.truncate(4))),
+            also: &[],
+        },
+        Mutant {
+            name: "a payload with an extra byte",
+            change: Change::Ulog(|_, log| log.with_payload(0, |payload| payload.push(0))),
+            also: &[],
+        },
+    ],
+};

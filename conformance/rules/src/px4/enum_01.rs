@@ -1,0 +1,36 @@
+//! `PX-ENUM-01`.
+
+use uavspec::px4::BatteryStatus;
+use uavspec::px4::battery_status::BatteryWarning;
+use uavspec_runtime::Rule as Violated;
+
+use super::bug::{Bug, Side};
+use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+
+pub(super) static RULE: Px4Rule = Px4Rule {
+    rule: Rule {
+        id: "PX-ENUM-01",
+        name: "Documented constants and bits",
+        level: Level::Should,
+        status: Status::Normative,
+        statement: "A field with `@enum` contains a documented constant, and a field with `@flags` \
+            contains only documented bits.",
+        source: "`@enum` and `@flags` in the definition",
+        applies_to: "message values",
+        why: "Readers don't know the meaning of an undocumented value. They show an unknown state or mistake the value \
+              for a known state.",
+        example: "definition: uint8 source  # [@enum BATTERY_SOURCE], constants: 0, 1, 2\n\
+            message:    {…, \"source\": 7, …}",
+        fix: "Send a documented constant. If the value is intentional, add a constant with a comment to the \
+            definition.",
+    },
+    check: Check::Value,
+    bug: Some(Bug::message(Side::Autopilot, "`warning` of every third BatteryStatus is 100.", |out| {
+        out.edit(3, |battery: &mut BatteryStatus| battery.warning = BatteryWarning(100));
+    })),
+    mutants: &[Mutant {
+        name: "an undocumented value",
+        change: Change::Flight(|flight| flight.violating(Violated::Enum)),
+        also: &[],
+    }],
+};

@@ -1,0 +1,249 @@
+//! A reference Flockwave server with a simulated fleet, over TCP, UDP, HTTP and Socket.IO.
+//!
+//! ```text
+//!  listen ──bytes──▶ hub ──request──▶ family ──▶ world, uav, operation
+//!     ▲               │ ▲                │
+//!     └──outbox◀─bug──┘ └────answer──────┘
+//! ```
+//!
+//! The server follows the specification, so client authors can test against it. The server is also used to test
+//! uavspec: checks must have findings if it runs with a bug that violates a rule, and no findings otherwise.
+//!
+//! The hub uses neither sockets nor the system time, so the same calls always produce the same messages.
+//!
+//! ```
+//! use std::io::{BufRead, BufReader, Write};
+//! use std::net::TcpStream;
+//!
+//! use uavspec_serve::{Options, Server, Transport};
+//!
+//! let address = "127.0.0.1:0".parse().unwrap();
+//! let server = Server::start(Options::default(), &[(Transport::Tcp, address)])?;
+//! let mut stream = TcpStream::connect(server.listening()[0].address)?;
+//! stream.write_all(b"{\"$fw.version\": \"1.0\", \"id\": \"42\", \"body\": {\"type\": \"SYS-PING\"}}\n")?;
+//! // Notifications may precede the response.
+//! let lines = BufReader::new(stream).lines().map_while(Result::ok);
+//! let answer = lines.into_iter().find(|line| line.contains(r#""refs":"42""#)).unwrap();
+//! assert!(answer.contains("ACK-ACK"));
+//! # Ok::<(), std::io::Error>(())
+//! ```
+
+#![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
+
+#[doc(hidden)]
+pub mod driver;
+mod error_code;
+mod family;
+mod hub;
+mod listen;
+mod memory;
+mod message;
+mod operation;
+mod random;
+mod request;
+mod show;
+mod skybrush;
+#[cfg(test)]
+mod tests;
+mod uav;
+mod world;
+
+use std::fmt;
+use std::io;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use uavspec_model::clock::Clock;
+use uavspec_rules::flockwave::FlockwaveRule;
+
+use self::hub::{Hub, RequestHandler};
+pub use self::listen::statistics::{Reason, Statistics};
+use self::listen::{Bound, Control, Reactor};
+pub use self::memory::InMemory;
+
+/// The transports, named as in the protocol's reference server.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Transport {
+    /// One message per line.
+    Tcp,
+    /// One message per datagram.
+    Udp,
+    /// One message per request.
+    Http,
+    /// One message per event.
+    SocketIo,
+}
+
+impl Transport {
+    /// The name, which is also the URL scheme.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tcp => "tcp",
+            Self::Udp => "udp",
+            Self::Http => "http",
+            Self::SocketIo => "socketio",
+        }
+    }
+}
+
+/// A transport and the address on which a server listens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Listening {
+    /// The transport.
+    pub transport: Transport,
+    /// The address, with the actual port if port 0 was requested.
+    pub address: SocketAddr,
+}
+
+impl fmt::Display for Listening {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}://{}", self.transport.name(), self.address)
+    }
+}
+
+/// Server options.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// The number of UAVs in the fleet. The UAVs are named `glider-1`, `glider-2` and so on.
+    pub uavs: usize,
+    /// The seed for small variations in the simulation.
+    pub seed: u64,
+    /// The simulation speed. `2` means twice real time.
+    pub speed: f64,
+    /// The number of fleet notifications per second.
+    pub rate: f64,
+    /// The initial charge of all batteries, in percent.
+    pub charge: f64,
+    /// Initial error codes of UAVs (see [`error`]).
+    pub errors: Vec<(String, u16)>,
+    /// UAVs that get lost, each with the time of its loss, measured from the first connection (see [`loss`]).
+    pub losses: Vec<(String, Duration)>,
+    /// UAVs that appear late, each with the time of its appearance, measured from the first connection (see [`loss`]).
+    pub appearances: Vec<(String, Duration)>,
+    /// The commands whose results are null instead of true.
+    pub null_results: Vec<String>,
+    /// The maximum duration of a connection, after which the server sends SYS-CLOSE and disconnects.
+    pub stay: Option<Duration>,
+    /// The name and password with which clients must log in.
+    pub login: Option<(String, String)>,
+    /// True if the server answers as the client Skybrush Live expects, where this differs from the specification.
+    pub is_for_skybrush: bool,
+    /// The rule that the server violates.
+    pub bug: Option<&'static FlockwaveRule>,
+    /// The initial time of the server, in milliseconds since 1970.
+    pub start: u64,
+    /// The clock of the server. The server only reads it, so another thread must move simulated time.
+    pub clock: Clock,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        let now = Clock::real().since_1970();
+        Self {
+            uavs: 5,
+            seed: 0,
+            speed: 1.0,
+            rate: 2.0,
+            charge: 100.0,
+            errors: Vec::new(),
+            losses: Vec::new(),
+            appearances: Vec::new(),
+            null_results: Vec::new(),
+            stay: None,
+            login: None,
+            is_for_skybrush: false,
+            bug: None,
+            start: u64::try_from(now.as_millis()).unwrap_or_default(),
+            clock: Clock::real(),
+        }
+    }
+}
+
+/// Parses a UAV and its error code, such as `glider-2=66`.
+pub fn error(text: &str) -> Result<(String, u16), String> {
+    let (id, code) = text.split_once('=').ok_or("expected UAV=CODE, such as glider-2=66")?;
+    let code = code.parse().map_err(|_| "expected a code from 0 to 65535".to_owned())?;
+    error_code::settable(code)?;
+    Ok((id.to_owned(), code))
+}
+
+/// Parses a UAV and the time in seconds at which it gets lost or appears, such as `glider-2@30`.
+pub fn loss(text: &str) -> Result<(String, Duration), String> {
+    let (id, time) = text.split_once('@').ok_or("expected UAV@SECONDS, such as glider-2@30")?;
+    let seconds = time.parse().map_err(|_| "expected a number of seconds".to_owned())?;
+    let time = Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())?;
+    Ok((id.to_owned(), time))
+}
+
+/// A running server. The server ends when it is dropped, or when [`end`](Self::end) is called.
+pub struct Server {
+    control: Arc<Control>,
+    thread: Option<JoinHandle<()>>,
+    listening: Vec<Listening>,
+}
+
+impl Server {
+    /// Listens on these addresses, and serves all clients. Port 0 selects a free port.
+    pub fn start(options: Options, addresses: &[(Transport, SocketAddr)]) -> io::Result<Self> {
+        Self::start_with(options, addresses, family::answer)
+    }
+
+    /// Starts a server that answers requests with this function.
+    fn start_with(
+        options: Options,
+        addresses: &[(Transport, SocketAddr)],
+        answer: RequestHandler,
+    ) -> io::Result<Self> {
+        let bound = addresses.iter().map(|(transport, address)| Bound::bind(*transport, *address));
+        let mut bound: Vec<Bound> = bound.collect::<io::Result<_>>()?;
+        let listening: Vec<Listening> = bound.iter().map(Bound::listening).collect();
+        let poll = mio::Poll::new()?;
+        Reactor::register(&poll, &mut bound)?;
+        let control = Arc::<Control>::default();
+        let ports = listening.iter().rev().map(|at| (at.transport.name(), at.address.port())).collect();
+        let of_thread = Arc::clone(&control);
+        let thread = thread::spawn(move || {
+            let mut hub = Hub::new(options, answer);
+            hub.ports = ports;
+            Reactor::new(poll, bound, hub).run(&of_thread);
+        });
+        Ok(Self { control, thread: Some(thread), listening })
+    }
+
+    /// The addresses of the server, in the requested order.
+    pub fn listening(&self) -> &[Listening] {
+        &self.listening
+    }
+
+    /// The counts of served, refused and disconnected clients.
+    pub fn statistics(&self) -> Statistics {
+        self.control.statistics()
+    }
+
+    /// True if the server stopped because of an internal error.
+    pub fn has_failed(&self) -> bool {
+        self.thread.as_ref().is_some_and(JoinHandle::is_finished)
+    }
+
+    /// Sends SYS-CLOSE to all clients, and ends the server. Returns the final counts.
+    pub fn end(mut self) -> Statistics {
+        self.join();
+        self.statistics()
+    }
+
+    fn join(&mut self) {
+        self.control.end();
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has ended as well.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.join();
+    }
+}

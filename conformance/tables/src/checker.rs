@@ -1,0 +1,258 @@
+//! Checks captures for other programs. Results are values and Arrow batches; nothing is printed.
+
+use std::fmt;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use arrow_array::RecordBatch;
+use uavspec_capture::input::Input;
+use uavspec_check::story::{Story as CaptureStory, Texts};
+use uavspec_check::{Checked as CheckedInput, parallel};
+use uavspec_codegen::Failure;
+use uavspec_model::clock::Clock;
+use uavspec_model::text::shown_url;
+use uavspec_rules::definitions::Library;
+
+use super::messages::{self, Messages};
+use super::rows::{Rows, TABLES};
+use super::timeline;
+use super::{failures, find};
+use uavspec_report::Origin;
+use uavspec_report::story::{to_json, to_text};
+use uavspec_report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
+
+/// The language of the labels in the text of a story.
+const ENGLISH: &str = "en";
+
+/// The options of a [`Checker`], which are those of `uavspec check`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Options {
+    /// A release such as `px4@1.16`, or the path of definitions. By default, they are chosen for each capture.
+    pub definitions: Option<PathBuf>,
+    /// The folders with JSON Schemas for other Flockwave types. They require the feature `schemas`.
+    pub schemas: Vec<PathBuf>,
+    /// True if formats that differ from the definitions count as violations.
+    pub are_formats_strict: bool,
+    /// True if violations of rules of level SHOULD count as failures.
+    pub are_warnings_denied: bool,
+    /// True if the tables contain the timeline.
+    pub has_timeline: bool,
+}
+
+/// A capture.
+#[derive(Clone, Debug)]
+pub enum Capture {
+    /// The path of a file or of a bag's folder, or the URL of an object.
+    Named(String),
+    /// The content of a file.
+    Bytes {
+        /// The name in reports and tables.
+        name: String,
+        /// The content, compressed or not.
+        bytes: Arc<[u8]>,
+    },
+}
+
+/// The reason why a capture can't be opened, or why options are invalid.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem(String);
+
+impl Problem {
+    pub(super) fn new(text: impl Into<String>) -> Self {
+        Self(text.into())
+    }
+
+    /// The problem of a capture.
+    pub(super) fn of(name: &str, reason: impl fmt::Display) -> Self {
+        Self(format!("{name}: {reason}"))
+    }
+}
+
+impl From<Failure> for Problem {
+    fn from(failure: Failure) -> Self {
+        let text = failure.to_string();
+        Self::new(text.strip_prefix("error: ").unwrap_or(&text))
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Problem {}
+
+/// Tables with the results of captures, as on the page about tables in the guide.
+#[derive(Clone, Debug)]
+pub struct Tables(Vec<(&'static str, RecordBatch)>);
+
+impl Tables {
+    /// The table with this name. `timeline` exists only if the options ask for it.
+    pub fn get(&self, name: &str) -> Option<&RecordBatch> {
+        self.iter().find(|(known, _)| *known == name).map(|(_, batch)| batch)
+    }
+
+    /// The names and the rows of all tables.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &RecordBatch)> {
+        self.0.iter().map(|(name, batch)| (*name, batch))
+    }
+
+    fn new(mut rows: Rows, failures: &[Unreadable], has_timeline: bool) -> Result<Self, Problem> {
+        rows.sort();
+        let failed = |error: arrow_schema::ArrowError| Problem::new(error.to_string());
+        let batches = TABLES.into_iter().zip(rows.batches().map_err(failed)?);
+        let mut tables: Vec<_> =
+            batches.filter(|(name, _)| has_timeline || *name != timeline::TABLE.name).collect();
+        tables.push((failures::TABLE.name, failures::TABLE.batch(failures).map_err(failed)?));
+        Ok(Self(tables))
+    }
+}
+
+/// The result of checking a capture.
+#[derive(Debug)]
+pub struct Checked {
+    /// The report, with a single subject.
+    pub report: Report,
+    /// The tables.
+    pub tables: Tables,
+}
+
+/// The story of a capture, as `uavspec explain` shows it.
+#[derive(Debug)]
+pub struct Story {
+    /// The text.
+    pub text: String,
+    /// The story in JSON.
+    pub json: String,
+    /// The table `timeline`.
+    pub timeline: RecordBatch,
+}
+
+/// Checks captures against definitions, which are read once.
+///
+/// ```
+/// use uavspec_report::tables::{Capture, Checker, Options};
+///
+/// let checker = Checker::new(&Options::default())?;
+/// let record = br#"{"type": "px4/ArmingCheckRequest", "message": {"request_id": 300}}"#;
+/// let capture = Capture::Bytes { name: "request.jsonl".to_owned(), bytes: record[..].into() };
+/// let checked = checker.check(&capture)?;
+/// assert_eq!(checked.report.outcome.kind.name(), "does not conform");
+/// assert_eq!(checked.tables.get("captures").unwrap().num_rows(), 1);
+/// # Ok::<(), uavspec_report::tables::Problem>(())
+/// ```
+pub struct Checker {
+    library: Library,
+    texts: Option<Texts>,
+    settings: Settings,
+}
+
+impl Checker {
+    /// Reads the definitions.
+    ///
+    /// # Errors
+    /// Fails if the definitions or schemas can't be read.
+    pub fn new(options: &Options) -> Result<Self, Problem> {
+        let path = options.definitions.as_deref();
+        let library = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, None))?;
+        let library =
+            library.with_schemas(&options.schemas).map_err(|error| Problem::new(error.to_string()))?;
+        let texts = if options.has_timeline { Some(Texts::load(path)?) } else { None };
+        let settings = Settings {
+            are_formats_strict: options.are_formats_strict,
+            are_warnings_denied: options.are_warnings_denied,
+            ..Settings::default()
+        };
+        Ok(Self { library, texts, settings })
+    }
+
+    /// Checks a capture.
+    ///
+    /// # Errors
+    /// Fails if the capture can't be opened, or if an object can't be read completely. Content that can't be read is part
+    /// of the report.
+    pub fn check(&self, capture: &Capture) -> Result<Checked, Problem> {
+        let (input, subject, story) = self.subject(capture).map_err(|reason| capture.problem(reason))?;
+        let mut rows = Rows::default();
+        rows.add(&subject, Origin::of(&input), story.as_ref());
+        let tables = Tables::new(rows, &[], self.texts.is_some())?;
+        let command = self.settings.command(&input.name());
+        let report = Report::of_subject(Action::Check, command, self.library.name(), subject);
+        Ok(Checked { report, tables })
+    }
+
+    /// Checks captures in parallel; by default, with a thread for each processor. Captures that can't be opened are in the
+    /// table `failures`.
+    ///
+    /// # Errors
+    /// Fails if the results are too many for a table.
+    pub fn check_all(&self, captures: &[Capture], jobs: Option<NonZeroUsize>) -> Result<Tables, Problem> {
+        let (mut rows, mut failures) = (Rows::default(), Vec::new());
+        let check = |capture: &Capture| self.subject(capture);
+        parallel::each(captures, jobs, check, |capture, result| match result {
+            Ok((input, subject, story)) => rows.add(&subject, Origin::of(&input), story.as_ref()),
+            Err(message) => failures.push(Unreadable { path: shown_url(capture.name()), message }),
+        });
+        Tables::new(rows, &failures, self.texts.is_some())
+    }
+
+    /// Reads the messages of a topic, which is named as in the capture. `instance` is that of a topic in a PX4 log.
+    ///
+    /// # Errors
+    /// Fails if the capture can't be read, if it doesn't contain the topic, or if the topic has no definition.
+    pub fn read(&self, capture: &Capture, topic: &str, instance: u8) -> Result<Messages, Problem> {
+        let input = capture.input().map_err(|reason| capture.problem(reason))?;
+        messages::read(&input, topic, instance, &self.library).map_err(|reason| capture.problem(reason))
+    }
+
+    /// Explains a capture.
+    ///
+    /// # Errors
+    /// Fails if the capture can't be read, or without a timeline in the options.
+    pub fn explain(&self, capture: &Capture) -> Result<Story, Problem> {
+        let texts = self.texts.as_ref().ok_or_else(|| Problem::new("the options have no timeline"))?;
+        let failed = |reason: &dyn fmt::Display| capture.problem(reason);
+        let input = capture.input().map_err(|reason| failed(&reason))?;
+        let (_, story) = CaptureStory::check(&input, None, &self.library, texts, &|bytes| bytes)
+            .map_err(|error| failed(&error))?;
+        let story = story.map_err(|reason| failed(&reason))?;
+        let timeline = timeline::TABLE.batch(&timeline::TimelineRow::of(&story).collect::<Vec<_>>());
+        Ok(Story {
+            text: to_text(&story, ENGLISH),
+            json: to_json(&story),
+            timeline: timeline.map_err(|error| failed(&error))?,
+        })
+    }
+
+    /// The results of a capture, or the reason why it can't be read.
+    fn subject(&self, capture: &Capture) -> Result<(Input, Subject, Option<CaptureStory>), String> {
+        let (input, started) = (capture.input()?, Clock::real().now());
+        let checked =
+            CaptureStory::check_with(self.texts.as_ref(), &input, None, &self.library, &|bytes| bytes);
+        let (CheckedInput { result, definitions }, story) = checked.map_err(|error| error.to_string())?;
+        let found = CheckedCapture::new(input.name(), result, Clock::real().now() - started);
+        Ok((input, Subject::from_capture(found, &definitions, &self.settings), story))
+    }
+}
+
+impl Capture {
+    /// The path, the URL, or the name of the bytes.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Named(name) | Self::Bytes { name, .. } => name,
+        }
+    }
+
+    fn input(&self) -> Result<Input, String> {
+        match self {
+            Self::Named(name) => find::named(name),
+            Self::Bytes { name, bytes } => Ok(Input::Bytes(shown_url(name), Arc::clone(bytes))),
+        }
+    }
+
+    fn problem(&self, reason: impl fmt::Display) -> Problem {
+        Problem::of(&shown_url(self.name()), reason)
+    }
+}

@@ -1,0 +1,34 @@
+//! The results of checks as tables, for SQL and dataframes.
+//!
+//! ```text
+//!  Subject ──row──▶ captures, topics, findings, rules ──batch──▶ Parquet or Arrow files
+//! ```
+//!
+//! Other programs check captures with a [`Checker`], and receive the tables in memory.
+//!
+//! A table states each column once: its name, type, unit and meaning, and the value of a row. The schema in the files, the
+//! batches and the documentation follow from this.
+
+#![cfg(feature = "arrow")]
+
+mod captures;
+mod checker;
+mod column;
+mod dataset;
+mod done;
+mod failures;
+mod find;
+mod findings;
+mod messages;
+mod rows;
+mod rules;
+#[cfg(test)]
+mod tests;
+mod timeline;
+mod topics;
+
+pub use self::checker::{Capture, Checked, Checker, Options, Problem, Story, Tables};
+pub use self::dataset::Dataset;
+pub use self::done::Done;
+pub use self::find::find;
+pub use self::messages::Messages;

@@ -1,0 +1,66 @@
+//! The rows of all tables, and their batches.
+
+use arrow_array::RecordBatch;
+use arrow_schema::ArrowError;
+use uavspec_check::story::Story;
+
+use super::captures::{self, CaptureRow};
+use super::findings::{self, FindingRow};
+use super::rules::{self, RuleRow};
+use super::timeline::{self, TimelineRow};
+use super::topics::{self, TopicRow};
+use uavspec_report::Origin;
+use uavspec_report::Subject;
+
+/// The names of the tables, in the order in which they are written.
+pub(super) const TABLES: [&str; 5] =
+    [timeline::TABLE.name, topics::TABLE.name, findings::TABLE.name, rules::TABLE.name, captures::TABLE.name];
+
+/// The rows of some captures, by table.
+#[derive(Default)]
+pub(super) struct Rows {
+    timeline: Vec<TimelineRow>,
+    topics: Vec<TopicRow>,
+    findings: Vec<FindingRow>,
+    rules: Vec<RuleRow>,
+    captures: Vec<CaptureRow>,
+}
+
+impl Rows {
+    pub(super) fn num_captures(&self) -> usize {
+        self.captures.len()
+    }
+
+    pub(super) fn num_rows(&self) -> usize {
+        self.timeline.len() + self.topics.len() + self.findings.len() + self.rules.len() + self.captures.len()
+    }
+
+    /// Adds the rows of a capture.
+    pub(super) fn add(&mut self, subject: &Subject, origin: Origin, story: Option<&Story>) {
+        self.timeline.extend(story.into_iter().flat_map(TimelineRow::of));
+        self.topics.extend(TopicRow::of(subject));
+        self.findings.extend(FindingRow::of(subject));
+        self.rules.extend(RuleRow::of(subject));
+        self.captures.push(CaptureRow::of(subject, origin));
+    }
+
+    /// Sorts each table by the columns that queries select rows by.
+    pub(super) fn sort(&mut self) {
+        // The sort is stable, so the changes of a capture stay in chronological order.
+        self.timeline.sort_by(|one, other| one.key().cmp(&other.key()));
+        self.topics.sort_by(|one, other| one.key().cmp(&other.key()));
+        self.findings.sort_by(|one, other| one.key().cmp(&other.key()));
+        self.rules.sort_by(|one, other| one.key().cmp(&other.key()));
+    }
+
+    /// The batches of the tables, in the order of [`TABLES`].
+    pub(super) fn batches(&self) -> Result<[RecordBatch; TABLES.len()], ArrowError> {
+        Ok([
+            timeline::TABLE.batch(&self.timeline)?,
+            topics::TABLE.batch(&self.topics)?,
+            findings::TABLE.batch(&self.findings)?,
+            rules::TABLE.batch(&self.rules)?,
+            captures::TABLE.batch(&self.captures)?,
+        ])
+    }
+}

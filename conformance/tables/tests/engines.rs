@@ -1,0 +1,51 @@
+//! The queries of the guide, in engines that others wrote.
+
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use tempfile::TempDir;
+use uavspec_check::check_capture;
+use uavspec_check::story::{Story, Texts};
+use uavspec_codegen::translation::Translations;
+use uavspec_report::{CheckedCapture, Origin, Settings, Subject, TableFormat};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::sample::Flight;
+use uavspec_tables::Dataset;
+use uavspec_test_support::python::python;
+
+/// The engines.
+const ENGINES: [&str; 4] = ["duckdb==2.0.1", "polars==2.1.0", "datafusion==55.0.0", "pyarrow==26.0.1"];
+
+#[test]
+#[ignore = "installs DuckDB, Polars and DataFusion for Python"]
+fn engines_run_the_queries_of_the_guide() {
+    let folder = TempDir::new().expect("a folder");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let (definitions, texts) = (Definitions::built_in(), Texts::of(Translations::default()));
+    let mut tables = Dataset::create(folder.path(), TableFormat::Parquet, true).expect("a new folder");
+    let flight = Flight::new(&definitions);
+    let captures = uavspec_rules::mutants().flat_map(|mutant| mutant.captures(&flight));
+    let subject = |(path, bytes): (String, Vec<u8>)| {
+        let result = check_capture(&bytes[..], None, &definitions).expect("bytes can be read");
+        let checked = CheckedCapture::new(path, result, Duration::from_millis(7));
+        Subject::from_capture(checked, &definitions, &Settings::default())
+    };
+    let subjects: Vec<Subject> = captures.map(subject).collect();
+    for subject in &subjects {
+        tables.add(subject, &Origin::default(), None);
+    }
+    let flight = flight.log().to_bytes();
+    let story = Story::of_bytes(&flight, &definitions, &texts).expect("a story");
+    tables.add(&subjects[0], &Origin::default(), Some(&story));
+    tables.finish().expect("written");
+    let output = Command::new(python("table-engines", &ENGINES))
+        .arg(root.join("tests/engines/queries.py"))
+        .args([root.join("../../xtask/site/guide/query.md").as_path(), folder.path()])
+        .output()
+        .expect("Python");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{errors}");
+    // Each query ran in each engine.
+    assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 9, "{errors}");
+}

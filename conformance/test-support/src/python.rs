@@ -1,0 +1,24 @@
+//! Python with packages of others, for tests that are ignored by default.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The path of Python in a folder of `target`, with these packages. They are installed if the folder has others.
+pub fn python(folder: &str, packages: &[&str]) -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target").join(folder);
+    let (program, installed) = (folder.join("bin/python"), folder.join("requirements.txt"));
+    let list = packages.join("\n");
+    if fs::read_to_string(&installed).ok().as_ref() != Some(&list) {
+        run(Command::new("python3").args(["-m", "venv"]).arg(&folder));
+        run(Command::new(&program).args(["-m", "pip", "install", "--quiet"]).args(packages));
+        fs::write(installed, list).expect("a file");
+    }
+    program
+}
+
+/// Runs a command, which must succeed.
+pub fn run(command: &mut Command) {
+    let status = command.status().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(status.success(), "{command:?} failed: {status}");
+}
