@@ -1,6 +1,6 @@
 //! Reads captures as streams, in bounded memory: bytes enter, records leave. The formats are `ULog`, MCAP, rosbag2's
-//! `SQLite` and JSON, also compressed, from files, standard input and object stores. The documentation of [`ulog`] has
-//! an example.
+//! `SQLite` and JSON, also compressed, from files and standard input. `uavspec-stores` reads object stores. The
+//! documentation of [`ulog`] has an example.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 

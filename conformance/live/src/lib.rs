@@ -1,5 +1,5 @@
-//! Live vehicles and servers: the [buses](bus) that carry their messages, the [roles](vehicle) of PX4's arming checks,
-//! and the [displays](watch) of what vehicles and servers say.
+//! Live vehicles and servers: the [buses](bus) that carry their messages, the [roles](vehicle) in PX4's arming checks, and
+//! the [displays](watch) of their messages.
 //!
 //! ```
 //! use uavspec_live::bus::Address;

@@ -1,5 +1,5 @@
-//! What all other crates say: rules, records, places in a capture, findings and verdicts; and what they need for that:
-//! JSON, text for people, time and network streams.
+//! The terms of all other crates: rules, records, locations in a capture, findings and verdicts. The crate also has their
+//! common tools: JSON, text for people, the time, and network streams.
 //!
 //! ```
 //! use uavspec_model::{Level, Location};
