@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 use tungstenite::Message;
 use tungstenite::handshake::server::{ErrorResponse, Request, Response};
+use uavspec_live::bus::{Event, Topic, connect};
+use uavspec_model::Qos;
 
 use super::probe::Probed;
 use super::python::Peer;
@@ -47,6 +49,36 @@ fn messages_of_the_sdk_are_checked() {
     let note = "wind: not checked, because the names of ROS topics start with `/`";
     assert_eq!(probed.vehicle()["notes"], json!([note]));
     assert_eq!(probed.status, Some(1));
+}
+
+#[test]
+fn the_sdk_receives_published_messages() {
+    let (_peer, address) = sdk();
+    let mut bus = connect(&address.parse().expect("an address"), &[], &[]).expect("a connection");
+    let topic = |name: &str, type_name: &str| Topic {
+        name: name.into(),
+        type_name: type_name.into(),
+        type_hash: None,
+    };
+    bus.subscribe(&topic("/echo", "px4_msgs/msg/ArmingCheckRequest"), &Qos::WEAKEST).expect("subscribe");
+    let reply = topic("/fmu/in/arming_check_reply", "px4_msgs/msg/ArmingCheckReply");
+    let publisher = bus.advertise(&reply, &Qos::PX4).expect("advertise");
+    // The server doesn't store messages, and the subscription may be pending.
+    let end = Instant::now() + Duration::from_secs(600);
+    while Instant::now() < end {
+        bus.publish(publisher, b"\0\x01\0\0reply").expect("publish");
+        let until = Instant::now() + Duration::from_millis(100);
+        while let Some(event) = bus.receive(until) {
+            match event {
+                Event::Message(message) => {
+                    return assert_eq!(message.payload, b"/fmu/in/arming_check_reply \0\x01\0\0reply");
+                }
+                Event::Problem(problem) | Event::Closed(problem) => panic!("{problem}"),
+                _ => {}
+            }
+        }
+    }
+    panic!("the server doesn't send the message back");
 }
 
 #[allow(clippy::result_large_err, clippy::unnecessary_wraps, reason = "the type of the library")]
