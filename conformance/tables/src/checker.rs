@@ -133,7 +133,7 @@ pub struct Story {
 /// Checks captures against definitions, which are read once.
 ///
 /// ```
-/// use uavspec_report::tables::{Capture, Checker, Options};
+/// use uavspec_tables::{Capture, Checker, Options};
 ///
 /// let checker = Checker::new(&Options::default())?;
 /// let record = br#"{"type": "px4/ArmingCheckRequest", "message": {"request_id": 300}}"#;
@@ -141,7 +141,7 @@ pub struct Story {
 /// let checked = checker.check(&capture)?;
 /// assert_eq!(checked.report.outcome.kind.name(), "does not conform");
 /// assert_eq!(checked.tables.get("captures").unwrap().num_rows(), 1);
-/// # Ok::<(), uavspec_report::tables::Problem>(())
+/// # Ok::<(), uavspec_tables::Problem>(())
 /// ```
 pub struct Checker {
     library: Library,
