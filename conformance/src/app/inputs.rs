@@ -88,7 +88,7 @@ impl Found {
             status
         })?;
         if captures.is_empty() {
-            let file = Unreadable { path: shown, message: stores::NOTHING.to_owned() };
+            let file = Unreadable { path: shown, message: Listed::NOTHING.to_owned() };
             terminal::error(format_args!("{}: {}", terminal::shown(&file.path), file.message), None);
             self.empty.push(file);
         }

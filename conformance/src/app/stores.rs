@@ -2,9 +2,6 @@
 
 use uavspec_capture::input::Listed;
 
-/// The problem of a URL without captures. No URL can be listed.
-pub(super) const NOTHING: &str = "";
-
 /// Lists the captures that a URL denotes.
 pub(super) fn list(_: &str) -> Result<Listed, String> {
     Err("this program was built without object stores: build it with `--features stores`".to_owned())

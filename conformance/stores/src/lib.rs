@@ -17,6 +17,3 @@ mod reader;
 mod request;
 
 pub use self::connect::list;
-
-/// The problem of a URL without captures. Stores list whole folders only.
-pub const NOTHING: &str = "no captures at this URL: expected a capture, a folder, or a list on a web server";

@@ -69,7 +69,7 @@ fn captures(input: &PathBuf) -> Result<Vec<Input>, String> {
 #[cfg(feature = "stores")]
 fn list(url: &str) -> Result<Vec<Input>, String> {
     let captures = uavspec_stores::list(url)?.captures;
-    if captures.is_empty() { Err(uavspec_stores::NOTHING.to_owned()) } else { Ok(captures) }
+    if captures.is_empty() { Err(input::Listed::NOTHING.to_owned()) } else { Ok(captures) }
 }
 
 #[cfg(not(feature = "stores"))]

@@ -33,6 +33,12 @@ pub struct Listed {
     pub skipped: Vec<String>,
 }
 
+impl Listed {
+    /// The problem of a URL without captures. Stores list whole folders only.
+    pub const NOTHING: &str =
+        "no captures at this URL: expected a capture, a folder, or a list on a web server";
+}
+
 /// The reason why an object couldn't be read completely. A capture that ends early looks like a truncated one.
 #[derive(Clone, Debug, Default)]
 pub struct Failure(Arc<Mutex<Option<String>>>);
