@@ -13,9 +13,8 @@ extern crate alloc;
 
 pub mod releases;
 
-pub use include_dir::{Dir, File};
-
 use include_dir::include_dir;
+pub use include_dir::{Dir, File};
 
 /// PX4 messages, one `.msg` file per message.
 pub static PX4: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/px4");

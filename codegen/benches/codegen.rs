@@ -10,13 +10,13 @@ use std::path::{Path, PathBuf};
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use tempfile::TempDir;
-use uavspec_codegen::breaking::{Between, breaking};
-use uavspec_codegen::emit::{self, OutputFile};
-use uavspec_codegen::lint::{Preset, Settings, lint};
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{PackageInput, SourceMap, generate, read, render};
+use uavspec_codegen::generate;
+use uavspec_dynamic::breaking::{Between, breaking};
+use uavspec_emit::OutputFile;
+use uavspec_lint::{Preset, Settings, lint};
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::translation::Translations;
+use uavspec_schema::{Form, PackageInput, Schema, SourceMap, read, render};
 
 /// The numbers of corpus copies. Each benchmark runs once per number.
 const TIMES: [usize; 3] = [1, 4, 16];
@@ -109,7 +109,7 @@ fn emitter(bencher: Bencher<'_, '_>, times: usize, emit: impl Fn(&Schema, &Sourc
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_rust(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, sources| {
-        emit::rust::emit(schema, sources, &emit::rust::Options::default())
+        uavspec_emit::rust::emit(schema, sources, &uavspec_emit::rust::Options::default())
     });
 }
 
@@ -117,7 +117,7 @@ fn emit_rust(bencher: Bencher<'_, '_>, times: usize) {
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_json_schema(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, _| {
-        emit::json_schema::emit(schema, &emit::json_schema::Options::default())
+        uavspec_emit::json_schema::emit(schema, &uavspec_emit::json_schema::Options::default())
     });
 }
 
@@ -125,14 +125,21 @@ fn emit_json_schema(bencher: Bencher<'_, '_>, times: usize) {
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_docs(bencher: Bencher<'_, '_>, times: usize) {
     emitter(bencher, times, |schema, sources| {
-        emit::docs::emit(schema, &Translations::default(), sources, &emit::docs::Options::default())
+        uavspec_emit::docs::emit(
+            schema,
+            &Translations::default(),
+            sources,
+            &uavspec_emit::docs::Options::default(),
+        )
     });
 }
 
 /// Emits test vectors from the model.
 #[divan::bench(args = TIMES, max_time = 2, sample_size = 1)]
 fn emit_vectors(bencher: Bencher<'_, '_>, times: usize) {
-    emitter(bencher, times, |schema, _| emit::vectors::emit(schema, &emit::vectors::Options::default()));
+    emitter(bencher, times, |schema, _| {
+        uavspec_emit::vectors::emit(schema, &uavspec_emit::vectors::Options::default())
+    });
 }
 
 /// A workspace on disk with copies of the definitions in the corpus.

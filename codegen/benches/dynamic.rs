@@ -8,12 +8,11 @@ use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
 use serde::Serialize;
 use uavspec::px4::{ArmingCheckReply, BatteryStatus, FailsafeFlags};
-use uavspec_codegen::dynamic::{DynamicView, MessageType, Types};
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::Form;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_dynamic::{DynamicView, MessageType, Types};
 use uavspec_runtime::UorbMessage;
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{Form, PackageInput, SourceMap, read};
 
 fn main() {
     divan::main();

@@ -29,12 +29,11 @@ mod translate;
 
 use std::process::ExitCode;
 
-use crate::failure::Failure;
-use crate::terminal;
 use clap::{Parser, Subcommand};
+use uavspec_schema::failure::Failure;
+use uavspec_schema::terminal;
 
-#[cfg(any(fuzzing, test))]
-pub(crate) use self::baseline::without_findings;
+pub use self::baseline::without_findings;
 use self::status::Status;
 
 /// The program in the examples.

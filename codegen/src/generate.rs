@@ -5,17 +5,17 @@ mod output;
 
 use std::path::{Path, PathBuf};
 
+use uavspec_dynamic::conversion::{Answer, Conversions, answer};
+use uavspec_emit::Input;
+use uavspec_schema::diagnostic::{Level, has_errors};
+use uavspec_schema::failure::Failure;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::parallel::in_parallel;
+use uavspec_schema::translation::Translations;
+use uavspec_schema::{Schema, render};
+
 pub(crate) use self::output::{Difference, Folder, compare, write};
-use crate::conversion::{Answer, Conversions, answer};
-use crate::diagnostic::{Level, has_errors};
-use crate::emit::Input;
-use crate::failure::Failure;
-use crate::finding::Finding;
 use crate::load::{Config, Loaded, Plan, read_translated};
-use crate::parallel::in_parallel;
-use crate::render;
-use crate::schema::Schema;
-use crate::translation::Translations;
 
 /// The result of [`generate`].
 #[derive(Debug)]

@@ -76,87 +76,8 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
-pub mod breaking;
-mod characters;
-#[cfg(feature = "cli")]
 pub mod cli;
-#[cfg_attr(not(feature = "files"), allow(dead_code))]
-pub mod conversion;
-pub mod diagnostic;
-// Only commands write patches.
-#[cfg(any(feature = "cli", feature = "lsp"))]
-#[cfg_attr(not(feature = "cli"), allow(dead_code))]
-mod difference;
-mod directive;
-pub mod dynamic;
-pub mod emit;
-mod example;
-#[cfg(feature = "files")]
-mod failure;
-pub mod finding;
-pub mod format;
-#[cfg(all(feature = "cli", any(fuzzing, test)))]
-#[doc(hidden)]
-pub mod fuzzing;
-// Some parts of these modules are used only by commands.
-#[cfg(feature = "files")]
-#[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 mod generate;
-#[doc(hidden)]
-#[cfg(feature = "files")]
-pub mod identity;
-pub mod json_text;
-pub mod lint;
-#[cfg(feature = "files")]
-#[cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 pub mod load;
-#[cfg(feature = "lsp")]
-pub mod lsp;
-pub mod msg;
-#[cfg_attr(not(feature = "files"), allow(dead_code))]
-mod name;
-mod parallel;
-#[cfg(feature = "files")]
-mod path;
-mod pattern;
-mod prose;
-mod read;
-pub mod release;
-pub mod render;
-pub mod report;
-mod resolve;
-#[cfg(feature = "files")]
-pub mod rewrite;
-pub mod schema;
-pub mod source;
-mod span;
-#[cfg(feature = "files")]
-pub mod stage;
-mod table;
-#[doc(hidden)]
-pub mod terminal;
-#[cfg(test)]
-mod testing;
-pub mod translation;
-mod unit;
-pub mod value;
-pub mod wording;
 
-pub use diagnostic::Diagnostic;
-#[cfg(feature = "files")]
-pub use failure::Failure;
-#[cfg(feature = "files")]
 pub use generate::{Generated, generate};
-pub use read::{PackageInput, read, read_formats};
-pub use schema::Schema;
-pub use source::{SourceId, SourceMap};
-
-/// Parsers and examples for the tests of this crate.
-#[doc(hidden)]
-pub mod internal {
-    pub use crate::example::{CONVERTED, Example, catalogues, hints, is_catalogue, is_hints, packages};
-    pub use crate::msg::annotation::Note;
-    pub use crate::msg::parse as parse_definition;
-    pub use crate::prose::gist;
-    pub use crate::table::parse as parse_page;
-}

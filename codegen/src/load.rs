@@ -20,29 +20,26 @@ mod located;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use uavspec_lint::{Ignore, Preset, Settings};
+use uavspec_schema::diagnostic::{Diagnostic, Problem, has_errors};
+use uavspec_schema::failure::Failure;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::source::{SourceId, SourceMap};
+use uavspec_schema::translation::{self, Translations};
+use uavspec_schema::{Form, Schema, render};
+
 use self::built_in::BuiltIn;
-#[cfg(feature = "lsp")]
-pub(crate) use self::config::PlannedPackage;
-pub(crate) use self::config::{Config, Inputs, Plan};
-pub(crate) use self::dialect::detected;
-pub use self::discovery::{FoundPackage, find_packages, package_name};
-#[cfg(feature = "lsp")]
-pub(crate) use self::discovery::{by_package, entries, is_msg_file, msg_file};
+pub use self::config::{Config, Inputs, Plan, PlannedPackage};
+pub use self::dialect::detected;
+pub use self::discovery::{
+    FoundPackage, by_package, entries, find_packages, is_msg_file, msg_file, package_name,
+};
 use self::files::definitions_at;
-pub(crate) use self::files::{
+pub use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,
 };
-#[cfg(feature = "lsp")]
-pub(crate) use self::folder::manifest_name;
+pub use self::folder::manifest_name;
 pub(crate) use self::lint::PresetName;
-use crate::diagnostic::{Diagnostic, Problem, has_errors};
-use crate::failure::Failure;
-use crate::lint::{Ignore, Preset, Settings};
-use crate::msg::Dialect;
-use crate::render;
-use crate::schema::{Form, Schema};
-use crate::source::{SourceId, SourceMap};
-use crate::translation::{self, Translations};
 
 /// Definitions that were read from a path.
 #[derive(Debug)]
@@ -82,7 +79,7 @@ fn read_plan(plan: &Plan) -> Result<Definitions, Failure> {
     if plan.config.is_none() {
         return complete(loaded);
     }
-    let (schema, mut diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
+    let (schema, mut diagnostics) = uavspec_schema::read::read(&loaded.sources, &loaded.packages);
     diagnostics.extend(loaded.diagnostics);
     fail_on_errors(&diagnostics, &loaded.sources)?;
     let built_in = loaded.built_in;
@@ -110,7 +107,7 @@ fn complete(mut loaded: Loaded) -> Result<Definitions, Failure> {
     fail_on_errors(&loaded.diagnostics, &loaded.sources)?;
     let mut left_out = Vec::new();
     loop {
-        let (schema, diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
+        let (schema, diagnostics) = uavspec_schema::read::read(&loaded.sources, &loaded.packages);
         let is_incomplete = |diagnostic: &&Diagnostic| {
             matches!(diagnostic.problem, Problem::UnknownPackage { .. } | Problem::UnknownType { .. })
         };
@@ -167,7 +164,7 @@ fn fail_on_errors(diagnostics: &[Diagnostic], sources: &SourceMap) -> Result<(),
 }
 
 /// The settings of a lint run.
-pub(crate) fn lint_settings(plan: &Plan, loaded: &Loaded) -> Settings {
+pub fn lint_settings(plan: &Plan, loaded: &Loaded) -> Settings {
     let ignores = plan.lint.ignores.iter().map(|ignore| Ignore {
         rule: ignore.rule.clone(),
         sources: ignore.files.as_ref().map(|files| {
@@ -187,7 +184,7 @@ pub(crate) fn lint_settings(plan: &Plan, loaded: &Loaded) -> Settings {
 
 pub(crate) fn read(plan: &Plan) -> Result<(Loaded, Schema, Vec<Diagnostic>), Failure> {
     let mut loaded = load(plan)?;
-    let (schema, mut diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
+    let (schema, mut diagnostics) = uavspec_schema::read::read(&loaded.sources, &loaded.packages);
     diagnostics.append(&mut loaded.diagnostics);
     Ok((loaded, schema, diagnostics))
 }
@@ -197,7 +194,7 @@ pub(crate) type Translated = (Loaded, Schema, Translations, Vec<Diagnostic>);
 
 pub(crate) fn read_translated(plan: &Plan) -> Result<Translated, Failure> {
     let mut loaded = load_with_catalogues(plan)?;
-    let (schema, mut diagnostics) = crate::read::read(&loaded.sources, &loaded.packages);
+    let (schema, mut diagnostics) = uavspec_schema::read::read(&loaded.sources, &loaded.packages);
     diagnostics.append(&mut loaded.diagnostics);
     let mut translations = Translations::default();
     // If definitions can't be read, their translations would appear to be unknown.

@@ -3,10 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use uavspec_codegen::emit::{EMITTERS, Emitter};
 use uavspec_codegen::generate;
+use uavspec_emit::{EMITTERS, Emitter};
 
-use crate::support;
+use uavspec_test_definitions as support;
 
 /// The error message for a configuration with this `output` table.
 fn error_of(output: &str) -> String {

@@ -11,7 +11,7 @@ use proptest::sample::select;
 use serde_json::json;
 use uavspec_codegen::generate;
 
-use crate::support::extent;
+use uavspec_test_definitions::extent;
 
 /// Names that are paths, devices or keywords. `ROOT` is replaced with the absolute path of the test's folder.
 const NAMES: &[&str] = &[

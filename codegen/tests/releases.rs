@@ -1,18 +1,16 @@
 //! Tests of releases: definitions without comments keep their meaning.
 
-use crate::support;
-
 use std::fs;
 use std::path::Path;
 
 use tempfile::TempDir;
+use uavspec_dynamic::breaking::{Between, breaking};
+use uavspec_lint::release::{self, fingerprints};
+use uavspec_schema::diagnostic::has_errors;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{Form, Schema, SourceMap, read, render};
 
-use uavspec_codegen::breaking::{Between, breaking};
-use uavspec_codegen::diagnostic::has_errors;
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::release::{self, fingerprints};
-use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::{SourceMap, read, render};
+use uavspec_test_definitions as support;
 
 /// Writes a schema as a release and reads it again. The result must have the same meaning.
 fn check(mut sources: SourceMap, schema: &Schema, dialect: Dialect) {

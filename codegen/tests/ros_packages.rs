@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use tempfile::TempDir;
-use uavspec_codegen::Schema;
 use uavspec_codegen::load::read_definitions;
+use uavspec_schema::Schema;
 
 fn folder(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");

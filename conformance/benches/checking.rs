@@ -19,13 +19,12 @@
 #[path = "../../xtask/peers/src/capture.rs"]
 mod capture;
 
-use std::fs;
 use std::hint::black_box;
-use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
+use std::{fs, io};
 
 use serde::de::IgnoredAny;
 use serde_json::{Value, json};

@@ -50,7 +50,6 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
 use uavspec_codegen::cli;
-use uavspec_codegen::msg::Dialect;
 use uavspec_flockwave::body_schema::SchemaError;
 use uavspec_model::text::{command_line, shown_value, shown_words, similar, terminal};
 #[cfg(test)]
@@ -58,6 +57,7 @@ use uavspec_report::Report;
 use uavspec_report::{Outcome, OutcomeKind};
 use uavspec_rules::RULES;
 use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_schema::msg::Dialect;
 #[cfg(feature = "stores")]
 use uavspec_stores as stores;
 #[cfg(feature = "tables")]

@@ -14,7 +14,7 @@ use std::thread;
 use std::time::Duration;
 
 use serde_json::Value;
-use uavspec_codegen::dynamic::{PlacedElement, Types};
+use uavspec_dynamic::{PlacedElement, Types};
 use uavspec_model::clock::Clock;
 use uavspec_probe::testee::{
     Case, ExpectedResponse, Format, Op, Options, Outcome, Target, Verdict, cases, run,

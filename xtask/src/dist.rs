@@ -12,11 +12,10 @@ mod test;
 #[cfg(test)]
 mod tests;
 
-use std::env;
 use std::fmt::Write as _;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::{env, fs};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;

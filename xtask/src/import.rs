@@ -8,11 +8,10 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use uavspec_codegen::load::{self, Definitions};
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::release::{self, Fingerprint};
-use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::stage::write_file;
-use uavspec_codegen::{SourceMap, read};
+use uavspec_lint::release::{self, Fingerprint};
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::stage::write_file;
+use uavspec_schema::{Form, Schema, SourceMap, read};
 
 use crate::paths::{repository, shown};
 

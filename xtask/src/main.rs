@@ -21,7 +21,7 @@ use std::path::PathBuf;
 use std::process::{self, ExitCode};
 
 use clap::{Parser, Subcommand};
-use uavspec_codegen::{Failure, terminal};
+use uavspec_schema::{Failure, terminal};
 
 /// Run tasks of this repository
 #[derive(Parser)]

@@ -1,8 +1,7 @@
 //! Paths of the repository.
 
-use std::env;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{env, fs};
 
 /// The folder of this repository.
 pub(crate) fn repository() -> &'static Path {

@@ -34,6 +34,10 @@ fn check(name: &str, root: &str) {
 #[test]
 fn the_api_of_codegen_is_unchanged() {
     check("uavspec-codegen", "codegen/src/lib.rs");
+    // The language server is a part of the program.
+    for part in ["schema", "dynamic", "lint", "emit"] {
+        check(&format!("uavspec-{part}"), &format!("codegen/{part}/src/lib.rs"));
+    }
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use support::{write, xtask};
 use tempfile::TempDir;
-use uavspec_codegen::stage::Stage;
+use uavspec_schema::stage::Stage;
 
 use crate::support;
 

@@ -198,7 +198,7 @@ fn gettext_accepts_catalogues() {
         check(&folder.path().join("i18n/uk.po"));
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
-    for catalogues in ["definitions/i18n", "codegen/src/emit/docs/words"] {
+    for catalogues in ["definitions/i18n", "codegen/emit/src/docs/words"] {
         for entry in fs::read_dir(root.join(catalogues)).expect("a folder") {
             check(&entry.expect("an entry").path());
         }

@@ -5,13 +5,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use uavspec_emit::Emitter;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::source::SourceId;
+use uavspec_schema::{Form, terminal};
 
-use crate::emit::Emitter;
-use crate::failure::Failure;
 use crate::load::{Config, Loaded, Plan};
-use crate::schema::Form;
-use crate::source::SourceId;
-use crate::terminal;
 
 /// The definitions that a command reads.
 #[derive(Args, Debug)]
@@ -102,8 +101,8 @@ pub(super) enum Dialect {
 impl From<Dialect> for Form {
     fn from(dialect: Dialect) -> Self {
         match dialect {
-            Dialect::Px4 => Self::Msg(crate::msg::Dialect::Px4),
-            Dialect::Ros2 => Self::Msg(crate::msg::Dialect::Ros2),
+            Dialect::Px4 => Self::Msg(uavspec_schema::msg::Dialect::Px4),
+            Dialect::Ros2 => Self::Msg(uavspec_schema::msg::Dialect::Ros2),
             Dialect::Table => Self::Table,
         }
     }

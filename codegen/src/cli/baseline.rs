@@ -27,19 +27,17 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::rewrite::{self, Change};
+use uavspec_schema::source::SourceMap;
+use uavspec_schema::wording::plural;
+use uavspec_schema::{render, terminal};
 
 use self::matching::{Found, Matches};
 use self::read::List;
 pub(super) use self::subject::Subjects;
 use super::print::print_rendered;
-use crate::failure::Failure;
-use crate::finding::Finding;
-use crate::render;
-use crate::rewrite::{self, Change};
-#[cfg(any(fuzzing, test))]
-use crate::source::SourceMap;
-use crate::terminal;
-use crate::wording::plural;
 
 /// Arguments for baselines.
 #[derive(Args, Debug)]
@@ -127,8 +125,7 @@ impl BaselineArgs {
 }
 
 /// The text of a list after a run without findings, which removes all entries.
-#[cfg(any(fuzzing, test))]
-pub(crate) fn without_findings(bytes: Vec<u8>) -> Result<String, Failure> {
+pub fn without_findings(bytes: Vec<u8>) -> Result<String, Failure> {
     let list = List::parse(Path::new("known.toml"), bytes)?;
     let found = Found::new(&[], Subjects::new(&SourceMap::default(), &[]));
     let matches = Matches::new(&list, &found, &|_| true);

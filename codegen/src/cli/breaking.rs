@@ -4,6 +4,14 @@ use std::path::{Path, PathBuf};
 use std::thread;
 
 use clap::{Args, ValueEnum};
+use uavspec_dynamic::breaking::{Between, Category, RULES, Rule, breaking, rule};
+use uavspec_lint::report::{RuleInfo, Totals};
+use uavspec_schema::diagnostic::{Diagnostic, Level, has_errors};
+use uavspec_schema::failure::Failure;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::read::read;
+use uavspec_schema::wording::plural;
+use uavspec_schema::{render, terminal};
 
 use super::arguments::{DefinitionsArgs, PackageArgs};
 use super::baseline::{BaselineArgs, Subjects};
@@ -11,17 +19,7 @@ use super::report::{ReportArgs, Results, Selection, rule_ids};
 use super::revision::Checkout;
 use super::status::Status;
 use super::stopwatch::Stopwatch;
-use crate::breaking::{Between, Category, RULES, Rule, breaking, rule};
-use crate::diagnostic::{Diagnostic, Level, has_errors};
-use crate::failure::Failure;
-use crate::finding::Finding;
-use crate::load::{Config, Inputs, Plan};
-use crate::load::{load, load_into};
-use crate::read::read;
-use crate::render;
-use crate::report::{RuleInfo, Totals};
-use crate::terminal;
-use crate::wording::plural;
+use crate::load::{Config, Inputs, Plan, load, load_into};
 
 /// Arguments of `breaking`.
 #[derive(Args, Debug)]

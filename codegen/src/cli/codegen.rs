@@ -5,18 +5,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use uavspec_emit::{EMITTERS, Emitter, emitter};
+use uavspec_schema::diagnostic::has_errors;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::wording::plural;
+use uavspec_schema::{Schema, terminal};
 
 use super::arguments::PackageArgs;
 use super::print::report;
 use super::stopwatch::Stopwatch;
-use crate::diagnostic::has_errors;
-use crate::emit::{EMITTERS, Emitter, emitter};
-use crate::failure::Failure;
 use crate::generate::{self, Difference, Folder, emit_all};
 use crate::load::{Config, Loaded, read_translated};
-use crate::schema::Schema;
-use crate::terminal;
-use crate::wording::plural;
 
 /// The text below the options in `codegen --help`.
 const EXAMPLES: &str = "Examples:

@@ -5,19 +5,17 @@ use std::fs;
 use std::path::PathBuf;
 
 use clap::Args;
+use uavspec_lint::format::{self, Formatted};
+use uavspec_schema::failure::Failure;
+use uavspec_schema::rewrite::{self, Change};
+use uavspec_schema::source::{SourceId, SourceMap};
+use uavspec_schema::wording::plural;
+use uavspec_schema::{difference, terminal};
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
 use super::print::{protect_inputs, report};
 use super::stopwatch::Stopwatch;
-use crate::difference;
-use crate::failure::Failure;
-use crate::format::{self, Formatted};
-use crate::load::Plan;
-use crate::load::{self, Loaded};
-use crate::rewrite::{self, Change};
-use crate::source::{SourceId, SourceMap};
-use crate::terminal;
-use crate::wording::plural;
+use crate::load::{self, Loaded, Plan};
 
 /// Arguments of `fmt`.
 #[derive(Args, Debug)]

@@ -1,13 +1,12 @@
 //! The `inspect` command, which prints the model.
 
 use clap::Args;
+use uavspec_schema::diagnostic::has_errors;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::json_text;
 
 use super::arguments::DefinitionsArgs;
 use super::print::{print_report, protect_inputs, report};
-use crate::diagnostic::has_errors;
-use crate::emit;
-use crate::failure::Failure;
-use crate::json_text;
 use crate::load::read;
 
 /// Arguments of `inspect`.
@@ -28,6 +27,6 @@ pub(super) fn run(args: &InspectArgs) -> Result<bool, Failure> {
         return Ok(false);
     }
     protect_inputs(loaded.inputs(&plan))?;
-    print_report(&json_text::pretty(&emit::inspect::schema(&schema)));
+    print_report(&json_text::pretty(&uavspec_emit::inspect::schema(&schema)));
     Ok(true)
 }

@@ -4,23 +4,22 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use clap::Args;
+use uavspec_lint::report::{RuleInfo, Totals};
+use uavspec_lint::{RULES, Settings, apply, lint, rule};
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::rewrite::{self, Change};
+use uavspec_schema::source::SourceId;
+use uavspec_schema::terminal;
+use uavspec_schema::wording::plural;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
 use super::baseline::{BaselineArgs, Subjects};
 use super::report::{LevelName, ReportArgs, Results, Selection, rule_ids};
 use super::status::Status;
 use super::stopwatch::Stopwatch;
-use crate::diagnostic::Level;
-use crate::failure::Failure;
-use crate::finding::Finding;
-use crate::lint::{RULES, Settings, apply, lint, rule};
-use crate::load::{self, Loaded};
-use crate::load::{Plan, PresetName};
-use crate::report::{RuleInfo, Totals};
-use crate::rewrite::{self, Change};
-use crate::source::SourceId;
-use crate::terminal;
-use crate::wording::plural;
+use crate::load::{self, Loaded, Plan, PresetName};
 
 /// The maximum number of `--fix` passes. Several passes may be needed, because one fix may make another fix possible.
 const MAX_PASSES: usize = 10;

@@ -3,13 +3,14 @@
 use std::io;
 use std::path::Path;
 
-use crate::diagnostic::{Diagnostic, Level};
-use crate::failure::Failure;
-use crate::identity::Identity;
+use uavspec_schema::diagnostic::{Diagnostic, Level};
+use uavspec_schema::failure::Failure;
+use uavspec_schema::identity::Identity;
+use uavspec_schema::render;
+use uavspec_schema::terminal::{self, GuardedLines};
+use uavspec_schema::wording::plural;
+
 use crate::load::Loaded;
-use crate::render;
-use crate::terminal::{self, GuardedLines};
-use crate::wording::plural;
 
 /// Prints lines to standard output, with colours if enabled.
 pub(super) fn print_results(render: impl FnOnce(bool) -> Vec<GuardedLines>) {

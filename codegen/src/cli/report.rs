@@ -7,16 +7,16 @@ use std::path::Path;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
+use uavspec_lint::report::{Entry, Report, RuleInfo, Totals};
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::render;
+use uavspec_schema::source::{SourceId, SourceMap};
+use uavspec_schema::terminal::{self, GuardedLines, guarded};
 
 use self::target::{FormatName, Target};
 use super::print::{print_report, print_results, protect_inputs};
-use crate::diagnostic::Level;
-use crate::failure::Failure;
-use crate::finding::Finding;
-use crate::render;
-use crate::report::{Entry, Report, RuleInfo, Totals};
-use crate::source::{SourceId, SourceMap};
-use crate::terminal::{self, GuardedLines, guarded};
 
 /// The reports, and the lowest level of finding that makes a command fail.
 #[derive(Args, Clone, Debug)]

@@ -8,10 +8,10 @@ use std::io::{self, Read as _, Seek as _, Write as _};
 use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-use crate::failure::Failure;
-use crate::load::Plan;
-use crate::load::is_definition;
-use crate::terminal;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::terminal;
+
+use crate::load::{Plan, is_definition};
 
 /// The definitions and configuration files of a revision, in a temporary folder that is deleted on drop.
 pub(super) struct Checkout {

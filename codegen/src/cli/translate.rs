@@ -6,22 +6,19 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::path::normalise;
+use uavspec_schema::rewrite::{self, Change};
+use uavspec_schema::source::stem;
+use uavspec_schema::translation::catalogue::{Catalogue, parse, print};
+use uavspec_schema::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, update};
+use uavspec_schema::wording::{plural, similar};
+use uavspec_schema::{Schema, terminal};
 
 use super::print::report;
 use super::stopwatch::Stopwatch;
-use crate::diagnostic::Level;
-use crate::failure::Failure;
-use crate::load::read_translated;
-use crate::load::{Config, Plan};
-use crate::load::{Loaded, literal_base};
-use crate::path::normalise;
-use crate::rewrite::{self, Change};
-use crate::schema::Schema;
-use crate::source::stem;
-use crate::terminal;
-use crate::translation::catalogue::{Catalogue, parse, print};
-use crate::translation::{self, SOURCE_LANGUAGE, Text, is_tag, new_catalogue, update};
-use crate::wording::{plural, similar};
+use crate::load::{Config, Loaded, Plan, literal_base, read_translated};
 
 /// Arguments of `translate`.
 #[derive(Args, Debug)]

@@ -5,13 +5,11 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::Path;
 
-use crate::emit::OutputFile;
-use crate::failure::Failure;
-use crate::name::file_problem;
-use crate::render;
-use crate::schema::{Package, Schema};
-use crate::source::{SourceMap, Span};
-use crate::terminal;
+use uavspec_emit::OutputFile;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::name::file_problem;
+use uavspec_schema::source::{SourceMap, Span};
+use uavspec_schema::{Package, Schema, render, terminal};
 
 /// The start of the names of uavspec's own files in output folders.
 const OWN: &str = ".uavspec-";

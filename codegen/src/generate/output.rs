@@ -13,12 +13,13 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind, Write as _};
 use std::path::{Component, Path, PathBuf};
 
+use uavspec_emit::{GENERATED_BY, OutputFile};
+use uavspec_schema::failure::Failure;
+use uavspec_schema::parallel::in_parallel;
+use uavspec_schema::stage::{self, Stage};
+use uavspec_schema::terminal;
+
 use super::guard::check_paths;
-use crate::emit::{GENERATED_BY, OutputFile};
-use crate::failure::Failure;
-use crate::parallel::in_parallel;
-use crate::stage::{self, Stage};
-use crate::terminal;
 
 /// The name of the manifest in each output folder.
 const MANIFEST: &str = ".uavspec-manifest";

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use crate::msg::Dialect;
-use crate::read::PackageInput;
-use crate::release::{self, Entry, entries};
-use crate::source::SourceMap;
 use uavspec_definitions::releases::RELEASES;
+use uavspec_lint::release::{self, Entry, entries};
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::read::PackageInput;
+use uavspec_schema::source::SourceMap;
 
 /// The distribution whose packages are used: the newest one with long-term support.
 const DISTRIBUTION: &str = "jazzy";
@@ -70,7 +70,7 @@ mod tests {
             for package in &mut packages {
                 package.select = None;
             }
-            let (schema, diagnostics) = crate::read(&sources, &packages);
+            let (schema, diagnostics) = uavspec_schema::read(&sources, &packages);
             assert_eq!(diagnostics, []);
             let has = |name| schema.messages.iter().any(|message| message.name == name);
             // Range has one more field since Jazzy.

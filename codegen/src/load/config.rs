@@ -6,23 +6,22 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use toml::Spanned;
+use uavspec_emit::{EMITTERS, Emitter, Others, Output, emitter};
+use uavspec_schema::failure::Failure;
+use uavspec_schema::path::normalise;
+use uavspec_schema::wording::similar;
+use uavspec_schema::{Form, terminal};
 
 use super::built_in::BuiltIn;
 use super::lint::{Lint, PlannedLint};
 use super::located::failure_at;
-use crate::emit::{self, EMITTERS, Emitter, Others, Output, emitter};
-use crate::failure::Failure;
-use crate::path::normalise;
-use crate::schema::Form;
-use crate::terminal;
-use crate::wording::similar;
 
 /// Names of the file, in search order.
 const FILE_NAMES: [&str; 2] = ["uavspec.toml", "definitions/uavspec.toml"];
 
 /// A parsed `uavspec.toml`.
 #[derive(Debug)]
-pub(crate) struct Config {
+pub struct Config {
     /// The folder that contains the file. Paths in the file are relative to this folder.
     folder: PathBuf,
     /// The displayed path of the file.
@@ -87,13 +86,13 @@ enum DialectName {
 
 /// The packages to read and the outputs to write.
 #[derive(Debug)]
-pub(crate) struct Plan {
+pub struct Plan {
     /// The folder that displayed paths are relative to; empty for the current folder.
     pub(crate) root: PathBuf,
     /// The packages.
-    pub(crate) packages: Vec<PlannedPackage>,
+    pub packages: Vec<PlannedPackage>,
     /// The outputs.
-    pub(crate) outputs: Vec<PlannedOutput>,
+    pub outputs: Vec<PlannedOutput>,
     /// The path and text of the configuration file, to which diagnostics may point.
     pub(crate) config: Option<(String, String)>,
     /// The configuration of lint rules.
@@ -105,7 +104,7 @@ pub(crate) struct Plan {
     /// The Git revision of the sources; `None` for the working tree.
     pub(crate) revision: Option<String>,
     /// The texts of the files that are open in an editor. They are read instead of the files.
-    pub(crate) open: BTreeMap<PathBuf, String>,
+    pub open: BTreeMap<PathBuf, String>,
     /// The built-in packages that fill what the inputs lack.
     pub(crate) built_in: BuiltIn,
 }
@@ -121,8 +120,9 @@ pub(crate) struct PlannedConversion {
 
 /// A package to read.
 #[derive(Debug)]
-pub(crate) struct PlannedPackage {
-    pub(crate) name: String,
+pub struct PlannedPackage {
+    /// The name.
+    pub name: String,
     /// The location of the name in the configuration file.
     pub(crate) name_range: Option<Range<usize>>,
     pub(crate) form: Form,
@@ -138,7 +138,7 @@ pub(crate) struct PlannedPackage {
 
 impl PlannedPackage {
     /// A package in which all messages are selected.
-    pub(crate) fn new(name: &str, form: Form, inputs: Inputs) -> Self {
+    pub fn new(name: &str, form: Form, inputs: Inputs) -> Self {
         Self {
             name: name.to_owned(),
             name_range: None,
@@ -155,19 +155,23 @@ impl PlannedPackage {
 
 /// The location of a package's definitions.
 #[derive(Debug)]
-pub(crate) enum Inputs {
+pub enum Inputs {
     /// Glob patterns relative to a folder.
-    Patterns { folder: PathBuf, patterns: Vec<String> },
+    Patterns {
+        /// The folder.
+        folder: PathBuf,
+        /// The patterns.
+        patterns: Vec<String>,
+    },
     /// Files, and folders to search.
     Paths(Vec<PathBuf>),
     /// Files that were found.
-    #[cfg(feature = "lsp")]
     Files(Vec<PathBuf>),
 }
 
 /// An emitter and its output folder.
 #[derive(Debug)]
-pub(crate) struct PlannedOutput {
+pub struct PlannedOutput {
     pub(crate) path: PathBuf,
     pub(crate) output: Box<dyn Output>,
 }
@@ -192,7 +196,7 @@ impl Config {
     }
 
     /// Reads the file at `path`.
-    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
+    pub fn read(path: &Path) -> Result<Self, Failure> {
         let shown = terminal::path(path);
         let text =
             std::fs::read_to_string(path).map_err(|error| Failure::new(format!("{shown}: {error}")))?;
@@ -200,7 +204,7 @@ impl Config {
     }
 
     /// Parses the text of the file at `path`.
-    pub(crate) fn parse(path: &Path, text: String) -> Result<Self, Failure> {
+    pub fn parse(path: &Path, text: String) -> Result<Self, Failure> {
         let shown = terminal::path(path);
         let file: File = toml::from_str(&text).map_err(|error| unreadable(&shown, &text, &error))?;
         if file.packages.is_empty() {
@@ -217,7 +221,7 @@ impl Config {
     }
 
     /// The configuration file in `folder`, if one exists.
-    pub(crate) fn in_folder(folder: &Path) -> Option<PathBuf> {
+    pub fn in_folder(folder: &Path) -> Option<PathBuf> {
         FILE_NAMES.iter().map(|name| folder.join(name)).find(|path| path.is_file())
     }
 
@@ -227,7 +231,8 @@ impl Config {
         self
     }
 
-    pub(crate) fn plan(self) -> Result<Plan, Failure> {
+    /// Resolves paths, and checks all values that don't depend on the definitions.
+    pub fn plan(self) -> Result<Plan, Failure> {
         let folder = &self.folder;
         // Paths in a `definitions` folder are displayed relative to its parent: `definitions/px4/…`.
         let root = if folder.ends_with("definitions") { folder.join("..") } else { folder.clone() };
@@ -250,8 +255,8 @@ impl Config {
                 name_range: Some(package.name.span()),
                 name: package.name.into_inner(),
                 form: match package.dialect {
-                    DialectName::Px4 => Form::Msg(crate::msg::Dialect::Px4),
-                    DialectName::Ros2 => Form::Msg(crate::msg::Dialect::Ros2),
+                    DialectName::Px4 => Form::Msg(uavspec_schema::msg::Dialect::Px4),
+                    DialectName::Ros2 => Form::Msg(uavspec_schema::msg::Dialect::Ros2),
                     DialectName::Table => Form::Table,
                 },
                 inputs: Inputs::Patterns { folder: folder.clone(), patterns: package.include },
@@ -309,7 +314,7 @@ fn outputs(
         configured.insert(emitter.name, (range, table));
     }
     let tables = configured.iter().map(|(name, (_, table))| (*name, table.clone())).collect();
-    let read = |(emitter, (range, table)): (&Emitter, &(Range<usize>, emit::Table))| {
+    let read = |(emitter, (range, table)): (&Emitter, &(Range<usize>, uavspec_emit::Table))| {
         let mut output = emitter.read(table.options.clone()).map_err(|message| (range.clone(), message))?;
         output.complete(&Others { folder, path: &table.path, tables: &tables });
         Ok(PlannedOutput { path: normalise(&folder.join(&table.path)), output })
@@ -376,7 +381,7 @@ impl Plan {
     }
 
     /// A plan for packages, without outputs and without a configuration file.
-    pub(crate) fn of_packages(packages: Vec<PlannedPackage>) -> Self {
+    pub fn of_packages(packages: Vec<PlannedPackage>) -> Self {
         Self {
             root: PathBuf::new(),
             packages,

@@ -3,16 +3,17 @@
 use std::fs;
 use std::path::PathBuf;
 
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::name::is_identifier;
+
 use super::files::ros_package_of;
-use crate::msg::Dialect;
-use crate::name::is_identifier;
 
 /// Types that only ROS 2 has.
 const ROS_TYPES: [&str; 5] = ["string", "wstring", "byte", "time", "duration"];
 
 /// The dialect of files, and the name of their package. PX4's messages have a timestamp; files with types that only ROS 2
 /// has, and files in the folder of a ROS package, are ROS 2 interfaces. Files that show nothing are PX4 messages.
-pub(crate) fn detected(files: &[PathBuf]) -> (Dialect, String) {
+pub fn detected(files: &[PathBuf]) -> (Dialect, String) {
     let (mut num_px4, mut num_ros) = (0, 0);
     for file in files {
         let Ok(text) = fs::read_to_string(file) else { continue };

@@ -4,16 +4,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use uavspec_schema::failure::Failure;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::name::package_problem;
+use uavspec_schema::{Form, terminal};
 use walkdir::{DirEntry, WalkDir};
 
 use super::dialect::detected;
 use super::files::is_definition;
 use super::folder::{MANIFEST, is_skipped, manifest_name};
-use crate::failure::Failure;
-use crate::msg::Dialect;
-use crate::name::package_problem;
-use crate::schema::Form;
-use crate::terminal;
 
 /// A name for a package whose folder has no valid name.
 const DEFAULT_NAME: &str = "my_msgs";
@@ -70,26 +69,23 @@ fn make_names_unique(packages: &mut [FoundPackage]) {
 }
 
 /// The files and folders below a folder, sorted by name. Hidden folders, links and build output are skipped.
-pub(crate) fn entries(folder: &Path) -> impl Iterator<Item = walkdir::Result<DirEntry>> {
+pub fn entries(folder: &Path) -> impl Iterator<Item = walkdir::Result<DirEntry>> {
     let entries = WalkDir::new(folder).sort_by_file_name().into_iter();
     entries.filter_entry(|entry| entry.depth() == 0 || !is_skipped(entry))
 }
 
 /// The path of an entry that is a `.msg`, `.srv` or `.action` file.
-pub(crate) fn msg_file(entry: DirEntry) -> Option<PathBuf> {
+pub fn msg_file(entry: DirEntry) -> Option<PathBuf> {
     (entry.file_type().is_file() && is_msg_file(entry.path())).then(|| entry.into_path())
 }
 
 /// True for `.msg`, `.srv` and `.action` files.
-pub(crate) fn is_msg_file(path: &Path) -> bool {
+pub fn is_msg_file(path: &Path) -> bool {
     is_definition(path, Form::Msg(Dialect::Px4))
 }
 
 /// The files by the folders of their packages.
-pub(crate) fn by_package(
-    files: impl Iterator<Item = PathBuf>,
-    folder: &Path,
-) -> BTreeMap<PathBuf, Vec<PathBuf>> {
+pub fn by_package(files: impl Iterator<Item = PathBuf>, folder: &Path) -> BTreeMap<PathBuf, Vec<PathBuf>> {
     let mut packages: BTreeMap<PathBuf, Vec<PathBuf>> = BTreeMap::new();
     for file in files {
         packages.entry(root_of(&file, folder)).or_default().push(file);

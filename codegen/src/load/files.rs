@@ -6,40 +6,41 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use globset::{GlobBuilder, GlobSetBuilder};
+use uavspec_dynamic::conversion::Request;
+use uavspec_lint::release::{ReleaseText, Releases, age};
+use uavspec_schema::diagnostic::Diagnostic;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::msg::ast::{Element, Item};
+use uavspec_schema::msg::{self, Dialect, Kind};
+use uavspec_schema::name::package_problem;
+use uavspec_schema::path::normalise;
+use uavspec_schema::read::PackageInput;
+use uavspec_schema::source::{SourceId, SourceMap, Span};
+use uavspec_schema::{Form, terminal};
 use walkdir::WalkDir;
 
 use super::built_in::{self, BuiltIn};
 use super::config::{Inputs, Plan, PlannedPackage};
 use super::folder::{is_skipped, manifest_name};
 use super::located::failure_at;
-use crate::conversion::Request;
-use crate::diagnostic::Diagnostic;
-use crate::failure::Failure;
-use crate::msg::ast::{Element, Item};
-use crate::msg::{self, Dialect, Kind};
-use crate::name::package_problem;
-use crate::path::normalise;
-use crate::read::PackageInput;
-use crate::release::{ReleaseText, Releases, age};
-use crate::schema::Form;
-use crate::source::{SourceId, SourceMap, Span};
-use crate::terminal;
 
 /// Extensions of pages with tables.
 const PAGE_EXTENSIONS: [&str; 5] = ["md", "markdown", "adoc", "asciidoc", "txt"];
 
 /// The files of a plan, as sources.
-pub(crate) struct Loaded {
-    pub(crate) sources: SourceMap,
-    pub(crate) packages: Vec<PackageInput>,
+pub struct Loaded {
+    /// The texts.
+    pub sources: SourceMap,
+    /// The packages, with the files of each.
+    pub packages: Vec<PackageInput>,
     /// Diagnostics of sources that can't be read.
-    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub diagnostics: Vec<Diagnostic>,
     /// All files that were read.
     pub(crate) files: Vec<PathBuf>,
     /// The file of each source except the configuration file.
-    pub(crate) paths: BTreeMap<SourceId, PathBuf>,
+    pub paths: BTreeMap<SourceId, PathBuf>,
     /// Translation catalogues, if requested.
-    pub(crate) catalogues: Vec<SourceId>,
+    pub catalogues: Vec<SourceId>,
     /// The conversions that the plan requests. Their hints are read if catalogues are requested.
     pub(crate) conversions: Vec<Request>,
     /// The releases of each package, if requested.
@@ -47,12 +48,12 @@ pub(crate) struct Loaded {
     /// The names of built-in packages that definitions refer to.
     pub(crate) built_in: Vec<String>,
     /// The configuration file, to which findings may point.
-    pub(crate) config: Option<Span>,
+    pub config: Option<Span>,
 }
 
 impl Loaded {
     /// Replaces the texts of some sources. Each diagnostic gets the location in the new texts.
-    pub(crate) fn set_texts(&mut self, texts: &BTreeMap<SourceId, String>) {
+    pub fn set_texts(&mut self, texts: &BTreeMap<SourceId, String>) {
         self.sources = self.sources.with_texts(texts);
         // Excludes the configuration file.
         let has_path = |error: &Diagnostic| self.paths.contains_key(&self.sources.source_of(error.span));
@@ -60,8 +61,7 @@ impl Loaded {
     }
 
     /// The packages that some of the sources refer to, but that were not loaded.
-    #[cfg(feature = "lsp")]
-    pub(crate) fn missing_packages(&self, is_selected: impl Fn(SourceId) -> bool) -> BTreeSet<String> {
+    pub fn missing_packages(&self, is_selected: impl Fn(SourceId) -> bool) -> BTreeSet<String> {
         let mut missing = BTreeSet::new();
         for package in &self.packages {
             let sources = package.sources.iter().copied().filter(|id| is_selected(*id)).collect();
@@ -73,7 +73,6 @@ impl Loaded {
     }
 }
 
-#[cfg(feature = "cli")]
 impl Loaded {
     /// The files that were read, and the configuration file of the plan.
     pub(crate) fn inputs<'i>(&'i self, plan: &'i Plan) -> impl Iterator<Item = &'i Path> {
@@ -89,19 +88,19 @@ impl Loaded {
 }
 
 /// Reads all sources of `plan`, and the referenced ROS 2 packages in neighbouring folders.
-pub(crate) fn load(plan: &Plan) -> Result<Loaded, Failure> {
+pub fn load(plan: &Plan) -> Result<Loaded, Failure> {
     load_into(plan, SourceMap::default())
 }
 
 /// Reads all sources of `plan` into `sources`.
-pub(crate) fn load_into(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
+pub fn load_into(plan: &Plan, sources: SourceMap) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, sources)?;
     loader.ros_dependencies()?;
     Ok(loader.loaded)
 }
 
 /// Reads all sources of `plan`, the translation catalogues, the releases of the packages, and the hints for conversions.
-pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
+pub fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
     let mut loader = loader(plan, SourceMap::default())?;
     loader.releases()?;
     loader.ros_dependencies()?;
@@ -111,7 +110,7 @@ pub(crate) fn load_with_catalogues(plan: &Plan) -> Result<Loaded, Failure> {
 }
 
 /// Reads only the sources that `plan` lists, without referenced packages.
-pub(crate) fn load_named(plan: &Plan) -> Result<Loaded, Failure> {
+pub fn load_named(plan: &Plan) -> Result<Loaded, Failure> {
     Ok(loader(plan, SourceMap::default())?.loaded)
 }
 
@@ -410,7 +409,6 @@ fn files_of(package: &PlannedPackage) -> Result<Vec<PathBuf>, Failure> {
             files
         }
         Inputs::Patterns { folder, patterns } => files_matching(folder, patterns, package)?,
-        #[cfg(feature = "lsp")]
         Inputs::Files(files) => files.clone(),
     };
     files.sort();
@@ -465,7 +463,8 @@ fn expected_files(form: Form) -> String {
     }
 }
 
-pub(crate) fn is_definition(path: &Path, form: Form) -> bool {
+/// True if a file of this name may be a definition of this form.
+pub fn is_definition(path: &Path, form: Form) -> bool {
     let Some(extension) = path.extension().and_then(|extension| extension.to_str()) else { return false };
     match form {
         Form::Msg(_) => Kind::of(&format!(".{extension}")).is_some(),
@@ -564,7 +563,7 @@ fn or_current(folder: &Path) -> &Path {
 }
 
 /// Splits a pattern before its first component with a wildcard. The part before the split is the folder to search.
-pub(crate) fn literal_base(pattern: &str) -> (String, String) {
+pub fn literal_base(pattern: &str) -> (String, String) {
     let parts: Vec<&str> = pattern.split('/').collect();
     let literal = parts.iter().take_while(|part| !part.contains(['*', '?', '[', '{'])).count();
     (parts[..literal].join("/"), parts[literal..].join("/"))

@@ -3,9 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use uavspec_schema::name::package_problem;
 use walkdir::DirEntry;
-
-use crate::name::package_problem;
 
 /// The manifest of a ROS package.
 pub(super) const MANIFEST: &str = "package.xml";
@@ -21,7 +20,7 @@ pub(super) fn is_skipped(entry: &DirEntry) -> bool {
 }
 
 /// The name in the manifest of a ROS package.
-pub(crate) fn manifest_name(root: &Path) -> Option<String> {
+pub fn manifest_name(root: &Path) -> Option<String> {
     let text = fs::read_to_string(root.join(MANIFEST)).ok()?;
     let (_, rest) = text.split_once("<name>")?;
     let (name, _) = rest.split_once("</name>")?;

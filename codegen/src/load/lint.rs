@@ -6,12 +6,12 @@ use std::path::Path;
 use globset::{GlobBuilder, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
+use uavspec_lint::Preset;
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::path::normalise;
 
 use super::located::failure_at;
-use crate::diagnostic::Level;
-use crate::failure::Failure;
-use crate::lint::{self, Preset};
-use crate::path::normalise;
 
 /// The table `lint`.
 #[derive(Debug, Default, Deserialize)]
@@ -34,8 +34,7 @@ struct LintIgnore {
 }
 
 /// A preset of rule levels.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+#[derive(Clone, Copy, Debug, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum PresetName {
     /// Rules of PX4's documentation standard, and rules against ambiguous text
@@ -98,7 +97,7 @@ impl Lint {
     pub(crate) fn plan(self, folder: &Path, path: &str, text: &str) -> Result<PlannedLint, Failure> {
         let mut levels = BTreeMap::new();
         for (id, level) in self.levels {
-            if lint::rule(id.get_ref()).is_none() {
+            if uavspec_lint::rule(id.get_ref()).is_none() {
                 let message = format!("unknown rule `{}`", id.get_ref());
                 return Err(
                     failure_at(path, text, id.span(), &message).with_hint("`lint --rules` lists all rules")

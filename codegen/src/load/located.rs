@@ -1,8 +1,8 @@
 //! Errors in the configuration file.
 
-use crate::failure::Failure;
-use crate::render;
-use crate::source::SourceMap;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::render;
+use uavspec_schema::source::SourceMap;
 
 /// A failure caused by an error at a location in the configuration file.
 pub(super) fn failure_at(path: &str, text: &str, range: std::ops::Range<usize>, message: &str) -> Failure {

@@ -23,9 +23,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use uavspec_capture::mcap::OWN;
-use uavspec_codegen::dynamic::{DynamicMessage, MessageType};
-use uavspec_codegen::schema::{MessageId, derived_from};
-use uavspec_codegen::source::Span;
+use uavspec_dynamic::{DynamicMessage, MessageType};
 use uavspec_model::json::Tree;
 use uavspec_model::text::utf8;
 use uavspec_model::{Detail, Endpoint, Extent, Findings, Location, Message};
@@ -34,14 +32,15 @@ use uavspec_px4::json::{Clean, Dialects, MessageOrigin, Plans, decode};
 use uavspec_px4::memory::FieldCounts;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4;
+use uavspec_schema::source::Span;
+use uavspec_schema::{MessageId, derived_from};
 
 pub use self::cdr::decompressed;
 use self::cdr::{CdrChecker, TypeSource};
 pub(super) use self::clues::recording as recording_clues;
 pub(super) use self::folder::{check_folder, clues as folder_clues};
 pub(super) use self::mcap::KIND as MCAP;
-pub use self::mcap::LiveBag;
-pub use self::mcap::check_mcap;
+pub use self::mcap::{LiveBag, check_mcap};
 use self::network::Network;
 pub use self::network::{BusEndpoint, BusTopic};
 pub use self::open::{BagChannel, Basis, CheckStatus};

@@ -49,13 +49,13 @@ use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
-use uavspec_codegen::diagnostic::Level;
-use uavspec_codegen::finding::Finding;
-use uavspec_codegen::rewrite::{self, Change};
-use uavspec_codegen::source::{SourceId, Span};
-use uavspec_codegen::{Failure, SourceMap, render};
 use uavspec_model::text::terminal;
 use uavspec_model::{Excuse, Reason, Rule};
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::rewrite::{self, Change};
+use uavspec_schema::source::{SourceId, Span};
+use uavspec_schema::{Failure, SourceMap, render};
 
 pub use self::new::{NewEntry, list as new_list};
 use self::pattern::Pattern;

@@ -11,8 +11,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 pub use self::plan::Plan;
-pub use self::report::{Action, ConversionReport};
-pub use self::report::{Loss, TopicReport};
+pub use self::report::{Action, ConversionReport, Loss, TopicReport};
 use crate::Opened;
 
 /// The settings of a conversion.

@@ -17,7 +17,6 @@ mod types;
 
 use std::collections::HashMap;
 
-use uavspec_codegen::schema::json_type;
 use uavspec_flockwave::record::{Connection, Direction, SessionRecord, Trial};
 use uavspec_flockwave::session::parts;
 use uavspec_model::json::{SyntaxError, TRUNCATED, Tree};
@@ -25,6 +24,7 @@ use uavspec_model::text::{thousands, utf8};
 use uavspec_model::{Extent, Location};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::rule;
+use uavspec_schema::json_type;
 
 pub(super) use self::listeners::Listeners;
 use self::pieces::Pieces;

@@ -10,14 +10,14 @@ use std::io::Read;
 use serde::Serialize;
 use uavspec_capture::input::UpToError;
 use uavspec_capture::json::{Event, Problem, Reader};
-use uavspec_codegen::dynamic::DynamicView;
-use uavspec_codegen::schema::MessageId;
+use uavspec_dynamic::DynamicView;
 use uavspec_model::json::{SyntaxError, TRUNCATED, Tree};
 use uavspec_model::text::{plural, shown, utf8};
 use uavspec_model::{Channel, Extent, Location, Message};
 use uavspec_px4::json::{Clean, Dialects, MessageOrigin, Plans, decode};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4;
+use uavspec_schema::MessageId;
 
 pub(crate) use self::clues::Found;
 use self::envelope::{Channels, Fast, Open, read};

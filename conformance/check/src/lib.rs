@@ -46,13 +46,14 @@ use serde::Serialize;
 use uavspec_capture::foreign;
 use uavspec_capture::input::{self, Failure, FileState, Input, Object};
 use uavspec_capture::rosbag::metadata;
-use uavspec_codegen::schema::MessageId;
 use uavspec_model::{Extent, Findings, Location};
 use uavspec_rules::definitions::{Clues, Definitions, Library};
+use uavspec_schema::MessageId;
 
-pub use self::bag::check_mcap;
-pub use self::bag::{BagChannel, BagSummary, Basis, BusEndpoint, BusTopic, CheckStatus, McapSummary};
-pub use self::bag::{HASH, LiveBag, StatedType, decompressed, digest, stated_type};
+pub use self::bag::{
+    BagChannel, BagSummary, Basis, BusEndpoint, BusTopic, CheckStatus, HASH, LiveBag, McapSummary,
+    StatedType, check_mcap, decompressed, digest, stated_type,
+};
 pub use self::clock::Clock;
 use self::coverage::Parts;
 pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
@@ -60,10 +61,10 @@ pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
 pub use self::flockwave::FlockwaveChecker;
 pub(crate) use self::flockwave::is_flockwave;
 pub use self::flockwave::{FlockwaveSummary, TypeCount, UnreadTimes};
-pub use self::json::JsonSummary;
 #[doc(hidden)]
 pub use self::json::check_json_thoroughly;
-pub use self::log::LogSummary;
+pub use self::json::{JsonSummary, check_json};
+pub use self::log::{LogSummary, check_ulog};
 pub use self::observer::Observer;
 pub use self::open::{Opened, open_path};
 use self::release::Ahead;
@@ -71,7 +72,6 @@ pub use self::release::{OtherRelease, ReleaseMatch};
 use self::run::{CheckRun, Logged, microseconds};
 pub use self::summary::{Describe, Line, List, MAX_LISTED, Totals, names};
 pub use self::topic::{confirms, definition_of, definition_of_json, is_guess, shows_type, topic_of};
-pub use self::{json::check_json, log::check_ulog};
 
 /// The number of bytes used to detect the kind of a capture. The file is named by them if it is none.
 const START: usize = foreign::START;

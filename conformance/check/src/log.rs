@@ -10,8 +10,7 @@ use serde::{Serialize, Serializer};
 use uavspec_capture::input::UpToError;
 use uavspec_capture::ulog::{Data, Event, FormatSet, Item, Log, LogProblem, Problem, Reader, Record};
 use uavspec_capture::{ENCRYPTED_MAGIC, ULOG_MAGIC};
-use uavspec_codegen::dynamic::{FormatProblem, MessageType};
-use uavspec_codegen::schema::MessageId;
+use uavspec_dynamic::{FormatProblem, MessageType};
 use uavspec_model::text::{plural, shown};
 use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, SubjectName};
 use uavspec_px4::comparison::{Comparison, compare};
@@ -19,6 +18,7 @@ use uavspec_px4::format_plan::{FormatPlan, FormatPlans};
 use uavspec_px4::memory::time_offset;
 use uavspec_rules::definitions::{BATTERY_STATUS, Clues, Definitions, FormatClue, Library, VEHICLE_STATUS};
 use uavspec_rules::px4;
+use uavspec_schema::MessageId;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::release::{ComparedTopic, MAX_AHEAD, ReleaseMatch, release_lines, release_matches};

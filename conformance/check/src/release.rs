@@ -4,9 +4,9 @@ use std::io::{self, Read};
 
 use serde::Serialize;
 use uavspec_capture::input::UpToError;
-use uavspec_codegen::schema::MessageId;
 use uavspec_model::text::shown;
 use uavspec_rules::definitions::{Definitions, LoadedRelease};
+use uavspec_schema::MessageId;
 
 use super::Line;
 

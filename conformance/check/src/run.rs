@@ -4,8 +4,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::io;
 
-use uavspec_codegen::dynamic::DynamicView;
-use uavspec_codegen::source::Span;
+use uavspec_dynamic::DynamicView;
 use uavspec_flockwave::record::{Connection, Direction, SessionRecord};
 use uavspec_flockwave::session::{Exchange, Sessions, message_excerpt};
 use uavspec_model::json::Tree;
@@ -14,6 +13,7 @@ use uavspec_model::{ApplicationType, Channel, Endpoint, Extent, Findings, Locati
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::Interest;
 use uavspec_rules::{RuleContext, flockwave, px4};
+use uavspec_schema::source::Span;
 
 use super::coverage::Parts;
 use super::flockwave::{Listeners, Report};

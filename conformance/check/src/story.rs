@@ -23,11 +23,11 @@ use std::path::Path;
 
 use serde::Serialize;
 use uavspec_capture::input::Input;
-use uavspec_codegen::schema::MessageId;
 use uavspec_flockwave::record::SessionRecord;
 use uavspec_model::{Channel, Extent, Message};
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_rules::px4::Interest;
+use uavspec_schema::MessageId;
 
 use self::context::Context;
 pub use self::label::{Item, Label, Texts};

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Message, MessageId, Schema};
 use uavspec_model::json::Tree;
 use uavspec_rules::definitions::{Definitions, is_exchanged};
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::{Message, MessageId, Schema};
 
 /// The definition of a PX4 topic. Log converters may append an instance number: `sensor_accel_1`, `sensor_accel.01`.
 fn message_of(topic: &str, definitions: &Definitions) -> Option<MessageId> {

@@ -5,12 +5,12 @@ use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 use uavspec_check::check_capture;
-use uavspec_codegen::emit::vectors;
-use uavspec_codegen::schema::json_type::Direction;
+use uavspec_emit::vectors;
 use uavspec_flockwave::body_schema::Deviation;
 use uavspec_model::json::Tree;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::flockwave::attributed;
+use uavspec_schema::json_type::Direction;
 use uavspec_test_support::extent;
 
 static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);

@@ -8,11 +8,11 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use uavspec_check::check_capture;
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_model::Rule;
 use uavspec_model::json::Tree;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::flockwave::{RULES, env_07, env_24, env_25, env_27};
+use uavspec_schema::json_type::Direction;
 
 /// The maximum length of a line, in characters.
 const MAX_LINE: usize = 100;

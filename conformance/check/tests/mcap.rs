@@ -14,11 +14,11 @@ use std::sync::{Arc, LazyLock};
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use serde_json::{Value, json};
 use uavspec_check::{Basis, CaptureResult, CheckStatus, McapSummary, Summary, check_capture};
-use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_model::{Group, Location, Verdict};
 use uavspec_px4::comparison::Comparison;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::{RULES, rule};
+use uavspec_schema::fingerprint::ros_name;
 use uavspec_test_captures::mcap::{FORMS, Form, channel, chunked, file, message, message_at, schema};
 
 const GLIDER: &str = "\

@@ -2,15 +2,14 @@
 
 use proptest::prelude::*;
 use serde_json::json;
-use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Form, MessageId};
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_dynamic::Types;
 use uavspec_model::json::Tree;
 use uavspec_model::{Findings, Location};
 use uavspec_px4::json::{MessageOrigin, Plans, Template};
 use uavspec_px4::memory::Plan;
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{Form, MessageId, PackageInput, SourceMap, read};
 use uavspec_test_support::extent;
 
 /// The texts that replace random pieces of a message.

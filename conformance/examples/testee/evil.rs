@@ -2,12 +2,11 @@
 //! requests if there is no id.
 
 use std::io::{self, Write};
-use std::process;
-use std::thread;
 use std::time::Duration;
+use std::{process, thread};
 
 use serde_json::{Value, json};
-use uavspec_codegen::dynamic::{PlacedElement, Types};
+use uavspec_dynamic::{PlacedElement, Types};
 use uavspec_runtime::Scalar;
 
 /// The size of a flood in bytes, larger than a pipe's buffer.

@@ -22,9 +22,9 @@ mod plain;
 #[cfg_attr(not(feature = "schemas"), path = "body_schema/absent.rs")]
 mod schemas;
 
-use uavspec_codegen::schema::json_type::Direction;
-use uavspec_codegen::source::Span;
 use uavspec_model::json::{Tree, pointer};
+use uavspec_schema::json_type::Direction;
+use uavspec_schema::source::Span;
 
 pub use self::bodies::DefinedSchemas;
 pub use self::plain::{Members, Scalar};

@@ -17,12 +17,11 @@ mod vocabulary;
 
 use std::collections::BTreeSet;
 
-use uavspec_codegen::schema::json_type;
 use uavspec_model::Location;
 use uavspec_model::json::Tree;
+use uavspec_schema::json_type;
 
-pub use self::exchange::seconds;
-pub use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role, message_excerpt};
+pub use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role, message_excerpt, seconds};
 use self::ids::Ids;
 pub use self::operation::{Named, Operation, Stage};
 use self::remembered::Remembered;

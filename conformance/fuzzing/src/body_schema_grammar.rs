@@ -2,8 +2,8 @@
 
 use jsonschema::Draft;
 use serde_json::{Map, Value, json};
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_model::json::Tree;
+use uavspec_schema::json_type::Direction;
 
 use super::Choices;
 use super::schemas::{BODIES, TYPE, body_schema, loaded};

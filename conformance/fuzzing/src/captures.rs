@@ -11,12 +11,12 @@ use uavspec_capture::rosbag::metadata::Metadata;
 use uavspec_capture::{MCAP_MAGIC, ULOG_MAGIC, input};
 use uavspec_check::story::{Story, Texts};
 use uavspec_check::{CaptureResult, Summary, check_bytes, check_capture, check_json_thoroughly};
-use uavspec_codegen::translation::Translations;
 use uavspec_model::Location;
 use uavspec_report::story::{to_html, to_json, to_text};
 use uavspec_report::{CheckedCapture, Settings, Subject, subject_text};
 use uavspec_rules::flockwave::sample::Session;
 use uavspec_rules::sample::{Encoding, Flight};
+use uavspec_schema::translation::Translations;
 
 use super::{DEFINITIONS, LIBRARY, Pieces};
 

@@ -8,9 +8,9 @@ use uavspec_capture::MCAP_MAGIC;
 use uavspec_capture::mcap::{Event, Reader};
 use uavspec_check::Opened;
 use uavspec_check::convert::{Action, ConversionReport, Plan, Settings, convert};
-use uavspec_codegen::Failure;
 use uavspec_rules::definitions::Library;
 use uavspec_rules::sample::{Bag, Flight};
+use uavspec_schema::Failure;
 
 use super::Pieces;
 

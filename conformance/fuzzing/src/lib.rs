@@ -6,6 +6,7 @@ mod bag_metadata;
 mod body_schema_grammar;
 mod captures;
 mod conversions;
+pub mod definitions;
 mod lists;
 #[cfg(feature = "schemas")]
 mod schemas;

@@ -2,10 +2,10 @@
 
 use std::fs;
 
-use uavspec_codegen::schema::json_type::Direction;
-use uavspec_codegen::terminal::shown;
 use uavspec_flockwave::body_schema::Schemas;
 use uavspec_model::json::Tree;
+use uavspec_schema::json_type::Direction;
+use uavspec_schema::terminal::shown;
 
 use super::DEFINITIONS;
 

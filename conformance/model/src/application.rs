@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_codegen::schema::fingerprint::{hashed_text, ros_name};
-use uavspec_codegen::schema::{Message, Schema};
+use uavspec_schema::fingerprint::{hashed_text, ros_name};
+use uavspec_schema::{Message, Schema};
 
 /// A message type of PX4 in an application.
 #[derive(Clone, Debug, PartialEq, Eq)]

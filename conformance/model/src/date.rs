@@ -1,7 +1,6 @@
 //! Calendar days, for the expiry of known failures.
 
-use std::env;
-use std::fmt;
+use std::{env, fmt};
 
 use crate::clock::Clock;
 

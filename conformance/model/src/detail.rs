@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-use uavspec_codegen::schema::Restriction;
 use uavspec_runtime::{Constraint, Number, Rule};
+use uavspec_schema::Restriction;
 
 /// The maximum number of documented values to list.
 const MAX_LISTED: usize = 12;

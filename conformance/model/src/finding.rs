@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_codegen::source::Span;
+use uavspec_schema::source::Span;
 
 use crate::{Detail, Excuse, Level, Location, Rule, SubjectName};
 

@@ -9,7 +9,6 @@ pub mod tls;
 
 pub use self::address::Address;
 pub use self::connection::{Connection, explain, resolve};
-pub use self::files::open_files;
-pub use self::files::raise_open_files;
+pub use self::files::{open_files, raise_open_files};
 pub use self::stream::Stream;
 pub use self::timed::is_silence;

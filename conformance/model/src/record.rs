@@ -3,8 +3,8 @@
 use std::fmt;
 
 use serde::Serialize;
-use uavspec_codegen::dynamic::DynamicView;
-use uavspec_codegen::schema::MessageId;
+use uavspec_dynamic::DynamicView;
+use uavspec_schema::MessageId;
 
 use super::SubjectName;
 use crate::text::thousands;

@@ -7,13 +7,12 @@ mod wrap;
 use std::borrow::Cow;
 
 // All text from captures, servers, testees, files and arguments passes through this function before it is shown.
-pub use uavspec_codegen::terminal::{self, shown};
-pub use uavspec_codegen::wording::{plural, similar, thousands};
+pub use uavspec_schema::terminal::{self, shown};
+pub use uavspec_schema::wording::{plural, similar, thousands};
 
 pub use self::command_line::command_line;
-pub use self::secrets::without_secrets;
 pub use self::secrets::{
-    HIDDEN, is_object_url, shown_url, shown_value, shown_words, without_login, without_query,
+    HIDDEN, is_object_url, shown_url, shown_value, shown_words, without_login, without_query, without_secrets,
 };
 pub use self::wrap::wrapped;
 

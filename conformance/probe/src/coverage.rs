@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 use serde_json::Value;
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::json_type::Direction;
 
 use super::commands::COMMANDS;
 use super::options::Options;

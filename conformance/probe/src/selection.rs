@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_flockwave::transport::endpoint::Endpoint;
 use uavspec_model::Rule;
 use uavspec_model::text::similar;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::flockwave::{RULES, trial};
+use uavspec_schema::json_type::Direction;
 
 /// The rules, trials and message types that a probe uses.
 ///

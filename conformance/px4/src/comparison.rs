@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::shape_text;
+use uavspec_dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_model::Detail;
+use uavspec_schema::shape_text;
 
 /// The result of comparing a format with its definition.
 #[derive(Clone, Debug, PartialEq, Eq)]

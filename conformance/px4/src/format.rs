@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::Shape;
+use uavspec_dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_runtime::Scalar;
+use uavspec_schema::Shape;
 
 /// The fields of a type's format, with the padding of the memory layout.
 pub fn fields(ty: MessageType<'_>) -> String {

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use uavspec_capture::ulog::FormatSet;
-use uavspec_codegen::dynamic::MessageType;
-use uavspec_codegen::schema::{MessageId, Schema};
+use uavspec_dynamic::MessageType;
+use uavspec_schema::{MessageId, Schema};
 
 use super::ValueRules;
 use super::comparison::Comparison;

@@ -10,12 +10,12 @@ mod screen;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement, sequence};
-use uavspec_codegen::schema::{MessageId, Restriction, Schema, Shape};
-use uavspec_codegen::source::Span;
+use uavspec_dynamic::{MessageType, Placed, PlacedElement, sequence};
 use uavspec_model::text::start_of;
 use uavspec_model::{Findings, Location, Rule, SubjectName, hexadecimal};
 use uavspec_runtime::{Number, Scalar};
+use uavspec_schema::source::Span;
+use uavspec_schema::{MessageId, Restriction, Schema, Shape};
 
 use self::healthy::Healthy;
 use self::screen::Screen;

@@ -7,10 +7,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use uavspec_codegen::schema::{self, Dialect, Form, MessageId, Restriction, Schema, Shape};
-use uavspec_codegen::source::Span;
 use uavspec_model::{Detail, Findings, Rule};
 use uavspec_runtime::{Number, Rule as Demand, Scalar};
+use uavspec_schema::source::Span;
+use uavspec_schema::{Dialect, Form, MessageId, Restriction, Schema, Shape};
 
 /// The rules on single values.
 #[derive(Debug)]
@@ -319,7 +319,7 @@ impl Plans {
 
 impl MessagePlan {
     /// Compiles the constraints of a message, except for its coverage in JSON.
-    pub(super) fn new(message: &schema::Message, schema: &Schema) -> Self {
+    pub(super) fn new(message: &uavspec_schema::Message, schema: &Schema) -> Self {
         Self {
             name: message.name.clone(),
             fields: (0..message.fields.len()).map(|index| FieldPlan::new(message, index, schema)).collect(),
@@ -331,17 +331,19 @@ impl MessagePlan {
 }
 
 impl FieldPlan {
-    fn new(message: &schema::Message, index: usize, schema: &Schema) -> Self {
+    fn new(message: &uavspec_schema::Message, index: usize, schema: &Schema) -> Self {
         let field = &message.fields[index];
         let (element, shape) = match (field.ty.element, field.ty.shape) {
-            (schema::Element::Scalar(Scalar::Char), Shape::Array(length)) if has_text(message, schema) => {
+            (uavspec_schema::Element::Scalar(Scalar::Char), Shape::Array(length))
+                if has_text(message, schema) =>
+            {
                 (Element::Text(length), Shape::Single)
             }
-            (schema::Element::Scalar(scalar), shape) => (Element::Scalar(scalar), shape),
-            (schema::Element::String { wide, bound }, shape) => {
+            (uavspec_schema::Element::Scalar(scalar), shape) => (Element::Scalar(scalar), shape),
+            (uavspec_schema::Element::String { wide, bound }, shape) => {
                 (Element::String { is_wide: wide, bound }, shape)
             }
-            (schema::Element::Message(id), shape) => (Element::Message(id), shape),
+            (uavspec_schema::Element::Message(id), shape) => (Element::Message(id), shape),
         };
         let slots = message.uorb.iter().flat_map(|layout| &layout.slots);
         let slot = slots.into_iter().find(|slot| slot.field == Some(index));
@@ -382,7 +384,7 @@ pub(super) fn entries_in_use(count: i128, special: &[Number]) -> usize {
 }
 
 /// True if `char` is text. In ROS 2, `char` is a number.
-fn has_text(message: &schema::Message, schema: &Schema) -> bool {
+fn has_text(message: &uavspec_schema::Message, schema: &Schema) -> bool {
     schema.package_of(message).form == Form::Msg(Dialect::Px4)
 }
 

@@ -326,7 +326,7 @@ fn finding(
         level: rule.level,
         status: if is_disputed { DISPUTED.to_owned() } else { rule.status.to_string() },
         statement: rule.statement,
-        url: uavspec_codegen::report::rule_url(rule.id),
+        url: uavspec_lint::report::rule_url(rule.id),
         verdict: if known.is_some() { Verdict::Known } else { verdict },
         subject: group.name().to_string(),
         count: *count,

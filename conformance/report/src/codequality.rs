@@ -2,8 +2,8 @@
 
 use std::io::{self, Write};
 
-use uavspec_codegen::report::Entry;
-use uavspec_codegen::report::codequality::{Issues, write_list};
+use uavspec_lint::report::Entry;
+use uavspec_lint::report::codequality::{Issues, write_list};
 
 use super::entries::{of_run, of_subject};
 use super::format::{Format, Run};

@@ -1,10 +1,10 @@
 //! The entries of formats for CI systems and editors: one for each group of findings, at the location of the group's
 //! first finding.
 
-use uavspec_codegen::diagnostic::Level;
-use uavspec_codegen::report::{Entry, Place, Region};
+use uavspec_lint::report::{Entry, Place, Region};
 use uavspec_model::Extent;
 use uavspec_model::text::shown;
+use uavspec_schema::diagnostic::Level;
 
 use super::{
     About, Case, CaseVerdict, Corruption, Definition, Finding, Outcome, OutcomeKind, Report, Subject, Testee,

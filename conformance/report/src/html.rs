@@ -11,9 +11,8 @@ mod testee;
 use std::io::{self, Write};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
-use uavspec_codegen::terminal::guarded;
-use uavspec_model::text::shown;
-use uavspec_model::text::thousands;
+use uavspec_model::text::{shown, thousands};
+use uavspec_schema::terminal::guarded;
 
 use super::by_rule::Groups;
 use super::format::{Format, Run};

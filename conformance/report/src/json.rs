@@ -4,7 +4,7 @@
 
 use std::io::{self, Write};
 
-use uavspec_codegen::json_text;
+use uavspec_schema::json_text;
 
 use super::format::{Format, Run};
 use super::spool::Spool;

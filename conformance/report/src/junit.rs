@@ -6,12 +6,12 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use uavspec_codegen::report::Region;
-use uavspec_codegen::report::junit::{self, Outcome, Reason, Suite};
-use uavspec_codegen::terminal::guarded;
+use uavspec_lint::report::Region;
+use uavspec_lint::report::junit::{self, Outcome, Reason, Suite};
 use uavspec_model::Rule;
 use uavspec_model::text::shown;
 use uavspec_rules::rule;
+use uavspec_schema::terminal::guarded;
 
 use super::entries::{place, region};
 use super::format::{Format, Run};

@@ -467,7 +467,7 @@ impl RuleReport {
             statement: rule.statement,
             source: rule.source,
             applies_to: rule.applies_to,
-            url: uavspec_codegen::report::rule_url(rule.id),
+            url: uavspec_lint::report::rule_url(rule.id),
             verdict: Verdict::NotCovered,
             covered: 0,
             findings: 0,

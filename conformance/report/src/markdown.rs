@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 
 use uavspec_check::Line;
-use uavspec_codegen::emit::docs::markdown::{
+use uavspec_emit::docs::markdown::{
     Page, Table, code, link, number_column, text_column, untrusted as text, with_code,
 };
-use uavspec_codegen::terminal::guarded;
 use uavspec_model::text::{plural, shown, thousands};
+use uavspec_schema::terminal::guarded;
 
 use super::by_rule::{ByRule, Group, Groups, Listed};
 use super::format::{Format, Run};

@@ -6,11 +6,11 @@ mod text;
 use std::collections::BTreeSet;
 
 use serde::Serialize;
-use uavspec_codegen::json_text;
-use uavspec_codegen::report::rule_url;
+use uavspec_lint::report::rule_url;
 use uavspec_model::{Level, Rule, Status};
 use uavspec_probe::self_test::Row;
 use uavspec_rules::{Mutant, checked_by, mutants};
+use uavspec_schema::json_text;
 
 pub use self::pages::{CONTENTS, pages};
 pub use self::text::{list as to_text, matrix as matrix_text, rule as rule_text};

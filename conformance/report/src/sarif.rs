@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
-use uavspec_codegen::diagnostic::Level;
-use uavspec_codegen::report::sarif::{Results, write_log};
-use uavspec_codegen::report::{Entry, RuleInfo};
+use uavspec_lint::report::sarif::{Results, write_log};
+use uavspec_lint::report::{Entry, RuleInfo};
+use uavspec_schema::diagnostic::Level;
 
 use super::entries::{OTHERS, failed_cases, of_run, of_subject};
 use super::format::{Format, Run};

@@ -9,9 +9,9 @@
 use std::fmt::{self, Write as _};
 use std::io::{self, Write};
 
-use uavspec_codegen::terminal::guarded;
 use uavspec_model::Location;
 use uavspec_model::text::{shown, thousands};
+use uavspec_schema::terminal::guarded;
 
 use super::format::{Format, Run};
 use super::spool::Spool;

@@ -9,8 +9,8 @@ mod text;
 
 use uavspec_check::ReleaseMatch;
 use uavspec_check::story::{Change, Lane, LaneKind, Story, TopicStatus, Value};
-use uavspec_codegen::json_text;
 use uavspec_model::text::{plural, shown};
+use uavspec_schema::json_text;
 
 pub use self::html::to_html;
 pub use self::text::to_text;

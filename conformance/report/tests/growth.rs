@@ -9,14 +9,14 @@ use serde_json::json;
 use uavspec_check::baseline::{Checked, Lists, Name, Outcome, Scope};
 use uavspec_check::story::{Story, Texts};
 use uavspec_check::{CaptureResult, check_bytes, check_capture};
-use uavspec_codegen::diagnostic::Level;
-use uavspec_codegen::translation::Translations;
 use uavspec_model::Date;
 use uavspec_report::story::{to_html, to_json, to_text};
 use uavspec_report::{Action, CheckedCapture, Kind, Report, Settings, Subject};
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_rules::flockwave::sample::Session;
 use uavspec_rules::px4;
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::translation::Translations;
 use uavspec_test_captures::mcap::{Form, channel, chunk, file, message, record, schema, text};
 use uavspec_test_support::{Writer, extent};
 

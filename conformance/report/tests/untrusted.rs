@@ -12,9 +12,9 @@ use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use quick_junit::{Report as Junit, TestCaseStatus, XmlString};
 use regex_lite::Regex;
 use serde_json::Value;
-use uavspec_codegen::terminal::{Guard, guarded};
 use uavspec_report::story::{to_html, to_json, to_text};
 use uavspec_report::{Kind, Report};
+use uavspec_schema::terminal::{Guard, guarded};
 use uavspec_test_support::extent;
 
 /// Fragments that mean something to a terminal, a CI system, a markup language or a site.

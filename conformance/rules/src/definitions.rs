@@ -20,26 +20,23 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use uavspec_capture::ulog::{FormatCache, FormatSet};
-use uavspec_codegen::dynamic::Types;
 use uavspec_codegen::load::{self, read_definitions_for_captures};
-use uavspec_codegen::msg::{Dialect, Kind};
-use uavspec_codegen::release;
-use uavspec_codegen::schema::fingerprint::{ros_name, service_hash_of_event};
-use uavspec_codegen::schema::{Form, Message, MessageId, Package, Schema};
-use uavspec_codegen::source::Span;
-use uavspec_codegen::translation::{self, Translations};
-use uavspec_codegen::{Failure, PackageInput, SourceMap, read};
 use uavspec_definitions::{Dir, FLOCKWAVE, I18N, PX4};
+use uavspec_dynamic::Types;
 use uavspec_flockwave::body_schema::{BodySchemas, DefinedSchemas, SchemaError, Schemas};
+use uavspec_lint::release;
 use uavspec_model::text::terminal;
 use uavspec_px4::format_plan::{FormatPlans, PlanCache};
+use uavspec_schema::fingerprint::{ros_name, service_hash_of_event};
+use uavspec_schema::msg::{Dialect, Kind};
+use uavspec_schema::source::Span;
+use uavspec_schema::translation::{self, Translations};
+use uavspec_schema::{Failure, Form, Message, MessageId, Package, PackageInput, Schema, SourceMap, read};
 
 pub use self::choice::{Clues, FormatClue, JsonClue, TypeClue};
-pub use self::index::Family;
 use self::index::Index;
-pub use self::index::{ReleaseId, Row, newest_ros2, read_schema};
-pub use self::library::Library;
-pub use self::library::ros_package;
+pub use self::index::{Family, ReleaseId, Row, newest_ros2, read_schema};
+pub use self::library::{Library, ros_package};
 pub(crate) use self::released::{ReleasedType, released_type};
 
 /// The start of the line with the version of a message in a release.
@@ -388,9 +385,9 @@ pub fn versioned(topic: &str, version: Option<u32>) -> String {
 mod tests {
     use std::collections::BTreeSet;
 
-    use uavspec_codegen::schema::JsonMessage;
-    use uavspec_codegen::schema::json_type::{Direction, JsonPart};
     use uavspec_flockwave::session::{OPERATION, OPERATIONS, PARTS, parts};
+    use uavspec_schema::JsonMessage;
+    use uavspec_schema::json_type::{Direction, JsonPart};
 
     use super::*;
 

@@ -19,9 +19,9 @@ pub mod flockwave;
 pub mod px4;
 pub mod sample;
 
-use uavspec_codegen::schema::MessageId;
-use uavspec_codegen::source::Span;
 use uavspec_model::{Counted, Detail, Findings, Location, Rule, SubjectName};
+use uavspec_schema::MessageId;
+use uavspec_schema::source::Span;
 
 use self::sample::Flight;
 use crate::definitions::Definitions;

@@ -37,12 +37,12 @@ mod time_02;
 mod type_01;
 mod ver_01;
 
-use uavspec_codegen::schema::MessageId;
 use uavspec_model::{
     ApplicationType, Channel, Detail, Endpoint, Level, Location, Message, Rule, Status, SubjectName,
 };
 use uavspec_px4::ValueRules;
 use uavspec_runtime::Rule as Demand;
+use uavspec_schema::MessageId;
 
 pub use self::bug::{Bug, Needs, Sent, Side, merge};
 /// The names of mode requirements, and the flags that belong to them.

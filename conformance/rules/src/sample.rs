@@ -13,13 +13,12 @@ mod log;
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Placed};
-use uavspec_codegen::emit::vectors;
-use uavspec_codegen::schema::{Element, Field, Message, MessageId, Restriction, Shape};
+use uavspec_dynamic::{DynamicMessage, MessageType, Placed};
+use uavspec_emit::vectors;
 use uavspec_runtime::{Constraint, Number, Rule};
+use uavspec_schema::{Element, Field, Message, MessageId, Restriction, Shape};
 
-pub use self::bag::Bag;
-pub use self::bag::BagChannel;
+pub use self::bag::{Bag, BagChannel};
 pub use self::encoding::Encoding;
 pub(crate) use self::lines::Lines;
 pub use self::log::{Entry, Log};

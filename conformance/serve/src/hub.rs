@@ -11,18 +11,16 @@ use uavspec::flockwave::json::{
     LogMessage, LogSeverity, Notification, ObjectId, Request, Response, Timestamp, dev_inf, obj_del,
     sys_close, sys_msg, uav_inf,
 };
-use uavspec_rules::flockwave::{FlockwaveRule, Outgoing};
 use uavspec_rules::flockwave::{
-    ack_06, asy_04, asy_04i, asy_14, env_05i, env_19, env_22, env_27, obj_del_02,
+    FlockwaveRule, Outgoing, ack_06, asy_04, asy_04i, asy_14, env_05i, env_19, env_22, env_27, obj_del_02,
 };
 
-use super::Options;
 use super::message::{envelope, enveloped, refusal, text, value};
 use super::operation::Operation;
 use super::request::{Incoming, read};
-use super::skybrush;
 use super::uav::Uav;
 use super::world::World;
+use super::{Options, skybrush};
 
 /// The step of the simulation, in seconds.
 const STEP: f64 = 0.05;

@@ -48,12 +48,11 @@ mod tests;
 mod uav;
 mod world;
 
-use std::fmt;
-use std::io;
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
+use std::{fmt, io};
 
 use uavspec_model::clock::Clock;
 use uavspec_rules::flockwave::FlockwaveRule;

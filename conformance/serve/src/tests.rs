@@ -16,9 +16,8 @@ use uavspec_rules::flockwave::{
 };
 use uavspec_test_support::{extent, wait_for};
 
-use super::family;
 use super::hub::{ConnectionKind, Hub, SessionId, Sink};
-use super::{Options, Server, Transport};
+use super::{Options, Server, Transport, family};
 
 /// Rules whose bug can't be observed by a single client that sends one request at a time. `tests/live_matrix.rs` covers
 /// the bugs of transports and concurrent requests. Another test in this file covers the login bug.

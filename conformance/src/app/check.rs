@@ -11,14 +11,13 @@ use uavspec_capture::input::Input;
 use uavspec_check::baseline::Scope;
 use uavspec_check::story::{Story, Texts};
 use uavspec_check::{Checked, parallel};
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::MessageId;
 use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
 use uavspec_model::{Reason, Rule};
-use uavspec_report::Origin;
-use uavspec_report::{Action, CheckedCapture, Report, Settings, Subject, Totals, Unreadable};
+use uavspec_report::{Action, CheckedCapture, Origin, Report, Settings, Subject, Totals, Unreadable};
 use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_schema::MessageId;
+use uavspec_schema::msg::Dialect;
 
 use super::baseline::{BaselineArgs, count_capture, count_unread};
 use super::explain::texts;

@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 use uavspec_check::convert::{Action, ConversionReport, Error, Plan, Settings, convert};
 use uavspec_check::{Opened, open_path};
-use uavspec_codegen::Failure;
-use uavspec_codegen::stage::write_file;
 use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Library;
+use uavspec_schema::Failure;
+use uavspec_schema::stage::write_file;
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;

@@ -10,10 +10,10 @@ use std::str::FromStr;
 use clap::Args;
 use uavspec_capture::names::is_capture;
 use uavspec_check::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
-use uavspec_codegen::stage::write_file;
 use uavspec_model::Extent;
 use uavspec_model::text::{plural, terminal};
 use uavspec_report::story::{to_html, to_json, to_text};
+use uavspec_schema::stage::write_file;
 
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;

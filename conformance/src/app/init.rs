@@ -7,10 +7,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use uavspec_codegen::Failure;
 use uavspec_codegen::load::{FoundPackage, find_packages, package_name};
-use uavspec_codegen::msg::Dialect;
 use uavspec_model::text::{command_line, terminal};
+use uavspec_schema::Failure;
+use uavspec_schema::msg::Dialect;
 
 use self::files::{Files, RUNTIME};
 use super::Status;

@@ -1,7 +1,6 @@
 //! `uavspec lsp`.
 
 use clap::Args;
-use uavspec_codegen::lsp;
 use uavspec_model::text::terminal;
 use uavspec_report::explain::History;
 use uavspec_rules::definitions::Library;
@@ -27,7 +26,7 @@ pub(super) struct LspArgs {
 pub(super) fn run(_: &LspArgs) -> Status {
     let library = Library::built_in();
     let history = History::new(&library);
-    match lsp::run(&|message, item| history.lines(message, item)) {
+    match uavspec_lsp::run(&|message, item| history.lines(message, item)) {
         Ok(()) => Status::Conforms,
         Err(failure) => {
             terminal::eprintln!("{failure}");

@@ -6,9 +6,9 @@
 use std::path::{Path, PathBuf};
 
 use uavspec_capture::rosbag::metadata::files_of;
-use uavspec_codegen::identity::Identity;
 use uavspec_codegen::load::definition_files;
 use uavspec_model::text::terminal;
+use uavspec_schema::identity::Identity;
 use walkdir::WalkDir;
 
 use super::Status;

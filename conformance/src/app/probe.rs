@@ -15,8 +15,7 @@ use uavspec_model::Rule;
 use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
 use uavspec_probe::{Options, Probed, Selection, probe};
-use uavspec_report::Origin;
-use uavspec_report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
+use uavspec_report::{Action, CheckedCapture, Origin, Report, Settings, Subject, Unreadable};
 use uavspec_rules::definitions::Definitions;
 
 use self::vehicle::VehicleArgs;

@@ -8,10 +8,11 @@ use std::str::FromStr;
 use anstream::StripStream;
 use clap::{Args, ValueEnum as _};
 use uavspec_check::story::Story;
-use uavspec_codegen::stage::{folder_of, write_file};
 use uavspec_model::text::terminal;
-use uavspec_report::{Action, Kind, Report, Stream, Subject, Totals, Unreadable, end_text, subject_text};
-use uavspec_report::{Origin, TableFormat};
+use uavspec_report::{
+    Action, Kind, Origin, Report, Stream, Subject, TableFormat, Totals, Unreadable, end_text, subject_text,
+};
+use uavspec_schema::stage::{folder_of, write_file};
 
 use super::Status;
 use super::baseline::{BaselineArgs, NewBaseline};

@@ -184,10 +184,9 @@ mod tests {
     use futures_util::TryStreamExt as _;
     use object_store::aws::AmazonS3Builder;
     use object_store::{ObjectMeta, ObjectStore as _};
-
-    use super::*;
     use uavspec_capture::input::{Failure, Input};
 
+    use super::*;
     use crate::list;
 
     fn runtime() -> &'static tokio::runtime::Runtime {

@@ -15,11 +15,10 @@ use object_store::{
     ClientConfigKey, ClientOptions, ObjectMeta, ObjectStore, ObjectStoreExt as _, ObjectStoreScheme,
     RetryConfig,
 };
-use uavspec_model::text::{shown_url, thousands, utf8};
-use url::{Position, Url};
-
 use uavspec_capture::input::{Failure, Input, Listed, Object as _};
 use uavspec_capture::names::is_capture;
+use uavspec_model::text::{shown_url, thousands, utf8};
+use url::{Position, Url};
 
 use crate::client::{Budget, Connector};
 use crate::object::Object;

@@ -1,10 +1,9 @@
 //! The captures.
 
 use uavspec_check::{ReleaseMatch, Summary};
+use uavspec_report::{About, Origin, Subject};
 
 use super::column::{Column, Table};
-use uavspec_report::Origin;
-use uavspec_report::{About, Subject};
 
 pub(super) static TABLE: Table<CaptureRow> = Table {
     name: "captures",

@@ -9,18 +9,16 @@ use arrow_array::RecordBatch;
 use uavspec_capture::input::Input;
 use uavspec_check::story::{Story as CaptureStory, Texts};
 use uavspec_check::{Checked as CheckedInput, parallel};
-use uavspec_codegen::Failure;
 use uavspec_model::clock::Clock;
 use uavspec_model::text::shown_url;
+use uavspec_report::story::{to_json, to_text};
+use uavspec_report::{Action, CheckedCapture, Origin, Report, Settings, Subject, Unreadable};
 use uavspec_rules::definitions::Library;
+use uavspec_schema::Failure;
 
 use super::messages::{self, Messages};
 use super::rows::{Rows, TABLES};
-use super::timeline;
-use super::{failures, find};
-use uavspec_report::Origin;
-use uavspec_report::story::{to_json, to_text};
-use uavspec_report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
+use super::{failures, find, timeline};
 
 /// The language of the labels in the text of a story.
 const ENGLISH: &str = "en";

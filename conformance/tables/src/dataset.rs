@@ -22,14 +22,13 @@ use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
 use uavspec_check::story::Story;
-use uavspec_codegen::stage::{Stage, write_file};
 use uavspec_model::text::terminal;
+use uavspec_report::{Origin, Subject, TableFormat, Unreadable};
+use uavspec_schema::stage::{Stage, write_file};
 
 use super::done::Done;
 use super::rows::{Rows, TABLES};
 use super::{captures, failures, timeline};
-use uavspec_report::{Origin, TableFormat};
-use uavspec_report::{Subject, Unreadable};
 
 /// The maximum number of captures in a part. A run that is killed loses the results of fewer captures.
 const MAX_CAPTURES: usize = 256;

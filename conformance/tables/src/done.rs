@@ -12,10 +12,10 @@ use arrow_array::{Array as _, RecordBatch};
 use arrow_schema::Schema;
 use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use uavspec_report::Origin;
 
 use super::captures;
 use super::column::{TABLES_KEY, VERSION};
-use uavspec_report::Origin;
 
 /// The columns that identify a version of a capture.
 const COLUMNS: [&str; 3] = ["capture", "etag", "size"];

@@ -1,7 +1,8 @@
 //! The captures that can't be read.
 
-use super::column::{Column, Table};
 use uavspec_report::Unreadable;
+
+use super::column::{Column, Table};
 
 pub(super) static TABLE: Table<Unreadable> = Table {
     name: "failures",

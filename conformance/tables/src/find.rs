@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use arrow_array::RecordBatch;
 use uavspec_capture::input::{self, Input};
 use uavspec_model::text::{is_object_url, shown_url, terminal};
+use uavspec_report::Origin;
 
 use super::checker::Problem;
 use super::column::{Column, Table};
-use uavspec_report::Origin;
 
 static TABLE: Table<(String, Origin)> = Table {
     name: "found",

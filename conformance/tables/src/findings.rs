@@ -1,7 +1,8 @@
 //! The findings.
 
-use super::column::{Column, Table};
 use uavspec_report::{Example, Finding, Subject};
+
+use super::column::{Column, Table};
 
 pub(super) static TABLE: Table<FindingRow> = Table {
     name: "findings",

@@ -9,7 +9,7 @@ use arrow_array::{ArrayRef, RecordBatch, UInt64Array};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 use uavspec_capture::input::Input;
 use uavspec_check::Observer;
-use uavspec_codegen::dynamic::MessageType;
+use uavspec_dynamic::MessageType;
 use uavspec_flockwave::record::SessionRecord;
 use uavspec_model::text::similar;
 use uavspec_model::{Channel, Message};

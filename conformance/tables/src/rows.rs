@@ -3,14 +3,13 @@
 use arrow_array::RecordBatch;
 use arrow_schema::ArrowError;
 use uavspec_check::story::Story;
+use uavspec_report::{Origin, Subject};
 
 use super::captures::{self, CaptureRow};
 use super::findings::{self, FindingRow};
 use super::rules::{self, RuleRow};
 use super::timeline::{self, TimelineRow};
 use super::topics::{self, TopicRow};
-use uavspec_report::Origin;
-use uavspec_report::Subject;
 
 /// The names of the tables, in the order in which they are written.
 pub(super) const TABLES: [&str; 5] =

@@ -1,7 +1,8 @@
 //! The rules, with their coverage in each capture.
 
-use super::column::{Column, Table};
 use uavspec_report::Subject;
+
+use super::column::{Column, Table};
 
 pub(super) static TABLE: Table<RuleRow> = Table {
     name: "rules",

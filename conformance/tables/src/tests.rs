@@ -13,17 +13,17 @@ use arrow_array::cast::AsArray as _;
 use arrow_array::types::UInt8Type;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use tempfile::TempDir;
+use uavspec_check::check_capture;
+use uavspec_report::{CheckedCapture, Origin, Settings, Subject, TableFormat, Unreadable};
+use uavspec_rules::definitions::Definitions;
+use uavspec_rules::sample::Flight;
+use uavspec_test_support::extent;
 
 use super::column::Table;
 use super::rows::TABLES;
 use super::{
     Capture, Checker, Dataset, Done, Options, captures, failures, findings, rules, timeline, topics,
 };
-use uavspec_check::check_capture;
-use uavspec_report::{CheckedCapture, Origin, Settings, Subject, TableFormat, Unreadable};
-use uavspec_rules::definitions::Definitions;
-use uavspec_rules::sample::Flight;
-use uavspec_test_support::extent;
 
 /// The page of the guide that describes the tables.
 const PAGE: &str = "../../xtask/site/guide/query.md";

@@ -1,10 +1,10 @@
 //! The topics of the captures.
 
 use uavspec_check::{Part, PartResult, ReleaseMatch};
+use uavspec_report::{About, Subject};
 
 use super::captures::main_release;
 use super::column::{Column, Table};
-use uavspec_report::{About, Subject};
 
 pub(super) static TABLE: Table<TopicRow> = Table {
     name: "topics",

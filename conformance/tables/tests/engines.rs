@@ -7,10 +7,10 @@ use std::time::Duration;
 use tempfile::TempDir;
 use uavspec_check::check_capture;
 use uavspec_check::story::{Story, Texts};
-use uavspec_codegen::translation::Translations;
 use uavspec_report::{CheckedCapture, Origin, Settings, Subject, TableFormat};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::sample::Flight;
+use uavspec_schema::translation::Translations;
 use uavspec_tables::Dataset;
 use uavspec_test_support::python::python;
 

@@ -5,35 +5,14 @@
 pub mod python;
 pub mod schema;
 
-use std::env;
-use std::fs;
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
+use std::{env, fs};
 
 use uavspec_model::clock::Clock;
-
-/// A folder of the corpus, such as `corpus/ulog` or `oracle/ulog`; `None` without a corpus.
-///
-/// # Panics
-///
-/// Panics if the folder is missing although `UAVSPEC_REQUIRE_CORPUS` is set.
-pub fn shared(path: &str) -> Option<PathBuf> {
-    let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/corpus");
-    let corpus = env::var_os("UAVSPEC_CORPUS").map_or(default, PathBuf::from);
-    let found = corpus.parent()?.join(path);
-    if found.exists() {
-        return Some(found);
-    }
-    assert!(
-        env::var_os("UAVSPEC_REQUIRE_CORPUS").is_none_or(|value| value == "0"),
-        "{} is required but missing",
-        found.display()
-    );
-    eprintln!("skipped: {path} is missing; set UAVSPEC_CORPUS to the corpus to run this test");
-    None
-}
+pub use uavspec_test_definitions::{extent, shared};
 
 /// Cargo, as from a shell. Tests have variables that describe this package. Build scripts that read them, such as that of
 /// ring, would run again, and all that depends on ring would be compiled again.
@@ -68,11 +47,6 @@ pub fn deadline() -> Instant {
 pub fn wait_for<T>(event: &str, check: impl FnMut() -> Option<T>) -> T {
     let found = Clock::real().poll(deadline(), Duration::from_millis(5), check);
     found.unwrap_or_else(|| panic!("{event}: this doesn't happen"))
-}
-
-/// The first value if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise the second value.
-pub fn extent<T>(full: T, quick: T) -> T {
-    if env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
 
 /// Writes a file in a folder, and creates the folders of its path.

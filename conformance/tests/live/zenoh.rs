@@ -1,12 +1,11 @@
 //! A Zenoh router in Python, which declares tokens and publishes like `rmw_zenoh`, and a ROS 2 node with hiroz.
 
-use std::fs;
 use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::LazyLock;
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{fs, thread};
 
 use serde_json::json;
 use tempfile::NamedTempFile;

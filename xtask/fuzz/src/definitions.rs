@@ -1,16 +1,15 @@
 //! Targets for definitions and pages with tables. They read arbitrary bytes as a package, render the diagnostics, emit
 //! output and format the files.
 
-use uavspec_codegen::diagnostic::has_errors;
-use uavspec_codegen::emit::{self, inspect};
-use uavspec_codegen::finding::Finding;
-use uavspec_codegen::format::Formatted;
-use uavspec_codegen::lint::{Preset, Settings, apply, lint, rule};
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::Form;
-use uavspec_codegen::source::Span;
-use uavspec_codegen::translation::Translations;
-use uavspec_codegen::{PackageInput, SourceMap, read, render};
+use uavspec_emit::inspect;
+use uavspec_lint::format::Formatted;
+use uavspec_lint::{Preset, Settings, apply, lint, rule};
+use uavspec_schema::diagnostic::has_errors;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::source::Span;
+use uavspec_schema::translation::Translations;
+use uavspec_schema::{Form, PackageInput, SourceMap, read, render};
 
 /// The byte that separates the files of an input. It never occurs in UTF-8.
 const FILE_SEPARATOR: u8 = 0xff;
@@ -98,8 +97,13 @@ fn check(form: Form, extension: &str, data: &[u8]) {
     }
     if !has_errors(&diagnostics) {
         inspect::schema(&schema);
-        emit::docs::emit(&schema, &Translations::default(), &sources, &emit::docs::Options::default());
-        emit::json_schema::emit(&schema, &emit::json_schema::Options::default());
+        uavspec_emit::docs::emit(
+            &schema,
+            &Translations::default(),
+            &sources,
+            &uavspec_emit::docs::Options::default(),
+        );
+        uavspec_emit::json_schema::emit(&schema, &uavspec_emit::json_schema::Options::default());
     }
     // Rendering one diagnostic takes longer than finding hundreds of them.
     diagnostics.truncate(SHOWN);
@@ -122,7 +126,7 @@ fn check_layout(form: Form, path: &str, data: &[u8]) {
 fn read_one(form: Form, path: &str, data: Vec<u8>) -> Option<(Formatted, String)> {
     let mut sources = SourceMap::default();
     let id = sources.add(path, data).ok()?;
-    let formatted = uavspec_codegen::format::format(&sources, id, form).ok()?;
+    let formatted = uavspec_lint::format::format(&sources, id, form).ok()?;
     let (schema, _) = read(&sources, &[PackageInput::new("demo", form, vec![id])]);
     Some((formatted, inspect::schema(&schema).to_string()))
 }

@@ -3,12 +3,11 @@
 
 use std::sync::LazyLock;
 
-use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Reason, Types, ULOG_PACKAGE};
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::Form;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_dynamic::{DynamicMessage, MessageType, Reason, Types, ULOG_PACKAGE};
 use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{Form, PackageInput, SourceMap, read};
 
 const FILES: [(&str, &str); 6] = [
     (

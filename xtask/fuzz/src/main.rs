@@ -17,8 +17,7 @@ use std::sync::OnceLock;
 use std::{env, fs, process};
 
 use libfuzzer_sys::fuzz_target;
-use uavspec_codegen::fuzzing;
-use uavspec_fuzzing::{TARGETS, Target};
+use uavspec_fuzzing::{TARGETS, Target, definitions as fuzzing};
 
 /// The targets for definitions and codecs. The targets for captures, servers and testees are in `uavspec-conformance`.
 const OWN_TARGETS: &[Target] = &[

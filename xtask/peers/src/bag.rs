@@ -7,11 +7,10 @@ use std::path::Path;
 
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement, Types, ULOG_PACKAGE};
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::Form;
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_dynamic::{MessageType, Placed, PlacedElement, Types, ULOG_PACKAGE};
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{Form, PackageInput, SourceMap, read};
 
 use crate::Result;
 

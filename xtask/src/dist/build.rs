@@ -1,10 +1,9 @@
 //! Builds the program for a platform, as a static program without paths of this machine.
 
-use std::env;
 use std::ffi::OsString;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::{env, fs};
 
 use super::command::{cargo, found, output, run};
 use crate::platform::{FEATURES, Platform};

@@ -2,9 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::VERSION;
 use super::documents::{BASH, Documents, FISH, ZSH};
-use super::notices;
+use super::{VERSION, notices};
 use crate::archive::{File, gzip, tar_gz};
 use crate::package::Package;
 use crate::platform::{Platform, Program};

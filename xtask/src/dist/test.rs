@@ -7,8 +7,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use self::system::System;
-use super::VERSION;
-use super::debian;
+use super::{VERSION, debian};
 use crate::platform::Platform;
 
 /// A way to install the program.

@@ -1,9 +1,8 @@
 //! The stored inputs of a target.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
+use std::{fs, io};
 
 use super::program::Program;
 

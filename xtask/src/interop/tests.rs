@@ -11,11 +11,10 @@ use tempfile::TempDir;
 use super::adapter::{self, Answer, Answers, End, Verdict};
 use super::job::{Case, Form, Job, Jobs};
 use super::known::{Classification, Known};
-use super::page;
 use super::record::Record;
 use super::tally::{Count, Does, Tally};
 use super::tool::{self, Tool};
-use super::{Paths, canonical};
+use super::{Paths, canonical, page};
 
 /// A time limit that no script reaches.
 const LONG: Duration = Duration::from_secs(120);

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json};
-use uavspec_codegen::emit::{OutputFile, json_schema, python, typescript, vectors};
 use uavspec_codegen::load::read_definitions_translated;
+use uavspec_emit::{OutputFile, json_schema, python, typescript, vectors};
 
 use super::metadata::VERSION;
 use crate::archive::File;

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use syn::{Attribute, Fields, Ident, ImplItem, Item, Meta, TraitItem, Type, UseTree, Visibility};
 
-/// The modules of a crate by path, such as `uavspec_codegen::emit::rust`.
+/// The modules of a crate by path, such as `uavspec_emit::rust`.
 pub(super) struct Crate {
     name: String,
     modules: BTreeMap<String, Module>,

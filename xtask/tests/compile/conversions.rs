@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use uavspec_codegen::conversion::{Conversion, Conversions, read_hints};
-use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Form, Schema};
-use uavspec_codegen::{PackageInput, SourceMap, read};
+use uavspec_dynamic::Types;
+use uavspec_dynamic::conversion::{Conversion, Conversions, read_hints};
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{Form, PackageInput, Schema, SourceMap, read};
 
 use super::{Crate, FEATURES};
 

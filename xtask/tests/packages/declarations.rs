@@ -53,7 +53,7 @@ fn definitions(own: &Path) -> Vec<(String, &'static str, PathBuf)> {
         write(&own.join(name), text);
     }
     let mut found = vec![("odd".to_owned(), "px4", own.to_path_buf())];
-    let fixtures = repository().join("codegen/tests/fixtures/ok");
+    let fixtures = repository().join("codegen/schema/tests/fixtures/ok");
     for (name, dialect) in [
         ("action", "ros2"),
         ("service", "ros2"),

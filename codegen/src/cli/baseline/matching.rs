@@ -2,13 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use uavspec_dynamic::breaking;
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::finding::Finding;
+
 use super::date::is_over;
 use super::read::{Entry, List, Subject};
 use super::subject::Subjects;
-use crate::breaking;
-use crate::diagnostic::Level;
-use crate::finding::Finding;
-use crate::lint;
 
 /// A subject and a rule.
 type Group = (String, &'static str);
@@ -28,7 +28,7 @@ impl Found {
         for same in findings.chunk_by(Finding::is_same_change) {
             let first = changes.len();
             changes.extend(same.iter().map(|_| first));
-            if lint::rule(same[0].rule).is_some() || breaking::rule(same[0].rule).is_some() {
+            if uavspec_lint::rule(same[0].rule).is_some() || breaking::rule(same[0].rule).is_some() {
                 groups.entry((subjects.of(&same[0]), same[0].rule)).or_default().push(first);
             }
         }

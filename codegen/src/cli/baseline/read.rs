@@ -6,14 +6,11 @@ use globset::{Glob, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
 use toml::value::{Date, Datetime};
-
-use crate::breaking;
-use crate::failure::Failure;
-use crate::lint;
-use crate::render;
-use crate::source::{SourceId, SourceMap, Span};
-use crate::terminal;
-use crate::wording::similar;
+use uavspec_dynamic::breaking;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::source::{SourceId, SourceMap, Span};
+use uavspec_schema::wording::similar;
+use uavspec_schema::{render, terminal};
 
 /// A baseline.
 #[derive(Debug)]
@@ -142,10 +139,11 @@ impl Entry {
 
 fn check_rule(rule: &Spanned<String>, whole: Span) -> Result<(), EntryError> {
     let id = rule.get_ref();
-    if lint::rule(id).is_some() || breaking::rule(id).is_some() {
+    if uavspec_lint::rule(id).is_some() || breaking::rule(id).is_some() {
         return Ok(());
     }
-    let ids = || lint::RULES.iter().map(|rule| rule.id).chain(breaking::RULES.iter().map(|rule| rule.id));
+    let ids =
+        || uavspec_lint::RULES.iter().map(|rule| rule.id).chain(breaking::RULES.iter().map(|rule| rule.id));
     let help = match similar(id, ids()) {
         Some(similar) => format!("did you mean `{similar}`?"),
         None => format!("the rules are {}", ids().collect::<Vec<_>>().join(", ")),

@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
-use crate::finding::Finding;
-use crate::msg::ast::{Definition, Item};
-use crate::msg::{self, Kind};
-use crate::read::PackageInput;
-use crate::schema::Form;
-use crate::source::{SourceId, SourceMap, Span, stem};
+use uavspec_schema::Form;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::msg::ast::{Definition, Item};
+use uavspec_schema::msg::{self, Kind};
+use uavspec_schema::read::PackageInput;
+use uavspec_schema::source::{SourceId, SourceMap, Span, stem};
 
 /// Finds the subjects of findings.
 pub(in crate::cli) struct Subjects<'s> {

@@ -4,12 +4,12 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use crate::failure::Failure;
-use crate::identity::Identity;
-use crate::report::Format;
-use crate::stage::write_file;
-use crate::terminal;
 use clap::ValueEnum;
+use uavspec_lint::report::Format;
+use uavspec_schema::failure::Failure;
+use uavspec_schema::identity::Identity;
+use uavspec_schema::stage::write_file;
+use uavspec_schema::terminal;
 
 /// A format of reports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use uavspec_codegen::dynamic::{FormatError, Types};
-use uavspec_codegen::release::LayoutHashes;
+use uavspec_dynamic::{FormatError, Types};
+use uavspec_lint::release::LayoutHashes;
 
 /// The maximum total size of the sets in a cache, as text, in bytes. It is sufficient for eight real sets. Types take up
 /// to fifty times as much memory.
@@ -28,7 +28,7 @@ impl FormatSet {
         Self { types, errors, layouts: OnceLock::new(), is_shared }
     }
 
-    /// The types, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE).
+    /// The types, in [`ULOG_PACKAGE`](uavspec_dynamic::ULOG_PACKAGE).
     pub fn types(&self) -> &Types {
         &self.types
     }

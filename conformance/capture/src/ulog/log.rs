@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use uavspec_codegen::dynamic::{FormatProblem, MessageType, Types};
-use uavspec_codegen::schema::MessageId;
+use uavspec_dynamic::{FormatProblem, MessageType, Types};
 use uavspec_runtime::layout::Size;
+use uavspec_schema::MessageId;
 
 use super::formats::{FormatCache, FormatSet};
 use super::log_problem::{LogProblem, MAX_FORMATS, MAX_TEXT};
@@ -156,7 +156,7 @@ impl Log {
         self.compile(on_problem);
     }
 
-    /// The types of the formats that data has used so far, in [`ULOG_PACKAGE`](uavspec_codegen::dynamic::ULOG_PACKAGE).
+    /// The types of the formats that data has used so far, in [`ULOG_PACKAGE`](uavspec_dynamic::ULOG_PACKAGE).
     pub fn types(&self) -> &Types {
         &self.set.types
     }

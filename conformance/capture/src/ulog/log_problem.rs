@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use uavspec_codegen::dynamic::{FormatError, FormatProblem};
+use uavspec_dynamic::{FormatError, FormatProblem};
 
 /// The maximum number of formats. PX4 has 261 messages. A log could use 65,536 ids, but no real log does.
 pub(super) const MAX_FORMATS: usize = 8_192;

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 
 use serde_json::{Map, Value as Json, json};
 use uavspec_capture::ulog::{Event, Log, Problem, Reader};
-use uavspec_codegen::dynamic::{DynamicView, MessageType, ULOG_PACKAGE, Value};
+use uavspec_dynamic::{DynamicView, MessageType, ULOG_PACKAGE, Value};
 use uavspec_test_support::{extent, shared};
 
 /// Logs of the corpus and their problems.

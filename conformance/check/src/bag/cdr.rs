@@ -6,14 +6,14 @@ use std::rc::Rc;
 
 use uavspec_capture::input::zstd::{self, MAGIC as ZSTD};
 use uavspec_capture::mcap::Reader;
-use uavspec_codegen::dynamic::{DynamicMessage, DynamicView, MessageType};
-use uavspec_codegen::msg::{Dialect, Kind};
-use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_dynamic::{DynamicMessage, DynamicView, MessageType};
 use uavspec_model::{Channel, Detail, Findings, Location, Rule, hexadecimal};
 use uavspec_px4::memory::{Plan, shared_fields, time_offset};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4;
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
+use uavspec_schema::msg::{Dialect, Kind};
+use uavspec_schema::{Form, MessageId};
 
 use super::Stated;
 

@@ -9,9 +9,9 @@ use uavspec_capture::MCAP_MAGIC;
 use uavspec_capture::mcap::{ENDPOINT, Event, Item, LIBRARY, OWN, Reader, metadata};
 use uavspec_capture::rosbag::metadata::distribution;
 use uavspec_capture::rosbag::sqlite::{Bag, Definition, Facts};
-use uavspec_codegen::schema::derived_from;
 use uavspec_model::Endpoint;
 use uavspec_rules::definitions::{Clues, TypeClue, version_of_topic};
+use uavspec_schema::derived_from;
 
 use super::cdr::decompressed;
 use super::schemas::{MAX_SCHEMA, MAX_SCHEMAS};

@@ -10,10 +10,9 @@ use uavspec_model::text::shown;
 use uavspec_model::{Extent, Location};
 use uavspec_rules::definitions::Clues;
 
-use super::clues;
 use super::mcap::McapFile;
 use super::sqlite::{self, SQLITE};
-use super::{BagContent, BagFile, BagSummary, Channels, MCAP};
+use super::{BagContent, BagFile, BagSummary, Channels, MCAP, clues};
 use crate::release::MAX_AHEAD;
 use crate::{CaptureResult, CheckRun, Reading, Source, Summary, read_start};
 

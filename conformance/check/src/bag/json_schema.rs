@@ -5,10 +5,10 @@
 //! missing type matches anything, and so does `anyOf`.
 
 use serde_json::Value;
-use uavspec_codegen::schema::{self, Dialect, Element, Field, Form, MessageId, Schema, Shape};
 use uavspec_px4::comparison::Differences;
 use uavspec_px4::json::SharedFields;
 use uavspec_runtime::Scalar;
+use uavspec_schema::{Dialect, Element, Field, Form, MessageId, Schema, Shape};
 
 /// The maximum depth of compared objects. Definitions don't nest more deeply than this.
 const MAX_DEPTH: usize = 32;
@@ -183,7 +183,7 @@ impl<'s> Comparing<'s> {
     }
 
     /// The JSON types of a field. Bytes may be base64, and text may be an array of byte values.
-    fn types_of(&self, message: &schema::Message, field: &Field) -> Vec<&'static str> {
+    fn types_of(&self, message: &uavspec_schema::Message, field: &Field) -> Vec<&'static str> {
         let is_px4 = self.schema.package_of(message).form == Form::Msg(Dialect::Px4);
         let is_text = is_px4 && field.is_text(Dialect::Px4);
         let is_bytes =

@@ -3,11 +3,11 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use uavspec_codegen::schema::MessageId;
 use uavspec_model::{Channel, Findings, Location};
 use uavspec_px4::comparison::{Comparison, Differences};
 use uavspec_px4::json::{Plans, SharedFields};
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::MessageId;
 
 use super::Declared;
 use super::cdr::CdrChecker;

@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use uavspec_codegen::schema::MessageId;
 use uavspec_px4::comparison::{Comparison, Differences, compare_declared};
 use uavspec_px4::json::SharedFields;
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::MessageId;
 
 use super::{Basis, MAX_CHANNELS, MAX_NAME, Stated, digest, json_schema};
 use crate::topic::full_name;

@@ -8,9 +8,9 @@ use std::path::Path;
 
 use tempfile::{NamedTempFile, env};
 use uavspec_capture::rosbag::{CONVERT_ROS1, ROS1_MAGIC, SQLITE_MAGIC};
-use uavspec_codegen::stage::Stage;
 use uavspec_model::{Extent, Location};
 use uavspec_rules::definitions::Clues;
+use uavspec_schema::stage::Stage;
 
 use super::{BagContent, BagFile, BagSummary, Channels};
 use crate::{CaptureResult, CheckRun, Kind, Source, Summary, has_magic};

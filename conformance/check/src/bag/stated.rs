@@ -9,16 +9,15 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use uavspec_codegen::diagnostic::{Level, Problem};
-use uavspec_codegen::dynamic::{MessageType, Types};
-use uavspec_codegen::msg::{Dialect, Kind};
-use uavspec_codegen::release::{Entry, Section, entries, sections, select};
-use uavspec_codegen::schema::fingerprint::{ros_name, type_hash};
-use uavspec_codegen::schema::{Form, Message, MessageId, Schema, derived_from};
-use uavspec_codegen::{PackageInput, SourceMap, read_formats};
+use uavspec_dynamic::{MessageType, Types};
+use uavspec_lint::release::{Entry, Section, entries, sections, select};
 use uavspec_model::text::utf8;
 use uavspec_rules::definitions::newest_ros2;
 use uavspec_runtime::Number;
+use uavspec_schema::diagnostic::{Level, Problem};
+use uavspec_schema::fingerprint::{ros_name, type_hash};
+use uavspec_schema::msg::{Dialect, Kind};
+use uavspec_schema::{Form, Message, MessageId, PackageInput, Schema, SourceMap, derived_from, read_formats};
 
 use crate::topic::plain;
 

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use uavspec_codegen::source::{SourceId, Span};
+use uavspec_schema::source::{SourceId, Span};
 
 use super::pattern::exact;
 use super::{Entry, Lists, Stale, StaleReason};

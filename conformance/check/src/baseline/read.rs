@@ -5,12 +5,12 @@ use std::ops::Range;
 use globset::escape;
 use toml::Spanned;
 use toml::de::{DeString, DeTable, DeValue};
-use uavspec_codegen::SourceMap;
-use uavspec_codegen::diagnostic::Level;
-use uavspec_codegen::finding::Finding;
-use uavspec_codegen::source::{SourceId, Span};
 use uavspec_model::{Date, Excuse, ExcuseKind};
 use uavspec_rules::rule;
+use uavspec_schema::SourceMap;
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::finding::Finding;
+use uavspec_schema::source::{SourceId, Span};
 
 use super::{Entry, EntrySpans, Pattern, Selector};
 

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_codegen::diagnostic::Level;
-use uavspec_codegen::finding::Finding;
 use uavspec_model::{Date, Excuse, ExcuseKind, Rule, SubjectName};
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::finding::Finding;
 
 use super::{Entry, Lists, Pattern, Selector};
 use crate::topic::topic_of;

@@ -8,13 +8,12 @@ use std::ops::Range;
 
 use uavspec_capture::input::UpToError;
 use uavspec_capture::json::{Event, Item, Reader};
-use uavspec_codegen::schema::MessageId;
 use uavspec_model::Extent;
 use uavspec_model::json::Tree;
-use uavspec_model::text::plural;
-use uavspec_model::text::utf8;
+use uavspec_model::text::{plural, utf8};
 use uavspec_px4::json::{Dialect, decode};
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::MessageId;
 
 use self::message::has_same_names;
 use super::plan::{Converted, Converters, Plan};

@@ -10,11 +10,11 @@ use mcap::records::MessageHeader;
 use tempfile::SpooledTempFile;
 use uavspec_capture::input::UpToError;
 use uavspec_capture::mcap::{AttachmentHead, Event, Item, Packing, Reader, Writer, compressed};
-use uavspec_codegen::schema::MessageId;
 use uavspec_model::json::Tree;
 use uavspec_model::text::{start_of, utf8};
 use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::MessageId;
 
 use super::plan::{Converted, Converters, Plan, Treatment};
 use super::report::{Action, Problems, TopicReport};

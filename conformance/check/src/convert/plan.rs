@@ -6,16 +6,15 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use uavspec_codegen::conversion::{Conversion, Conversions, Converter, Hints, Version, read_hints};
-use uavspec_codegen::dynamic::MessageType;
-use uavspec_codegen::release::{entries, full_name, write};
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Element, Message, MessageId, Schema};
-use uavspec_codegen::source::SourceId;
-use uavspec_codegen::{Failure, SourceMap};
 use uavspec_definitions::PX4_HINTS;
+use uavspec_dynamic::MessageType;
+use uavspec_dynamic::conversion::{Conversion, Conversions, Converter, Hints, Version, read_hints};
+use uavspec_lint::release::{entries, full_name, write};
 use uavspec_model::text::terminal;
 use uavspec_rules::definitions::{Definitions, Library, LoadedRelease, versioned};
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::source::SourceId;
+use uavspec_schema::{Element, Failure, Message, MessageId, Schema, SourceMap};
 
 use crate::topic_of;
 

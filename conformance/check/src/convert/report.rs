@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use serde::Serialize;
-use uavspec_codegen::json_text;
 use uavspec_model::text::{plural, shown, thousands};
+use uavspec_schema::json_text;
 
 use super::plan::Plan;
 

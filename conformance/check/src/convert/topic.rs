@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use uavspec_codegen::dynamic::DynamicMessage;
+use uavspec_dynamic::DynamicMessage;
 
 use super::Settings;
 use super::plan::{Converted, Plan, Treatment};

@@ -7,7 +7,7 @@ use std::io::{self, BufWriter, Read, Write};
 
 use uavspec_capture::input::UpToError;
 use uavspec_capture::ulog::{Event, Item, Log, LogProblem, Problem, Reader, Record};
-use uavspec_codegen::dynamic::ULOG_PACKAGE;
+use uavspec_dynamic::ULOG_PACKAGE;
 use uavspec_model::Extent;
 use uavspec_px4::comparison::{Comparison, compare};
 use uavspec_rules::definitions::Definitions;

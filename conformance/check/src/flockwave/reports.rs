@@ -23,12 +23,12 @@ use std::borrow::Cow;
 use std::collections::HashSet;
 use std::ops::Range;
 
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_flockwave::body_schema::{Members, Scalar};
 use uavspec_model::Findings;
 use uavspec_model::json::{Token, Tokens, Tree, Unclear, leading_integer};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::flockwave::plausible;
+use uavspec_schema::json_type::Direction;
 
 use self::cache::{Kind, Known};
 use self::forms::Forms;

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::json_type::Direction;
 
 use super::TypeCount;
 use crate::coverage::Tally;

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::iter;
 
 use uavspec_capture::json::{Event, Reader};
-use uavspec_codegen::release::keys_hash;
+use uavspec_lint::release::keys_hash;
 use uavspec_model::json::Tree;
 use uavspec_rules::definitions::{
     Clues, FormatClue, JsonClue, TypeClue, is_exchanged, ros_package, unversioned, version_of_topic,

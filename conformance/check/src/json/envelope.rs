@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 
-use uavspec_codegen::schema::MessageId;
 use uavspec_model::json::{Tokens, Tree, Unclear};
 use uavspec_px4::json::{Clean, Plans};
+use uavspec_schema::MessageId;
 
 use crate::coverage::Tally;
 

@@ -4,12 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Serialize;
-use uavspec_codegen::Failure;
-use uavspec_codegen::internal::gist;
 use uavspec_codegen::load::read_definitions_translated;
-use uavspec_codegen::schema::{ErrorTable, Message, MessageId, Schema};
-use uavspec_codegen::translation::{Language, MessageKeys, MessageText, Translations, error_code_key};
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::prose::gist;
+use uavspec_schema::translation::{Language, MessageKeys, MessageText, Translations, error_code_key};
+use uavspec_schema::{ErrorTable, Failure, Message, MessageId, Schema};
 
 /// The configuration file of definitions.
 const CONFIGURATION: &str = "uavspec.toml";

@@ -5,14 +5,14 @@ mod requirements;
 
 use std::collections::{BTreeSet, HashMap};
 
-use uavspec_codegen::dynamic::{DynamicView, Value as FieldValue};
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Form, MessageId};
-use uavspec_codegen::value::Value as ConstantValue;
+use uavspec_dynamic::{DynamicView, Value as FieldValue};
 use uavspec_model::{Channel, Message};
 use uavspec_rules::definitions::{BATTERY_STATUS, Definitions, VEHICLE_STATUS};
 use uavspec_rules::px4::REQUIREMENT;
 use uavspec_runtime::Number;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::value::Value as ConstantValue;
+use uavspec_schema::{Form, MessageId};
 
 pub use self::arming::text;
 use self::requirements::Requirements;

@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use uavspec_codegen::schema::json_type::{Definition, SetValues};
 use uavspec_flockwave::record::{Direction, SessionRecord};
 use uavspec_model::json::Tree;
 use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::Severity as CodeSeverity;
+use uavspec_schema::json_type::{Definition, SetValues};
 
 use super::context::Context;
 use super::label::Label;

@@ -3,8 +3,8 @@
 use std::fs;
 
 use serde_json::{Value as Json, json};
-use uavspec_codegen::translation::Translations;
 use uavspec_rules::sample::{Encoding, Flight, PERIOD, START};
+use uavspec_schema::translation::Translations;
 use uavspec_test_support::extent;
 
 use super::*;

@@ -7,7 +7,7 @@ use tempfile::TempDir;
 use uavspec_capture::ulog::{Event, Reader};
 use uavspec_check::convert::{Action, ConversionReport, Settings};
 use uavspec_check::{Checked, Summary, open_path};
-use uavspec_codegen::dynamic::Value;
+use uavspec_dynamic::Value;
 use uavspec_px4::comparison::Comparison;
 use uavspec_rules::sample::{Entry, Log};
 use uavspec_runtime::Number;

@@ -5,7 +5,7 @@ use std::fs;
 
 use uavspec_capture::ulog::{Log, Reader};
 use uavspec_check::{CaptureResult, check_capture, check_json};
-use uavspec_codegen::dynamic::Types;
+use uavspec_dynamic::Types;
 use uavspec_model::Group;
 use uavspec_px4::comparison::{Comparison, compare};
 use uavspec_rules::definitions::Definitions;

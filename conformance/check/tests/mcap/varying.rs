@@ -5,10 +5,10 @@ use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 use uavspec_check::{CaptureResult, check_mcap};
-use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_px4::memory::shared_fields;
 use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::fingerprint::ros_name;
 use uavspec_test_captures::mcap::{channel, file, message, schema};
 
 use super::{corrupt_count, equal, source, violated};

@@ -2,8 +2,7 @@
 
 use std::fs;
 
-use uavspec_check::check_capture;
-use uavspec_check::{Basis, CheckStatus};
+use uavspec_check::{Basis, CheckStatus, check_capture};
 use uavspec_px4::comparison::Comparison;
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_test_captures::mcap;

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_model::json::Tree;
 use uavspec_model::text::terminal;
+use uavspec_schema::json_type::Direction;
 
 use super::{DefinedSchemas, Deviation};
 

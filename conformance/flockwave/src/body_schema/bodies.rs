@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use uavspec_codegen::schema::json_type::Direction;
-use uavspec_codegen::source::Span;
+use uavspec_schema::json_type::Direction;
+use uavspec_schema::source::Span;
 
 use super::defined::{Object, Tuple, ValueSchema};
 

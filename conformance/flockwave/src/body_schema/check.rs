@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::collections::HashSet;
 
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_model::json::{Tree, base64, pointer};
+use uavspec_schema::json_type::Direction;
 
 use super::bodies::{Body, DefinedSchemas};
 use super::defined::{Field, List, Object, Text, Tuple, ValueSchema};

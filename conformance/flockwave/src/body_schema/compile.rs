@@ -3,11 +3,9 @@
 use std::collections::HashMap;
 
 use regex_lite::Regex;
-use uavspec_codegen::schema::json_type::{
-    self as written, Definition, Expression, Limits, Member, SetValues,
-};
-use uavspec_codegen::schema::{JsonTypeId, Schema};
-use uavspec_codegen::value::Value;
+use uavspec_schema::json_type::{self as written, Definition, Expression, Limits, Member, SetValues};
+use uavspec_schema::value::Value;
+use uavspec_schema::{JsonTypeId, Schema};
 
 use super::bodies::{Body, DefinedSchemas};
 use super::defined::{Field, Length, List, Object, Pattern, Test, Text, Tuple, ValueSchema};

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use regex_lite::Regex;
-use uavspec_codegen::source::Span;
+use uavspec_schema::source::Span;
 
 /// The schema of a value.
 #[derive(Debug)]

@@ -5,8 +5,8 @@
 
 use std::ops::Range;
 
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_model::json::{Token, Tokens, Unclear, leading_integer};
+use uavspec_schema::json_type::Direction;
 
 use super::bodies::DefinedSchemas;
 use super::check::fits;

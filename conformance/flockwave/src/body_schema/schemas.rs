@@ -12,9 +12,9 @@ use std::sync::Arc;
 
 use jsonschema::{Draft, PatternOptions, Registry, Validator};
 use serde_json::Value;
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_model::json::Tree;
 use uavspec_model::text::terminal;
+use uavspec_schema::json_type::Direction;
 
 use self::bundle::{Budget, Bundle};
 use self::expansion::{MAX_SCHEMAS, Part};

@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_model::Rule;
 use uavspec_model::json::{Tree, pointer};
 use uavspec_model::text::{start_of, without_login};
+use uavspec_schema::json_type::Direction;
 
 use super::{Named, SentRequest, parts};
 use crate::body_schema::{BodySchemas, Deviation, Fault, Step};

@@ -5,11 +5,11 @@
 use std::sync::Arc;
 
 use serde_json::Value;
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Message, MessageId};
 use uavspec_rules::definitions::{Definitions, Library, versioned};
 use uavspec_rules::px4::{Sent, merge};
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::{Message, MessageId};
 
 use super::namespace::Namespace;
 use crate::bus::Topic;

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::thread;
 
-use uavspec_codegen::schema::fingerprint::ros_name;
 use uavspec_model::{ApplicationType, Findings, Qos, Reliability};
 use uavspec_report::{CheckedCapture, OutcomeKind, Settings, Subject};
 use uavspec_rules::rule;
 use uavspec_rules::sample::Flight;
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::fingerprint::ros_name;
 use uavspec_test_support::extent;
 
 use super::*;

@@ -1,9 +1,8 @@
 //! A thread that receives from a server, sends requests, and reconnects if the connection is lost.
 
-use std::io;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::thread;
 use std::time::Duration;
+use std::{io, thread};
 
 use uavspec_flockwave::transport::access::Access;
 use uavspec_flockwave::transport::client::{Client, Received, connect_with};

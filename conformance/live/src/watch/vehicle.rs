@@ -23,12 +23,12 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use uavspec_check::story::{Part, Texts, number, state_value, topic_name};
-use uavspec_codegen::dynamic::DynamicView;
-use uavspec_codegen::schema::MessageId;
+use uavspec_dynamic::DynamicView;
 use uavspec_model::clock::Clock;
 use uavspec_model::{Channel, Message};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::Interest;
+use uavspec_schema::MessageId;
 
 pub(crate) use self::battery::{Batteries, Battery};
 pub(crate) use self::components::{Component, Components, Readiness};

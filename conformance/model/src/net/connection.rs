@@ -1,11 +1,9 @@
 //! A connection to a testee or a live server. All waits have a time limit.
 
-use std::fmt;
-use std::io;
 use std::net::{Shutdown, SocketAddr, TcpStream, ToSocketAddrs as _};
 use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{fmt, io, thread};
 
 use super::Address;
 use crate::clock::Clock;

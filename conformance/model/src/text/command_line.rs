@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use uavspec_codegen::terminal;
+use uavspec_schema::terminal;
 
 /// Quotes words for a shell. Reports would escape some characters for display, so words with such characters are quoted
 /// as `$'…'`, which consists of printable characters.

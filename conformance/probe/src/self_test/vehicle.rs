@@ -4,14 +4,13 @@
 //! of participants on each bus at a time.
 
 use std::collections::BTreeSet;
-use std::io;
 use std::net::{IpAddr, Ipv4Addr};
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
 use std::time::Duration;
+use std::{io, thread};
 
 use uavspec_check::{Checked, check_path, parallel};
 use uavspec_live::bus::memory::Network;

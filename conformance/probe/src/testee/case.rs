@@ -1,13 +1,13 @@
 //! The test cases for testees: requests and expected responses, made from the test vectors of the definitions.
 
 use serde_json::{Map, Value, json};
-use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Placed, PlacedElement, Types};
-use uavspec_codegen::emit::vectors;
-use uavspec_codegen::schema::Shape;
+use uavspec_dynamic::{DynamicMessage, MessageType, Placed, PlacedElement, Types};
+use uavspec_emit::vectors;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::{self, Px4Rule};
 use uavspec_runtime::Scalar;
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::Shape;
 
 use super::protocol::{Format, Hello, Op};
 use super::wire::{FLOAT, to_base64, to_wire};
@@ -416,7 +416,7 @@ pub(crate) mod tests {
     use std::collections::BTreeSet;
     use std::sync::LazyLock;
 
-    use uavspec_codegen::schema::MessageId;
+    use uavspec_schema::MessageId;
     use uavspec_test_support::extent;
 
     use super::*;

@@ -7,9 +7,9 @@
 use std::fmt;
 
 use serde_json::Value;
-use uavspec_codegen::dynamic::{MessageType, PlacedElement, Types};
-use uavspec_codegen::schema::Shape;
+use uavspec_dynamic::{MessageType, PlacedElement, Types};
 use uavspec_runtime::Scalar;
+use uavspec_schema::Shape;
 
 use super::case::{Case, ExpectedResponse, Input, UNLIKE_NAN, decode, encode};
 use super::protocol::{Op, Response};
@@ -259,10 +259,9 @@ fn shorten(value: &impl fmt::Display) -> String {
 #[cfg(test)]
 mod tests {
     use serde_json::json;
-    use uavspec_codegen::msg::Dialect;
-    use uavspec_codegen::schema::Form;
-    use uavspec_codegen::{PackageInput, SourceMap, read};
     use uavspec_rules::definitions::Definitions;
+    use uavspec_schema::msg::Dialect;
+    use uavspec_schema::{Form, PackageInput, SourceMap, read};
 
     use super::*;
     use crate::testee::case::Expected;

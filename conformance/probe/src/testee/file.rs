@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, Read as _, Write};
 
 use serde_json::{Value, json};
-use uavspec_codegen::dynamic::Types;
+use uavspec_dynamic::Types;
 
 use super::case::{Case, ExpectedResponse};
 use super::options::{LINE_LIMIT, excerpt};

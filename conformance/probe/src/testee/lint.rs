@@ -11,7 +11,7 @@ pub mod report;
 mod session;
 mod unknown;
 
-use uavspec_codegen::dynamic::Types;
+use uavspec_dynamic::Types;
 
 use self::session::{Session, Strays};
 use super::case::Case;

@@ -19,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Instant;
 
-use uavspec_codegen::dynamic::Types;
+use uavspec_dynamic::Types;
 
 use super::case::Case;
 use super::compare::compare;

@@ -5,9 +5,9 @@
 //! "NaN"}`, `{"$f": "inf"}` and `{"$f": "-inf"}`. Bytes are base64 (RFC 4648, section 4, with padding).
 
 use serde_json::{Map, Number, Value, json};
-use uavspec_codegen::dynamic::{MessageType, PlacedElement};
-use uavspec_codegen::schema::Shape;
+use uavspec_dynamic::{MessageType, PlacedElement};
 pub use uavspec_model::json::base64::{decode as from_base64, encode as to_base64};
+use uavspec_schema::Shape;
 
 /// The limit up to which 64-bit floats represent every integer exactly.
 const EXACT: u64 = 1 << 53;

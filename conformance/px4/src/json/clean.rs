@@ -3,10 +3,10 @@
 //!
 //! All other messages are checked with a tree, which provides the findings.
 
-use uavspec_codegen::dynamic::members::Seen;
-use uavspec_codegen::schema::{MessageId, Shape};
+use uavspec_dynamic::members::Seen;
 use uavspec_model::json::{Token, Tokens, Unclear, base64};
 use uavspec_runtime::Scalar;
+use uavspec_schema::{MessageId, Shape};
 
 use super::dialect::{Dialect, Dialects};
 use super::value::{Leaf, keep_bytes};

@@ -1,10 +1,10 @@
 //! Decodes JSON messages in the forms that programs write: with the deviations that `check` accepts.
 
 use serde_json::{Number, Value};
-use uavspec_codegen::dynamic::{DynamicMessage, MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::Shape;
+use uavspec_dynamic::{DynamicMessage, MessageType, Placed, PlacedElement};
 use uavspec_model::json::{Tree, base64};
 use uavspec_runtime::Scalar;
+use uavspec_schema::Shape;
 
 use super::dialect::{Dialect, Dialects};
 

@@ -1,9 +1,9 @@
 //! Counts the differences between a JSON message and a type, to find the type of a message among similar ones.
 
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement};
-use uavspec_codegen::schema::Shape;
+use uavspec_dynamic::{MessageType, Placed, PlacedElement};
 use uavspec_model::json::{Tree, base64};
 use uavspec_runtime::Scalar;
+use uavspec_schema::Shape;
 
 use super::decode::is_bytes;
 
@@ -57,10 +57,9 @@ fn may_be(value: &Tree<'_>, scalar: Scalar) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use uavspec_codegen::dynamic::Types;
-    use uavspec_codegen::msg::Dialect;
-    use uavspec_codegen::schema::{Form, MessageId};
-    use uavspec_codegen::{PackageInput, SourceMap, read};
+    use uavspec_dynamic::Types;
+    use uavspec_schema::msg::Dialect;
+    use uavspec_schema::{Form, MessageId, PackageInput, SourceMap, read};
 
     use super::*;
 

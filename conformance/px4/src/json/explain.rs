@@ -3,11 +3,10 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
-use uavspec_codegen::schema::{MessageId, Shape};
-use uavspec_codegen::source::Span;
-use uavspec_model::json::pointer;
-use uavspec_model::json::{Tree, shortened};
+use uavspec_model::json::{Tree, pointer, shortened};
 use uavspec_model::{Detail, Findings, Location, Rule};
+use uavspec_schema::source::Span;
+use uavspec_schema::{MessageId, Shape};
 
 use super::dialect::{Dialect, Dialects};
 use super::value::Leaf;

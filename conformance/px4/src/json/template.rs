@@ -5,8 +5,8 @@
 //! byte. Everything between the values, including keys, must be equal, and only values that differ are read. The
 //! comparison takes a fraction of the time needed to parse JSON. All other text takes the usual path.
 
-use uavspec_codegen::schema::{MessageId, Shape};
 use uavspec_model::json::{Tokens, Unclear};
+use uavspec_schema::{MessageId, Shape};
 
 use super::clean::Clean;
 use super::dialect::Dialects;

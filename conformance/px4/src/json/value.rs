@@ -3,9 +3,9 @@
 use std::fmt;
 use std::ops::Range;
 
-use uavspec_codegen::schema::Shape;
 use uavspec_model::json::whole;
 use uavspec_runtime::{Number, Scalar};
+use uavspec_schema::Shape;
 
 use crate::values::{Element, FieldPlan, Violation, check_text};
 

@@ -1,7 +1,7 @@
 //! A fast check of values in memory. Most values pass, and only the others are examined further.
 
-use uavspec_codegen::schema::Restriction;
 use uavspec_runtime::{Number, Scalar};
+use uavspec_schema::Restriction;
 
 use crate::values::{Constraint, Element, number};
 

@@ -1,9 +1,9 @@
 //! Finds the constants that a field contains, if the definition doesn't state them.
 
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Element, Message, Schema};
 use uavspec_rules::definitions::ReleaseId;
 use uavspec_runtime::Scalar;
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::{Element, Message, Schema};
 
 use super::catalogue::Catalogue;
 use super::target::declared_name;

@@ -2,11 +2,11 @@
 
 use std::cell::OnceCell;
 
-use uavspec_codegen::msg::Kind;
-use uavspec_codegen::release::{ReleaseText, Step, entries, full_name, history};
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Constant, Field, Message, Schema};
+use uavspec_lint::release::{ReleaseText, Step, entries, full_name, history};
 use uavspec_rules::definitions::{Family, Library, ReleaseId, Row, read_schema};
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::msg::Kind;
+use uavspec_schema::{Constant, Field, Message, Schema};
 
 /// The definitions of all releases, or of one release.
 pub(super) struct Catalogue<'l> {

@@ -1,7 +1,7 @@
 //! Constants and commands.
 
-use uavspec_codegen::msg::constraint::Constraint;
-use uavspec_codegen::schema::{Parameter as Defined, Shape, Type};
+use uavspec_schema::msg::constraint::Constraint;
+use uavspec_schema::{Parameter as Defined, Shape, Type};
 
 use super::annotation::Texts;
 use super::answer::{Constant, Member, Parameter, Values};
@@ -45,7 +45,7 @@ pub(super) fn explain(catalogue: &Catalogue<'_>, place: &Place, others: Vec<Stri
 fn users(
     catalogue: &Catalogue<'_>,
     place: &Place,
-    fields: &[uavspec_codegen::schema::Field],
+    fields: &[uavspec_schema::Field],
 ) -> Vec<(String, Values)> {
     let Some(own) = catalogue.text_of(&place.definition, place.release) else { return Vec::new() };
     let all = catalogue.texts_of(&place.definition, catalogue.family(place.release));

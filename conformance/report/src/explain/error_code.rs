@@ -1,8 +1,7 @@
 //! Error codes of UAVs.
 
-use uavspec_codegen::Schema;
-use uavspec_codegen::schema::ErrorCode as Defined;
 use uavspec_runtime::{ErrorClass, Severity};
+use uavspec_schema::{ErrorCode as Defined, Schema};
 
 use super::answer::{Code, ErrorCode};
 

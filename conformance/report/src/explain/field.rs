@@ -1,8 +1,8 @@
 //! Fields.
 
-use uavspec_codegen::msg::constraint::{Constraint, RANGE};
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{EnumRef, Field as Defined, Message, Schema};
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::msg::constraint::{Constraint, RANGE};
+use uavspec_schema::{EnumRef, Field as Defined, Message, Schema};
 
 use super::annotation::{self, STATED, Texts};
 use super::answer::{Field, Limits, Member, Presence, Values};
@@ -73,7 +73,7 @@ impl Located {
         let reference: EnumRef = self.field().enumeration?;
         let (schema, found) = (self.schema(), self.schema().enumeration(self.field().enumeration?));
         let owner = schema.message(reference.message);
-        let member = |member: &uavspec_codegen::schema::Member| {
+        let member = |member: &uavspec_schema::Member| {
             let constant = &owner.constants[member.constant];
             Member {
                 name: constant.name.clone(),

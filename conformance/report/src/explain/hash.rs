@@ -1,6 +1,6 @@
 //! Hashes of messages and types.
 
-use uavspec_codegen::schema::fingerprint::ros_name;
+use uavspec_schema::fingerprint::ros_name;
 
 use super::answer::{Hash, Hashed};
 use super::catalogue::Catalogue;

@@ -1,7 +1,7 @@
 //! Messages and services.
 
-use uavspec_codegen::schema::{Field, Message as Defined};
 use uavspec_rules::definitions::Row;
+use uavspec_schema::{Field, Message as Defined};
 
 use super::answer::{Member, Message, Part, Summary};
 use super::catalogue::{Catalogue, Definition};

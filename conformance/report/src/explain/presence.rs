@@ -1,6 +1,6 @@
 //! The releases that contain a definition or an item, and the changes in each.
 
-use uavspec_codegen::release::{Change, Step};
+use uavspec_lint::release::{Change, Step};
 use uavspec_rules::definitions::Family;
 
 use super::answer::{Changes, Presence};

@@ -1,14 +1,13 @@
 //! Help for words that have no meaning.
 
-use uavspec_codegen::release::{entries, full_name};
+use uavspec_lint::release::{entries, full_name};
 use uavspec_model::text::{shown, similar};
 use uavspec_rules::RULES;
 
 use super::answer::Field;
 use super::catalogue::Catalogue;
-use super::error_code;
 use super::target::{Place, names};
-use super::{MAX_WORD, Unknown};
+use super::{MAX_WORD, Unknown, error_code};
 
 /// The help if no name is similar.
 const HELP: &str = "name an error code, a topic, a message, a field, a value, a constant, a hash or a rule";

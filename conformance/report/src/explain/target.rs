@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_codegen::release::{entries, full_name};
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Element, Message};
+use uavspec_lint::release::{entries, full_name};
 use uavspec_rules::definitions::{ReleaseId, ros_package, unversioned};
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::{Element, Message};
 
 use super::answer::Candidates;
 use super::catalogue::{Catalogue, Definition};

@@ -1,9 +1,9 @@
 //! Values of fields.
 
-use uavspec_codegen::msg::constraint::{Constraint, Stated};
-use uavspec_codegen::schema::Element;
-use uavspec_codegen::value::Value;
 use uavspec_runtime::Scalar;
+use uavspec_schema::Element;
+use uavspec_schema::msg::constraint::{Constraint, Stated};
+use uavspec_schema::value::Value;
 
 use super::answer::{Asked, Field, Meaning, Member, Values};
 use super::catalogue::{Catalogue, Definition};

@@ -5,8 +5,7 @@ use uavspec_check::Line;
 use uavspec_model::text::{plural, thousands};
 use uavspec_probe::RequestType;
 
-use super::finding;
-use super::{class, number, shown, testee};
+use super::{class, finding, number, shown, testee};
 use crate::format::Run;
 use crate::outcome::capitalized;
 use crate::{About, OutcomeKind, Report, Subject};

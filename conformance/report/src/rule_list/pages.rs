@@ -5,8 +5,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use uavspec_codegen::emit::OutputFile;
-use uavspec_codegen::emit::docs::markdown::{Page, Table, code, href, link, text_column, with_code};
+use uavspec_emit::OutputFile;
+use uavspec_emit::docs::markdown::{Page, Table, code, href, link, text_column, with_code};
 use uavspec_model::Rule;
 use uavspec_probe::self_test::Row;
 use uavspec_rules::RULES;

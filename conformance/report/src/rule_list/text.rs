@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use uavspec_codegen::report::rule_url;
+use uavspec_lint::report::rule_url;
 use uavspec_model::Rule;
 use uavspec_probe::self_test::Row;
 use uavspec_rules::{Mutant, RULES};

@@ -9,8 +9,8 @@ mod tests;
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use uavspec_check::story::{Label, Lane, Story, Value};
-use uavspec_codegen::terminal::guarded;
 use uavspec_model::text::{plural, shown, thousands};
+use uavspec_schema::terminal::guarded;
 
 use super::{
     STATUSES, duration, entries, flag_noun, flags, is_flag, lane_name, num_quiet, remarks, time, totals,

@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 use uavspec_check::story::{Story, Texts};
-use uavspec_codegen::translation::Translations;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::sample::Flight;
+use uavspec_schema::translation::Translations;
 use uavspec_test_support::schema::{Published, errors};
 
 use super::to_json;

@@ -10,8 +10,7 @@ use uavspec_model::{DISPUTED, Level};
 use uavspec_rules::px4;
 
 use super::{FAIL, PLAIN, WARN};
-use crate::by_rule;
-use crate::{Example, Finding, Subject, Verdict};
+use crate::{Example, Finding, Subject, Verdict, by_rule};
 
 /// The width of the column with the verdict.
 const WORD: usize = 7;

@@ -12,7 +12,6 @@ use uavspec_check::{
     McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, UnreadTimes,
     check_capture,
 };
-use uavspec_codegen::translation::Translations;
 use uavspec_model::{Location, Reason};
 use uavspec_probe::RequestType;
 use uavspec_px4::comparison::Comparison;
@@ -23,6 +22,7 @@ use uavspec_report::{
 };
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::sample::Flight;
+use uavspec_schema::translation::Translations;
 
 use crate::hostile::tested;
 

@@ -307,8 +307,8 @@ fn nearest(set: ReleaseSet, release: ReleaseId) -> Option<ReleaseId> {
 
 #[cfg(test)]
 mod tests {
-    use uavspec_codegen::dynamic::PlacedElement;
-    use uavspec_codegen::schema::Shape;
+    use uavspec_dynamic::PlacedElement;
+    use uavspec_schema::Shape;
 
     use super::*;
 

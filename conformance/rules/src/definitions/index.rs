@@ -3,13 +3,13 @@
 use std::collections::{BTreeSet, HashMap};
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use uavspec_codegen::dynamic::Types;
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::release::age;
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{MessageId, Schema};
-use uavspec_codegen::{SourceMap, read, release};
 use uavspec_definitions::releases::{RELEASES, Release, fingerprints};
+use uavspec_dynamic::Types;
+use uavspec_lint::release;
+use uavspec_lint::release::age;
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{MessageId, Schema, SourceMap, read};
 
 /// The releases whose names denote no fixed state.
 const MOVING: [&str; 2] = ["main", "rolling"];

@@ -4,11 +4,10 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::release::{self, entries};
-use uavspec_codegen::schema::Form;
-use uavspec_codegen::{Failure, PackageInput, SourceMap, read, read_formats};
 use uavspec_definitions::PX4;
+use uavspec_lint::release::{self, entries};
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{Failure, Form, PackageInput, SourceMap, read, read_formats};
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
@@ -345,8 +344,8 @@ fn declarations(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use uavspec_codegen::dynamic::Types;
-    use uavspec_codegen::release::LayoutHashes;
+    use uavspec_dynamic::Types;
+    use uavspec_lint::release::LayoutHashes;
 
     use super::*;
     use crate::definitions::FormatClue;

@@ -1,7 +1,7 @@
 //! The definitions of a PX4 type in all releases.
 
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::fingerprint::hashed_text;
+use uavspec_schema::fingerprint::hashed_text;
+use uavspec_schema::msg::Dialect;
 
 use super::index::{Index, ReleaseSet, read_definition};
 

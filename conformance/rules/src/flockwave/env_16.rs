@@ -1,8 +1,8 @@
 //! `FW-ENV-16`.
 
 use serde_json::json;
-use uavspec_codegen::schema::json_type::Direction;
 use uavspec_flockwave::session::parts;
+use uavspec_schema::json_type::Direction;
 
 use super::{
     Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, Violates,

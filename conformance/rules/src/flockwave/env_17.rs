@@ -1,7 +1,7 @@
 //! `FW-ENV-17`.
 
 use serde_json::json;
-use uavspec_codegen::schema::json_type::Direction;
+use uavspec_schema::json_type::Direction;
 
 use super::{
     Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Status, mutant,

@@ -1,6 +1,6 @@
 //! `PX-BOOL-01`.
 
-use uavspec_codegen::dynamic::{Placed, PlacedElement};
+use uavspec_dynamic::{Placed, PlacedElement};
 use uavspec_runtime::Scalar;
 
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};

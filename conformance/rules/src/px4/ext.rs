@@ -14,10 +14,10 @@
 use std::collections::VecDeque;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 
-use uavspec_codegen::dynamic::DynamicView;
-use uavspec_codegen::msg::Dialect;
-use uavspec_codegen::schema::{Form, MessageId};
+use uavspec_dynamic::DynamicView;
 use uavspec_runtime::Number;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::{Form, MessageId};
 
 use super::{Channel, Checker, Detail, Interest, Location, Message, RuleContext, SubjectName};
 

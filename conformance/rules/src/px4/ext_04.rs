@@ -1,7 +1,7 @@
 //! `PX-EXT-04`.
 
 use uavspec::px4::ArmingCheckReply;
-use uavspec_codegen::dynamic::Value;
+use uavspec_dynamic::Value;
 
 use super::bug::{Bug, Side};
 use super::ext::{is_reply, number};

@@ -8,9 +8,9 @@
 use std::collections::HashMap;
 
 use uavspec::px4::RegisterExtComponentReply;
-use uavspec_codegen::dynamic::{DynamicView, Value};
-use uavspec_codegen::schema::MessageId;
+use uavspec_dynamic::{DynamicView, Value};
 use uavspec_runtime::Text;
+use uavspec_schema::MessageId;
 
 use super::bug::{Bug, Side};
 use super::ext::{number, px4_message};

@@ -6,7 +6,7 @@
 //! not checked.
 
 use uavspec::px4::FailsafeFlags;
-use uavspec_codegen::dynamic::{DynamicView, Value};
+use uavspec_dynamic::{DynamicView, Value};
 
 use super::bug::{Bug, Needs, Side};
 use super::ext::px4_message;

@@ -9,7 +9,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use uavspec::px4::MessageFormatResponse;
-use uavspec_codegen::dynamic::{DynamicView, Value};
+use uavspec_dynamic::{DynamicView, Value};
 use uavspec_model::EndpointKind;
 use uavspec_px4::comparison::compare_texts;
 

@@ -1,7 +1,6 @@
 //! `PX-QUEUE-01`.
 
 use uavspec::px4::Event;
-use uavspec_codegen::schema;
 
 use super::bug::{Bug, Side};
 use super::{
@@ -94,7 +93,7 @@ impl Checker for Bursts {
 
 /// Repeats the last message of a topic until the topic's queue overflows.
 fn burst<'d>(flight: &Flight<'d>) -> Option<Flight<'d>> {
-    let length = |message: &schema::Message| message.queue_length.unwrap_or(DEFAULT);
+    let length = |message: &uavspec_schema::Message| message.queue_length.unwrap_or(DEFAULT);
     let topic = flight.regular(|message| length(message) > DEFAULT)?;
     let times = length(flight.definitions.schema.message(flight.topics[topic].message));
     let mut flight = flight.clone();

@@ -1,7 +1,7 @@
 //! `PX-STR-01`.
 
 use uavspec::px4::RegisterExtComponentRequest;
-use uavspec_codegen::dynamic::{Placed, PlacedElement};
+use uavspec_dynamic::{Placed, PlacedElement};
 
 use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};

@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 
 use uavspec_capture::MCAP_MAGIC;
 use uavspec_capture::mcap::{APPLICATION, ENDPOINT, metadata_body};
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::schema::{Element, Message, MessageId, Schema, shape_text};
 use uavspec_model::{ApplicationType, Durability, Endpoint, EndpointKind, Qos};
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::{Element, Message, MessageId, Schema, shape_text};
 
 use super::Flight;
 

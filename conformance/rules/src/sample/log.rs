@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use uavspec_capture::ULOG_MAGIC;
-use uavspec_codegen::dynamic::MessageType;
+use uavspec_dynamic::MessageType;
 use uavspec_px4::format::{fields, format_name, nested};
 
 use super::{Flight, START};

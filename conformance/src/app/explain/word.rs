@@ -1,9 +1,9 @@
 //! Explains words by the definitions of all releases.
 
-use uavspec_codegen::json_text;
 use uavspec_model::text::terminal;
 use uavspec_report::explain::{Unknown, explain, to_text};
 use uavspec_rules::definitions::{Library, ReleaseId};
+use uavspec_schema::json_text;
 
 use crate::app::report::print_result;
 use crate::app::{Format, Status};

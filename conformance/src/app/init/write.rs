@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
-use uavspec_codegen::stage::Stage;
+use uavspec_schema::stage::Stage;
 
 use super::files::Files;
 

@@ -6,9 +6,9 @@ use std::io::Read as _;
 use std::path::Path;
 
 use memchr::memmem;
-use uavspec_codegen::msg::Dialect;
 use uavspec_model::ApplicationType;
 use uavspec_model::text::{plural, terminal};
+use uavspec_schema::msg::Dialect;
 use walkdir::WalkDir;
 
 use crate::app::{Status, library};

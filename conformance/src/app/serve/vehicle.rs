@@ -3,13 +3,13 @@
 use std::sync::mpsc::{TryRecvError, channel};
 
 use serde_json::json;
-use uavspec_codegen::msg::Dialect;
 use uavspec_live::bus::{self, Address};
 use uavspec_live::vehicle;
 use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Library;
 use uavspec_rules::px4::Side;
+use uavspec_schema::msg::Dialect;
 
 use super::bug::{self, ServedBug};
 use super::{ServeArgs, end_on_request};

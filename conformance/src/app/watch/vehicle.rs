@@ -23,8 +23,10 @@ use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Library;
 
-use super::{Input, MAX_FRAME_TIME, MIN_FRAME_TIME, Restore, WAITING_LIMIT, WatchArgs, install_end};
-use super::{forward_terminal_events, has_colours};
+use super::{
+    Input, MAX_FRAME_TIME, MIN_FRAME_TIME, Restore, WAITING_LIMIT, WatchArgs, forward_terminal_events,
+    has_colours, install_end,
+};
 use crate::app::report::print_result;
 use crate::app::{Status, explain, interrupt, library};
 

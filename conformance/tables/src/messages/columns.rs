@@ -11,9 +11,9 @@ use arrow_array::types::{
 use arrow_array::{Array as _, ArrayRef, FixedSizeListArray, ListArray, StructArray};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Fields};
 use serde_json::Number;
-use uavspec_codegen::dynamic::{MessageType, Placed, PlacedElement, Value};
-use uavspec_codegen::schema::{Element, Field as Defined, Message, Schema, Shape};
+use uavspec_dynamic::{MessageType, Placed, PlacedElement, Value};
 use uavspec_runtime::Scalar;
+use uavspec_schema::{Element, Field as Defined, Message, Schema, Shape};
 
 /// The name of the elements of an array.
 const ITEM: &str = "item";
@@ -276,7 +276,7 @@ impl Column {
                     Value::Array(values) => Some(values),
                     _ => None,
                 });
-                let found = values.map_or(0, uavspec_codegen::dynamic::Elements::len);
+                let found = values.map_or(0, uavspec_dynamic::Elements::len);
                 let length = size(*shape).and_then(|size| usize::try_from(size).ok()).unwrap_or(found);
                 lengths.push(length);
                 let element = |index| values.and_then(|values| values.get(index));

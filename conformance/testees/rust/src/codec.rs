@@ -1,13 +1,13 @@
 //! Processes requests with the codecs of `uavspec-codegen`.
 
 use serde_json::{Value, json};
-use uavspec_codegen::dynamic::{DynamicMessage, Error, MessageType, Types};
-use uavspec_codegen::schema::{Message, Schema};
+use uavspec_dynamic::{DynamicMessage, Error, MessageType, Types};
 use uavspec_flockwave::body_schema::DefinedSchemas;
 use uavspec_model::json::Tree;
 use uavspec_probe::testee::{PROTOCOL, from_base64, from_wire, to_base64, to_wire};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{ErrorClass, Severity};
+use uavspec_schema::{Message, Schema};
 
 /// The type of error codes.
 const CODE: &str = "flockwave/ErrorCode";

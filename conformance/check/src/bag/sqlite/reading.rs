@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use uavspec_capture::rosbag::sqlite::{Bag, Definition, Facts, Message, Problem, Topic};
-use uavspec_codegen::schema::derived_from;
 use uavspec_model::{Extent, Location};
+use uavspec_schema::derived_from;
 
 use crate::Logged;
 use crate::bag::clues::has_its_hash;

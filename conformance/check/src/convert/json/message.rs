@@ -1,7 +1,7 @@
 //! Writes JSON messages in the forms that programs use: with the deviations that `check` accepts.
 
 use serde_json::Value;
-use uavspec_codegen::dynamic::{DynamicMessage, MessageType, PlacedElement};
+use uavspec_dynamic::{DynamicMessage, MessageType, PlacedElement};
 use uavspec_model::json::base64;
 use uavspec_px4::json::{Dialect, Dialects, is_bytes};
 

@@ -4,8 +4,8 @@
 //! schemas without references.
 
 use serde_json::{Map, Value, json};
-use uavspec_codegen::schema::{Dialect, Element, Field, Form, Message, MessageId, Schema, Shape};
 use uavspec_runtime::Scalar;
+use uavspec_schema::{Dialect, Element, Field, Form, Message, MessageId, Schema, Shape};
 
 /// The schema of a message as text.
 pub(super) fn text(schema: &Schema, id: MessageId) -> Vec<u8> {

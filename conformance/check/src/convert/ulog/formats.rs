@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use uavspec_codegen::dynamic::MessageType;
+use uavspec_dynamic::MessageType;
 use uavspec_px4::format::{fields, format_name, nested};
 
 /// The maximum size of a format message, in bytes.

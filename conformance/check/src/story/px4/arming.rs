@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_codegen::dynamic::{DynamicView, Value as FieldValue};
-use uavspec_codegen::schema::MessageId;
+use uavspec_dynamic::{DynamicView, Value as FieldValue};
+use uavspec_schema::MessageId;
 
 use super::{Defined, defined, event_part, number, rank_of};
 use crate::story::context::Context;

@@ -1,9 +1,9 @@
 //! The requirements of the current mode that aren't met.
 
-use uavspec_codegen::dynamic::DynamicView;
-use uavspec_codegen::schema::MessageId;
+use uavspec_dynamic::DynamicView;
 use uavspec_model::Channel;
 use uavspec_rules::px4::{REQUIREMENT, belongs_to};
+use uavspec_schema::MessageId;
 
 use super::{number, rank_of, whole};
 use crate::story::context::Context;

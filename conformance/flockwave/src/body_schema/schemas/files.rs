@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use jsonschema::Draft;
 use serde_json::Value;
-use uavspec_codegen::schema::json_type::Direction;
+use uavspec_schema::json_type::Direction;
 use walkdir::WalkDir;
 
 use super::Problem;

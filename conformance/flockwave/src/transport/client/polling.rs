@@ -1,10 +1,9 @@
 //! Socket.IO over HTTP long polling, and code shared with Socket.IO over WebSocket.
 
 use std::collections::VecDeque;
-use std::io;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{io, thread};
 
 use serde::Deserialize;
 use uavspec_model::clock::Clock;

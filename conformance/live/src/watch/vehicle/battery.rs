@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use uavspec_check::story::{Value, number, state_value};
-use uavspec_codegen::dynamic::DynamicView;
+use uavspec_dynamic::DynamicView;
 use uavspec_runtime::Number;
 
 use super::Meaning;

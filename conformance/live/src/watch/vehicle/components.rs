@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use uavspec_check::story::{Part, event_part, number, text};
-use uavspec_codegen::dynamic::{DynamicView, Value as FieldValue};
+use uavspec_dynamic::{DynamicView, Value as FieldValue};
 
 /// The maximum number of components. PX4 supports far fewer components.
 const MAX_COMPONENTS: usize = 64;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use uavspec_check::story::{Item, Label, Part, Severity, Value, flags, number, required_flags, state_value};
-use uavspec_codegen::dynamic::DynamicView;
+use uavspec_dynamic::DynamicView;
 use uavspec_rules::px4::REQUIREMENT;
 
 use super::Meaning;

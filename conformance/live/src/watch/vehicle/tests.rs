@@ -8,13 +8,13 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use uavspec_check::observe_capture;
 use uavspec_check::story::Severity;
-use uavspec_codegen::schema::fingerprint::ros_name;
-use uavspec_codegen::translation::Translations;
 use uavspec_model::Qos;
 use uavspec_model::clock::Clock;
 use uavspec_rules::definitions::Library;
 use uavspec_rules::sample::{Encoding, Flight, PERIOD, START};
 use uavspec_runtime::cdr::ByteOrder;
+use uavspec_schema::fingerprint::ros_name;
+use uavspec_schema::translation::Translations;
 
 use super::playback::{Kind, Playback, Shown, Watcher};
 use super::source::{Live, replay, watch_live};

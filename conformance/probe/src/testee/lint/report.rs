@@ -4,8 +4,8 @@ use std::fmt::{self, Write as _};
 
 use anstyle::{AnsiColor, Style};
 use serde_json::{Value, json};
-use uavspec_codegen::json_text;
 use uavspec_model::text::shown;
+use uavspec_schema::json_text;
 
 use super::{CheckOutcome, LintResult};
 

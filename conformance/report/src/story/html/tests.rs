@@ -4,8 +4,8 @@ use data_encoding::BASE64;
 use serde_json::json;
 use sha2::{Digest as _, Sha256};
 use uavspec_check::story::Texts;
-use uavspec_codegen::translation::Translations;
 use uavspec_rules::definitions::Definitions;
+use uavspec_schema::translation::Translations;
 
 use super::*;
 use crate::story::{to_json, to_text};

@@ -1,0 +1,46 @@
+//! `error-code-added`: an error code was added.
+
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+use uavspec_schema::finding::Sides;
+
+use super::comparison::CodeChange;
+use super::error_code_removed::name;
+use super::rule::{Category, Check, Rule, Sink};
+
+pub(super) const RULE: Rule = Rule {
+    id: "error-code-added",
+    statement: "An error code was added.",
+    why: "Existing programs don't know the code, but can still derive its severity from the number.",
+    fix: "No change is necessary. Choose a number with the correct severity bits.",
+    breaks: &[(Category::Semantic, Level::Note)],
+    old: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | LEAK | Water in the hull. |\n",
+    }],
+    new: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | LEAK | Water in the hull. |\n\
+               |   65 | LIST | The boat heels. |\n",
+    }],
+    check: Check::ErrorCode(check),
+};
+
+fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
+    let CodeChange::Added(new) = change else { return };
+    let message = format!("error code {} was added", name(new));
+    sink.change(new.span, Sides { old: None, new: Some(new.span) }, message)
+        .breaks(Category::Semantic, "existing programs show only its number and severity");
+}

@@ -1,0 +1,46 @@
+//! `error-code-reused`: the number of an error code has a new meaning.
+
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+
+use super::comparison::CodeChange;
+use super::error_code_removed::name;
+use super::message::both;
+use super::rule::{Category, Check, Rule, Sink};
+
+pub(super) const RULE: Rule = Rule {
+    id: "error-code-reused",
+    statement: "The number of an error code has a new meaning.",
+    why: "Existing programs show the code with its old meaning.",
+    fix: "Use a new number for the new condition, and don't reuse numbers.",
+    breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
+    old: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | LEAK | Water in the hull. |\n",
+    }],
+    new: &[Example {
+        path: "boats.md",
+        text: "# Boats\n\
+               \n\
+               ## Warnings (codes 64-127)\n\
+               \n\
+               | Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n\
+               |   64 | MAST | Rigging is torn. |\n",
+    }],
+    check: Check::ErrorCode(check),
+};
+
+fn check(change: &CodeChange<'_>, sink: &mut Sink<'_>) {
+    let CodeChange::Reused(old, new) = change else { return };
+    let message = format!("error code {} is now {}", name(old), name(new));
+    sink.change(new.span, both(old.span, new.span), message)
+        .breaks(Category::Source, "programs that use the old name no longer compile")
+        .breaks(Category::Semantic, "existing programs use the old meaning");
+}

@@ -1,0 +1,74 @@
+//! `field-moved`: a field moved relative to the other fields.
+
+use uavspec_schema::Element;
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+
+use super::message::{Kept, Pair, both};
+use super::rule::{Category, Check, Rule, Sink};
+
+pub(super) const RULE: Rule = Rule {
+    id: "field-moved",
+    statement: "The order of the fields changed.",
+    why: "CDR writes fields in the order of the definition. uORB sorts fields by size, so the uORB layout \
+        changes only if fields of the same size swap places.",
+    fix: "Restore the order.",
+    breaks: &[(Category::Cdr, Level::Error), (Category::Uorb, Level::Error)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] Sink rate\n\
+               float32 bank      # [rad] Bank angle\n",
+    }],
+    new: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 bank      # [rad] Bank angle\n\
+               float32 sink      # [m/s] Sink rate\n",
+    }],
+    check: Check::Message(check),
+};
+
+/// The maximum number of comparisons when searching for the field that swapped places with a moved field.
+const MAX_COMPARISONS: usize = 1_000_000;
+
+fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
+    let kept: Vec<&Kept> = pair.kept().collect();
+    let mut comparisons = 0;
+    for moved in kept.iter().filter(|kept| kept.is_moved) {
+        let (old, new) = (&pair.old.fields[moved.old], &pair.new.fields[moved.new]);
+        comparisons += kept.len();
+        let partner = kept.iter().filter(|_| comparisons <= MAX_COMPARISONS).find(|other| {
+            let is_crossed = (other.old < moved.old) != (other.new < moved.new);
+            is_crossed && size(pair, moved) == size(pair, other)
+        });
+        let message = format!("`{}.{}` has a different position in the message", pair.name(), new.name);
+        let cdr = "existing readers decode this field's bytes as other fields";
+        let mut change = sink.change(new.span, both(old.span, new.span), message);
+        if !pair.is_uorb() {
+            change.breaks(Category::Cdr, cdr);
+        } else if let Some(partner) = partner {
+            let name = &pair.new.fields[partner.new].name;
+            change.breaks(Category::Cdr, cdr).breaks(
+                Category::Uorb,
+                format!("the layout changes: this field swaps places with `{name}`, which has the same size"),
+            );
+        } else {
+            let help =
+                format!("{cdr}; the field's uORB position stays the same, because uORB sorts fields by size");
+            change.breaks(Category::Cdr, help);
+        }
+    }
+}
+
+/// The sort key that uORB uses for a field: the size of the field's elements. Nested messages come last.
+fn size(pair: &Pair<'_>, kept: &Kept) -> (usize, bool) {
+    match pair.new.fields[kept.new].ty.element {
+        Element::Scalar(scalar) => (scalar.size(), false),
+        Element::String { .. } | Element::Message(_) => (0, true),
+    }
+}

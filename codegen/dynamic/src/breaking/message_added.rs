@@ -1,0 +1,39 @@
+//! `message-added`: a message, service or action was added.
+
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+use uavspec_schema::finding::Sides;
+
+use super::comparison::MessageChange;
+use super::message_removed::what;
+use super::rule::{Category, Check, Rule, Sink};
+
+pub(super) const RULE: Rule = Rule {
+    id: "message-added",
+    statement: "A message, service or action was added.",
+    why: "No existing program is affected. The report lists the change for completeness.",
+    fix: "No change is necessary.",
+    breaks: &[(Category::Source, Level::Note)],
+    old: &[Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n",
+    }],
+    new: &[Example {
+        path: "Winch.msg",
+        text: "# State of a glider\n\
+               \n\
+               uint64 timestamp  # [us] Time since system start\n\
+               float32 sink      # [m/s] Sink rate\n",
+    }],
+    check: Check::Interface(check),
+};
+
+fn check(change: &MessageChange<'_>, sink: &mut Sink<'_>) {
+    let MessageChange::Added(new) = change else { return };
+    let place = new.span.part(0..0);
+    let message = format!("the {} `{}` was added", what(new.kind), new.name);
+    sink.change(place, Sides { old: None, new: Some(place) }, message)
+        .breaks(Category::Source, "no existing program is affected");
+}

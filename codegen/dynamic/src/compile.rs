@@ -1,0 +1,403 @@
+//! Compilation of definitions to plans.
+
+use uavspec_runtime::Scalar;
+use uavspec_runtime::layout::{self, Member, Size};
+use uavspec_schema::layout::MAX_MESSAGE_SIZE;
+use uavspec_schema::msg::Dialect;
+use uavspec_schema::value::Value;
+use uavspec_schema::{Form, Message, Schema, Shape};
+
+use super::error::Defect;
+use super::packed::{Move, Packed};
+use super::plan::{Element, Field, GROWTH, Plan, SLOT};
+use super::step::{Bounds, Run, Sequence, Step, Width};
+use super::types::Types;
+
+/// Maximum nesting depth of messages. Codecs recurse once per level, so this limit bounds the stack. JSON readers may
+/// have a lower limit (`serde_json` allows 127 nested brackets). Real messages nest up to seven levels deep.
+pub(super) const MAX_DEPTH: usize = 32;
+
+/// A nested message with at most this number of steps is inlined into its parent.
+const MAX_COPIED_STEPS: usize = 16;
+
+/// Maximum number of copy operations for a packed type. In an array of messages, each element counts separately. Types
+/// that need more operations are converted step by step.
+const MAX_MOVES: usize = 512;
+
+/// Maximum CDR size of a packed type in bytes. All uORB messages are smaller.
+const MAX_SIZE: usize = 1 << 16;
+
+/// A type before its layout is computed.
+#[derive(Debug)]
+pub(super) struct Draft {
+    pub(super) package: Box<str>,
+    pub(super) name: Box<str>,
+    /// Fields in declaration order, without offsets and strides.
+    pub(super) fields: Vec<Field>,
+    pub(super) placement: Placement,
+    /// Maximum size in bytes.
+    pub(super) limit: u64,
+    pub(super) defect: Option<Defect>,
+}
+
+/// The memory layout of fields.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Placement {
+    /// The uORB layout, with alignment and reordering.
+    Uorb,
+    /// Contiguous in declaration order. Padding fields are removed afterwards.
+    AsGiven,
+}
+
+/// Name prefix of padding fields, followed by a number.
+pub(super) const PADDING: &str = "_padding";
+
+impl Types {
+    /// Compiles the types of all messages of a schema.
+    pub fn new(schema: &Schema) -> Self {
+        Self::of(compile(drafts(schema)))
+    }
+}
+
+/// Creates a draft of each message, in the order of the schema.
+fn drafts(schema: &Schema) -> Vec<Draft> {
+    schema.messages.iter().map(|message| draft(schema, message)).collect()
+}
+
+fn draft(schema: &Schema, message: &Message) -> Draft {
+    let is_too_large = message.cdr.least > MAX_MESSAGE_SIZE;
+    Draft {
+        package: schema.package_of(message).name.as_str().into(),
+        name: message.name.as_str().into(),
+        fields: message.fields.iter().map(|field| field_of(schema, message, field)).collect(),
+        placement: Placement::Uorb,
+        limit: MAX_MESSAGE_SIZE * GROWTH as u64,
+        defect: is_too_large.then_some(Defect::TooLarge(MAX_MESSAGE_SIZE)),
+    }
+}
+
+fn field_of(schema: &Schema, message: &Message, field: &uavspec_schema::Field) -> Field {
+    let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
+    let dialect = if is_px4 { Dialect::Px4 } else { Dialect::Ros2 };
+    let (element, shape) = match (field.ty.element, field.ty.shape) {
+        (_, Shape::Array(length)) if field.is_text(dialect) => (Element::Text(length), Shape::Single),
+        (uavspec_schema::Element::Scalar(scalar), shape) => (Element::Scalar(scalar), shape),
+        (uavspec_schema::Element::String { wide, bound }, shape) => {
+            (Element::String(Bounds { is_wide: wide, bound }), shape)
+        }
+        (uavspec_schema::Element::Message(id), shape) => (Element::Message(id.0 as usize), shape),
+    };
+    Field {
+        default: field.default.clone(),
+        restriction: schema.restriction(message, field),
+        ..Field::new(&field.name, element, shape)
+    }
+}
+
+impl Field {
+    pub(super) fn new(name: &str, element: Element, shape: Shape) -> Self {
+        Self {
+            name: name.into(),
+            element,
+            shape,
+            offset: 0,
+            stride: 0,
+            default: None,
+            restriction: None,
+            is_restricted: false,
+        }
+    }
+}
+
+/// Compiles the plans. Each message is compiled after the messages nested in it.
+pub(super) fn compile(drafts: Vec<Draft>) -> Vec<Plan> {
+    let depths = depths(&drafts);
+    let mut order: Vec<usize> = (0..drafts.len()).filter(|index| depths[*index].is_some()).collect();
+    order.sort_by_key(|index| depths[*index]);
+    let mut plans: Vec<Plan> = drafts.iter().map(|draft| unusable(draft, Defect::Recursive)).collect();
+    let mut drafts: Vec<Option<Draft>> = drafts.into_iter().map(Some).collect();
+    for index in order {
+        let Some(draft) = drafts[index].take() else { continue };
+        let is_too_deep = depths[index] > Some(MAX_DEPTH);
+        let defect = if is_too_deep { Some(Defect::TooDeep(MAX_DEPTH)) } else { defect(&draft, &plans) };
+        plans[index] = match defect {
+            Some(defect) => unusable(&draft, defect),
+            None => plan(draft, &plans),
+        };
+    }
+    plans
+}
+
+/// Nesting depth of each message, or `None` if it is recursive.
+fn depths(drafts: &[Draft]) -> Vec<Option<usize>> {
+    let mut missing = vec![0_usize; drafts.len()];
+    let mut parents = vec![Vec::new(); drafts.len()];
+    for (index, draft) in drafts.iter().enumerate() {
+        for nested in nested(&draft.fields) {
+            missing[index] += 1;
+            parents[nested].push(index);
+        }
+    }
+    let mut ready: Vec<usize> = (0..drafts.len()).filter(|index| missing[*index] == 0).collect();
+    let mut depths = vec![None; drafts.len()];
+    while let Some(index) = ready.pop() {
+        depths[index] = nested(&drafts[index].fields)
+            .filter_map(|nested| depths[nested])
+            .max()
+            .map_or(Some(0), |depth: usize| Some(depth + 1));
+        for parent in std::mem::take(&mut parents[index]) {
+            missing[parent] -= 1;
+            if missing[parent] == 0 {
+                ready.push(parent);
+            }
+        }
+    }
+    depths
+}
+
+fn nested(fields: &[Field]) -> impl Iterator<Item = usize> {
+    fields.iter().filter_map(|field| match field.element {
+        Element::Message(plan) => Some(plan),
+        Element::Scalar(_) | Element::Text(_) | Element::String(_) => None,
+    })
+}
+
+fn defect(draft: &Draft, plans: &[Plan]) -> Option<Defect> {
+    let mut nested = nested(&draft.fields).map(|nested| &plans[nested]);
+    let nested_defect =
+        nested.find(|nested| nested.defect.is_some()).map(|nested| Defect::Holds(nested.name.to_string()));
+    draft.defect.clone().or(nested_defect)
+}
+
+fn unusable(draft: &Draft, defect: Defect) -> Plan {
+    Plan {
+        package: draft.package.clone(),
+        name: draft.name.clone(),
+        fields: Box::default(),
+        size: Size { padded: 0, no_padding: 0 },
+        is_fixed: true,
+        least: 0,
+        steps: Box::default(),
+        packed: None,
+        has_defaults: false,
+        has_bools: false,
+        is_restricted: false,
+        defect: Some(defect),
+    }
+}
+
+fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
+    let size = place(&mut draft, plans);
+    if size.padded as u64 > draft.limit {
+        let limit = draft.limit;
+        return unusable(&draft, Defect::TooLarge(limit));
+    }
+    for field in &mut draft.fields {
+        field.is_restricted = is_restricted(field, plans);
+    }
+    let fields = &draft.fields;
+    let any = |in_field: fn(&Field) -> bool, in_plan: fn(&Plan) -> bool| {
+        fields.iter().any(in_field) || nested(fields).any(|nested| in_plan(&plans[nested]))
+    };
+    let steps = steps(fields, plans);
+    let varies = |field: &Field| field.is_sequence() || matches!(field.element, Element::String(_));
+    Plan {
+        size,
+        is_fixed: !any(varies, |plan| !plan.is_fixed),
+        least: fields.iter().fold(0_usize, |all, field| all.saturating_add(least(field, plans))).max(1),
+        packed: packed(&steps, size.padded, plans),
+        steps: steps.into(),
+        has_defaults: any(|field| field.default.as_ref().is_some_and(is_nonzero), |plan| plan.has_defaults),
+        has_bools: any(|field| field.element.is_bool(), |plan| plan.has_bools),
+        is_restricted: fields.iter().any(|field| field.is_restricted),
+        defect: None,
+        package: draft.package,
+        name: draft.name,
+        fields: draft.fields.into(),
+    }
+}
+
+/// True if a default contains a nonzero byte.
+fn is_nonzero(value: &Value) -> bool {
+    match value {
+        Value::Bool(value) => *value,
+        Value::Int(value) => *value != 0,
+        Value::Float(value) => value.to_bits() != 0,
+        Value::Text(value) => !value.is_empty(),
+        Value::List(values) => !values.is_empty(),
+    }
+}
+
+/// Computes offsets and strides, and removes padding fields.
+fn place(draft: &mut Draft, plans: &[Plan]) -> Size {
+    let members: Vec<Member> = draft.fields.iter().map(|field| member(field, plans)).collect();
+    let mut offsets = vec![0; members.len()];
+    let size = match draft.placement {
+        Placement::Uorb => layout::place(&members, &mut offsets),
+        Placement::AsGiven => place_as_given(&draft.fields, &members, &mut offsets),
+    };
+    for ((field, member), offset) in draft.fields.iter_mut().zip(&members).zip(offsets) {
+        field.offset = offset;
+        field.stride = match field.element {
+            Element::Message(plan) => plans[plan].size.padded,
+            Element::Scalar(scalar) => scalar.size(),
+            Element::String(_) => SLOT,
+            Element::Text(_) => member.size(),
+        };
+    }
+    if matches!(draft.placement, Placement::AsGiven) {
+        draft.fields.retain(|field| !field.name.starts_with(PADDING));
+    }
+    size
+}
+
+fn member(field: &Field, plans: &[Plan]) -> Member {
+    let slot = |count| Member { element_size: SLOT, count, is_nested: false };
+    match field.element {
+        _ if field.is_sequence() => slot(1),
+        Element::String(_) => slot(field.count()),
+        Element::Text(length) => Member { element_size: 1, count: length as usize, is_nested: false },
+        Element::Scalar(scalar) => {
+            Member { element_size: scalar.size(), count: field.count(), is_nested: false }
+        }
+        Element::Message(plan) => {
+            Member { element_size: plans[plan].size.padded, count: field.count(), is_nested: true }
+        }
+    }
+}
+
+fn place_as_given(fields: &[Field], members: &[Member], offsets: &mut [usize]) -> Size {
+    let mut size = Size { padded: 0, no_padding: 0 };
+    for ((field, member), offset) in fields.iter().zip(members).zip(offsets) {
+        *offset = size.padded;
+        size.padded = size.padded.saturating_add(member.size());
+        if !field.name.starts_with(PADDING) {
+            size.no_padding = size.padded;
+        }
+    }
+    size
+}
+
+fn least(field: &Field, plans: &[Plan]) -> usize {
+    const COUNT: usize = 4;
+    match field.element {
+        _ if field.is_sequence() => COUNT,
+        Element::String(_) => COUNT * field.count(),
+        Element::Text(length) => length as usize,
+        Element::Scalar(scalar) => scalar.size() * field.count(),
+        Element::Message(plan) => plans[plan].least.saturating_mul(field.count()),
+    }
+}
+
+/// True if the field can contain a value that violates a rule.
+fn is_restricted(field: &Field, plans: &[Plan]) -> bool {
+    field.bound().is_some()
+        || match field.element {
+            Element::Scalar(_) => field.restriction.is_some(),
+            Element::Text(_) | Element::String(_) => true,
+            Element::Message(plan) => plans[plan].is_restricted,
+        }
+}
+
+fn steps(fields: &[Field], plans: &[Plan]) -> Vec<Step> {
+    let mut steps = Vec::new();
+    if fields.is_empty() {
+        steps.push(Step::Empty);
+    }
+    for field in fields {
+        let Field { offset, .. } = *field;
+        match field.element {
+            element if field.is_sequence() => {
+                steps.push(Step::Sequence { offset, bound: field.bound(), element: sequence(element) });
+            }
+            Element::Scalar(scalar) => add(&mut steps, run(scalar, offset, field.count())),
+            Element::Text(length) => add(&mut steps, run(Scalar::Char, offset, length as usize)),
+            Element::String(bounds) => steps.push(Step::Strings { offset, count: field.count(), bounds }),
+            Element::Message(plan) => match &*plans[plan].steps {
+                nested if field.count() == 1 && nested.len() <= MAX_COPIED_STEPS => {
+                    for step in nested {
+                        add(&mut steps, step.moved(offset));
+                    }
+                }
+                _ => steps.push(Step::Messages { offset, count: field.count(), plan }),
+            },
+        }
+    }
+    steps
+}
+
+fn run(scalar: Scalar, offset: usize, count: usize) -> Step {
+    let size = scalar.size() * count;
+    Step::Copy(Run { offset, size, width: Width::of(scalar), is_bool: scalar == Scalar::Bool })
+}
+
+fn sequence(element: Element) -> Sequence {
+    match element {
+        Element::Scalar(scalar) => {
+            Sequence::Numbers { width: Width::of(scalar), is_bool: scalar == Scalar::Bool }
+        }
+        Element::Text(_) => Sequence::Numbers { width: Width::One, is_bool: false },
+        Element::String(bounds) => Sequence::Strings(bounds),
+        Element::Message(plan) => Sequence::Messages(plan),
+    }
+}
+
+/// The copy operations for a type with these steps. Returns `None` if the type's size varies or if too many copy
+/// operations would be needed.
+fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
+    let mut moves = Vec::new();
+    let mut size = 0;
+    flatten(steps, plans, 0, &mut size, &mut moves)?;
+    Some(Packed::new(moves, size, padded))
+}
+
+/// Appends the moves for a message whose memory form starts at `base` and whose CDR form starts at `at`.
+fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &mut Vec<Move>) -> Option<()> {
+    for step in steps {
+        match *step {
+            Step::Copy(Run { offset, size, width, is_bool }) => {
+                let cdr = at.next_multiple_of(width as usize);
+                moves.push(Move { memory: base + offset, cdr, size, width, is_bool });
+                *at = cdr + size;
+            }
+            Step::Messages { offset, count, plan } => {
+                let plan = &plans[plan];
+                for index in 0..count {
+                    flatten(&plan.steps, plans, base + offset + index * plan.size.padded, at, moves)?;
+                }
+            }
+            Step::Empty => *at += 1,
+            Step::Strings { .. } | Step::Sequence { .. } => return None,
+        }
+        if moves.len() > MAX_MOVES || *at > MAX_SIZE {
+            return None;
+        }
+    }
+    Some(())
+}
+
+/// Appends a step, or merges it into the previous step if both copy adjacent bytes.
+fn add(steps: &mut Vec<Step>, step: Step) {
+    if let (Some(Step::Copy(last)), Step::Copy(next)) = (steps.last_mut(), step)
+        && (last.width, last.is_bool) == (next.width, next.is_bool)
+        && last.offset + last.size == next.offset
+    {
+        last.size += next.size;
+        return;
+    }
+    steps.push(step);
+}
+
+impl Step {
+    /// Returns the step with its offset increased by `by`.
+    fn moved(mut self, by: usize) -> Self {
+        match &mut self {
+            Self::Copy(Run { offset, .. })
+            | Self::Strings { offset, .. }
+            | Self::Messages { offset, .. }
+            | Self::Sequence { offset, .. } => *offset += by,
+            Self::Empty => {}
+        }
+        self
+    }
+}

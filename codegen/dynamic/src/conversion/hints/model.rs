@@ -1,0 +1,107 @@
+//! Hints, and the decisions that follow from them.
+
+use std::collections::BTreeMap;
+
+use uavspec_schema::span::Span;
+
+use crate::conversion::expression::Node;
+use crate::conversion::plan::Narrowing;
+
+/// The hints in a file.
+#[derive(Clone, Debug, Default)]
+pub struct Hints {
+    pub(in crate::conversion) hints: Vec<Hint>,
+    /// Mistakes in the file, in line order.
+    pub mistakes: Vec<Mistake>,
+}
+
+impl Hints {
+    /// Adds hints, which take precedence over the existing ones.
+    #[must_use]
+    pub fn with(mut self, other: Self) -> Self {
+        self.hints.extend(other.hints);
+        self.mistakes.extend(other.mistakes);
+        self
+    }
+}
+
+/// A mistake in a file with hints.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Mistake {
+    /// The location.
+    pub span: Span,
+    /// The problem.
+    pub message: String,
+    /// The advice.
+    pub help: String,
+}
+
+/// A hint about one message.
+#[derive(Clone, Debug, Default)]
+pub(in crate::conversion) struct Hint {
+    /// The old and the new message, which are equal unless a topic changed its message.
+    pub(in crate::conversion) messages: [Key; 2],
+    /// The topic that both messages must have.
+    pub(in crate::conversion) topic: Option<Key>,
+    /// The highest old version and the lowest new version.
+    pub(in crate::conversion) versions: Option<[u32; 2]>,
+    /// Old and new names of fields.
+    pub(in crate::conversion) rename: Vec<[Key; 2]>,
+    /// Values of the fields of the old and of the new message.
+    pub(in crate::conversion) values: [Vec<(Key, HintValue)>; 2],
+    /// Policies for fields whose type narrows.
+    pub(in crate::conversion) narrow: Vec<(Key, Narrowing)>,
+    /// Fields and constants that mean the same on both sides.
+    pub(in crate::conversion) same: Vec<Key>,
+}
+
+/// A name with its location.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(in crate::conversion) struct Key {
+    pub(in crate::conversion) text: String,
+    pub(in crate::conversion) span: Span,
+}
+
+/// The value of a field.
+#[derive(Clone, Debug)]
+pub(in crate::conversion) enum HintValue {
+    /// A default, or a computed value.
+    Expression(Node),
+    /// Pairs of a constant of the source and a constant of the target.
+    Constants(Vec<[Key; 2]>),
+}
+
+/// The decisions of all hints that apply to a conversion in one direction, by field of the target.
+#[derive(Debug, Default)]
+pub(in crate::conversion) struct Decisions<'h> {
+    pub(in crate::conversion) values: BTreeMap<&'h str, (&'h Key, &'h HintValue)>,
+    /// The name of the source field for each renamed field of the target.
+    pub(in crate::conversion) renamed: BTreeMap<&'h str, &'h str>,
+    pub(in crate::conversion) narrow: BTreeMap<&'h str, Narrowing>,
+    /// Names that mean the same, and constants that occur in expressions or maps.
+    pub(in crate::conversion) same: Vec<&'h str>,
+    pub(in crate::conversion) mentioned: Vec<&'h str>,
+}
+
+impl<'h> Decisions<'h> {
+    /// Adds the decisions of a hint.
+    pub(in crate::conversion) fn add(&mut self, hint: &'h Hint, is_forward: bool) {
+        let target = usize::from(is_forward);
+        for (key, value) in &hint.values[target] {
+            self.values.insert(&key.text, (key, value));
+        }
+        for value in hint.values.iter().flatten().map(|(_, value)| value) {
+            match value {
+                HintValue::Expression(node) => node.names(&mut |name| self.mentioned.push(&name.text)),
+                HintValue::Constants(pairs) => {
+                    self.mentioned.extend(pairs.iter().flatten().map(|key| key.text.as_str()));
+                }
+            }
+        }
+        for names in &hint.rename {
+            self.renamed.insert(&names[target].text, &names[1 - target].text);
+        }
+        self.narrow.extend(hint.narrow.iter().map(|(key, policy)| (key.text.as_str(), *policy)));
+        self.same.extend(hint.same.iter().map(|key| key.text.as_str()));
+    }
+}

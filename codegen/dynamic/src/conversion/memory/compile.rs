@@ -1,0 +1,216 @@
+//! Compilation of conversions.
+
+use uavspec_runtime::Scalar;
+
+use super::number::{Number, write};
+use super::place::{Place, Room};
+use super::{Compute, Element, Operation, Program, Span, Transfer};
+use crate::conversion::expression::{Computed, Expression};
+use crate::conversion::plan::{Conversion, Copy, Elements, Neutral, Step};
+use crate::{MessageType, Placed, PlacedElement, sequence};
+
+/// The operations of an array of messages are listed for each element if there are at most this number.
+const MAX_LISTED: usize = 256;
+
+/// Compiles a conversion.
+pub(super) fn program(conversion: &Conversion, source: MessageType<'_>, target: MessageType<'_>) -> Program {
+    let sources: Vec<Placed<'_>> = source.layout().collect();
+    let mut operations = Vec::new();
+    for (field, step) in target.layout().zip(&conversion.steps) {
+        match step {
+            Step::Fill(neutral) => fill(&field, *neutral, &mut operations),
+            Step::Compute(expression) => operations.extend(compute(expression, &sources, &field)),
+            Step::Copy(copy) => {
+                if let Some(source) = sources.get(copy.source) {
+                    transfer(copy, source, &field, &mut operations);
+                }
+            }
+        }
+    }
+    let initial = target.default();
+    let size = target.fixed_size();
+    let mut defaults = Vec::new();
+    if initial.memory().len() > size {
+        slots(target, initial.memory(), 0, &mut defaults);
+    }
+    Program { initial: initial.memory().to_vec(), size, operations: merged(operations), defaults }
+}
+
+/// Lists the strings and sequences of a message.
+fn slots(ty: MessageType<'_>, memory: &[u8], base: usize, found: &mut Vec<usize>) {
+    for field in ty.layout() {
+        let at = base + field.offset;
+        let (start, count) = match Place::of(&field).room {
+            Room::Fixed(count) => (at, count),
+            Room::Varying(_) => {
+                found.push(at);
+                sequence(memory, at)
+            }
+        };
+        for place in (0..count).map(|index| start + index * field.stride) {
+            match field.element {
+                PlacedElement::String { .. } => found.push(place),
+                PlacedElement::Message(nested) => slots(nested, memory, place, found),
+                PlacedElement::Scalar(_) | PlacedElement::Text(_) => {}
+            }
+        }
+    }
+}
+
+/// The bytes of a neutral value; `None` for the initial value.
+fn neutral(element: PlacedElement<'_>, value: Neutral) -> Option<[u8; 8]> {
+    let PlacedElement::Scalar(scalar) = element else { return None };
+    match value {
+        Neutral::Default => None,
+        Neutral::Int(value) => Some(write(scalar, Computed::Int(value))),
+        Neutral::Float(value) => Some(write(scalar, Computed::Float(value))),
+    }
+}
+
+fn fill(field: &Placed<'_>, value: Neutral, operations: &mut Vec<Operation>) {
+    let Some(bytes) = neutral(field.element, value) else { return };
+    match Place::of(field).room {
+        Room::Varying(_) => operations.push(Operation::Clear(field.offset)),
+        Room::Fixed(count) => {
+            let from = Place { at: 0, stride: 0, room: Room::Fixed(0) };
+            if count == 1 {
+                operations.push(Operation::Put { to: field.offset, bytes, size: field.stride });
+            } else {
+                let element = Element::Bytes;
+                let transfer = Transfer { from, to: Place::of(field), element, rest: Some(bytes) };
+                operations.push(Operation::Transfer(Box::new(transfer)));
+            }
+        }
+    }
+}
+
+fn compute(expression: &Expression, sources: &[Placed<'_>], field: &Placed<'_>) -> Option<Operation> {
+    let PlacedElement::Scalar(scalar) = field.element else { return None };
+    let Room::Fixed(count) = Place::of(field).room else { return Some(Operation::Clear(field.offset)) };
+    let place = |source: &Placed<'_>| match source.element {
+        PlacedElement::Scalar(scalar) => Some((source.offset, scalar)),
+        _ => None,
+    };
+    let fields = sources.iter().map(place).collect();
+    let compute = Compute { to: field.offset, count, scalar, expression: expression.clone(), fields };
+    Some(Operation::Compute(Box::new(compute)))
+}
+
+fn transfer(copy: &Copy, source: &Placed<'_>, target: &Placed<'_>, operations: &mut Vec<Operation>) {
+    let Some(element) = element(copy, source.element, target.element) else { return };
+    let rest = neutral(target.element, copy.rest);
+    let (from, to) = (Place::of(source), Place::of(target));
+    if let (Room::Fixed(count), Room::Fixed(length)) = (from.room, to.room)
+        && (count >= length || rest.is_none())
+    {
+        let copied = count.min(length);
+        match &element {
+            Element::Bytes => {
+                let size = copied * to.stride;
+                return operations.push(Operation::Copy(Span { from: from.at, to: to.at, size }));
+            }
+            Element::Message(program) if program.operations.len() * copied <= MAX_LISTED => {
+                if let Some(spans) = spans(program) {
+                    for at in 0..copied {
+                        let base = (from.at + at * from.stride, to.at + at * to.stride);
+                        operations.extend(spans.iter().map(|span| Operation::Copy(span.moved(base))));
+                    }
+                    return;
+                }
+            }
+            _ => {}
+        }
+    }
+    operations.push(Operation::Transfer(Box::new(Transfer { from, to, element, rest })));
+}
+
+/// The spans of a program that only copies.
+fn spans(program: &Program) -> Option<Vec<Span>> {
+    let span = |operation: &Operation| match operation {
+        Operation::Copy(span) => Some(*span),
+        _ => None,
+    };
+    program.operations.iter().map(span).collect()
+}
+
+impl Span {
+    fn moved(self, (from, to): (usize, usize)) -> Self {
+        Self { from: from + self.from, to: to + self.to, size: self.size }
+    }
+}
+
+fn element(copy: &Copy, source: PlacedElement<'_>, target: PlacedElement<'_>) -> Option<Element> {
+    Some(match (source, target) {
+        (PlacedElement::Message(source), PlacedElement::Message(target)) => {
+            let Elements::Message(nested) = &copy.elements else { return None };
+            Element::Message(program(nested, source, target))
+        }
+        (PlacedElement::Text(length), PlacedElement::Text(other)) if length == other => Element::Bytes,
+        (PlacedElement::Text(_), PlacedElement::Text(_)) => Element::Text,
+        (PlacedElement::String { .. }, PlacedElement::String { .. }) => {
+            Element::String(match copy.elements {
+                Elements::String(bound) => bound,
+                _ => None,
+            })
+        }
+        (PlacedElement::Scalar(from), PlacedElement::Scalar(to)) => scalar(copy, from, to),
+        _ => return None,
+    })
+}
+
+fn scalar(copy: &Copy, from: Scalar, to: Scalar) -> Element {
+    match (&copy.elements, &copy.limit) {
+        (Elements::Same, None) => Element::Bytes,
+        (elements, limit) => {
+            Element::Number(Number { from, to, elements: elements.clone(), limit: limit.clone() })
+        }
+    }
+}
+
+/// Merges adjacent copies.
+fn merged(operations: Vec<Operation>) -> Vec<Operation> {
+    let (mut spans, mut others) = (Vec::new(), Vec::new());
+    for operation in operations {
+        match operation {
+            Operation::Copy(span) => spans.push(span),
+            other => others.push(other),
+        }
+    }
+    // Each byte of the target has one origin, so the order doesn't matter.
+    spans.sort_by_key(|span| span.to);
+    let mut merged: Vec<Span> = Vec::new();
+    for next in spans.into_iter().filter(|span| span.size > 0) {
+        match merged.last_mut() {
+            Some(last) if last.from + last.size == next.from && last.to + last.size == next.to => {
+                last.size += next.size;
+            }
+            _ => merged.push(next),
+        }
+    }
+    merged.into_iter().map(Operation::Copy).chain(others).collect()
+}
+
+/// True if a message has the same CDR payload in both types.
+pub(super) fn keeps_cdr(conversion: &Conversion, source: MessageType<'_>, target: MessageType<'_>) -> bool {
+    let sources: Vec<Placed<'_>> = source.layout().collect();
+    let keeps = |(at, (step, target)): (usize, (&Step, Placed<'_>))| {
+        let Step::Copy(Copy { source: from, elements, limit: None, .. }) = step else { return false };
+        let Some(source) = sources.get(at).filter(|_| *from == at) else { return false };
+        let is_same_length = match (Place::of(source).room, Place::of(&target).room) {
+            (Room::Varying(_), Room::Varying(_)) => true,
+            (one, other) => one == other,
+        };
+        is_same_length
+            && match (elements, source.element, target.element) {
+                (Elements::Message(nested), PlacedElement::Message(from), PlacedElement::Message(to)) => {
+                    keeps_cdr(nested, from, to)
+                }
+                (Elements::Text, PlacedElement::Text(from), PlacedElement::Text(to)) => from == to,
+                (Elements::Same | Elements::String(_), ..) => true,
+                _ => false,
+            }
+    };
+    conversion.losses.is_empty()
+        && sources.len() == conversion.steps.len()
+        && conversion.steps.iter().zip(target.layout()).enumerate().all(keeps)
+}

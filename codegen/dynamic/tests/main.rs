@@ -1,0 +1,4 @@
+//! Tests of the public items of the crate, one module per file.
+
+mod conversion;
+mod dynamic;

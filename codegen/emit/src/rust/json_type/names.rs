@@ -1,0 +1,169 @@
+//! Names of types, modules and fields, and detection of recursive types.
+
+use std::collections::BTreeSet;
+
+use proc_macro2::Ident;
+use uavspec_schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
+use uavspec_schema::{JsonTypeId, Package, prose};
+
+use super::super::context::Context;
+use super::super::identifier::{self, Scope, ident};
+use super::default::Defaults;
+
+/// Name of the module with the types and messages of a package.
+pub(in crate::rust) const MODULE: &str = "json";
+
+/// Name of the module with the types.
+pub(super) const TYPES: &str = "types";
+
+/// Names of a package's types, the groups of mutually recursive types, and the types that implement `Default`.
+pub(super) struct Names {
+    /// The id of the first type.
+    first: u32,
+    /// Names by type.
+    types: Vec<String>,
+    /// All names used in the module of the types.
+    pub(super) used: Vec<String>,
+    /// Group numbers by type. Types in the same group contain each other without a list or map in between.
+    groups: Vec<usize>,
+    pub(super) defaults: Defaults,
+}
+
+impl Names {
+    pub(super) fn of(context: &Context<'_>, package: &Package) -> Self {
+        let mut scope = Scope::default();
+        for reserved in ["Request", "Response", "Notification"] {
+            scope.unique_type(reserved);
+        }
+        let found = package.json_types.iter().map(|id| context.schema.json_type(*id));
+        let types: Vec<String> =
+            found.map(|found| scope.unique_type(&identifier::type_name(&found.name))).collect();
+        let first = package.json_types.first().map_or(0, |id| id.0);
+        let contains: Vec<BTreeSet<u32>> = package
+            .json_types
+            .iter()
+            .map(|id| contained(&context.schema.json_type(*id).definition))
+            .collect();
+        let used = types.clone();
+        let defaults = Defaults::of(context.schema, package);
+        Self { first, types, used, groups: groups(&contains, first), defaults }
+    }
+
+    pub(super) fn name(&self, id: JsonTypeId) -> &str {
+        &self.types[(id.0 - self.first) as usize]
+    }
+
+    /// True if two types contain each other, so that boxing is needed.
+    pub(super) fn is_recursive(&self, outer: JsonTypeId, inner: JsonTypeId) -> bool {
+        let group = |id: JsonTypeId| self.groups[(id.0 - self.first) as usize];
+        group(outer) == group(inner)
+    }
+}
+
+/// The types that a type contains without a list or map in between.
+fn contained(definition: &Definition) -> BTreeSet<u32> {
+    fn collect(expression: &Expression, into: &mut BTreeSet<u32>) {
+        match expression {
+            Expression::Named(id) => drop(into.insert(id.0)),
+            Expression::Either(alternatives) => alternatives.iter().for_each(|inner| collect(inner, into)),
+            _ => {}
+        }
+    }
+    let mut found = BTreeSet::new();
+    match definition {
+        Definition::Object(object) => {
+            for field in &object.fields {
+                collect(&field.typed.ty, &mut found);
+            }
+        }
+        Definition::Tuple(elements) => {
+            for element in elements {
+                collect(&element.typed.ty, &mut found);
+            }
+        }
+        Definition::Named(typed) => collect(&typed.ty, &mut found),
+        Definition::Set(_) => {}
+    }
+    found
+}
+
+/// Assigns a number to each group of types that contain each other directly or indirectly.
+///
+/// This is Kosaraju's algorithm. The first search numbers the types in post-order. The second search starts from the
+/// types in descending order and follows reversed edges. Each search from an unvisited type yields one group.
+fn groups(contains: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
+    let index = |id: &u32| (*id - first) as usize;
+    let inner: Vec<Vec<usize>> =
+        contains.iter().map(|contained| contained.iter().map(index).collect()).collect();
+    let mut outer: Vec<Vec<usize>> = vec![Vec::new(); contains.len()];
+    for (at, contained) in inner.iter().enumerate() {
+        for contained in contained {
+            outer[*contained].push(at);
+        }
+    }
+    let mut left = Vec::with_capacity(contains.len());
+    let mut is_seen = vec![false; contains.len()];
+    for start in 0..contains.len() {
+        visit(&inner, start, &mut is_seen, &mut left);
+    }
+    let mut groups = vec![0; contains.len()];
+    let mut is_seen = vec![false; contains.len()];
+    for (group, start) in left.into_iter().rev().enumerate() {
+        let mut members = Vec::new();
+        visit(&outer, start, &mut is_seen, &mut members);
+        for member in members {
+            groups[member] = group;
+        }
+    }
+    groups
+}
+
+/// Appends all unvisited types reachable from `start` in post-order.
+fn visit(steps: &[Vec<usize>], start: usize, is_seen: &mut [bool], left: &mut Vec<usize>) {
+    let mut path = Vec::new();
+    if !std::mem::replace(&mut is_seen[start], true) {
+        path.push((start, 0));
+    }
+    while let Some((at, taken)) = path.last_mut() {
+        let next = steps[*at].get(*taken).copied();
+        *taken += 1;
+        match next {
+            Some(next) if !std::mem::replace(&mut is_seen[next], true) => path.push((next, 0)),
+            Some(_) => {}
+            None => {
+                left.push(*at);
+                path.pop();
+            }
+        }
+    }
+}
+
+/// The identifiers of the fields of a struct.
+pub(super) fn field_names(members: &[Member]) -> Vec<Ident> {
+    let mut scope = Scope::default();
+    let name = |member: &Member| {
+        let name = identifier::snake_case(&member.name);
+        let name = if name.is_empty() { "field".to_owned() } else { name };
+        ident(&scope.unique(&name))
+    };
+    members.iter().map(name).collect()
+}
+
+/// The documentation of a type: its description, or a default.
+pub(super) fn text(docs: &uavspec_schema::Docs, what: &str, name: &str) -> String {
+    let mut text = if docs.summary.is_empty() {
+        format!("{what} {}; the definition has no description.", prose::code(name))
+    } else {
+        prose::inline(&docs.summary)
+    };
+    if !docs.description.is_empty() {
+        text += "\n\n";
+        text += &prose::block(&docs.description);
+    }
+    text
+}
+
+/// True if a body field becomes a field of the struct. Only the `type` field doesn't.
+pub(super) fn is_struct_field(member: &Member) -> bool {
+    member.name != TYPE_FIELD
+}

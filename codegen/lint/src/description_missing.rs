@@ -1,0 +1,40 @@
+//! `description-missing`: an error code without a description.
+
+use uavspec_schema::Package;
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+use uavspec_schema::source::SourceMap;
+
+use super::rule::{Check, Levels, Rule, Sink};
+
+pub(super) const RULE: Rule = Rule {
+    id: "description-missing",
+    statement: "An error code without a description.",
+    why: "An operator who sees the code doesn't know what happened or what to do.",
+    fix: "Describe the condition and the remedy.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "winch.md",
+        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n| 64 | ROPE | |\n",
+    },
+    good: Example {
+        path: "winch.md",
+        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
+               |-----:|------|-------------|\n| 64 | ROPE | The rope is worn. |\n",
+    },
+    measured: None,
+    check: Check::ErrorCodes(check),
+};
+
+fn check(package: &Package, _: &SourceMap, sink: &mut Sink<'_>) {
+    for code in package.error_tables.iter().flat_map(|table| &table.codes) {
+        if code.description.trim_matches(['-', '–', '—', '.', ' ']).is_empty() {
+            sink.report(
+                code.span,
+                format!("code {} has no description", code.code),
+                "describe what happened and what to do",
+            );
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! `field-comment-missing`: a field without a comment.
+
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
+
+pub(super) const RULE: Rule = Rule {
+    id: "field-comment-missing",
+    statement: "A field without a comment.",
+    why: "The name alone doesn't say what `true` means, who sets the field or what the value is relative to.",
+    fix: "Describe the field in a comment.",
+    levels: Levels { px4: Some(Level::Note), strict: Some(Level::Warning) },
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\nfloat32 sink\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] Sink rate, down is positive\n",
+    },
+    measured: Some(Measured { findings: 464, sample: 30, right: 28 }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
+    for field in subject.message.fields.iter().filter(|field| field.description.is_empty()) {
+        sink.report(
+            field.span,
+            format!("`{}` has no comment", field.name),
+            "add a comment that explains what it means",
+        );
+    }
+}

@@ -1,0 +1,40 @@
+//! `leading-white-space`: white space before a declaration.
+
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
+
+pub(super) const RULE: Rule = Rule {
+    id: "leading-white-space",
+    statement: "White space before a declaration.",
+    why: "An indented declaration looks like part of the previous declaration, but messages have no such \
+        structure.",
+    fix: "Start the declaration in the first column.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n  float32 sink  # [m/s] Sink rate\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] Sink rate\n",
+    },
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
+    for (_, text, place) in subject.declarations() {
+        let width = text.len() - text.trim_start_matches([' ', '\t']).len();
+        if width > 0 {
+            let place = place.part(0..width);
+            sink.report(place, "white space before a declaration", "remove it").edit(place, "");
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! `topic-list-empty`: an empty list of topics.
+
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
+use super::topics;
+
+pub(super) const RULE: Rule = Rule {
+    id: "topic-list-empty",
+    statement: "A `# TOPICS` line without a topic.",
+    why: "The line has no effect, and the documentation shows it as text.",
+    fix: "List the topics, or remove the line.",
+    levels: Levels::both(Level::Warning),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n# TOPICS\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               # TOPICS glider tow_plane\n",
+    },
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4_message() {
+        return;
+    }
+    for line in topics::lines(subject).filter(|line| topics::words(line).next().is_none()) {
+        sink.report(line.span, "empty list of topics", "list the topics, or remove the line");
+    }
+}

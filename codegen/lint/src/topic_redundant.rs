@@ -1,0 +1,46 @@
+//! `topic-redundant`: a list that contains only the default topic.
+
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+use uavspec_schema::resolve::default_topic;
+
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::Subject;
+use super::topics;
+
+pub(super) const RULE: Rule = Rule {
+    id: "topic-redundant",
+    statement: "A topic list that contains only the default topic.",
+    why: "The list has no effect, and it becomes wrong if the message is renamed.",
+    fix: "Remove the line.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
+               # TOPICS glider\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
+    },
+    measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4_message() {
+        return;
+    }
+    let listed = || topics::lines(subject).flat_map(topics::words);
+    let default = default_topic(&subject.message.name);
+    // Another rule reports a topic that is listed twice.
+    let Some((_, place)) =
+        listed().next().filter(|_| listed().nth(1).is_none()).filter(|(word, _)| *word == default)
+    else {
+        return;
+    };
+    let finding = sink.report(place, format!("`{default}` is the default topic"), "remove the line");
+    if let Some(removal) = topics::removal(place, subject.sources) {
+        finding.edit(removal, "");
+    }
+}

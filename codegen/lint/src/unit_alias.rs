@@ -1,0 +1,47 @@
+//! `unit-alias`: a unit in a nonstandard spelling.
+
+use uavspec_schema::diagnostic::Level;
+use uavspec_schema::example::Example;
+use uavspec_schema::msg::statement::Statement;
+use uavspec_schema::unit;
+
+use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::subject::{Subject, annotations};
+
+pub(super) const RULE: Rule = Rule {
+    id: "unit-alias",
+    statement: "A unit in a nonstandard spelling.",
+    why: "Other tools know only the standard spelling, and PX4's documentation reports the unit as unknown.",
+    fix: "Write the standard spelling, such as `m/s` or `degC`.",
+    levels: Levels::both(Level::Note),
+    bad: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [meters/second] Sink rate\n",
+    },
+    good: Example {
+        path: "Glider.msg",
+        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+               float32 sink  # [m/s] Sink rate\n",
+    },
+    measured: Some(Measured { findings: 16, sample: 16, right: 16 }),
+    check: Check::Message(check),
+};
+
+fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
+    if !subject.is_px4() {
+        return;
+    }
+    for annotation in subject.part.lines.iter().flat_map(annotations) {
+        let Statement::Unit(symbol) = annotation.statement else { continue };
+        let written = subject.sources.slice(annotation.span).trim_matches(['[', ']']).trim();
+        if written != symbol && unit::lookup(symbol).is_some() {
+            sink.report(
+                annotation.span,
+                format!("`{written}` is a nonstandard spelling of `{symbol}`"),
+                format!("write `[{symbol}]`"),
+            )
+            .edit(annotation.span, format!("[{symbol}]"));
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Small example definitions for the documentation and tests of rules.
+
+use std::path::Path;
+
+use crate::Form;
+use crate::msg::{Dialect, Kind};
+use crate::read::PackageInput;
+use crate::source::{SourceId, SourceMap};
+
+/// An example definition.
+#[derive(Clone, Copy, Debug)]
+pub struct Example {
+    /// The file name. A `.msg` file inside a folder belongs to a ROS 2 package; other `.msg` files belong to PX4. A
+    /// `.po` file translates `TRANSLATED`. A `.toml` file contains hints for the conversions between the packages of
+    /// `CONVERTED`.
+    pub path: &'static str,
+    /// The content.
+    pub text: &'static str,
+}
+
+/// The definition that example catalogues translate.
+pub(crate) const TRANSLATED: Example = Example {
+    path: "Glider.msg",
+    text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
+           float32 sink      # [m/s] Sink rate\n",
+};
+
+/// The definitions that example hints convert.
+pub const CONVERTED: [Example; 2] = [
+    Example { path: "old_msgs/Glider.msg", text: "float64 sink\n" },
+    Example { path: "new_msgs/Glider.msg", text: "float32 sink\nbool is_landed\n" },
+];
+
+/// The package of PX4 examples.
+const PACKAGE: &str = "demo";
+
+/// Adds the definitions in `files` (path and text) to `sources`, and returns their packages. Displayed paths start with
+/// `folder`.
+pub fn packages<'f>(
+    files: impl IntoIterator<Item = (&'f str, &'f str)>,
+    folder: &str,
+    sources: &mut SourceMap,
+) -> Vec<PackageInput> {
+    let mut packages: Vec<PackageInput> = Vec::new();
+    for (path, text) in files.into_iter().filter(|(path, _)| !is_catalogue(path) && !is_hints(path)) {
+        let form = match path.split_once('/') {
+            _ if Kind::of(path).is_none() => Form::Table,
+            Some(_) => Form::Msg(Dialect::Ros2),
+            None => Form::Msg(Dialect::Px4),
+        };
+        let name = package_of(path);
+        let Some(id) = add(path, text, folder, sources) else { continue };
+        match packages.iter_mut().find(|package| package.name == name) {
+            Some(package) => package.sources.push(id),
+            None => packages.push(PackageInput::new(name, form, vec![id])),
+        }
+    }
+    packages
+}
+
+/// The package of an example file.
+fn package_of(path: &str) -> &str {
+    match path.split_once('/') {
+        _ if Kind::of(path).is_none() => "pages",
+        Some((package, _)) => package,
+        None => PACKAGE,
+    }
+}
+
+/// Adds the catalogues in `files` to `sources`, like [`packages`].
+pub fn catalogues<'f>(
+    files: impl IntoIterator<Item = (&'f str, &'f str)>,
+    folder: &str,
+    sources: &mut SourceMap,
+) -> Vec<SourceId> {
+    let files = files.into_iter().filter(|(path, _)| is_catalogue(path));
+    files.filter_map(|(path, text)| add(path, text, folder, sources)).collect()
+}
+
+/// Adds the hints in `files` to `sources`, like [`packages`].
+pub fn hints<'f>(
+    files: impl IntoIterator<Item = (&'f str, &'f str)>,
+    folder: &str,
+    sources: &mut SourceMap,
+) -> Option<SourceId> {
+    let mut files = files.into_iter().filter(|(path, _)| is_hints(path));
+    files.next().and_then(|(path, text)| add(path, text, folder, sources))
+}
+
+fn add(path: &str, text: &str, folder: &str, sources: &mut SourceMap) -> Option<SourceId> {
+    let shown = if folder.is_empty() { path.to_owned() } else { format!("{folder}/{path}") };
+    // Examples are short and valid UTF-8, so this can't fail.
+    sources.add(shown, text.as_bytes().to_vec()).ok()
+}
+
+/// True if a file contains translations.
+pub fn is_catalogue(path: &str) -> bool {
+    Path::new(path).extension().is_some_and(|extension| extension == "po")
+}
+
+/// True if a file contains hints for conversions.
+pub fn is_hints(path: &str) -> bool {
+    Path::new(path).extension().is_some_and(|extension| extension == "toml")
+}
+
+impl Example {
+    /// The path and text.
+    pub fn file(&self) -> (&'static str, &'static str) {
+        (self.path, self.text)
+    }
+
+    /// The name of the package.
+    pub fn package(&self) -> &'static str {
+        package_of(self.path)
+    }
+
+    /// The path and text. A catalogue and hints are preceded by the definitions that they refer to.
+    pub fn files(&self) -> Vec<(&'static str, &'static str)> {
+        let definitions: &[Self] = match self.path {
+            path if is_catalogue(path) => &[TRANSLATED],
+            path if is_hints(path) => &CONVERTED,
+            _ => &[],
+        };
+        definitions.iter().chain([self]).map(Self::file).collect()
+    }
+}

@@ -1,0 +1,202 @@
+//! Detects infinitely nested types.
+
+use super::depth::depths;
+use crate::diagnostic::{Diagnostic, Problem};
+use crate::json_type::{Definition, Expression, JsonType, Member};
+
+/// The maximum number of reported cycles.
+const MAX_REPORTED: usize = 20;
+
+/// The maximum number of alternatives of an alias or union, including the alternatives of referenced types.
+const MAX_ALTERNATIVES: usize = 256;
+
+/// The maximum number of types on a path of references. Emitters recurse once per type, so this limit bounds the stack.
+const MAX_DEPTH: usize = 1_000;
+
+/// The number of names at each end of a displayed path; the middle of longer paths is omitted.
+const MAX_PATH_END: usize = 8;
+
+/// Reports types without finite values, and names defined in terms of themselves. `first` is the id of the first type.
+pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
+    let mut diagnostics = cycles(types, first, |definition| match definition {
+        Definition::Object(object) => needed_by_members(&object.fields),
+        Definition::Tuple(elements) => needed_by_members(elements),
+        Definition::Set(_) => Vec::new(),
+        Definition::Named(found) => needed(&found.ty),
+    });
+    if diagnostics.is_empty() {
+        // A type `A` defined as `null or A` has finite values, but its definition is recursive.
+        diagnostics = cycles(types, first, |definition| match definition {
+            Definition::Named(found) => alternatives_of(&found.ty),
+            _ => Vec::new(),
+        });
+    }
+    if diagnostics.is_empty() {
+        diagnostics = check_size(types, first);
+    }
+    if diagnostics.is_empty() {
+        diagnostics = check_depth(types, first);
+    }
+    diagnostics
+}
+
+/// Reports types from which long paths of references start. Types that refer to each other in a cycle are all on one
+/// path.
+fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
+    let index = |id: u32| (id - first) as usize;
+    let steps: Vec<Vec<usize>> =
+        types.iter().map(|found| references(&found.definition).into_iter().map(index).collect()).collect();
+    let depths = depths(&steps);
+    let is_too_deep = |at: &usize| depths[*at] > MAX_DEPTH;
+    // Don't report the types that refer to a reported type.
+    let is_first = |at: &usize| !steps[*at].iter().any(&is_too_deep);
+    let all = || (0..types.len()).filter(is_too_deep);
+    // If all of them are in a cycle, report one of them.
+    let reported = all().filter(is_first).chain(all()).take(1);
+    let diagnostic = |at: usize| {
+        let (name, what) = (types[at].name.clone(), "levels of nested types");
+        let problem = Problem::TooMuchNesting { name, max: MAX_DEPTH as u64, what };
+        Diagnostic::new(problem, types[at].span)
+    };
+    reported.map(diagnostic).collect()
+}
+
+/// The types that a definition refers to.
+fn references(definition: &Definition) -> Vec<u32> {
+    let of_members = |members: &[Member]| -> Vec<u32> {
+        members.iter().flat_map(|member| references_in(&member.typed.ty)).collect()
+    };
+    match definition {
+        Definition::Object(object) => of_members(&object.fields),
+        Definition::Tuple(elements) => of_members(elements),
+        Definition::Set(_) => Vec::new(),
+        Definition::Named(found) => references_in(&found.ty),
+    }
+}
+
+/// The types that an expression refers to.
+fn references_in(expression: &Expression) -> Vec<u32> {
+    match expression {
+        Expression::Named(id) => vec![id.0],
+        Expression::Either(alternatives) => alternatives.iter().flat_map(references_in).collect(),
+        Expression::List(inner) | Expression::Map(inner) => references_in(inner),
+        _ => Vec::new(),
+    }
+}
+
+/// Reports types with too many alternatives, including the alternatives of referenced types. There are no cycles at
+/// this point.
+fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
+    let mut diagnostics = Vec::new();
+    // The number of alternatives of each type; 0 if not yet known.
+    let mut sizes = vec![0_usize; types.len()];
+    for start in 0..types.len() {
+        let mut open = vec![start];
+        while let Some(at) = open.last().copied() {
+            let steps: Vec<usize> = match &types[at].definition {
+                Definition::Named(found) => {
+                    alternatives_of(&found.ty).iter().map(|id| (id - first) as usize).collect()
+                }
+                _ => Vec::new(),
+            };
+            let unknown: Vec<usize> = steps.iter().copied().filter(|step| sizes[*step] == 0).collect();
+            if !unknown.is_empty() {
+                open.extend(unknown);
+                continue;
+            }
+            open.pop();
+            if sizes[at] > 0 {
+                continue;
+            }
+            sizes[at] = steps.iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
+            if sizes[at] > MAX_ALTERNATIVES {
+                let problem = Problem::TooManyParts {
+                    name: types[at].name.clone(),
+                    what: "alternatives, including those of referenced types",
+                    max: MAX_ALTERNATIVES,
+                };
+                diagnostics.push(Diagnostic::new(problem, types[at].span));
+                // Don't report the types that refer to this one.
+                sizes[at] = 1;
+            }
+        }
+    }
+    diagnostics
+}
+
+fn needed_by_members(members: &[Member]) -> Vec<u32> {
+    members.iter().filter(|member| member.is_required).flat_map(|member| needed(&member.typed.ty)).collect()
+}
+
+/// The types that are part of every value of the expression.
+fn needed(expression: &Expression) -> Vec<u32> {
+    match expression {
+        Expression::Named(id) => vec![id.0],
+        Expression::Either(alternatives) => {
+            let all: Vec<Vec<u32>> = alternatives.iter().map(needed).collect();
+            if all.iter().any(Vec::is_empty) { Vec::new() } else { all.concat() }
+        }
+        _ => Vec::new(),
+    }
+}
+
+/// The types that an alias or union refers to directly.
+fn alternatives_of(expression: &Expression) -> Vec<u32> {
+    match expression {
+        Expression::Named(id) => vec![id.0],
+        Expression::Either(alternatives) => alternatives.iter().flat_map(alternatives_of).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Reports each cycle of references. `steps` returns the types that a definition refers to.
+fn cycles(types: &[JsonType], first: u32, steps: impl Fn(&Definition) -> Vec<u32>) -> Vec<Diagnostic> {
+    let steps: Vec<Vec<usize>> = types
+        .iter()
+        .map(|found| steps(&found.definition).into_iter().map(|id| (id - first) as usize).collect())
+        .collect();
+    let mut diagnostics = Vec::new();
+    let mut is_done = vec![false; types.len()];
+    let mut is_open = vec![false; types.len()];
+    for start in 0..types.len() {
+        // The types from `start` to the current one, each with the number of visited successors.
+        let mut path: Vec<(usize, usize)> = Vec::new();
+        if !is_done[start] {
+            path.push((start, 0));
+            is_open[start] = true;
+        }
+        while let Some((at, taken)) = path.last_mut() {
+            let Some(next) = steps[*at].get(*taken).copied() else {
+                is_done[*at] = true;
+                is_open[*at] = false;
+                path.pop();
+                continue;
+            };
+            *taken += 1;
+            if is_open[next] && diagnostics.len() >= MAX_REPORTED {
+                return diagnostics;
+            }
+            if is_open[next] {
+                let from = path.iter().position(|(index, _)| *index == next).unwrap_or(0);
+                diagnostics.push(report(types, path[from..].iter().map(|(index, _)| *index)));
+            } else if !is_done[next] {
+                is_open[next] = true;
+                path.push((next, 0));
+            }
+        }
+    }
+    diagnostics
+}
+
+fn report(types: &[JsonType], cycle: impl Iterator<Item = usize>) -> Diagnostic {
+    let found: Vec<&JsonType> = cycle.map(|index| &types[index]).collect();
+    let mut names: Vec<&str> = found.iter().chain(&found[..1]).map(|found| found.name.as_str()).collect();
+    if names.len() > 2 * MAX_PATH_END {
+        names.splice(MAX_PATH_END..names.len() - MAX_PATH_END, ["…"]);
+    }
+    let mut diagnostic = Diagnostic::new(Problem::EndlessType { path: names.join(" → ") }, found[0].span);
+    for other in found.iter().skip(1).take(MAX_PATH_END) {
+        diagnostic = diagnostic.with_related(other.span, "through this type");
+    }
+    diagnostic
+}

@@ -1,0 +1,3 @@
+//! Tests of the public items of the crate, one module per file.
+
+mod fixtures;
