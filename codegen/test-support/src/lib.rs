@@ -74,11 +74,7 @@ pub fn files_below(folder: &Path, extensions: &[&str]) -> Vec<PathBuf> {
 }
 
 /// Adds the definitions below `folder` to `package`.
-pub fn add_folder(
-    sources: &mut SourceMap,
-    package: &mut PackageInput,
-    folder: &Path,
-) -> Vec<Diagnostic> {
+pub fn add_folder(sources: &mut SourceMap, package: &mut PackageInput, folder: &Path) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
     for path in files_below(folder, &["msg", "srv", "action"]) {
         match sources.add(path.to_string_lossy(), fs::read(&path).expect("a readable file")) {

@@ -44,7 +44,8 @@ pub(crate) fn replay(documents: &[(&str, &str)], edits: &[Edit<'_>]) {
         note(&mut server, "textDocument/didChange", params);
         ask(&mut server, uri, &range);
     }
-    let texts: Vec<String> = uris.iter().map(|uri| server.text(uri).expect("an open document").to_owned()).collect();
+    let texts: Vec<String> =
+        uris.iter().map(|uri| server.text(uri).expect("an open document").to_owned()).collect();
     let mut fresh = start(&connection);
     for (uri, text) in uris.iter().zip(&texts) {
         open(&mut fresh, uri, text);
