@@ -3,6 +3,9 @@
 //! enter, and values, violations and other encodings leave. [`mod@breaking`] compares two schemas, and [`conversion`] converts
 //! messages from one to the other.
 //!
+//! A conversion matches messages like a comparison, but copies a renamed field only if its comment is the same. A wrong
+//! match in a comparison is a misleading finding; in a conversion, it is wrong data.
+//!
 //! ```
 //! use uavspec_schema::{Form, PackageInput, SourceMap, msg::Dialect, read};
 //! use uavspec_dynamic::Types;

@@ -1,5 +1,19 @@
 //! Emitters turn a schema into files in memory, and never write to disk.
 //!
+//! # Design decisions
+//!
+//! - Generated JSON types accept any value with the right structure, and don't check ranges, lengths or patterns. A
+//!   program can therefore receive an out-of-range value and report it.
+//! - Generated types describe themselves to the runtime (`record!`), and all codecs, checks and strategies use this
+//!   description. Derives would require more code to generate, read and compile.
+//! - TypeScript and Python output includes the translated labels, so users who generate code from other definitions get
+//!   labels too. Each language file contains only the text in that language; missing text falls back to English.
+//! - TypeScript and Python are printed from one intermediate form (`binding`), so their names can't differ.
+//! - The JSON and the verdict of a test vector come from the model, and the bytes come from [`uavspec_dynamic`]. The
+//!   vector's id describes the case rather than the result, so the id is permanent.
+//! - `tests/edge.rs` lists where uavspec deliberately deviates from incorrect behaviour of the reference tools, each
+//!   with a reason. The test fails if one of these deviations disappears.
+//!
 //! ```
 //! # use uavspec_schema::{Form, PackageInput, SourceMap, msg::Dialect, read};
 //! # let mut sources = SourceMap::default();

@@ -8,6 +8,25 @@
 //! Code that uses the model can't fail because of user input. Messages refer to each other by [`MessageId`], so this
 //! code needs no look-up by name. Everything is sorted, so output doesn't depend on the order of the files.
 //!
+//! # Design decisions
+//!
+//! - Spans count bytes across all sources of a run. A span therefore takes only eight bytes, yet identifies its file.
+//! - Annotations and literals are read by the parser, not by `resolve`. Values in the syntax tree are typed and in
+//!   range, and each error is reported on its line.
+//! - One sorted list contains the messages of all packages. Unselected messages stay in this list, but are not in the
+//!   lists of the packages.
+//! - `[@enum Message.PREFIX]` refers to constants of another message. For example, `battery_warning` of `FailsafeFlags`
+//!   uses the constants of `BatteryStatus`, so its enum type belongs to `BatteryStatus`.
+//! - If all constants of a flags field are powers of two, the constants are masks; otherwise, they are bit numbers. The
+//!   model stores masks in both cases.
+//! - ROS 2 rejects names that violate its naming style, so such a name is an error in a ROS 2 definition. PX4 accepts
+//!   these names, so they only cause warnings in PX4 definitions. A literal that is valid only in PX4 or only in ROS 2
+//!   also causes a warning.
+//! - Types and messages on pages describe JSON only. The model of `.msg` files describes memory layout and CDR, so page
+//!   types have a model of their own ([`json_type`]).
+//! - Translations ([`translation`]) are separate from the model, with permanent keys. Emitters look up translations by
+//!   key, so emitters can detect text that has no translation.
+//!
 //! ```
 //! # use uavspec_schema::{Form, PackageInput, SourceMap, msg::Dialect, read};
 //! # let mut sources = SourceMap::default();

@@ -2,7 +2,7 @@
 //! `# [m/s] [@range 0, 20] [@invalid NaN] text`.
 //!
 //! A near miss is read as intended, with a warning. Any other text in brackets remains ordinary text. Descriptions in
-//! the tables of a page allow different annotations: see [`Vocabulary`].
+//! the tables of a page allow different annotations: see `Vocabulary`.
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;

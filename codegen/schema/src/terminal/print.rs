@@ -36,7 +36,7 @@ pub fn print(text: fmt::Arguments<'_>) {
     }
 }
 
-/// Prints a machine-readable text to standard output, like [`print`]. The text isn't guarded.
+/// Prints a machine-readable text to standard output, like [`print()`]. The text isn't guarded.
 pub fn print_unguarded(text: &str) {
     print_to(io::stdout(), &[text]);
 }
@@ -62,7 +62,7 @@ pub fn finish() -> io::Result<()> {
     UNPRINTED.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
 }
 
-/// Prints guarded lines to standard output, like [`print`].
+/// Prints guarded lines to standard output, like [`print()`].
 #[allow(clippy::disallowed_methods, reason = "the lines are guarded")]
 pub fn print_lines(parts: &[GuardedLines]) {
     let parts: Vec<&str> = parts.iter().map(GuardedLines::text).collect();
