@@ -461,9 +461,6 @@ fn prints_rules_and_help() {
     assert!(output.contains("no such rule") && output.contains("help:"), "{output}");
     let list: Value = serde_json::from_str(&uavspec(here, &["rules", "--format", "json"]).1).expect("JSON");
     assert_eq!(list.as_array().map(Vec::len), Some(uavspec_rules::RULES.len()));
-    let (status, printed, _) = uavspec(here, &["rules", "--matrix"]);
-    assert_eq!(status, Some(0));
-    assert!(printed.contains(", 0 with unexpected results") && !printed.contains("  !"), "{printed}");
     let rows: Value =
         serde_json::from_str(&uavspec(here, &["rules", "--matrix", "--format", "json"]).1).expect("JSON");
     assert!(

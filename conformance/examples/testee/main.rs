@@ -1,8 +1,8 @@
 //! A testee with selectable faults, for tests of `uavspec test` and `uavspec testee lint`.
 //!
 //! Without arguments, this program is the reference testee. `--definitions PATH` replaces the definitions of this
-//! repository. Other arguments select a fault. `evil.rs` contains faults in single requests, and `rude.rs` contains
-//! protocol violations.
+//! repository. The arguments after that select a fault. `evil.rs` contains faults in single requests, and `rude.rs`
+//! contains protocol violations.
 
 #[path = "../../testees/rust/src/codec.rs"]
 mod codec;
@@ -18,21 +18,24 @@ use codec::Codec;
 use evil::RequestFault;
 use rude::ProtocolFault;
 use serde_json::{Value, json};
+use uavspec_codegen::load::read_definitions;
+use uavspec_dynamic::Types;
+use uavspec_flockwave::body_schema::DefinedSchemas;
 use uavspec_rules::definitions::Definitions;
 
 fn main() -> io::Result<ExitCode> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
+    let mut arguments: Vec<String> = env::args().skip(1).collect();
+    let schema = if arguments.first().is_some_and(|first| first == "--definitions") {
+        let path: Vec<String> = arguments.drain(..2).collect();
+        read_definitions(&path[1]).map_err(|failure| io::Error::other(failure.to_string()))?.1
+    } else {
+        Definitions::built_in().schema
+    };
     let mut evil = RequestFault::read(&arguments);
     let rude = ProtocolFault::read(&arguments);
     evil.at_start();
-    let definitions = match arguments.as_slice() {
-        [option, path] if option == "--definitions" => {
-            Definitions::load(Path::new(path)).map_err(|failure| io::Error::other(failure.to_string()))?
-        }
-        _ => Definitions::built_in(),
-    };
-    let types = definitions.types();
-    let codec = Codec { schema: &definitions.schema, types, body_schemas: definitions.defined_schemas() };
+    let (types, body_schemas) = (Types::new(&schema), DefinedSchemas::new(&schema));
+    let codec = Codec { schema: &schema, types: &types, body_schemas: &body_schemas };
     let mut input = BufReader::with_capacity(1 << 16, io::stdin().lock());
     let mut output = io::stdout().lock();
     let mut count = 0;
@@ -53,7 +56,7 @@ fn main() -> io::Result<ExitCode> {
         if is_hello {
             writeln!(output, "{reply}")?;
         } else {
-            evil.corrupt(types, &question, &mut reply);
+            evil.corrupt(&types, &question, &mut reply);
             evil.write(&reply, &mut output)?;
         }
         output.flush()?;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use uavspec_probe::self_test::matrix;
-use uavspec_report::rule_list::{CONTENTS, pages};
+use uavspec_report::rule_list::{CONTENTS, matrix_text, pages};
 use uavspec_rules::definitions::Definitions;
 use uavspec_test_support::extent;
 
@@ -66,6 +66,15 @@ fn pages_are_up_to_date() {
         return;
     }
     assert_eq!((stale, orphans), (vec![], vec![]), "run {UPDATE}");
+}
+
+#[test]
+fn the_matrix_has_a_line_for_each_mutant() {
+    let text = matrix_text(&ROWS);
+    let count = ROWS.len();
+    assert!(text.ends_with(&format!("\n{count} mutants, 0 with unexpected results\n")), "{text}");
+    assert!(!text.contains("  !"), "{text}");
+    assert!(ROWS.iter().all(|row| text.contains(&row.title)), "{text}");
 }
 
 /// A page that `uavspec-codegen` writes to the same path would be overwritten.

@@ -12,7 +12,8 @@ use uavspec_probe::testee::{Options, Verdict, check, run};
 
 use super::lint::{assert_good, failed_checks, lint_testee};
 use super::{
-    Target, all_cases, culprit, failures, impatient, options, patiently, run_cases, some_cases, suite, testee,
+    DEFINITIONS, Target, all_cases, culprit, failures, impatient, options, patiently, run_cases, some_cases,
+    suite, testee,
 };
 
 /// Options of a server.
@@ -65,7 +66,12 @@ impl Drop for Server {
 impl Service {
     fn serve(&self, stream: &TcpStream) {
         let mut command = Command::new(testee());
-        command.args(&self.arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::null());
+        command
+            .args(["--definitions", DEFINITIONS])
+            .args(&self.arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null());
         let mut child = command.spawn().expect("the testee starts");
         let (mut input, output) = (child.stdin.take().expect("a pipe"), child.stdout.take().expect("a pipe"));
         self.children.lock().unwrap_or_else(PoisonError::into_inner).push(child);

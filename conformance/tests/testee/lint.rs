@@ -8,7 +8,7 @@ use serde_json::Value;
 use uavspec_check::parallel;
 use uavspec_probe::testee::{CHECKS, Check, LintResult, Options, check, lint};
 
-use super::{impatient, options, patiently, suite, testee};
+use super::{built_in, impatient, options, patiently, suite, testee};
 
 /// Modes that always misbehave in the same way, with all checks that fail.
 const DETERMINISTIC: &[(&[&str], &[&str])] = &[
@@ -184,7 +184,9 @@ fn checks_of_unsupported_features_are_not_applicable() {
 fn check_testee(command: &[&str], script: &str) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("testees").join(script);
     let command = command.iter().map(Into::into).chain([script.into()]).collect();
-    let found = lint_testee(&Options { target: super::Target::Command(command), ..options(&[]) }, &[]);
+    let options = Options { target: super::Target::Command(command), ..options(&[]) };
+    let suite = built_in();
+    let found = lint(&suite.cases, &suite.types, &options, &[], &|_, _| {}).expect("a testee");
     assert_good(&found);
     let other: Vec<&str> =
         found.outcomes.iter().filter(|(_, it)| it.name() != "pass").map(|(it, _)| it.id).collect();
