@@ -230,15 +230,18 @@ impl Protocol for Rosbridge {
     }
 
     fn poll(&mut self) -> Option<Instant> {
+        let now = Clock::real().now();
         match self.listing {
-            Listing::Due(time) if time > Clock::real().now() => return Some(time),
-            Listing::Due(_) => self.request_list(),
-            Listing::Requested(time) if Clock::real().now() < time + LIST_LIMIT => {
-                return Some(time + LIST_LIMIT);
+            Listing::Due(time) if time <= now => self.request_list(),
+            Listing::Requested(time) if time + LIST_LIMIT <= now => {
+                self.fail(&format!("no answer within {LIST_LIMIT:?}"));
             }
-            Listing::Requested(_) => self.fail(&format!("no answer within {LIST_LIMIT:?}")),
+            Listing::Due(_) | Listing::Requested(_) => {}
         }
-        None
+        Some(match self.listing {
+            Listing::Due(time) => time,
+            Listing::Requested(time) => time + LIST_LIMIT,
+        })
     }
 }
 

@@ -79,7 +79,11 @@ pub(super) fn receive(client: &mut impl Protocol, deadline: Instant) -> Option<E
 
 /// Handles at most one message. Returns false at the deadline and at the end of the connection.
 pub(super) fn step(client: &mut impl Protocol, deadline: Instant) -> bool {
+    let known = client.link().events.len();
     let due = client.poll().map_or(deadline, |due| due.min(deadline));
+    if client.link().events.len() > known {
+        return true;
+    }
     let handled = match client.link().next(due) {
         Some(Message::Text(text)) => client.text(&text),
         Some(Message::Binary(bytes)) => client.binary(&bytes),
