@@ -3,6 +3,7 @@
 //! Exit status, as for uavspec-codegen: 0 success; 1 findings or outdated files; 2 the command failed; 4 a
 //! baseline that is out of date.
 
+mod affected;
 mod archive;
 mod bench;
 mod dist;
@@ -53,6 +54,8 @@ enum Command {
         #[arg(trailing_var_arg = true, allow_hyphen_values = true, value_name = "ARGUMENT")]
         arguments: Vec<OsString>,
     },
+    /// List the packages that a change can affect
+    Affected(affected::Arguments),
     /// Build the documentation site
     #[command(after_help = "Examples:
   cargo xtask docs --open        generate, build and open the site
@@ -121,6 +124,7 @@ fn main() -> ExitCode {
     let outcome = match terminal::parse::<Cli>().command {
         Command::Specification(command) => return command.run(),
         Command::Conformance { arguments } => return conformance(arguments),
+        Command::Affected(arguments) => affected::run(&arguments),
         Command::Docs(arguments) => docs::run(arguments),
         Command::Package(arguments) => package::run(arguments),
         Command::Dist(arguments) => dist::run(arguments),

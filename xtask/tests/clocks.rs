@@ -10,7 +10,7 @@ use walkdir::WalkDir;
 /// the limits of `conformance/test-support`, which end only tests that would hang.
 const REAL: [&str; 5] = ["thread::sleep", "Instant::now", "SystemTime::now", ".elapsed()", "tokio::time"];
 
-/// The tests that only `.ci/run` runs.
+/// The tests that only `.ci/run --release` runs.
 const EXEMPT: [&str; 2] = ["conformance/tests/live/", "conformance/tests/serve/siege"];
 
 /// The part of a source file that only tests contain.

@@ -30,7 +30,7 @@ pub fn shared(path: &str) -> Option<PathBuf> {
     None
 }
 
-/// `full` if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise `quick`.
+/// `full` if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run --release`; otherwise `quick`.
 pub fn extent<T>(full: T, quick: T) -> T {
     if std::env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }

@@ -11,7 +11,6 @@ mod rude;
 
 use std::env;
 use std::io::{self, BufReader, Write};
-use std::path::Path;
 use std::process::ExitCode;
 
 use codec::Codec;

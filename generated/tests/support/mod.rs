@@ -26,7 +26,7 @@ macro_rules! for_each_message {
 }
 pub(crate) use for_each_message;
 
-/// `full` if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run`; otherwise `quick`.
+/// `full` if `UAVSPEC_TEST_THOROUGH` is set, as in `.ci/run --release`; otherwise `quick`.
 pub(crate) fn extent<T>(full: T, quick: T) -> T {
     if env::var_os("UAVSPEC_TEST_THOROUGH").is_some_and(|value| value != "0") { full } else { quick }
 }
