@@ -65,7 +65,7 @@ fn output(program: &str, arguments: &[&str]) -> Result<String, String> {
     Ok(String::from_utf8_lossy(&run.stdout).into_owned())
 }
 
-/// The names of the packages that changes of some files affect. `None` stands for all packages.
+/// The names of the packages that changes of some files affect. `None` means all packages.
 fn affected<'p>(packages: &'p [Package], paths: &[&Path]) -> Option<BTreeSet<&'p str>> {
     let mut names = BTreeSet::new();
     for path in paths {

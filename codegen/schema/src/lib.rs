@@ -23,7 +23,7 @@
 //!   these names, so they only cause warnings in PX4 definitions. A literal that is valid only in PX4 or only in ROS 2
 //!   also causes a warning.
 //! - Types and messages on pages describe JSON only. The model of `.msg` files describes memory layout and CDR, so page
-//!   types have a model of their own ([`json_type`]).
+//!   types have a separate model ([`json_type`]).
 //! - Translations ([`translation`]) are separate from the model, with permanent keys. Emitters look up translations by
 //!   key, so emitters can detect text that has no translation.
 //!
