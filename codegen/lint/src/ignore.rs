@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use uavspec_schema::Form;
-use uavspec_schema::diagnostic::Level;
+use uavspec_schema::diagnostic::{Level, Problem};
 use uavspec_schema::directive::{self, Directive};
 use uavspec_schema::example::Example;
 use uavspec_schema::finding::Finding;
@@ -192,7 +192,7 @@ impl<'s> Request<'s> {
             );
         }
         if find(rules, self.rule).is_none() {
-            let is_error = uavspec_schema::diagnostic::Problem::CODES.contains(&self.rule);
+            let is_error = Problem::KINDS.iter().any(|kind| kind.code == self.rule);
             let help = match similar(self.rule, rules.iter().map(|rule| rule.id)) {
                 _ if is_error => "correct the error".to_owned(),
                 Some(similar) => format!("did you mean `{similar}`?"),

@@ -231,7 +231,7 @@ fn check_links(files: &[OutputFile]) -> usize {
 fn creates_the_rule_pages_that_reports_link_to() {
     let files = rules();
     let targets = targets(&files);
-    let ids = RULES.iter().map(|rule| rule.id).chain(Problem::CODES.iter().copied());
+    let ids = RULES.iter().map(|rule| rule.id).chain(Problem::KINDS.iter().map(|kind| kind.code));
     for id in ids {
         let url = rule_url(id);
         let (path, anchor) = url.split_once('#').unwrap_or((&url, ""));
