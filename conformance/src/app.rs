@@ -131,7 +131,7 @@ enum Command {
     Convert(convert::ConvertArgs),
     /// Explain a flight, or what a word means: a code, a message, a field, a value, a hash or a rule.
     ///
-    /// If WHAT is a capture, the story lists the changes that explain what the vehicle did. All labels come from the
+    /// If WHAT is a capture, the timeline lists the changes that explain what the vehicle did. All labels come from the
     /// definitions.
     ///
     /// Otherwise, WHAT is a word. The answer names the meaning, the unit, the valid values and the alternatives, the

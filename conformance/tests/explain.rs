@@ -42,12 +42,12 @@ fn folder_with_flight(flight: &str) -> tempfile::TempDir {
 }
 
 #[test]
-fn prints_the_story_and_writes_a_page() {
+fn prints_the_timeline_and_writes_a_page() {
     let folder =
         folder_with_flight(&batteries(&[(1_000_000, 0), (62_500_000, 1), (63_000_000, 1), (64_000_000, 2)]));
     let flight = ["flight.jsonl", "--definitions", "msg"];
     let explain = |more: &[&str]| explain(folder.path(), &[&flight[..], more].concat());
-    let (status, printed, errors) = explain(&["--report", "html=story.html"]);
+    let (status, printed, errors) = explain(&["--report", "html=timeline.html"]);
     assert_eq!((status, errors.as_str()), (Some(0), ""));
     for line in [
         "flight.jsonl: 01:03.000 long, explained by msg",
@@ -58,12 +58,12 @@ fn prints_the_story_and_writes_a_page() {
     ] {
         assert!(printed.contains(line), "{line}: {printed}");
     }
-    let page = fs::read_to_string(folder.path().join("story.html")).expect("a page");
+    let page = fs::read_to_string(folder.path().join("timeline.html")).expect("a page");
     assert!(page.starts_with("<!DOCTYPE html>") && page.contains("<svg"), "{page}");
 
     let (status, printed, _) = explain(&["--format=json"]);
-    let story: Value = serde_json::from_str(&printed).expect("JSON");
-    assert_eq!((status, &story["lanes"][0]["changes"][2]["time_us"]), (Some(0), &json!(63_000_000)));
+    let timeline: Value = serde_json::from_str(&printed).expect("JSON");
+    assert_eq!((status, &timeline["lanes"][0]["changes"][2]["time_us"]), (Some(0), &json!(63_000_000)));
     let (_, printed, _) = explain(&["--language", "UK"]);
     assert!(printed.contains("LOW – Низьк"), "{printed}");
 }
@@ -71,9 +71,9 @@ fn prints_the_story_and_writes_a_page() {
 #[test]
 fn draws_a_flight_of_any_length() {
     let folder = folder_with_flight(&batteries(&[(0, 0), (1, 1), (u64::MAX, 2)]));
-    let page = folder.path().join("story.html");
+    let page = folder.path().join("timeline.html");
     let (status, _, errors) =
-        explain(folder.path(), &["flight.jsonl", "--definitions", "msg", "--report", "html=story.html"]);
+        explain(folder.path(), &["flight.jsonl", "--definitions", "msg", "--report", "html=timeline.html"]);
     assert_eq!(status, Some(0), "{errors}");
     assert!(fs::read_to_string(page).expect("a page").ends_with("</html>\n"));
 }
@@ -106,7 +106,7 @@ fn reports_wrong_usage_and_unreadable_captures() {
         (&["flight.jsonl", "--definitions", "absent"], 2, "absent"),
         (&["flight.jsonl"], 5, "help: 2 messages can't be read"),
         (&["cut.jsonl", "--definitions", "msg"], 6, "incomplete: 1 part of the capture can't be read"),
-        (&["other.jsonl"], 5, "help: the capture contains no topics of the story"),
+        (&["other.jsonl"], 5, "help: the capture contains no topics of the timeline"),
         (&["status.jsonl", "--definitions", "msg"], 5, "help: name the definitions of vehicle_status with"),
     ] {
         let (status, _, errors) = explain(folder.path(), arguments);

@@ -202,9 +202,9 @@ fn both_schemas_agree_on_valid_and_mutated_messages() {
             }
             Ok(())
         });
-        let least = extent(CASES, CASES / 8) as usize / 2;
+        let min = extent(CASES, CASES / 8) as usize / 2;
         assert!(
-            pair.accepted.get() > least && pair.rejected.get() > least,
+            pair.accepted.get() > min && pair.rejected.get() > min,
             "{}: too few accepted or rejected instances",
             T::NAME
         );
@@ -287,12 +287,13 @@ fn fields_of_every_kind_have_a_schema() {
 
 #[test]
 fn a_schema_rejects_violations_that_it_can_express() {
-    use uavspec_runtime::Rule;
+    use uavspec_runtime::ConstraintKind;
 
     let validator = validator(&Json::from(schemars::schema_for!(Every)));
     check(CASES, &invalid::<Every>().expect("the message has constraints"), |invalid| {
         let Ok(instance) = serde_json::to_value(&invalid.value) else { return Ok(()) };
-        let is_expressible = matches!(invalid.rule, Rule::Count | Rule::Range | Rule::Bound);
+        let is_expressible =
+            matches!(invalid.rule, ConstraintKind::Count | ConstraintKind::Range | ConstraintKind::Bound);
         prop_assert_eq!(
             validator.is_valid(&instance),
             !is_expressible,

@@ -20,7 +20,7 @@ use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::serde::Serialize;
 use uavspec_runtime::serde::de::DeserializeOwned;
 use uavspec_runtime::strategy::{invalid, undocumented};
-use uavspec_runtime::{Message, Rule, UorbMessage};
+use uavspec_runtime::{ConstraintKind, Message, UorbMessage};
 
 const CASES: u32 = 1000;
 
@@ -62,7 +62,7 @@ fn invalid_values_violate_only_the_stated_rule() {
     fn violates<T: Tested>() {
         let strategy = invalid::<T>().expect("the message has constraints");
         check(CASES, &strategy, |invalid| {
-            let found: Vec<(Rule, String)> =
+            let found: Vec<(ConstraintKind, String)> =
                 invalid.value.validate().iter().map(|found| (found.rule, found.path.to_string())).collect();
             prop_assert_eq!(found, [(invalid.rule, invalid.path)]);
             Ok(())
@@ -82,25 +82,25 @@ fn invalid_values_violate_only_the_stated_rule() {
 #[test]
 fn invalid_values_cover_every_rule_in_every_field() {
     let expected = [
-        (Rule::Bound, "bytes"),
-        (Rule::Bound, "wide"),
-        (Rule::Bound, "inner.names"),
-        (Rule::Bound, "inner.names[]"),
-        (Rule::Bound, "inners"),
-        (Rule::Bound, "inners[].names"),
-        (Rule::Bound, "inners[].names[]"),
-        (Rule::Count, "count"),
-        (Rule::Text, "text"),
-        (Rule::Enum, "mode"),
-        (Rule::Enum, "modes[]"),
-        (Rule::Enum, "bits"),
-        (Rule::Range, "modes[]"),
-        (Rule::Range, "share[]"),
-        (Rule::Range, "far"),
-        (Rule::Range, "inner.number"),
-        (Rule::Range, "inners[].number"),
-        (Rule::Nan, "single"),
-        (Rule::Nan, "share[]"),
+        (ConstraintKind::Bound, "bytes"),
+        (ConstraintKind::Bound, "wide"),
+        (ConstraintKind::Bound, "inner.names"),
+        (ConstraintKind::Bound, "inner.names[]"),
+        (ConstraintKind::Bound, "inners"),
+        (ConstraintKind::Bound, "inners[].names"),
+        (ConstraintKind::Bound, "inners[].names[]"),
+        (ConstraintKind::Count, "count"),
+        (ConstraintKind::Text, "text"),
+        (ConstraintKind::Enum, "mode"),
+        (ConstraintKind::Enum, "modes[]"),
+        (ConstraintKind::Enum, "bits"),
+        (ConstraintKind::Range, "modes[]"),
+        (ConstraintKind::Range, "share[]"),
+        (ConstraintKind::Range, "far"),
+        (ConstraintKind::Range, "inner.number"),
+        (ConstraintKind::Range, "inners[].number"),
+        (ConstraintKind::Nan, "single"),
+        (ConstraintKind::Nan, "share[]"),
     ];
     let expected = BTreeSet::from(expected.map(|(rule, path)| (rule, path.to_owned())));
     let strategy = invalid::<Every>().expect("the message has constraints");
@@ -123,10 +123,11 @@ fn the_published_schema_rejects_violations_that_it_can_express() {
         check(CASES, &invalid::<T>().expect("the message has constraints"), |invalid| {
             // Invalid UTF-8 has no JSON form. Schemas restrict neither documented values nor NaN.
             let Ok(json) = serde_json::to_value(&invalid.value) else {
-                prop_assert_eq!(invalid.rule, Rule::Text);
+                prop_assert_eq!(invalid.rule, ConstraintKind::Text);
                 return Ok(());
             };
-            let is_expressible = matches!(invalid.rule, Rule::Count | Rule::Range | Rule::Bound);
+            let is_expressible =
+                matches!(invalid.rule, ConstraintKind::Count | ConstraintKind::Range | ConstraintKind::Bound);
             prop_assert_eq!(schema.is_valid(&json), !is_expressible, "{} at {}", invalid.rule, invalid.path);
             Ok(())
         });
@@ -201,9 +202,9 @@ fn views_return_the_fields_of_the_message() {
 #[test]
 fn edge_cases_are_frequent() {
     #[track_caller]
-    fn frequent(values: &[Every], least: usize, is_edge_case: impl Fn(&Every) -> bool) {
+    fn frequent(values: &[Every], min: usize, is_edge_case: impl Fn(&Every) -> bool) {
         let found = values.iter().filter(|value| is_edge_case(value)).count();
-        assert!(found >= least, "{found} of {}", values.len());
+        assert!(found >= min, "{found} of {}", values.len());
     }
     let values = draw(2000, &any::<Every>());
     frequent(&values, 20, |value| value.long == 0);
@@ -294,7 +295,7 @@ fn simplifies_a_failing_value_leaf_by_leaf() {
 #[test]
 fn an_invalid_value_stays_invalid_during_simplification() {
     let strategy = invalid::<Every>().expect("the message has constraints");
-    for rule in Rule::ALL {
+    for rule in ConstraintKind::ALL {
         let found = simplest(&strategy, |invalid| invalid.rule == rule);
         let violations = found.value.validate();
         assert_eq!(violations.len(), 1, "{found:?}");

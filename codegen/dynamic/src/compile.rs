@@ -65,7 +65,7 @@ fn drafts(schema: &Schema) -> Vec<Draft> {
 }
 
 fn draft(schema: &Schema, message: &Message) -> Draft {
-    let is_too_large = message.cdr.least > MAX_MESSAGE_SIZE;
+    let is_too_large = message.cdr.min > MAX_MESSAGE_SIZE;
     Draft {
         package: schema.package_of(message).name.as_str().into(),
         name: message.name.as_str().into(),
@@ -176,7 +176,7 @@ fn unusable(draft: &Draft, defect: Defect) -> Plan {
         fields: Box::default(),
         size: Size { padded: 0, no_padding: 0 },
         is_fixed: true,
-        least: 0,
+        min: 0,
         steps: Box::default(),
         packed: None,
         has_defaults: false,
@@ -204,7 +204,7 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
     Plan {
         size,
         is_fixed: !any(varies, |plan| !plan.is_fixed),
-        least: fields.iter().fold(0_usize, |all, field| all.saturating_add(least(field, plans))).max(1),
+        min: fields.iter().fold(0_usize, |all, field| all.saturating_add(min_size(field, plans))).max(1),
         packed: packed(&steps, size.padded, plans),
         steps: steps.into(),
         has_defaults: any(|field| field.default.as_ref().is_some_and(is_nonzero), |plan| plan.has_defaults),
@@ -278,14 +278,14 @@ fn place_as_given(fields: &[Field], members: &[Member], offsets: &mut [usize]) -
     size
 }
 
-fn least(field: &Field, plans: &[Plan]) -> usize {
+fn min_size(field: &Field, plans: &[Plan]) -> usize {
     const COUNT: usize = 4;
     match field.element {
         _ if field.is_sequence() => COUNT,
         Element::String(_) => COUNT * field.count(),
         Element::Text(length) => length as usize,
         Element::Scalar(scalar) => scalar.size() * field.count(),
-        Element::Message(plan) => plans[plan].least.saturating_mul(field.count()),
+        Element::Message(plan) => plans[plan].min.saturating_mul(field.count()),
     }
 }
 

@@ -23,7 +23,7 @@ pub(super) struct Plan {
     /// True if the message contains no strings and no sequences.
     pub(super) is_fixed: bool,
     /// Minimum CDR size in bytes, without alignment padding.
-    pub(super) least: usize,
+    pub(super) min: usize,
     /// Conversion steps between memory and CDR, in CDR order.
     pub(super) steps: Box<[Step]>,
     /// Copy operations for the whole message, if its size is fixed and the number of operations is within the limit.

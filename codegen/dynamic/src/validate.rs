@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::ControlFlow;
 
-use uavspec_runtime::{Constraint, Number, Rule};
+use uavspec_runtime::{Constraint, ConstraintKind, Number};
 
 use super::plan::{Element, Field, Plan};
 use super::trail::Trail;
@@ -14,7 +14,7 @@ use super::walk::{Stop, Walk, walk};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Violation<'t> {
     /// The violated rule.
-    pub rule: Rule,
+    pub rule: ConstraintKind,
     /// Path to the value, such as `events[2].id`.
     pub path: String,
     /// The value of a number, the length of a sequence or string, or the offset of the first invalid UTF-8 byte in
@@ -63,7 +63,7 @@ impl<'v> Walk<'v> for Validator<'v, '_> {
                 let Element::String(bounds) = field.element else { return ControlFlow::Continue(()) };
                 let excess = bounds.exceeded_by(text);
                 excess
-                    .map(|(bound, found)| (Rule::Bound, length(found), Some(bound)))
+                    .map(|(bound, found)| (ConstraintKind::Bound, length(found), Some(bound)))
                     .or_else(|| not_utf8(text))
             }
             Stop::Length(length) => exceeding(length, field.bound()),
@@ -75,14 +75,14 @@ impl<'v> Walk<'v> for Validator<'v, '_> {
     }
 }
 
-fn not_utf8(text: &[u8]) -> Option<(Rule, Number, Option<u32>)> {
+fn not_utf8(text: &[u8]) -> Option<(ConstraintKind, Number, Option<u32>)> {
     let error = std::str::from_utf8(text).err()?;
-    Some((Rule::Text, length(error.valid_up_to()), None))
+    Some((ConstraintKind::Text, length(error.valid_up_to()), None))
 }
 
-fn exceeding(found: usize, bound: Option<u32>) -> Option<(Rule, Number, Option<u32>)> {
+fn exceeding(found: usize, bound: Option<u32>) -> Option<(ConstraintKind, Number, Option<u32>)> {
     let is_over = bound.is_some_and(|bound| found > bound as usize);
-    is_over.then(|| (Rule::Bound, length(found), bound))
+    is_over.then(|| (ConstraintKind::Bound, length(found), bound))
 }
 
 fn length(length: usize) -> Number {

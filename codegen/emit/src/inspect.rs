@@ -90,7 +90,7 @@ fn message(schema: &Schema, message: &Message) -> Json {
         "hash": message.hash,
         "rihs01": message.type_hash,
         "uorb": uorb,
-        "cdr": { "least": message.cdr.least, "fixed": message.cdr.is_fixed },
+        "cdr": { "least": message.cdr.min, "fixed": message.cdr.is_fixed },
         "fields": message.fields.iter().map(|found| field(schema, message, found)).collect::<Vec<_>>(),
         "constants": message.constants.iter().map(|found| constant(schema, message, found)).collect::<Vec<_>>(),
     })

@@ -234,11 +234,11 @@ fn limits_the_number_of_nested_fields_in_all_messages() {
         (0..count).map(|copy| file(&format!("{name}{copy}"), "Level17 a\n")).collect()
     };
     let rest: String = (0..46).map(|field| format!("bool x{field}\n")).collect();
-    let most = [levels.collect(), copies("Copy", 6), vec![file("Rest", rest)]].concat();
+    let max = [levels.collect(), copies("Copy", 6), vec![file("Rest", rest)]].concat();
     // A quick run reads them without hashes.
-    let (_, _, diagnostics) = read_with(extent::<Read>(read, read_formats), PX4, &most);
+    let (_, _, diagnostics) = read_with(extent::<Read>(read, read_formats), PX4, &max);
     assert!(diagnostics.is_empty(), "2^22 fields: {:?}", diagnostics.first());
-    assert_eq!(codes_of(PX4, &[most, copies("More", 3)].concat()), ["too-much-nesting"]);
+    assert_eq!(codes_of(PX4, &[max, copies("More", 3)].concat()), ["too-much-nesting"]);
 }
 
 /// A page of objects, each given by its name and its field rows.

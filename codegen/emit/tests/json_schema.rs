@@ -122,7 +122,7 @@ fn number(text: &str) -> Json {
 
 #[test]
 fn bounds_integers_by_their_type() {
-    for (ty, least, below, most, above) in [
+    for (ty, min, below, max, above) in [
         ("int8", "-128", "-129", "127", "128"),
         ("uint8", "0", "-1", "255", "256"),
         ("int32", "-2147483648", "-2147483649", "2147483647", "2147483648"),
@@ -136,7 +136,7 @@ fn bounds_integers_by_their_type() {
         ),
         ("uint64", "0", "-1", "18446744073709551615", "18446744073709551616"),
     ] {
-        let good = [number(least), number(most), json!(0)];
+        let good = [number(min), number(max), json!(0)];
         let bad =
             [number(below), number(above), json!(1.5), json!("1"), json!(null), json!(true), json!([1])];
         px4_field(&format!("{ty} a\n")).expect("A", "a", &good, &bad);
@@ -194,13 +194,8 @@ fn enforces_ranges_except_for_special_values() {
     one_sided.expect("A", "a", &[json!(1), json!(3e38), json!(-1)], &[json!(0), json!(-2), json!(4e38)]);
     let within = px4_field("uint8 a  # [@range 1, 100] [@invalid 50]\n");
     within.expect("A", "a", &[json!(1), json!(100)], &[json!(0), json!(101)]);
-    let greatest = px4_field("uint16 a  # [@range 0, 10] [@invalid UINT16_MAX]\n");
-    greatest.expect(
-        "A",
-        "a",
-        &[json!(10), json!(65535)],
-        &[json!(11), json!(65534), json!(65536), json!(null)],
-    );
+    let max = px4_field("uint16 a  # [@range 0, 10] [@invalid UINT16_MAX]\n");
+    max.expect("A", "a", &[json!(10), json!(65535)], &[json!(11), json!(65534), json!(65536), json!(null)]);
     let constant = px4_field("uint8 NONE = 9\nuint8 a  # [@range 0, 3] [@invalid NONE]\n");
     constant.expect("A", "a", &[json!(9)], &[json!(8)]);
 }

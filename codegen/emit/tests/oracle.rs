@@ -116,9 +116,9 @@ fn cdr_sizes_match_encoded_messages() {
                 .expect("the type");
             let is_zero = case["case"] == "zero";
             if message.cdr.is_fixed || is_zero {
-                assert_eq!(message.cdr.least, size, "{ros_name} {}", case["case"]);
+                assert_eq!(message.cdr.min, size, "{ros_name} {}", case["case"]);
             } else {
-                assert!(message.cdr.least <= size, "{ros_name} {}", case["case"]);
+                assert!(message.cdr.min <= size, "{ros_name} {}", case["case"]);
             }
         }
     }

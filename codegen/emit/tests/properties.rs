@@ -272,17 +272,12 @@ struct Declaration {
 
 /// Integers within the range of the type, in any base.
 fn integer(bits: u32, is_signed: bool) -> impl Strategy<Value = (String, Json)> {
-    let (least, greatest) = if is_signed {
+    let (min, max) = if is_signed {
         (-(1_i128 << (bits - 1)), (1_i128 << (bits - 1)) - 1)
     } else {
         (0, (1_i128 << bits) - 1)
     };
-    let any = prop_oneof![
-        Just(least),
-        Just(greatest),
-        least..=greatest,
-        (least..=greatest).prop_map(|value| value % 100)
-    ];
+    let any = prop_oneof![Just(min), Just(max), min..=max, (min..=max).prop_map(|value| value % 100)];
     (any, 0..5_u8).prop_map(|(value, base)| {
         let (sign, size) = (if value < 0 { "-" } else { "" }, value.unsigned_abs());
         let written = match base {
@@ -304,9 +299,7 @@ fn scalar(dialect: Dialect) -> BoxedStrategy<(String, String, Json)> {
         let name = name.to_owned();
         value.prop_map(move |(written, value)| (name.clone(), written, value)).boxed()
     };
-    let float = |greatest: f64| {
-        (-greatest..greatest).prop_map(|value| (format!("{value:e}"), Json::from(value))).boxed()
-    };
+    let float = |max: f64| (-max..max).prop_map(|value| (format!("{value:e}"), Json::from(value))).boxed();
     let bool = any::<bool>()
         .prop_map(|value| (if value { "True" } else { "false" }.to_owned(), Json::from(value)))
         .boxed();

@@ -68,7 +68,7 @@ fn wider(reference: EnumRef, schema: &Schema) -> Option<(&Constant, Scalar)> {
 /// True if all values of `scalar` are also values of `other`.
 fn is_within(scalar: Scalar, other: Scalar) -> bool {
     match (scalar.integer_bounds(), other.integer_bounds()) {
-        (Some((least, greatest)), Some((low, high))) => low <= least && greatest <= high,
+        (Some((min, max)), Some((low, high))) => low <= min && max <= high,
         _ => true,
     }
 }

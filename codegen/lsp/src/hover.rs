@@ -151,7 +151,7 @@ impl Describer<'_> {
             );
         }
         let at_least = if message.cdr.is_fixed { "" } else { "at least " };
-        text.fact("CDR size", Some(format!("{at_least}{} bytes", message.cdr.least)));
+        text.fact("CDR size", Some(format!("{at_least}{} bytes", message.cdr.min)));
         text.fact("type hash", Some(&message.type_hash).filter(|hash| !hash.is_empty()));
         self.add_history(&mut text, message, None);
         text

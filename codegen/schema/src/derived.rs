@@ -89,7 +89,7 @@ impl Schema {
         // The number of messages is limited when definitions are read.
         let id = MessageId(u32::try_from(self.messages.len()).unwrap_or(u32::MAX));
         self.messages.push(Message { fields, ..Message::new(package, kind, name, span) });
-        self.nested_first.push(id);
+        self.topological_order.push(id);
         let type_hash = fingerprint::type_hash(self, id);
         if let Some(message) = self.messages.last_mut() {
             message.type_hash = type_hash;

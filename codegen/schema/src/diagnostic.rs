@@ -122,12 +122,6 @@ macro_rules! problems {
                 hint: $hint,
             }),*];
 
-            /// The permanent identifiers of all problems.
-            pub const CODES: &[&str] = &[$($code),*];
-
-            /// The severity of each problem, in the same order as [`Problem::CODES`].
-            pub const LEVELS: &[Level] = &[$(Level::$level),*];
-
             /// The permanent identifier.
             pub fn code(&self) -> &'static str {
                 match self { $(Self::$kind $({ $($field: _),* })? => $code,)* }
@@ -208,8 +202,8 @@ problems! {
         "a constant cannot have the type `{type_name}`", "use a scalar type; ROS 2 also allows unbounded strings";
     InvalidLiteral { text: String, type_name: String } = Error "invalid-literal"
         "`{text}` is not a value of type `{type_name}`", "write a literal value, not an expression or a name";
-    ConstantOutOfRange { text: String, type_name: String, least: String, greatest: String } = Error "constant-out-of-range"
-        "{text} does not fit `{type_name}` ({least} to {greatest})", "use a value in this range, or a wider type";
+    ConstantOutOfRange { text: String, type_name: String, min: String, max: String } = Error "constant-out-of-range"
+        "{text} does not fit `{type_name}` ({min} to {max})", "use a value in this range, or a wider type";
     UnterminatedString = Error "unterminated-string"
         "the string has no closing quote", "close it on the same line";
     UnknownEscape { escape: String } = Warning "unknown-escape"
@@ -259,8 +253,8 @@ problems! {
         "name the file after its message: letters and digits, in PascalCase";
     MessageNameStyle { stem: String } = Warning "message-name-style"
         "the message name `{stem}` is not in PascalCase", "rename the file";
-    InvalidVersion { what: &'static str, least: u32 } = Error "invalid-version"
-        "`{what}` must be an integer of at most 32 bits, with a value of at least {least}",
+    InvalidVersion { what: &'static str, min: u32 } = Error "invalid-version"
+        "`{what}` must be an integer of at most 32 bits, with a value of at least {min}",
         "correct the constant, or rename it; PX4 gives this name a special meaning";
     InvalidTopic { topic: String } = Error "invalid-topic"
         "`{topic}` is not a valid topic name", "write topics in lower_snake_case, separated by spaces";

@@ -95,9 +95,9 @@ pub struct Limits {
     /// The bounds of numbers.
     pub range: Option<Range>,
     /// The minimum length, in characters or elements.
-    pub least: Option<u32>,
+    pub min: Option<u32>,
     /// The maximum length, in characters or elements.
-    pub most: Option<u32>,
+    pub max: Option<u32>,
     /// True if the elements of the list are distinct.
     pub is_unique: bool,
     /// A regular expression that strings must match.
@@ -110,7 +110,7 @@ impl Limits {
     /// The limits for list elements or map values.
     #[must_use]
     pub fn of_elements(&self) -> Self {
-        Self { least: None, most: None, is_unique: false, ..self.clone() }
+        Self { min: None, max: None, is_unique: false, ..self.clone() }
     }
 
     /// True if any limit restricts values.

@@ -138,7 +138,7 @@ pub(crate) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
             length = CdrLength::scalar(1);
         }
         lengths[id.0 as usize] = length;
-        sizes[id.0 as usize] = CdrSize { least: CDR_HEADER.saturating_add(length.0[0]), is_fixed };
+        sizes[id.0 as usize] = CdrSize { min: CDR_HEADER.saturating_add(length.0[0]), is_fixed };
     }
     sizes
 }

@@ -42,6 +42,7 @@
 
 pub mod bits;
 pub mod characters;
+mod date;
 mod derived;
 pub mod diagnostic;
 pub mod difference;
@@ -80,6 +81,7 @@ pub mod unit;
 pub mod value;
 pub mod wording;
 
+pub use self::date::Date;
 pub use self::derived::derived_from;
 pub use self::diagnostic::Diagnostic;
 pub use self::documentation::Docs;

@@ -27,7 +27,7 @@ pub struct Schema {
     /// All messages, including the parts of services and actions, by package and name.
     pub messages: Vec<Message>,
     /// All messages. Each message follows the messages that it contains.
-    pub nested_first: Vec<MessageId>,
+    pub topological_order: Vec<MessageId>,
     /// All types on pages, by package and name.
     pub json_types: Vec<JsonType>,
     /// All messages on pages, by package and name.
@@ -235,7 +235,7 @@ impl Message {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CdrSize {
     /// The minimum size.
-    pub least: u64,
+    pub min: u64,
     /// True if all values have the minimum size.
     pub is_fixed: bool,
 }

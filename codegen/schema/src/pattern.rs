@@ -85,9 +85,9 @@ fn after_quantifier(text: &str) -> Option<&str> {
     let rest = match text.strip_prefix('{') {
         Some(bounds) => {
             let (bounds, rest) = bounds.split_once('}')?;
-            let (least, most) = bounds.split_once(',').unwrap_or((bounds, ""));
+            let (min, max) = bounds.split_once(',').unwrap_or((bounds, ""));
             let is_number = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
-            (!least.is_empty() && is_number(least) && is_number(most)).then_some(rest)?
+            (!min.is_empty() && is_number(min) && is_number(max)).then_some(rest)?
         }
         None => text.get(1..)?,
     };

@@ -49,6 +49,6 @@ fn resolve_without_hashes<'s>(packages: &[PackageSource<'s>]) -> Resolver<'s> {
     let order = resolver.order();
     resolver.enums();
     resolver.measure(&order);
-    resolver.schema.nested_first = order;
+    resolver.schema.topological_order = order;
     resolver
 }

@@ -16,7 +16,6 @@
 //! An entry is outdated if it has expired, if it matches nothing, or if there are fewer findings than `count`. One list
 //! serves `lint` and `breaking`: each command ignores the entries for rules that it doesn't apply.
 
-mod date;
 mod edit;
 mod matching;
 mod read;
@@ -32,7 +31,7 @@ use uavspec_schema::finding::Finding;
 use uavspec_schema::rewrite::{self, Change};
 use uavspec_schema::source::SourceMap;
 use uavspec_schema::wording::plural;
-use uavspec_schema::{render, terminal};
+use uavspec_schema::{Date, render, terminal};
 
 use self::matching::{Found, Matches};
 use self::read::List;
@@ -84,16 +83,17 @@ impl BaselineArgs {
         let Some(path) = self.file() else {
             return Ok(Compared::default());
         };
+        let today = Date::today().map_err(Failure::new)?;
         let found = Found::new(findings, subjects);
         let mut list = self.list(path)?;
-        let mut matches = Matches::new(&list, &found, is_applied);
+        let mut matches = Matches::new(&list, &found, today, is_applied);
         let is_writing = self.write_baseline.is_some();
         if is_writing || (self.fix_baseline && !matches.outdated.is_empty()) {
             let text = edit::updated(&list, &matches, &found, is_writing);
             write(path, list.text(), &text)?;
             let outdated = matches.outdated.len();
             list = List::parse(path, text.into_bytes())?;
-            matches = Matches::new(&list, &found, is_applied);
+            matches = Matches::new(&list, &found, today, is_applied);
             let entries = plural(list.entries.len(), "entry").replace("entrys", "entries");
             let change = if is_writing {
                 format!("wrote {} in {entries}", plural(matches.known(&found), "known finding"))
@@ -128,7 +128,9 @@ impl BaselineArgs {
 pub fn without_findings(bytes: Vec<u8>) -> Result<String, Failure> {
     let list = List::parse(Path::new("known.toml"), bytes)?;
     let found = Found::new(&[], Subjects::new(&SourceMap::default(), &[]));
-    let matches = Matches::new(&list, &found, &|_| true);
+    // Without findings, each entry is removed, whether or not it has expired.
+    let today = Date { year: 1970, month: 1, day: 1 };
+    let matches = Matches::new(&list, &found, today, &|_| true);
     Ok(edit::updated(&list, &matches, &found, false))
 }
 

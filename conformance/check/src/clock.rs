@@ -1,6 +1,6 @@
 //! The clock of a capture, which places findings in time.
 
-use uavspec_model::Date;
+use uavspec_schema::Date;
 
 /// The earliest plausible time in UTC, in µs: 9 September 2001. Clocks that were never set show earlier times.
 const MIN_UTC: u64 = 1_000_000_000_000_000;

@@ -19,7 +19,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
 pub mod convert;
-pub mod story;
+pub mod timeline;
 
 mod bag;
 pub mod baseline;

@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn keeps_a_limited_number_of_early_results() {
         let (items, jobs): (Vec<usize>, _) = ((0..2_000).collect(), 3);
-        let (finished, most) = (Mutex::new(0), AtomicUsize::new(0));
+        let (finished, max) = (Mutex::new(0), AtomicUsize::new(0));
         let changed = Condvar::new();
         let work = |item: &usize| {
             let mut finished = finished.lock().expect("no panic");
@@ -144,7 +144,7 @@ mod tests {
                 // The other threads finish as many items as they may: all before the first that must wait.
                 let early = jobs.min(items.len()) * MAX_EARLY - 1;
                 finished = changed.wait_while(finished, |finished| *finished < early).expect("no panic");
-                most.store(*finished, Ordering::SeqCst);
+                max.store(*finished, Ordering::SeqCst);
             }
             *finished += 1;
             changed.notify_all();
@@ -152,7 +152,7 @@ mod tests {
         let mut number = 0;
         each(&items, NonZeroUsize::new(jobs), work, |_, ()| number += 1);
         assert_eq!(number, items.len());
-        assert_eq!(most.load(Ordering::SeqCst), jobs * MAX_EARLY - 1);
+        assert_eq!(max.load(Ordering::SeqCst), jobs * MAX_EARLY - 1);
     }
 
     #[test]

@@ -9,10 +9,10 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use uavspec_capture::rosbag::SQLITE_MAGIC;
 use uavspec_capture::rosbag::metadata::Metadata;
 use uavspec_capture::{MCAP_MAGIC, ULOG_MAGIC, input};
-use uavspec_check::story::{Story, Texts};
+use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{CaptureResult, Summary, check_bytes, check_capture, check_json_thoroughly};
 use uavspec_model::Location;
-use uavspec_report::story::{to_html, to_json, to_text};
+use uavspec_report::timeline::{to_html, to_json, to_text};
 use uavspec_report::{CheckedCapture, Settings, Subject, subject_text};
 use uavspec_rules::flockwave::sample::Session;
 use uavspec_rules::sample::{Encoding, Flight};
@@ -117,7 +117,7 @@ fn capture(data: &[u8]) {
             assert!(is_inside(location), "{detail}: {location}");
         }
     }
-    story(data);
+    timeline(data);
     let whole = rendered(whole);
     assert_eq!(rendered(result(check_capture(Pieces::new(data), None, &DEFINITIONS))), whole);
     // The release is chosen from the start of the capture.
@@ -127,11 +127,11 @@ fn capture(data: &[u8]) {
     }
 }
 
-/// Renders the story of a capture in each format. The text must not contain control characters, except line ends.
-fn story(data: &[u8]) {
+/// Renders the timeline of a capture in each format. The text must not contain control characters, except line ends.
+fn timeline(data: &[u8]) {
     let texts = Texts::of(Translations::default());
-    let Ok(story) = Story::of_bytes(data, &DEFINITIONS, &texts) else { return };
-    for text in [to_text(&story, "en"), to_html(&story, "en", "uavspec"), to_json(&story)] {
+    let Ok(timeline) = Timeline::of_bytes(data, &DEFINITIONS, &texts) else { return };
+    for text in [to_text(&timeline, "en"), to_html(&timeline, "en", "uavspec"), to_json(&timeline)] {
         assert!(!text.contains(|character: char| character.is_control() && character != '\n'), "{text}");
     }
 }

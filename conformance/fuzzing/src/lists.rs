@@ -1,8 +1,8 @@
 //! The targets for baselines.
 
 use uavspec_check::baseline::{Checked, ListError, Lists, Name, Outcome, Scope};
-use uavspec_model::Date;
 use uavspec_rules::px4;
+use uavspec_schema::Date;
 use uavspec_schema::diagnostic::Level;
 
 use super::Choices;

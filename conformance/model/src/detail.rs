@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use uavspec_runtime::{Constraint, Number, Rule};
+use uavspec_runtime::{Constraint, ConstraintKind, Number};
 use uavspec_schema::Restriction;
 
 /// The maximum number of documented values to list.
@@ -120,20 +120,20 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
 
 impl Detail {
     /// Creates a detail for a number that violates a constraint.
-    pub fn number(rule: Rule, found: Number, restriction: &Restriction) -> Self {
+    pub fn number(rule: ConstraintKind, found: Number, restriction: &Restriction) -> Self {
         let Constraint { low, high, count, known, is_flags, .. } = restriction.constraint();
         let expected = match (rule, low, high) {
-            (Rule::Range, Some(low), Some(high)) => format!("{low} to {high}"),
-            (Rule::Range, Some(low), None) => format!("{low} or more"),
-            (Rule::Range, None, Some(high)) => format!("at most {high}"),
-            (Rule::Count, ..) => format!("at most {}", count.unwrap_or_default()),
-            (Rule::Enum, ..) => {
+            (ConstraintKind::Range, Some(low), Some(high)) => format!("{low} to {high}"),
+            (ConstraintKind::Range, Some(low), None) => format!("{low} or more"),
+            (ConstraintKind::Range, None, Some(high)) => format!("at most {high}"),
+            (ConstraintKind::Count, ..) => format!("at most {}", count.unwrap_or_default()),
+            (ConstraintKind::Enum, ..) => {
                 let known = known.unwrap_or_default();
                 let listed: Vec<String> = known.iter().take(MAX_LISTED).map(ToString::to_string).collect();
                 let more = if known.len() > MAX_LISTED { ", …" } else { "" };
                 format!("{} {}{more}", if is_flags { "bits of" } else { "one of" }, listed.join(", "))
             }
-            (Rule::Nan, ..) => "a number".to_owned(),
+            (ConstraintKind::Nan, ..) => "a number".to_owned(),
             _ => String::new(),
         };
         let text = Explained { rule, found, restriction }.to_string();
@@ -145,7 +145,7 @@ impl Detail {
 
 /// The description of a constraint violation, as in the errors of generated types.
 struct Explained<'r> {
-    rule: Rule,
+    rule: ConstraintKind,
     found: Number,
     restriction: &'r Restriction,
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::Date;
+use uavspec_schema::Date;
 
 /// The reason why a known failure doesn't count.
 #[derive(Clone, Debug, PartialEq, Eq)]

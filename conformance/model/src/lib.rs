@@ -16,7 +16,6 @@ pub mod net;
 pub mod text;
 
 mod application;
-mod date;
 mod detail;
 mod endpoint;
 mod excuse;
@@ -27,7 +26,6 @@ mod rule;
 mod subject;
 
 pub use self::application::ApplicationType;
-pub use self::date::Date;
 pub use self::detail::{Detail, hexadecimal};
 pub use self::endpoint::{Durability, Endpoint, EndpointKind, History, Liveliness, Qos, Reliability};
 pub use self::excuse::{Excuse, ExcuseKind};

@@ -4,8 +4,8 @@
 //! constraints. The constraints apply to the fields that the format and the definition share. Checking a valid message
 //! takes only a few comparisons for each constrained field. Violations are examined in a second pass.
 
-mod healthy;
-mod screen;
+mod accepted;
+mod prefilter;
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -17,8 +17,8 @@ use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::source::Span;
 use uavspec_schema::{MessageId, Restriction, Schema, Shape};
 
-use self::healthy::Healthy;
-use self::screen::Screen;
+use self::accepted::Accepted;
+use self::prefilter::Prefilter;
 use super::ValueRules;
 use super::values::{
     Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, entries_in_use, number,
@@ -35,7 +35,7 @@ pub struct Plan {
     /// The steps of values at fixed positions.
     fixed: Vec<Step>,
     /// The fast check of the fixed steps.
-    screen: Screen,
+    prefilter: Prefilter,
     /// The steps of sequences and strings, whose content has no fixed position.
     varying: Vec<Step>,
     /// For each rule, the number of values that it covers in a message.
@@ -75,7 +75,7 @@ struct Values {
     /// The size of a value among the fields, in bytes. A string has a slot there.
     width: usize,
     restriction: Option<Box<Restriction>>,
-    healthy: Healthy,
+    accepted: Accepted,
     definition: Option<Span>,
 }
 
@@ -133,14 +133,14 @@ impl Plan {
             &mut steps,
         );
         let (fixed, varying): (Vec<Step>, Vec<Step>) = steps.into_iter().partition(Step::is_fixed);
-        Self { rules, screen: Screen::new(&fixed), fixed, varying, coverage: compiler.coverage }
+        Self { rules, prefilter: Prefilter::new(&fixed), fixed, varying, coverage: compiler.coverage }
     }
 
     /// Checks a payload of a topic. The payload must contain all fields of its format.
     pub fn check(&self, payload: &[u8], topic: SubjectName<'_>, location: Location, findings: &mut Findings) {
         let (reported, settled) = (0, Vec::new());
         let mut run = Run { payload, topic, location, rules: self.rules, findings, reported, settled };
-        if !self.screen.accepts(payload) {
+        if !self.prefilter.accepts(payload) {
             run.steps(&self.fixed, 0, None);
         }
         run.steps(&self.varying, 0, None);
@@ -426,7 +426,7 @@ impl Values {
                 let mut restriction = Box::new(field.restriction.clone()?);
                 let counted = field.counts.map(|array| &message.fields[array]);
                 // The array has the length that the format states, even if the definition states a different one.
-                restriction.limits.count = counted.and_then(|array| most(&array.name, message_type));
+                restriction.limits.count = counted.and_then(|array| max_length(&array.name, message_type));
                 // If that array is shorter, the limit may exclude special values that the definition's array allows.
                 restriction.special.clone_from(&field.special);
                 (Element::Scalar(scalar), Some(restriction))
@@ -439,8 +439,8 @@ impl Values {
             Element::String { .. } => placed.stride,
             Element::Message(_) => return None,
         };
-        let mut values = Self { element, width, restriction, healthy: Healthy::Unknown, definition };
-        values.healthy = Healthy::new(values.constraint())?;
+        let mut values = Self { element, width, restriction, accepted: Accepted::Unknown, definition };
+        values.accepted = Accepted::new(values.constraint())?;
         Some(values)
     }
 
@@ -460,7 +460,7 @@ impl Values {
 }
 
 /// The maximum number of entries that an array has in a format.
-fn most(array: &str, message_type: MessageType<'_>) -> Option<u32> {
+fn max_length(array: &str, message_type: MessageType<'_>) -> Option<u32> {
     let placed = message_type.layout().find(|placed| placed.name == array)?;
     match (placed.element, placed.shape) {
         (PlacedElement::Text(length), _) | (_, Shape::Array(length) | Shape::Bounded(length)) => Some(length),
@@ -502,7 +502,7 @@ impl<'r> Run<'r> {
         let (payload, mut start) = (self.payload, base + step.offset);
         for index in 0..step.count {
             if let Some(bytes) = values.bytes(start, payload)
-                && !values.healthy.accepts(bytes)
+                && !values.accepted.accepts(bytes)
                 && step.is_in_use(index, values, base, payload)
             {
                 self.explain(step, values, bytes, index, trail);

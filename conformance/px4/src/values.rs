@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use uavspec_model::{Detail, Findings, Rule};
-use uavspec_runtime::{Number, Rule as Demand, Scalar};
+use uavspec_runtime::{ConstraintKind, Number, Scalar};
 use uavspec_schema::source::Span;
 use uavspec_schema::{Dialect, Form, MessageId, Restriction, Schema, Shape};
 
@@ -20,7 +20,7 @@ pub struct ValueRules {
     /// Text is valid Unicode.
     pub text: &'static Rule,
     /// A number satisfies each demand of its restriction.
-    pub number: fn(Demand) -> &'static Rule,
+    pub number: fn(ConstraintKind) -> &'static Rule,
     /// A JSON object has each field of its message exactly once, and no others.
     pub members: &'static Rule,
     /// A JSON value has the type of its field.
@@ -113,7 +113,7 @@ pub(super) enum Violation<'c> {
     /// A finite JSON number that becomes infinite in the type of its field.
     TooLarge(Scalar),
     /// A number that violates a demand of its restriction.
-    Number(Demand, Number, &'c Restriction),
+    Number(ConstraintKind, Number, &'c Restriction),
     /// An array, sequence or string in JSON with the wrong length.
     Length { found: usize, unit: &'static str, shape: Shape },
     /// A NUL within a JSON string. The NUL would terminate the text.
@@ -272,7 +272,7 @@ impl Plans {
     pub fn new(schema: &Schema, rules: &'static ValueRules) -> Self {
         let messages = schema.messages.iter().map(|message| MessagePlan::new(message, schema));
         let mut plans = Self { rules, messages: messages.collect() };
-        for id in &schema.nested_first {
+        for id in &schema.topological_order {
             plans.messages[id.0 as usize].coverage = plans.coverage(*id, None);
         }
         plans

@@ -20,7 +20,7 @@ use pyo3::prelude::*;
 use uavspec_tables::{self as tables, Capture, Options};
 
 use self::arguments::{capture, options};
-use self::results::{Report, Results, Story};
+use self::results::{Report, Results, Timeline};
 use self::table::Table;
 use self::work::{checker, run};
 
@@ -86,10 +86,10 @@ fn explain(
     py: Python<'_>,
     capture: &Bound<'_, PyAny>,
     definitions: Option<std::path::PathBuf>,
-) -> PyResult<Story> {
+) -> PyResult<Timeline> {
     let capture = self::capture(capture, None)?;
     let options = Options { definitions, has_timeline: true, ..Options::default() };
-    run(py, move || checker(&options)?.explain(&capture)).map(Story::from)
+    run(py, move || checker(&options)?.explain(&capture)).map(Timeline::from)
 }
 
 /// The functions and types of the package.
@@ -100,7 +100,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Table>()?;
     module.add_class::<Report>()?;
     module.add_class::<Results>()?;
-    module.add_class::<Story>()?;
+    module.add_class::<Timeline>()?;
     module.add_function(wrap_pyfunction!(check, module)?)?;
     module.add_function(wrap_pyfunction!(check_files, module)?)?;
     module.add_function(wrap_pyfunction!(find, module)?)?;

@@ -96,18 +96,18 @@ impl Report {
     }
 }
 
-/// The story of a capture.
+/// The timeline of a capture.
 #[pyclass(frozen, module = "uavspec")]
-pub(crate) struct Story(tables::Story);
+pub(crate) struct Timeline(tables::Timeline);
 
-impl From<tables::Story> for Story {
-    fn from(story: tables::Story) -> Self {
-        Self(story)
+impl From<tables::Timeline> for Timeline {
+    fn from(timeline: tables::Timeline) -> Self {
+        Self(timeline)
     }
 }
 
 #[pymethods]
-impl Story {
+impl Timeline {
     #[getter]
     fn timeline(&self) -> Table {
         self.0.timeline.clone().into()

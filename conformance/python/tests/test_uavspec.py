@@ -146,9 +146,9 @@ def test_topics_are_read_with_units():
 
 
 def test_stories_are_text_json_and_a_table():
-    story = uavspec.explain(GOOD)
-    assert json.loads(story.to_json())["lanes"]
-    assert str(story) and len(story.timeline) > 0
+    timeline = uavspec.explain(GOOD)
+    assert json.loads(timeline.to_json())["lanes"]
+    assert str(timeline) and len(timeline.timeline) > 0
 
 
 def test_problems_are_errors(tmp_path: Path):

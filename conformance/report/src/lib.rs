@@ -56,10 +56,10 @@ mod sarif;
 mod schema;
 mod short;
 mod spool;
-pub mod story;
 mod stream;
 mod testee;
 mod text;
+pub mod timeline;
 mod totals;
 
 use serde::Serialize;

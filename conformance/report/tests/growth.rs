@@ -7,14 +7,14 @@ use allocation_counter::measure;
 use clap::ValueEnum as _;
 use serde_json::json;
 use uavspec_check::baseline::{Checked, Lists, Name, Outcome, Scope};
-use uavspec_check::story::{Story, Texts};
+use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{CaptureResult, check_bytes, check_capture};
-use uavspec_model::Date;
-use uavspec_report::story::{to_html, to_json, to_text};
+use uavspec_report::timeline::{to_html, to_json, to_text};
 use uavspec_report::{Action, CheckedCapture, Kind, Report, Settings, Subject};
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_rules::flockwave::sample::Session;
 use uavspec_rules::px4;
+use uavspec_schema::Date;
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::translation::Translations;
 use uavspec_test_captures::mcap::{Form, channel, chunk, file, message, record, schema, text};
@@ -255,8 +255,8 @@ const WORK: &[(&str, Work)] = &[
     }),
     ("timeline", |bytes| {
         let texts = Texts::of(Translations::default());
-        if let Ok(story) = Story::of_bytes(bytes, &DEFINITIONS, &texts) {
-            let _ = (to_text(&story, "en"), to_html(&story, "en", "uavspec"), to_json(&story));
+        if let Ok(timeline) = Timeline::of_bytes(bytes, &DEFINITIONS, &texts) {
+            let _ = (to_text(&timeline, "en"), to_html(&timeline, "en", "uavspec"), to_json(&timeline));
         }
     }),
 ];

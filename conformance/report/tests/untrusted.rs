@@ -12,7 +12,7 @@ use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use quick_junit::{Report as Junit, TestCaseStatus, XmlString};
 use regex_lite::Regex;
 use serde_json::Value;
-use uavspec_report::story::{to_html, to_json, to_text};
+use uavspec_report::timeline::{to_html, to_json, to_text};
 use uavspec_report::{Kind, Report};
 use uavspec_schema::terminal::{Guard, guarded};
 use uavspec_test_support::extent;
@@ -252,12 +252,12 @@ fn check(text: &str) {
         let json: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
         assert_eq!(json["command"], text.as_str(), "JSON preserves texts");
     }
-    let (story, conversion) = (poison::story(text), poison::conversion(text));
-    let json = [to_json(&story), conversion.to_json()];
+    let (timeline, conversion) = (poison::timeline(text), poison::conversion(text));
+    let json = [to_json(&timeline), conversion.to_json()];
     for document in &json {
         assert!(serde_json::from_str::<Value>(document).is_ok_and(|json| json["capture"] == text.as_str()));
     }
-    let texts = [to_text(&story, "en"), to_html(&story, "en", text), conversion.to_text()];
+    let texts = [to_text(&timeline, "en"), to_html(&timeline, "en", text), conversion.to_text()];
     for document in texts.iter().chain(&json) {
         assert!(guarded(document) == *document, "{document}");
         let is_acted_on = |character: char| character.is_control() && character != '\n';

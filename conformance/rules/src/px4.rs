@@ -41,7 +41,7 @@ use uavspec_model::{
     ApplicationType, Channel, Detail, Endpoint, Level, Location, Message, Rule, Status, SubjectName,
 };
 use uavspec_px4::ValueRules;
-use uavspec_runtime::Rule as Demand;
+use uavspec_runtime::ConstraintKind;
 use uavspec_schema::MessageId;
 
 pub use self::bug::{Bug, Needs, Sent, Side, merge};
@@ -97,12 +97,12 @@ pub static VALUES: ValueRules = ValueRules {
     bool: &bool_01::RULE.rule,
     text: &str_01::RULE.rule,
     number: |demand| match demand {
-        Demand::Count => &len_01::RULE.rule,
-        Demand::Enum => &enum_01::RULE.rule,
-        Demand::Nan => &nan_01::RULE.rule,
-        Demand::Range => &range_01::RULE.rule,
-        Demand::Bound => &cdr_02::RULE.rule,
-        Demand::Text => &str_01::RULE.rule,
+        ConstraintKind::Count => &len_01::RULE.rule,
+        ConstraintKind::Enum => &enum_01::RULE.rule,
+        ConstraintKind::Nan => &nan_01::RULE.rule,
+        ConstraintKind::Range => &range_01::RULE.rule,
+        ConstraintKind::Bound => &cdr_02::RULE.rule,
+        ConstraintKind::Text => &str_01::RULE.rule,
     },
     members: &json_01::RULE.rule,
     json_type: &json_02::RULE.rule,

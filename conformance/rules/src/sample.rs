@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use serde_json::Value;
 use uavspec_dynamic::{DynamicMessage, MessageType, Placed};
 use uavspec_emit::vectors;
-use uavspec_runtime::{Constraint, Number, Rule};
+use uavspec_runtime::{Constraint, ConstraintKind, Number};
 use uavspec_schema::{Element, Field, Message, MessageId, Restriction, Shape};
 
 pub use self::bag::{Bag, BagChannel};
@@ -142,7 +142,7 @@ impl<'d> Flight<'d> {
 
     /// Changes a value in a topic's last message so that it violates a constraint. In an array, the first element is
     /// changed.
-    pub(crate) fn violating(&self, rule: Rule) -> Option<Self> {
+    pub(crate) fn violating(&self, rule: ConstraintKind) -> Option<Self> {
         let schema = &self.definitions.schema;
         for topic in 0..self.topics.len() {
             let message = schema.message(self.topics[topic].message);
@@ -246,7 +246,7 @@ impl<'d> Flight<'d> {
 }
 
 /// Finds a value that violates only this constraint of a field. `None` if the field has no such constraint.
-fn violating_value(rule: Rule, field: &Field, restriction: &Restriction) -> Option<Value> {
+fn violating_value(rule: ConstraintKind, field: &Field, restriction: &Restriction) -> Option<Value> {
     let Element::Scalar(scalar) = field.ty.element else { return None };
     let beyond = |bound: Option<Number>, by: i32| match bound? {
         Number::Int(value) => Some(Number::Int(value + i128::from(by))),

@@ -10,8 +10,9 @@ use uavspec_check::baseline::{
     Lists, NewEntry, Scope, Stale, Sums, excuse_findings, new_list, rule_outcomes, unread_outcome,
 };
 use uavspec_model::text::{plural, terminal};
-use uavspec_model::{Date, Extent, Reason};
+use uavspec_model::{Extent, Reason};
 use uavspec_report::{About, CheckedCapture, Subject, Verdict};
+use uavspec_schema::Date;
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::stage::{Stage, folder_of};
 

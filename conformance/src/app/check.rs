@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use clap::{Args, ValueEnum};
 use uavspec_capture::input::Input;
 use uavspec_check::baseline::Scope;
-use uavspec_check::story::{Story, Texts};
+use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{Checked, parallel};
 use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
@@ -181,7 +181,7 @@ fn try_check(args: &CheckArgs) -> Result<Status, Status> {
     let mut outputs = args.report.start(Action::Check, &args.baseline, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
     let checked = run(args, done.as_ref(), |item| match item {
-        Item::Checked(subject, origin, story) => outputs.add(*subject, &origin, story.as_deref()),
+        Item::Checked(subject, origin, timeline) => outputs.add(*subject, &origin, timeline.as_deref()),
         Item::Unreadable(file) => outputs.add_unreadable(file),
     })?;
     let (status, totals) = (checked.status, outputs.finish());
@@ -190,7 +190,7 @@ fn try_check(args: &CheckArgs) -> Result<Status, Status> {
 
 /// A result of a run.
 enum Item<'i> {
-    Checked(Box<Subject>, Origin, Option<Box<Story>>),
+    Checked(Box<Subject>, Origin, Option<Box<Timeline>>),
     /// A file that can't be opened.
     Unreadable(&'i Unreadable),
 }
@@ -299,11 +299,11 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
         count_unread(&baselines.lists, &mut sums, &file.path);
     }
     check_all(&found.captures, args.jobs, &check, |input, result, progress| match result {
-        Ok(CheckedFile { capture: mut found, definitions, story }) => {
+        Ok(CheckedFile { capture: mut found, definitions, timeline }) => {
             count_capture(&baselines.lists, &mut sums, &found);
             baselines.excuse(&mut found);
             let subject = Subject::from_capture(found, &definitions, &settings);
-            let item = Item::Checked(Box::new(subject), Origin::of(input), story.map(Box::new));
+            let item = Item::Checked(Box::new(subject), Origin::of(input), timeline.map(Box::new));
             progress.pausing(|| take(item));
         }
         Err(error) => {
@@ -335,8 +335,8 @@ struct CheckedFile {
     capture: CheckedCapture,
     /// The definitions against which it was checked.
     definitions: Arc<Definitions>,
-    /// The story for the timeline, if the user wants it and the capture can be read.
-    story: Option<Story>,
+    /// The timeline, if the user wants it and the capture can be read.
+    timeline: Option<Timeline>,
 }
 
 /// Checks all captures in parallel, and passes the results to `take` in order.
@@ -422,8 +422,8 @@ fn check_input(
     progress: &Progress,
 ) -> io::Result<CheckedFile> {
     let (started, reading) = (Clock::real().now(), &|input| progress.reading(input));
-    let (checked, story) = Story::check_with(texts, input, message_id, library, reading)?;
+    let (checked, timeline) = Timeline::check_with(texts, input, message_id, library, reading)?;
     let Checked { result, definitions } = checked;
     let capture = CheckedCapture::new(input.name(), result, Clock::real().now() - started);
-    Ok(CheckedFile { capture, definitions, story })
+    Ok(CheckedFile { capture, definitions, timeline })
 }

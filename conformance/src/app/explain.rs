@@ -9,10 +9,10 @@ use std::str::FromStr;
 
 use clap::Args;
 use uavspec_capture::names::is_capture;
-use uavspec_check::story::{MAX_ALL_CHANGES, MAX_CHANGES, Story, Texts, TopicStatus};
+use uavspec_check::timeline::{MAX_ALL_CHANGES, MAX_CHANGES, Texts, Timeline, TopicStatus};
 use uavspec_model::Extent;
 use uavspec_model::text::{plural, terminal};
-use uavspec_report::story::{to_html, to_json, to_text};
+use uavspec_report::timeline::{to_html, to_json, to_text};
 use uavspec_schema::stage::write_file;
 
 use super::outputs::{self, Inputs, Output};
@@ -28,7 +28,7 @@ const ENGLISH: &str = "en";
 
 const EXAMPLES: &str = "Examples:
   uavspec explain flight.ulg
-  uavspec explain flight.ulg --report html=story.html
+  uavspec explain flight.ulg --report html=timeline.html
   uavspec explain session.jsonl --language uk
   uavspec explain flight.mcap --format json
   uavspec explain 134
@@ -68,7 +68,7 @@ pub(super) struct ExplainArgs {
     /// Output format: text or json.
     #[arg(long, value_name = "FORMAT", default_value = "text", hide_possible_values = true)]
     format: Format,
-    /// Also write the story to a file, as an HTML page with a picture: html=FILE.
+    /// Also write the timeline to a file, as an HTML page with a picture: html=FILE.
     ///
     /// The page is a single file that works offline. A report never replaces an input.
     #[arg(long, value_name = "html=FILE")]
@@ -79,7 +79,7 @@ fn after_long_help() -> String {
     format!(
         "{EXAMPLES}
 
-Limits: each lane lists at most {MAX_CHANGES} changes, and the story at
+Limits: each lane lists at most {MAX_CHANGES} changes, and the timeline at
 most {MAX_ALL_CHANGES}. Further changes are counted, and the durations include them.
 
 Exit status:
@@ -87,7 +87,7 @@ Exit status:
   2  invalid usage, unreadable definitions, or an unknown word
   3  the capture can't be opened or has an unknown type, or a report can't be
      written
-  5  the capture has no topics of the story that have a definition
+  5  the capture has no topics of the timeline that have a definition
   6  incomplete: some data can't be read"
     )
 }
@@ -102,7 +102,7 @@ impl FromStr for Page {
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once('=') {
             Some(("html", path)) if !path.is_empty() => Ok(Self(path.into())),
-            _ => Err("expected html=FILE, such as html=story.html".to_owned()),
+            _ => Err("expected html=FILE, such as html=timeline.html".to_owned()),
         }
     }
 }
@@ -110,7 +110,7 @@ impl FromStr for Page {
 /// Runs `uavspec explain`. An existing path and `-` are captures.
 pub(super) fn explain(args: &ExplainArgs) -> Status {
     if args.what == Path::new(STANDARD_INPUT) || args.what.exists() {
-        let Some(release) = &args.release else { return story(args).unwrap_or_else(|status| status) };
+        let Some(release) = &args.release else { return timeline(args).unwrap_or_else(|status| status) };
         let help = format!("use `--definitions {release}` for a capture");
         terminal::error("--release applies to words only", Some(&help));
         return Status::Usage;
@@ -124,36 +124,36 @@ pub(super) fn explain(args: &ExplainArgs) -> Status {
     word::explain_word(&args.what.to_string_lossy(), args.release.as_deref(), args.format)
 }
 
-/// Prints the story of a capture. Errors are printed.
-fn story(args: &ExplainArgs) -> Result<Status, Status> {
+/// Prints the timeline of a capture. Errors are printed.
+fn timeline(args: &ExplainArgs) -> Result<Status, Status> {
     let library = super::library(args.definitions.as_deref(), None, &[])?;
     let texts = texts(args.definitions.as_deref())?;
     let language = language(args.language.as_deref(), &texts.languages())?;
     check_outputs(args)?;
     let progress = Progress::bytes(std::fs::metadata(&args.what).map_or(0, |metadata| metadata.len()));
-    let story = Story::read(&args.what, &library, &texts, &|input| progress.reading(input));
+    let timeline = Timeline::read(&args.what, &library, &texts, &|input| progress.reading(input));
     drop(progress);
     let unreadable = |error: &str| {
         terminal::error(format_args!("{}: {error}", terminal::path(&args.what)), None);
         Status::Unreadable
     };
-    let story =
-        story.map_err(|error| unreadable(&error.to_string()))?.map_err(|reason| unreadable(&reason))?;
-    write(args, &story, &language)?;
-    Ok(status(&story))
+    let timeline =
+        timeline.map_err(|error| unreadable(&error.to_string()))?.map_err(|reason| unreadable(&reason))?;
+    write(args, &timeline, &language)?;
+    Ok(status(&timeline))
 }
 
-/// The exit status of a story.
-fn status(story: &Story) -> Status {
-    if story.extent != Extent::Whole {
-        let count = plural(story.corruption.len(), "part");
+/// The exit status of a timeline.
+fn status(timeline: &Timeline) -> Status {
+    if timeline.extent != Extent::Whole {
+        let count = plural(timeline.corruption.len(), "part");
         terminal::error(format_args!("incomplete: {count} of the capture can't be read"), None);
         return Status::Incomplete;
     }
-    if story.lanes.is_empty() {
-        let undefined: Vec<&str> = story.topics(TopicStatus::Undefined).collect();
-        let help = match (undefined.as_slice(), story.unreadable_messages) {
-            ([], 0) => "the capture contains no topics of the story".to_owned(),
+    if timeline.lanes.is_empty() {
+        let undefined: Vec<&str> = timeline.topics(TopicStatus::Undefined).collect();
+        let help = match (undefined.as_slice(), timeline.unreadable_messages) {
+            ([], 0) => "the capture contains no topics of the timeline".to_owned(),
             ([], count) => format!(
                 "{} can't be read or violate a rule: `uavspec check` names the reasons",
                 plural(count, "message")
@@ -166,15 +166,15 @@ fn status(story: &Story) -> Status {
     Status::Conforms
 }
 
-/// Prints the story, and writes the page. Errors are printed.
-fn write(args: &ExplainArgs, story: &Story, language: &str) -> Result<(), Status> {
+/// Prints the timeline, and writes the page. Errors are printed.
+fn write(args: &ExplainArgs, timeline: &Timeline, language: &str) -> Result<(), Status> {
     let text = match args.format {
-        Format::Text => to_text(story, language),
-        Format::Json => to_json(story),
+        Format::Text => to_text(timeline, language),
+        Format::Json => to_json(timeline),
     };
     let printed = print(&text).map_err(|error| format!("standard output: {error}"));
     let written = args.report.as_ref().map_or(Ok(()), |Page(path)| {
-        let page = to_html(story, language, &super::command());
+        let page = to_html(timeline, language, &super::command());
         write_file(path, |file| file.write_all(page.as_bytes()))
             .map_err(|error| format!("{}: can't write the report: {error}", terminal::path(path)))
     });

@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 use anstream::StripStream;
 use clap::{Args, ValueEnum as _};
-use uavspec_check::story::Story;
+use uavspec_check::timeline::Timeline;
 use uavspec_model::text::terminal;
 use uavspec_report::{
     Action, Kind, Origin, Report, Stream, Subject, TableFormat, Totals, Unreadable, end_text, subject_text,
@@ -172,7 +172,7 @@ impl ReportArgs {
     }
 
     /// Starts the reports of a run, and the new baseline. From now on, no other run writes to the folders of the tables.
-    /// Errors are printed. `has_timeline` adds the table of the stories.
+    /// Errors are printed. `has_timeline` adds the table of the timelines.
     pub(super) fn start(
         &self,
         action: Action,
@@ -200,7 +200,7 @@ impl Outputs<'_> {
     }
 
     /// Adds a subject to all reports. If the printed report is text, the section of the subject is printed.
-    pub(super) fn add(&mut self, subject: Subject, origin: &Origin, story: Option<&Story>) {
+    pub(super) fn add(&mut self, subject: Subject, origin: &Origin, timeline: Option<&Timeline>) {
         if self.args.printed() == Kind::Text {
             self.keep_error(print(&subject_text(&subject)));
         }
@@ -208,7 +208,7 @@ impl Outputs<'_> {
             baseline.add(&subject);
         }
         for tables in &mut self.tables {
-            tables.add(&subject, origin, story);
+            tables.add(&subject, origin, timeline);
         }
         self.stream.add(subject);
     }

@@ -320,7 +320,7 @@ fn rate(text: &str) -> Result<f64, String> {
     number(text, 0.0, 50.0)
 }
 
-fn number(text: &str, least: f64, most: f64) -> Result<f64, String> {
+fn number(text: &str, min: f64, max: f64) -> Result<f64, String> {
     let number: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if (least..=most).contains(&number) { Ok(number) } else { Err(format!("expected {least} to {most}")) }
+    if (min..=max).contains(&number) { Ok(number) } else { Err(format!("expected {min} to {max}")) }
 }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use uavspec_check::story::Story;
+use uavspec_check::timeline::Timeline;
 use uavspec_report::{Origin, Subject, TableFormat, Unreadable};
 
 /// The tables of a run, which this program can't write.
@@ -36,7 +36,7 @@ impl Dataset {
         match *self {}
     }
 
-    pub(super) fn add(&mut self, _: &Subject, _: &Origin, _: Option<&Story>) {
+    pub(super) fn add(&mut self, _: &Subject, _: &Origin, _: Option<&Timeline>) {
         match *self {}
     }
 

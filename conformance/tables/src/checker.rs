@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 use arrow_array::RecordBatch;
 use uavspec_capture::input::Input;
-use uavspec_check::story::{Story as CaptureStory, Texts};
+use uavspec_check::timeline::{Texts, Timeline as CaptureTimeline};
 use uavspec_check::{Checked as CheckedInput, parallel};
 use uavspec_model::clock::Clock;
 use uavspec_model::text::shown_url;
-use uavspec_report::story::{to_json, to_text};
+use uavspec_report::timeline::{to_json, to_text};
 use uavspec_report::{Action, CheckedCapture, Origin, Report, Settings, Subject, Unreadable};
 use uavspec_rules::definitions::Library;
 use uavspec_schema::Failure;
@@ -20,7 +20,7 @@ use super::messages::{self, Messages};
 use super::rows::{Rows, TABLES};
 use super::{failures, find, timeline};
 
-/// The language of the labels in the text of a story.
+/// The language of the labels in the text of a timeline.
 const ENGLISH: &str = "en";
 
 /// The options of a [`Checker`], which are those of `uavspec check`.
@@ -117,12 +117,12 @@ pub struct Checked {
     pub tables: Tables,
 }
 
-/// The story of a capture, as `uavspec explain` shows it.
+/// The timeline of a capture, as `uavspec explain` shows it.
 #[derive(Debug)]
-pub struct Story {
+pub struct Timeline {
     /// The text.
     pub text: String,
-    /// The story in JSON.
+    /// The timeline in JSON.
     pub json: String,
     /// The table `timeline`.
     pub timeline: RecordBatch,
@@ -172,9 +172,9 @@ impl Checker {
     /// Fails if the capture can't be opened, or if an object can't be read completely. Content that can't be read is part
     /// of the report.
     pub fn check(&self, capture: &Capture) -> Result<Checked, Problem> {
-        let (input, subject, story) = self.subject(capture).map_err(|reason| capture.problem(reason))?;
+        let (input, subject, timeline) = self.subject(capture).map_err(|reason| capture.problem(reason))?;
         let mut rows = Rows::default();
-        rows.add(&subject, Origin::of(&input), story.as_ref());
+        rows.add(&subject, Origin::of(&input), timeline.as_ref());
         let tables = Tables::new(rows, &[], self.texts.is_some())?;
         let command = self.settings.command(&input.name());
         let report = Report::of_subject(Action::Check, command, self.library.name(), subject);
@@ -190,7 +190,7 @@ impl Checker {
         let (mut rows, mut failures) = (Rows::default(), Vec::new());
         let check = |capture: &Capture| self.subject(capture);
         parallel::each(captures, jobs, check, |capture, result| match result {
-            Ok((input, subject, story)) => rows.add(&subject, Origin::of(&input), story.as_ref()),
+            Ok((input, subject, timeline)) => rows.add(&subject, Origin::of(&input), timeline.as_ref()),
             Err(message) => failures.push(Unreadable { path: shown_url(capture.name()), message }),
         });
         Tables::new(rows, &failures, self.texts.is_some())
@@ -209,29 +209,29 @@ impl Checker {
     ///
     /// # Errors
     /// Fails if the capture can't be read, or without a timeline in the options.
-    pub fn explain(&self, capture: &Capture) -> Result<Story, Problem> {
+    pub fn explain(&self, capture: &Capture) -> Result<Timeline, Problem> {
         let texts = self.texts.as_ref().ok_or_else(|| Problem::new("the options have no timeline"))?;
         let failed = |reason: &dyn fmt::Display| capture.problem(reason);
         let input = capture.input().map_err(|reason| failed(&reason))?;
-        let (_, story) = CaptureStory::check(&input, None, &self.library, texts, &|bytes| bytes)
+        let (_, timeline) = CaptureTimeline::check(&input, None, &self.library, texts, &|bytes| bytes)
             .map_err(|error| failed(&error))?;
-        let story = story.map_err(|reason| failed(&reason))?;
-        let timeline = timeline::TABLE.batch(&timeline::TimelineRow::of(&story).collect::<Vec<_>>());
-        Ok(Story {
-            text: to_text(&story, ENGLISH),
-            json: to_json(&story),
-            timeline: timeline.map_err(|error| failed(&error))?,
+        let timeline = timeline.map_err(|reason| failed(&reason))?;
+        let changes = timeline::TABLE.batch(&timeline::TimelineRow::of(&timeline).collect::<Vec<_>>());
+        Ok(Timeline {
+            text: to_text(&timeline, ENGLISH),
+            json: to_json(&timeline),
+            timeline: changes.map_err(|error| failed(&error))?,
         })
     }
 
     /// The results of a capture, or the reason why it can't be read.
-    fn subject(&self, capture: &Capture) -> Result<(Input, Subject, Option<CaptureStory>), String> {
+    fn subject(&self, capture: &Capture) -> Result<(Input, Subject, Option<CaptureTimeline>), String> {
         let (input, started) = (capture.input()?, Clock::real().now());
         let checked =
-            CaptureStory::check_with(self.texts.as_ref(), &input, None, &self.library, &|bytes| bytes);
-        let (CheckedInput { result, definitions }, story) = checked.map_err(|error| error.to_string())?;
+            CaptureTimeline::check_with(self.texts.as_ref(), &input, None, &self.library, &|bytes| bytes);
+        let (CheckedInput { result, definitions }, timeline) = checked.map_err(|error| error.to_string())?;
         let found = CheckedCapture::new(input.name(), result, Clock::real().now() - started);
-        Ok((input, Subject::from_capture(found, &definitions, &self.settings), story))
+        Ok((input, Subject::from_capture(found, &definitions, &self.settings), timeline))
     }
 }
 

@@ -21,7 +21,7 @@ use arrow_ipc::writer::FileWriter;
 use parquet::arrow::ArrowWriter;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
-use uavspec_check::story::Story;
+use uavspec_check::timeline::Timeline;
 use uavspec_model::text::terminal;
 use uavspec_report::{Origin, Subject, TableFormat, Unreadable};
 use uavspec_schema::stage::{Stage, write_file};
@@ -146,8 +146,8 @@ impl Dataset {
     }
 
     /// Adds a capture.
-    pub fn add(&mut self, subject: &Subject, origin: &Origin, story: Option<&Story>) {
-        self.rows.add(subject, origin.clone(), story);
+    pub fn add(&mut self, subject: &Subject, origin: &Origin, timeline: Option<&Timeline>) {
+        self.rows.add(subject, origin.clone(), timeline);
         self.write_if_full();
     }
 

@@ -27,7 +27,7 @@ mod tests;
 mod timeline;
 mod topics;
 
-pub use self::checker::{Capture, Checked, Checker, Options, Problem, Story, Tables};
+pub use self::checker::{Capture, Checked, Checker, Options, Problem, Tables, Timeline};
 pub use self::dataset::Dataset;
 pub use self::done::Done;
 pub use self::find::find;

@@ -2,7 +2,7 @@
 
 use arrow_array::RecordBatch;
 use arrow_schema::ArrowError;
-use uavspec_check::story::Story;
+use uavspec_check::timeline::Timeline;
 use uavspec_report::{Origin, Subject};
 
 use super::captures::{self, CaptureRow};
@@ -35,8 +35,8 @@ impl Rows {
     }
 
     /// Adds the rows of a capture.
-    pub(super) fn add(&mut self, subject: &Subject, origin: Origin, story: Option<&Story>) {
-        self.timeline.extend(story.into_iter().flat_map(TimelineRow::of));
+    pub(super) fn add(&mut self, subject: &Subject, origin: Origin, timeline: Option<&Timeline>) {
+        self.timeline.extend(timeline.into_iter().flat_map(TimelineRow::of));
         self.topics.extend(TopicRow::of(subject));
         self.findings.extend(FindingRow::of(subject));
         self.rules.extend(RuleRow::of(subject));

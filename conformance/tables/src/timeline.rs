@@ -1,6 +1,6 @@
-//! The changes in the story of a capture.
+//! The changes in the timeline of a capture.
 
-use uavspec_check::story::{Change, Lane, LaneKind, Part, Severity, Story};
+use uavspec_check::timeline::{Change, Lane, LaneKind, Part, Severity, Timeline};
 
 use super::column::{Column, Table};
 
@@ -59,12 +59,12 @@ pub(super) struct TimelineRow {
 }
 
 impl TimelineRow {
-    pub(super) fn of(story: &Story) -> impl Iterator<Item = Self> {
-        let changes = story.lanes.iter().flat_map(|lane| lane.listed().map(move |change| (lane, change)));
-        changes.filter_map(|(lane, change)| Self::new(story, lane, *change))
+    pub(super) fn of(timeline: &Timeline) -> impl Iterator<Item = Self> {
+        let changes = timeline.lanes.iter().flat_map(|lane| lane.listed().map(move |change| (lane, change)));
+        changes.filter_map(|(lane, change)| Self::new(timeline, lane, *change))
     }
 
-    fn new(story: &Story, lane: &Lane, change: Change) -> Option<Self> {
+    fn new(timeline: &Timeline, lane: &Lane, change: Change) -> Option<Self> {
         let value = lane.values.get(change.value)?;
         let (kind, labels) = match lane.kind {
             LaneKind::Flag => ("flag", lane.label.iter().collect()),
@@ -77,9 +77,9 @@ impl TimelineRow {
         let time = change.time_us as f64 / 1e6;
         Some(Self {
             name: lane.name.clone(),
-            capture: story.capture.clone(),
+            capture: timeline.capture.clone(),
             time,
-            utc: story.utc_micros(change.time_us),
+            utc: timeline.utc_micros(change.time_us),
             topic: lane.topic.clone(),
             subject: lane.subject.clone(),
             kind,
@@ -101,6 +101,6 @@ impl TimelineRow {
     }
 }
 
-fn labels(parts: &[Part]) -> Vec<&uavspec_check::story::Label> {
+fn labels(parts: &[Part]) -> Vec<&uavspec_check::timeline::Label> {
     parts.iter().filter_map(|part| part.label.as_ref()).collect()
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use tempfile::TempDir;
 use uavspec_check::check_capture;
-use uavspec_check::story::{Story, Texts};
+use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_report::{CheckedCapture, Origin, Settings, Subject, TableFormat};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::sample::Flight;
@@ -36,8 +36,8 @@ fn engines_run_the_queries_of_the_guide() {
         tables.add(subject, &Origin::default(), None);
     }
     let flight = flight.log().to_bytes();
-    let story = Story::of_bytes(&flight, &definitions, &texts).expect("a story");
-    tables.add(&subjects[0], &Origin::default(), Some(&story));
+    let timeline = Timeline::of_bytes(&flight, &definitions, &texts).expect("a timeline");
+    tables.add(&subjects[0], &Origin::default(), Some(&timeline));
     tables.finish().expect("written");
     let output = Command::new(python("table-engines", &ENGINES))
         .arg(root.join("tests/engines/queries.py"))

@@ -188,7 +188,7 @@ fn answers_good_clients_during_a_siege() {
     ];
     let good = good.map(|(url, is_newcomer)| GoodClient { url, is_newcomer });
     let is_over = AtomicBool::new(false);
-    let mut most = 0;
+    let mut max = 0;
     thread::scope(|scope| {
         let is_over = &is_over;
         // Ends the clients even if an assertion fails.
@@ -198,7 +198,7 @@ fn answers_good_clients_during_a_siege() {
         let started = Instant::now();
         while started.elapsed() < TIME && !running.iter().any(thread::ScopedJoinHandle::is_finished) {
             thread::sleep(Duration::from_millis(100));
-            most = most.max(target.memory());
+            max = max.max(target.memory());
         }
         is_over.store(true, Ordering::Relaxed);
         for (client, delays) in good.iter().zip(running) {
@@ -211,7 +211,7 @@ fn answers_good_clients_during_a_siege() {
             assert!(delays.answers > 0);
         }
     });
-    println!("most memory: {} MB", most >> 20);
-    assert!(most < MEMORY_LIMIT, "the server used {most} bytes");
+    println!("most memory: {} MB", max >> 20);
+    assert!(max < MEMORY_LIMIT, "the server used {max} bytes");
     println!("{}", target.end());
 }

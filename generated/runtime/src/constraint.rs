@@ -93,20 +93,20 @@ impl Constraint<'_> {
 
     /// The first rule that `value` violates, if any. The rules are checked in the order NaN, count, range, documented
     /// values.
-    pub fn violated_by(&self, value: Number) -> Option<Rule> {
+    pub fn violated_by(&self, value: Number) -> Option<ConstraintKind> {
         if self.special.contains(&value) {
             return None;
         }
         if value.is_nan() {
-            return self.forbids_nan.then_some(Rule::Nan);
+            return self.forbids_nan.then_some(ConstraintKind::Nan);
         }
         if self.count.is_some_and(|length| value > Number::Int(length.into())) {
-            return Some(Rule::Count);
+            return Some(ConstraintKind::Count);
         }
         if self.low.is_some_and(|low| value < low) || self.high.is_some_and(|high| value > high) {
-            return Some(Rule::Range);
+            return Some(ConstraintKind::Range);
         }
-        (!self.is_documented(value)).then_some(Rule::Enum)
+        (!self.is_documented(value)).then_some(ConstraintKind::Enum)
     }
 
     fn is_documented(&self, value: Number) -> bool {
@@ -170,9 +170,9 @@ impl Constraint<'_> {
     /// The schema lists special and documented values as alternatives, and NaN as null.
     #[doc(hidden)]
     pub fn asserted(&self, scalar: Scalar) -> Option<Constraint<'static>> {
-        let (least, most) = json_bounds(scalar)?;
-        let low = self.low.filter(|low| *low > least).unwrap_or(least);
-        let high = self.high.filter(|high| *high < most).unwrap_or(most);
+        let (min, max) = json_bounds(scalar)?;
+        let low = self.low.filter(|low| *low > min).unwrap_or(min);
+        let high = self.high.filter(|high| *high < max).unwrap_or(max);
         let count = self.count.map(|length| Number::Int(length.into()));
         let high = count.filter(|count| *count < high).unwrap_or(high);
         Some(Constraint { low: Some(low), high: Some(high), forbids_nan: true, ..Constraint::NONE })
@@ -185,12 +185,12 @@ impl Constraint<'_> {
     }
 
     /// The rules that a number can violate.
-    pub fn rules(&self) -> impl Iterator<Item = Rule> + use<> {
+    pub fn rules(&self) -> impl Iterator<Item = ConstraintKind> + use<> {
         let rules = [
-            (Rule::Count, self.count.is_some()),
-            (Rule::Range, self.low.is_some() || self.high.is_some()),
-            (Rule::Enum, self.known.is_some()),
-            (Rule::Nan, self.forbids_nan),
+            (ConstraintKind::Count, self.count.is_some()),
+            (ConstraintKind::Range, self.low.is_some() || self.high.is_some()),
+            (ConstraintKind::Enum, self.known.is_some()),
+            (ConstraintKind::Nan, self.forbids_nan),
         ];
         rules.into_iter().filter(|(_, is_stated)| *is_stated).map(|(rule, _)| rule)
     }
@@ -209,7 +209,7 @@ const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
     /// slightly greater than the exact value.
     const MAX_FLOAT32: f64 = 3.402_823_5e38;
     match (scalar, scalar.integer_bounds()) {
-        (_, Some((least, most))) => Some((Number::Int(least), Number::Int(most))),
+        (_, Some((min, max))) => Some((Number::Int(min), Number::Int(max))),
         (Scalar::Float32, None) => Some((Number::Float(-MAX_FLOAT32), Number::Float(MAX_FLOAT32))),
         // Some JSON parsers read 1e999 as infinity.
         (Scalar::Float64, None) => Some((Number::Float(f64::MIN), Number::Float(f64::MAX))),
@@ -217,9 +217,9 @@ const fn json_bounds(scalar: Scalar) -> Option<(Number, Number)> {
     }
 }
 
-/// A rule that a value can violate. The rule's [`id`](Self::id) is permanent.
+/// A kind of constraint that a value can violate. Its [`id`](Self::id), the id of a rule, is permanent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Rule {
+pub enum ConstraintKind {
     /// A count must not exceed the length of its array.
     Count,
     /// A sequence or string must not exceed its bound.
@@ -234,8 +234,8 @@ pub enum Rule {
     Nan,
 }
 
-impl Rule {
-    /// All rules.
+impl ConstraintKind {
+    /// All kinds.
     pub const ALL: [Self; 6] = [Self::Count, Self::Bound, Self::Text, Self::Enum, Self::Range, Self::Nan];
 
     /// The permanent id, which also appears in reports of the conformance suite.
@@ -285,7 +285,7 @@ impl Rule {
 }
 
 /// Displays the rule id.
-impl fmt::Display for Rule {
+impl fmt::Display for ConstraintKind {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.pad(self.id())
     }
@@ -295,11 +295,11 @@ impl fmt::Display for Rule {
 mod tests {
     use core::fmt;
 
-    use super::{Constraint, Number, Open, Rule, Scalar};
+    use super::{Constraint, ConstraintKind, Number, Open, Scalar};
     use crate::alloc::format;
 
     /// The explanation of a number that violates a rule.
-    struct Explained(Rule, Constraint<'static>);
+    struct Explained(ConstraintKind, Constraint<'static>);
 
     impl fmt::Display for Explained {
         fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -312,19 +312,27 @@ mod tests {
         let (low, high) = (Some(Number::Int(8)), Some(Number::Int(6)));
         let none = Constraint::NONE;
         for (rule, constraint, expected) in [
-            (Rule::Count, Constraint { count: Some(6), ..none }, "7 exceeds the array length 6 (PX-LEN-01)"),
-            (Rule::Bound, none, "length 7 exceeds the bound 5 (PX-CDR-02)"),
-            (Rule::Text, none, "invalid UTF-8 at byte 7 (PX-STR-01)"),
-            (Rule::Enum, none, "7 is not a documented value (PX-ENUM-01)"),
             (
-                Rule::Enum,
+                ConstraintKind::Count,
+                Constraint { count: Some(6), ..none },
+                "7 exceeds the array length 6 (PX-LEN-01)",
+            ),
+            (ConstraintKind::Bound, none, "length 7 exceeds the bound 5 (PX-CDR-02)"),
+            (ConstraintKind::Text, none, "invalid UTF-8 at byte 7 (PX-STR-01)"),
+            (ConstraintKind::Enum, none, "7 is not a documented value (PX-ENUM-01)"),
+            (
+                ConstraintKind::Enum,
                 Constraint { is_flags: true, ..none },
                 "7 has bits that are not documented (PX-ENUM-01)",
             ),
-            (Rule::Range, Constraint { low, high, ..none }, "7 is outside the range 8 to 6 (PX-RANGE-01)"),
-            (Rule::Range, Constraint { low, ..none }, "7 is below the minimum of 8 (PX-RANGE-01)"),
-            (Rule::Range, Constraint { high, ..none }, "7 is above the maximum of 6 (PX-RANGE-01)"),
-            (Rule::Nan, none, "NaN is not allowed here (PX-NAN-01)"),
+            (
+                ConstraintKind::Range,
+                Constraint { low, high, ..none },
+                "7 is outside the range 8 to 6 (PX-RANGE-01)",
+            ),
+            (ConstraintKind::Range, Constraint { low, ..none }, "7 is below the minimum of 8 (PX-RANGE-01)"),
+            (ConstraintKind::Range, Constraint { high, ..none }, "7 is above the maximum of 6 (PX-RANGE-01)"),
+            (ConstraintKind::Nan, none, "NaN is not allowed here (PX-NAN-01)"),
         ] {
             assert_eq!(format!("{}", Explained(rule, constraint)), expected);
         }

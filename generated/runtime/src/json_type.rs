@@ -268,9 +268,9 @@ pub struct Elements<'j> {
 
 impl<'j> Elements<'j> {
     /// The elements of an array. Returns an error if there are more than `most`.
-    pub fn of(json: &'j Json, expected: &'static str, most: usize) -> Result<Self, Error> {
+    pub fn of(json: &'j Json, expected: &'static str, max: usize) -> Result<Self, Error> {
         let all = array(json, expected)?;
-        if all.len() > most {
+        if all.len() > max {
             return Err(Error::invalid_length(all.len(), &expected));
         }
         Ok(Self { all, left: all })

@@ -105,7 +105,7 @@ pub use schemars;
 #[cfg(feature = "serde")]
 pub use serde;
 
-pub use constraint::{Constraint, Number, Rule};
+pub use constraint::{Constraint, ConstraintKind, Number};
 pub use error::{DecodeError, EncodeError, Fault};
 pub use flag::Flag;
 pub use message::{Definition, Message, UorbMessage};

@@ -62,7 +62,7 @@ use self::number::Leaf;
 use self::random::Random;
 use self::replay::Replay;
 use self::tree::Node;
-use crate::{Constraint, Message, Open, Path, Rule};
+use crate::{Constraint, ConstraintKind, Message, Open, Path};
 
 /// A strategy for messages that have no violations and that JSON can represent.
 pub const fn valid<T: Message>() -> Valid<T> {
@@ -85,7 +85,7 @@ pub const fn documented<T: Open>() -> Documented<T> {
 /// A strategy for values that the definition doesn't name, or for flags with at least one unnamed bit. `None` if all
 /// values have names.
 pub fn undocumented<T: Open>() -> Option<Undocumented<T>> {
-    let has_any = !fault::values(T::SCALAR, constraint::<T>(), Rule::Enum).is_empty();
+    let has_any = !fault::values(T::SCALAR, constraint::<T>(), ConstraintKind::Enum).is_empty();
     has_any.then_some(Undocumented(PhantomData))
 }
 
@@ -111,7 +111,7 @@ pub struct InvalidMessage<T> {
     /// The message.
     pub value: T,
     /// The violated rule.
-    pub rule: Rule,
+    pub rule: ConstraintKind,
     /// The path of the invalid field, in the format of [`Violation`](crate::Violation): `events[2].id`.
     pub path: String,
 }
@@ -154,7 +154,8 @@ impl<T: Open + Debug> Strategy for Undocumented<T> {
     type Value = T;
 
     fn new_tree(&self, runner: &mut TestRunner) -> NewTree<Self> {
-        let leaf = Leaf::invalid(T::SCALAR, constraint::<T>(), Rule::Enum, &mut Random::new(runner)?);
+        let leaf =
+            Leaf::invalid(T::SCALAR, constraint::<T>(), ConstraintKind::Enum, &mut Random::new(runner)?);
         let leaf = leaf.ok_or("all values of the type are documented")?;
         Ok(OpenTree { leaf, marker: PhantomData })
     }

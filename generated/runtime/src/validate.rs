@@ -4,13 +4,13 @@ use core::{fmt, mem};
 
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 use crate::record::{FieldSink, Primitive, Record, Sink, Value};
-use crate::{Constraint, Message, Number, Path, Rule};
+use crate::{Constraint, ConstraintKind, Message, Number, Path};
 
 /// A value that violates a rule, displayed as `events[2].id: …`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
     /// The violated rule.
-    pub rule: Rule,
+    pub rule: ConstraintKind,
     /// The field or element.
     pub path: Path,
     /// The value of a number, the length of a sequence or string, or the offset of the first invalid UTF-8 byte in
@@ -48,14 +48,14 @@ struct Validator<'r> {
 }
 
 impl Validator<'_> {
-    fn violation(&mut self, rule: Rule, found: Number, bound: Option<u32>) {
+    fn violation(&mut self, rule: ConstraintKind, found: Number, bound: Option<u32>) {
         let constraint = self.field.and_then(|field| field.constraint);
         (self.report)(Violation { rule, path: self.path, found, constraint, bound });
     }
 
     fn bound(&mut self, length: usize, bound: Option<u32>) {
         if bound.is_some_and(|bound| length > bound as usize) {
-            self.violation(Rule::Bound, Number::Int(length as i128), bound);
+            self.violation(ConstraintKind::Bound, Number::Int(length as i128), bound);
         }
     }
 }
@@ -88,7 +88,7 @@ impl Sink for Validator<'_> {
     fn text(&mut self, bytes: &[u8]) {
         let text = bytes.split(|byte| *byte == 0).next().unwrap_or_default();
         if let Err(error) = core::str::from_utf8(text) {
-            self.violation(Rule::Text, Number::Int(error.valid_up_to() as i128), None);
+            self.violation(ConstraintKind::Text, Number::Int(error.valid_up_to() as i128), None);
         }
     }
 

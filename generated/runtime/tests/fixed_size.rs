@@ -233,8 +233,8 @@ fn check_true(read: &Result<Out, DecodeError>, invalid: &[(&str, usize, usize)])
 
 #[test]
 fn padding_ends_at_a_multiple_of_four_bytes() {
-    let most = |end: usize| (0..9).filter(|left| is_padding(end, *left)).max();
-    assert_eq!([8, 9, 10, 11].map(most), [Some(0), Some(3), Some(2), Some(1)]);
+    let max = |end: usize| (0..9).filter(|left| is_padding(end, *left)).max();
+    assert_eq!([8, 9, 10, 11].map(max), [Some(0), Some(3), Some(2), Some(1)]);
 }
 
 #[test]

@@ -99,8 +99,8 @@ fn make(folder: &Path) -> std::io::Result<()> {
 )]
 fn size(number: u64) -> usize {
     let uniform = random(number) as f64 / u64::MAX as f64;
-    let [most, least] = SIZES.map(|size| size.powf(-EXPONENT));
-    ((most - uniform * (most - least)).powf(-1.0 / EXPONENT) * 1e6) as usize
+    let [max, min] = SIZES.map(|size| size.powf(-EXPONENT));
+    ((max - uniform * (max - min)).powf(-1.0 / EXPONENT) * 1e6) as usize
 }
 
 /// A number that looks random, by the method of `SplitMix64`.

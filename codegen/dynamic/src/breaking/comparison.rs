@@ -184,15 +184,15 @@ impl<'a> Matcher<'a> {
             let before = fields(self.old, *id);
             for (twin, after) in &new {
                 let common = before.intersection(after).count();
-                let most = before.len().max(after.len());
+                let max = before.len().max(after.len());
                 // Messages with two or three fields are often similar, so their names must be similar as well.
                 let is_same = if common > 3 {
-                    common * 5 >= most * 4
+                    common * 5 >= max * 4
                 } else {
-                    common > 1 && common == most && likeness(name, twin) >= 0.5
+                    common > 1 && common == max && likeness(name, twin) >= 0.5
                 };
                 if is_same {
-                    candidates.push((common * 1000 / most, name.len().abs_diff(twin.len()), *name, *twin));
+                    candidates.push((common * 1000 / max, name.len().abs_diff(twin.len()), *name, *twin));
                 }
             }
         }

@@ -53,7 +53,7 @@ impl<'a> Signatures<'a> {
     ) -> SchemaSignatures {
         let count = schema.messages.len();
         let mut found = SchemaSignatures { cdr: vec![0; count], uorb: vec![0; count] };
-        for id in schema.nested_first.iter().copied() {
+        for id in schema.topological_order.iter().copied() {
             let message = schema.message(id);
             let names = old_names.get(&id);
             let name = |index: usize| {

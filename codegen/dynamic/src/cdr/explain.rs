@@ -116,16 +116,16 @@ impl<'b> Reader<'b> {
     }
 
     fn sequence(&mut self, field: &Field) -> Result<usize, FaultAt> {
-        let least = match field.element {
+        let min = match field.element {
             Element::Scalar(scalar) => scalar.size(),
             Element::String(_) => 4,
             Element::Text(_) | Element::Message(_) => 1,
         };
-        self.length(field.bound(), least)
+        self.length(field.bound(), min)
     }
 
     /// Reads a length, and checks that enough bytes remain for that many elements of at least `least` bytes each.
-    fn length(&mut self, bound: Option<u32>, least: usize) -> Result<usize, FaultAt> {
+    fn length(&mut self, bound: Option<u32>, min: usize) -> Result<usize, FaultAt> {
         let bytes = self.take(4, 4)?;
         let length = match self.order {
             ByteOrder::LittleEndian => u32::read_le(bytes),
@@ -135,7 +135,7 @@ impl<'b> Reader<'b> {
         if let Some(bound) = bound.filter(|bound| length > *bound) {
             return Err((Fault::TooLong { bound, found }, self.at - 4));
         }
-        let (needed, left) = (found.saturating_mul(least), self.body.len() - self.at);
+        let (needed, left) = (found.saturating_mul(min), self.body.len() - self.at);
         if needed > left { Err((Fault::Truncated { needed, left }, self.at)) } else { Ok(found) }
     }
 

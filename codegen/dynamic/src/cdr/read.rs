@@ -37,7 +37,7 @@ pub(crate) fn decode<'t>(
 fn read<const BIG: bool>(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Vec<u8>> {
     let body = payload.get(HEADER..)?;
     // This check bounds the allocation that follows.
-    if body.len() < ty.plan.least {
+    if body.len() < ty.plan.min {
         return None;
     }
     let buffer = vec![0; ty.plan.size.padded];
@@ -116,12 +116,12 @@ impl<'b, const BIG: bool> Reader<'b, BIG> {
         if bound.is_some_and(|bound| count > bound as usize) {
             return None;
         }
-        let (least, stride) = match element {
+        let (min, stride) = match element {
             Sequence::Numbers { width, .. } => (width as usize, width as usize),
             Sequence::Strings(_) => (4, SLOT),
-            Sequence::Messages(plan) => (self.types.plans[plan].least, self.types.plans[plan].size.padded),
+            Sequence::Messages(plan) => (self.types.plans[plan].min, self.types.plans[plan].size.padded),
         };
-        if count.checked_mul(least)? > self.body.len() - self.at {
+        if count.checked_mul(min)? > self.body.len() - self.at {
             return None;
         }
         let start = self.buffer.len();

@@ -69,7 +69,7 @@ pub struct Copy {
 #[derive(Clone, Debug)]
 pub struct CountLimit {
     /// The maximum.
-    pub most: u32,
+    pub max: u32,
     /// The values of the source type that are not limited, and their values in the target: values with a special
     /// meaning, such as an unknown count, and values whose names have other numbers in the target.
     pub special: BTreeMap<i128, i128>,
@@ -78,7 +78,7 @@ pub struct CountLimit {
 impl CountLimit {
     /// The limited count.
     pub(super) fn limited(&self, value: i128) -> i128 {
-        self.special.get(&value).copied().unwrap_or(value.min(self.most.into()))
+        self.special.get(&value).copied().unwrap_or(value.min(self.max.into()))
     }
 }
 

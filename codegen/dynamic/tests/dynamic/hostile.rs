@@ -32,8 +32,8 @@ fn schema() -> Schema {
 /// Decodes bytes in all forms, and converts the value to all forms.
 fn read(ty: MessageType<'_>, bytes: &[u8]) {
     for message in [ty.decode_cdr(bytes), ty.decode_cdr_strict(bytes)].into_iter().flatten() {
-        let most = 8 * (bytes.len() - HEADER);
-        assert!(message.size_in_memory() <= most, "{} bytes of {}", message.size_in_memory(), bytes.len());
+        let max = 8 * (bytes.len() - HEADER);
+        assert!(message.size_in_memory() <= max, "{} bytes of {}", message.size_in_memory(), bytes.len());
         for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
             let again = message.to_cdr(order).expect("a decoded message can be encoded");
             assert!(ty.decode_cdr(&again).is_ok());

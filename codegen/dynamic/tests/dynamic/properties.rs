@@ -34,8 +34,8 @@ fn field(dialect: Dialect) -> impl Strategy<Value = String> {
 }
 
 /// The definition of a message.
-fn definition(dialect: Dialect, least: usize) -> impl Strategy<Value = String> {
-    proptest::collection::vec(field(dialect), least..12).prop_map(|fields| {
+fn definition(dialect: Dialect, min: usize) -> impl Strategy<Value = String> {
+    proptest::collection::vec(field(dialect), min..12).prop_map(|fields| {
         fields.iter().enumerate().fold(String::new(), |mut text, (index, ty)| {
             let _ = writeln!(text, "{ty} x{index}");
             text
@@ -104,14 +104,14 @@ fn check_bytes(ty: MessageType<'_>, message: &Message, json: &Json) -> Result<()
     for order in [ByteOrder::LittleEndian, ByteOrder::BigEndian] {
         let payload = value.to_cdr(order).map_err(|error| TestCaseError::fail(error.to_string()))?;
         let size = payload.len() as u64;
-        let least = message.cdr.least;
-        prop_assert!(size == least || !message.cdr.is_fixed && size > least);
+        let min = message.cdr.min;
+        prop_assert!(size == min || !message.cdr.is_fixed && size > min);
         for decoded in [ty.decode_cdr(&payload), ty.decode_cdr_strict(&payload)] {
             let decoded = decoded.map_err(|error| TestCaseError::fail(error.to_string()))?;
             prop_assert_eq!(&decoded.to_json().expect("JSON"), json);
             prop_assert_eq!(&decoded.to_cdr(order).expect("a payload"), &payload);
-            let most = 8 * (payload.len() - HEADER);
-            prop_assert!(decoded.size_in_memory() <= most, "{} of {most}", decoded.size_in_memory());
+            let max = 8 * (payload.len() - HEADER);
+            prop_assert!(decoded.size_in_memory() <= max, "{} of {max}", decoded.size_in_memory());
         }
         for end in 0..payload.len() {
             prop_assert!(ty.decode_cdr(&payload[..end]).is_err(), "{end} of {}", payload.len());

@@ -60,13 +60,13 @@ impl Draw {
     }
 
     /// A text whose length, according to `measure`, is at most `most`.
-    fn text(&mut self, most: usize, measure: fn(&str) -> usize) -> String {
+    fn text(&mut self, max: usize, measure: fn(&str) -> usize) -> String {
         const CHARACTERS: [char; 10] = ['a', 'Z', ' ', '"', '\\', '\n', 'é', '€', '😀', '\u{7f}'];
         let mut text = String::new();
-        for _ in 0..self.below(most + 1) {
+        for _ in 0..self.below(max + 1) {
             text.push(CHARACTERS[self.below(CHARACTERS.len())]);
         }
-        while measure(&text) > most {
+        while measure(&text) > max {
             text.pop();
         }
         text

@@ -70,7 +70,7 @@ fn enumeration(owner: &Message, found: &Enum, name: &str) -> Declaration {
         value: Value::Int(member.value),
         text: text::constant(&owner.constants[member.constant]),
     });
-    let is_signed = found.scalar.integer_bounds().is_some_and(|(least, _)| least < 0);
+    let is_signed = found.scalar.integer_bounds().is_some_and(|(min, _)| min < 0);
     Declaration {
         name: name.to_owned(),
         text,

@@ -104,7 +104,7 @@ pub(super) fn constant(constant: &Constant) -> String {
 /// The annotations of a value defined on a page.
 pub(super) fn limits(limits: &Limits) -> Vec<String> {
     let int = |value: u32| Value::Int(value.into());
-    let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
+    let length = Range { low: limits.min.map(int), high: limits.max.map(int) };
     let mut facts: Vec<String> = unit(limits.unit.as_deref()).into_iter().collect();
     facts.extend(limits.range.as_ref().and_then(Range::to_text).map(|range| format!("range: {range}")));
     facts.extend(length.to_text().map(|length| format!("length: {length}")));

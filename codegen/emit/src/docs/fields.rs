@@ -123,8 +123,8 @@ fn count(scope: Scope<'_, '_>, id: MessageId, array: usize) -> String {
     let words = scope.site.words;
     let link = field_link(scope, id, (id, array));
     match scope.site.schema.message(id).fields[array].ty.shape {
-        Shape::Array(most) | Shape::Bounded(most) => {
-            words.fill(words::IN_USE_AT_MOST, &[("array", &link), ("most", &most.to_string())])
+        Shape::Array(max) | Shape::Bounded(max) => {
+            words.fill(words::IN_USE_AT_MOST, &[("array", &link), ("most", &max.to_string())])
         }
         Shape::Single | Shape::Sequence => words.fill(words::IN_USE, &[("array", &link)]),
     }

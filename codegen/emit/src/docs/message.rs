@@ -106,8 +106,8 @@ fn uorb_size(words: Words, layout: &UorbLayout) -> String {
 
 /// The size of the CDR payload.
 pub(super) fn cdr_size(words: Words, size: CdrSize) -> String {
-    let least = words.bytes(size.least);
-    if size.is_fixed { least } else { words.fill(words::OR_MORE, &[("size", &least)]) }
+    let min = words.bytes(size.min);
+    if size.is_fixed { min } else { words.fill(words::OR_MORE, &[("size", &min)]) }
 }
 
 /// Writes the sections about constants.

@@ -80,12 +80,12 @@ fn members(schema: &Schema, members: &[Member]) -> Vec<Json> {
 }
 
 fn typed(schema: &Schema, typed: &Typed) -> Json {
-    let Limits { unit, range: bounds, least, most, is_unique, pattern, format } = &typed.limits;
+    let Limits { unit, range: bounds, min, max, is_unique, pattern, format } = &typed.limits;
     json!({
         "type": schema.expression_text(&typed.ty, &str::to_owned),
         "unit": unit.as_deref().filter(|unit| *unit != unit::NONE),
         "range": bounds.as_ref().map(range),
-        "length": (least.is_some() || most.is_some()).then(|| json!([least, most])),
+        "length": (min.is_some() || max.is_some()).then(|| json!([min, max])),
         "unique": is_unique,
         "pattern": pattern,
         "format": format,

@@ -92,10 +92,9 @@ mod tests {
         let few = asserted(Constraint::NONE.counting(5), Scalar::UInt8);
         assert!(few.violated_by(Number::Int(6)).is_some());
         let long = asserted(Constraint::NONE, Scalar::UInt64);
-        let most = i128::from(u64::MAX);
+        let max = i128::from(u64::MAX);
         assert!(
-            long.violated_by(Number::Int(most)).is_none()
-                && long.violated_by(Number::Int(most + 1)).is_some()
+            long.violated_by(Number::Int(max)).is_none() && long.violated_by(Number::Int(max + 1)).is_some()
         );
     }
 
@@ -112,7 +111,7 @@ mod tests {
         let range = |low, high| Constraint::NONE.from(Number::Int(low)).to(Number::Int(high));
         assert!(are_disjoint(&range(0, 4), &range(5, 5)) && are_disjoint(&range(5, 5), &range(0, 4)));
         assert!(!are_disjoint(&range(0, 5), &range(5, 9)));
-        let greatest = i128::from(u64::MAX);
-        assert!(!are_disjoint(&range(0, greatest - 1), &range(greatest, greatest)));
+        let max = i128::from(u64::MAX);
+        assert!(!are_disjoint(&range(0, max - 1), &range(max, max)));
     }
 }

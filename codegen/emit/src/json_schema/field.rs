@@ -35,7 +35,7 @@ impl<'s> FieldSchema<'s> {
     }
 
     fn assertions(self) -> Vec<Member<'s>> {
-        let (least, most) = match self.field.ty.shape {
+        let (min, max) = match self.field.ty.shape {
             Shape::Array(length) if self.is_text() => {
                 return vec![member("type", "string"), member("maxLength", length)];
             }
@@ -45,8 +45,8 @@ impl<'s> FieldSchema<'s> {
             Shape::Sequence => (None, None),
         };
         let mut members = vec![member("type", "array"), member("items", Node::Object(self.element()))];
-        members.extend(annotation("minItems", least));
-        members.extend(annotation("maxItems", most));
+        members.extend(annotation("minItems", min));
+        members.extend(annotation("maxItems", max));
         members
     }
 

@@ -101,7 +101,7 @@ impl<'s> Writer<'s> {
     /// Elements at the end may be omitted. Strict validators require a complete list of elements, so each length is a
     /// separate alternative.
     fn tuple(self, elements: &'s [Member]) -> Vec<Entry<'s>> {
-        let least = elements.iter().filter(|element| element.is_required).count();
+        let min = elements.iter().filter(|element| element.is_required).count();
         let exactly = |length: usize| {
             let count = u32::try_from(length).unwrap_or(u32::MAX);
             let mut members = vec![member("type", "array")];
@@ -112,10 +112,10 @@ impl<'s> Writer<'s> {
             members.extend([member("minItems", count), member("maxItems", count)]);
             members
         };
-        if least == elements.len() {
-            return exactly(least);
+        if min == elements.len() {
+            return exactly(min);
         }
-        let alternatives = (least..=elements.len()).map(|length| Node::Object(exactly(length)));
+        let alternatives = (min..=elements.len()).map(|length| Node::Object(exactly(length)));
         vec![member("type", "array"), member("oneOf", alternatives.collect::<Node>())]
     }
 
@@ -279,8 +279,8 @@ fn numbers<'s>(ty: &'static str, limits: &Limits) -> Vec<Entry<'s>> {
 
 fn strings<'s>(limits: &Limits) -> Vec<Entry<'s>> {
     let mut members = vec![member("type", "string")];
-    members.extend(annotation("minLength", limits.least));
-    members.extend(annotation("maxLength", limits.most));
+    members.extend(annotation("minLength", limits.min));
+    members.extend(annotation("maxLength", limits.max));
     // The only format is base64. Validators ignore `contentEncoding`, so a pattern also checks the format.
     let pattern = limits.pattern.clone();
     match (pattern, &limits.format) {
@@ -300,8 +300,8 @@ fn strings<'s>(limits: &Limits) -> Vec<Entry<'s>> {
 
 fn lists<'s>(limits: &Limits) -> Vec<Entry<'s>> {
     let mut members = vec![member("type", "array")];
-    members.extend(annotation("minItems", limits.least));
-    members.extend(annotation("maxItems", limits.most));
+    members.extend(annotation("minItems", limits.min));
+    members.extend(annotation("maxItems", limits.max));
     members.extend(limits.is_unique.then(|| member("uniqueItems", true)));
     members
 }

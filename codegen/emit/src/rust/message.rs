@@ -130,7 +130,7 @@ impl Parts<'_> {
         let queue_length = types::integer(message.queue_length.unwrap_or(1).into());
         let hash = hexadecimal(message.hash);
         let type_hash = &message.type_hash;
-        let cdr_size = types::option(message.cdr.is_fixed.then(|| types::integer(message.cdr.least.into())));
+        let cdr_size = types::option(message.cdr.is_fixed.then(|| types::integer(message.cdr.min.into())));
         quote! {
             impl ::uavspec_runtime::Message for #name {
                 const DEFINITION: ::uavspec_runtime::Definition = ::uavspec_runtime::Definition {
@@ -305,7 +305,7 @@ impl Parts<'_> {
             facts.push(("uORB", format!("{} bytes, hash `0x{:08x}`", layout.size, message.hash)));
         }
         let cdr = if message.cdr.is_fixed { "" } else { "at least " };
-        facts.push(("CDR", format!("{cdr}{} bytes", message.cdr.least)));
+        facts.push(("CDR", format!("{cdr}{} bytes", message.cdr.min)));
         text += "\n\n| | |\n|---|---|";
         for (name, value) in facts {
             let _ = write!(text, "\n| {name} | {value} |");

@@ -1,6 +1,6 @@
 //! Test cases and the rules that they violate.
 
-use uavspec_runtime::{Constraint, Number, Rule};
+use uavspec_runtime::{Constraint, ConstraintKind, Number};
 
 /// Ids of rules about complete messages. The runtime defines the ids of rules about values.
 pub(super) mod rule {
@@ -55,7 +55,7 @@ impl Verdict {
             Some(rule) => Self {
                 rule: Some(rule.id()),
                 // In schemas, enums are open and floats may be null.
-                passes_schema: matches!(rule, Rule::Enum | Rule::Nan),
+                passes_schema: matches!(rule, ConstraintKind::Enum | ConstraintKind::Nan),
                 ..Self::VALID
             },
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use uavspec_runtime::cdr::{HEADER, WIDE_UNIT};
-use uavspec_runtime::{Rule, Scalar};
+use uavspec_runtime::{ConstraintKind, Scalar};
 use uavspec_schema::{Element, Field, Form, Message, Schema, Shape};
 
 use super::case::{Change, Sample, Verdict, rule};
@@ -169,8 +169,8 @@ impl<'s> FieldSamples<'s> {
             Element::Scalar(scalar) => scalar.size(),
             Element::String { .. } => 4,
             Element::Message(id) => {
-                let least = usize::try_from(self.schema.message(id).cdr.least).unwrap_or(0);
-                least.saturating_sub(HEADER)
+                let min = usize::try_from(self.schema.message(id).cdr.min).unwrap_or(0);
+                min.saturating_sub(HEADER)
             }
         }
     }
@@ -202,8 +202,12 @@ pub(super) fn message_typical(
 fn text(length: u32) -> Vec<Sample> {
     let room = length as usize;
     let ascii = |length: u32| format!("\"{}\"", letters(0, length));
-    let not_utf8 =
-        Sample::new("not-utf8", "an invalid UTF-8 byte", "\"a\"", Verdict::invalid_bytes(Rule::Text.id()));
+    let not_utf8 = Sample::new(
+        "not-utf8",
+        "an invalid UTF-8 byte",
+        "\"a\"",
+        Verdict::invalid_bytes(ConstraintKind::Text.id()),
+    );
     let mut samples = vec![
         Sample::new("full", "text that fills all bytes, without NUL", ascii(length), Verdict::VALID),
         Sample::mistyped("too-long", "text that is one byte too long", ascii(length.saturating_add(1))),
@@ -264,9 +268,9 @@ fn bounded(
     growth: Change,
     json: impl Fn(u32) -> String,
 ) -> impl Iterator<Item = Sample> {
-    let over = Verdict::malformed(Rule::Bound.id());
+    let over = Verdict::malformed(ConstraintKind::Bound.id());
     let in_cdr = (bound > 0).then(|| {
-        let verdict = Verdict::invalid_bytes(Rule::Bound.id());
+        let verdict = Verdict::invalid_bytes(ConstraintKind::Bound.id());
         Sample::new("cdr-above-bound", "longer than its bound in CDR", json(bound), verdict)
             .patched(empty, growth)
     });

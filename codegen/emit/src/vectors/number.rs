@@ -1,6 +1,6 @@
 //! Sample numbers: the bounds of a field, and adjacent invalid values.
 
-use uavspec_runtime::{Number, Rule, Scalar};
+use uavspec_runtime::{ConstraintKind, Number, Scalar};
 use uavspec_schema::msg::constraint::{Effect, Probe};
 use uavspec_schema::value::Value;
 use uavspec_schema::{Enum, Field, Message, Restriction, Schema};
@@ -85,18 +85,18 @@ impl<'s> NumberSamples<'s> {
     }
 
     fn integers(&mut self) {
-        let Some((least, greatest)) = self.scalar.integer_bounds() else { return };
+        let Some((min, max)) = self.scalar.integer_bounds() else { return };
         let name = self.scalar.name();
         // If the minimum is zero, the all-zero message covers it.
-        if least < 0 {
-            self.push("min", format!("the minimum {name}"), Number::Int(least));
+        if min < 0 {
+            self.push("min", format!("the minimum {name}"), Number::Int(min));
         }
-        self.push("max", format!("the maximum {name}"), Number::Int(greatest));
+        self.push("max", format!("the maximum {name}"), Number::Int(max));
         // Near a nonzero bound of a 64-bit type, adjacent integers are equal as 64-bit floats.
         let is_coarse = |value: i128| self.scalar.size() == 8 && value != -1;
         let outside = [
-            ("below-min", "far-below-min", "below the minimum", least - 1, least - FAR),
-            ("above-max", "far-above-max", "above the maximum", greatest + 1, greatest + 1 + FAR),
+            ("below-min", "far-below-min", "below the minimum", min - 1, min - FAR),
+            ("above-max", "far-above-max", "above the maximum", max + 1, max + 1 + FAR),
         ];
         let mut beyond = Vec::new();
         for (near, far, words, value, far_value) in outside {
@@ -113,15 +113,15 @@ impl<'s> NumberSamples<'s> {
 
     fn floats(&mut self) {
         let is_single = self.scalar == Scalar::Float32;
-        let (greatest, least) = if is_single {
+        let (max, min) = if is_single {
             (f64::from(f32::MAX), f64::from(f32::from_bits(1)))
         } else {
             (f64::MAX, f64::from_bits(1))
         };
         let name = self.scalar.name();
-        self.push("min", format!("the minimum {name}"), Number::Float(-greatest));
-        self.push("max", format!("the maximum {name}"), Number::Float(greatest));
-        self.push("subnormal", format!("the smallest positive {name}"), Number::Float(least));
+        self.push("min", format!("the minimum {name}"), Number::Float(-max));
+        self.push("max", format!("the maximum {name}"), Number::Float(max));
+        self.push("subnormal", format!("the smallest positive {name}"), Number::Float(min));
         self.push("minus-zero", "negative zero", Number::Float(-0.0));
         self.push("nan", "NaN", Number::Float(f64::NAN));
         if is_single {
@@ -181,7 +181,7 @@ impl<'s> NumberSamples<'s> {
             neighbours.chain(values().map(|value| value - 1)).chain(values().map(|value| value + 1));
         let candidates: Vec<i128> = if found.is_flags { bits.collect() } else { neighbours.collect() };
         let is_undocumented = |number: &Number| {
-            self.restriction.constraint().violated_by(*number) == Some(Rule::Enum)
+            self.restriction.constraint().violated_by(*number) == Some(ConstraintKind::Enum)
                 && self.is_representable(*number)
         };
         candidates.into_iter().map(Number::Int).find(is_undocumented)
@@ -224,7 +224,7 @@ impl<'s> NumberSamples<'s> {
     /// True if this value is in the range of the type and can be represented in JSON.
     fn is_representable(&self, number: Number) -> bool {
         match (number, self.scalar.integer_bounds()) {
-            (Number::Int(value), Some((least, greatest))) => (least..=greatest).contains(&value),
+            (Number::Int(value), Some((min, max))) => (min..=max).contains(&value),
             (Number::Float(value), None) => !value.is_infinite(),
             _ => false,
         }

@@ -38,7 +38,7 @@ fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
     let mut levels = Vec::new();
     let mut open: Vec<MessageId> = (0..schema.messages.len())
         .map(|index| MessageId(u32::try_from(index).unwrap_or(u32::MAX)))
-        .filter(|id| schema.message(*id).cdr.least <= LONGEST)
+        .filter(|id| schema.message(*id).cdr.min <= LONGEST)
         .collect();
     while !open.is_empty() && levels.len() < DEEPEST {
         let is_ready = |id: &MessageId| {

@@ -152,17 +152,17 @@ fn check_values(
         );
         return;
     }
-    if let Some((least, greatest)) = scalar.integer_bounds() {
+    if let Some((min, max)) = scalar.integer_bounds() {
         let text = |value: i128| serde_json::from_str::<Json>(&value.to_string()).expect("a number");
-        for outside in [least - 1, greatest + 1] {
+        for outside in [min - 1, max + 1] {
             assert!(tried.has(Some("PX-JSON-02"), |value| *value == text(outside)), "{name}: {outside}");
         }
         for rule in [None, Some("PX-ENUM-01"), Some("PX-RANGE-01"), Some("PX-LEN-01")] {
-            if tried.has(rule, |value| *value == text(greatest)) {
+            if tried.has(rule, |value| *value == text(max)) {
                 return check_meanings(emitted, message, field, tried, name);
             }
         }
-        panic!("{name}: no case for {greatest}");
+        panic!("{name}: no case for {max}");
     }
     let has_nan = tried.has(None, Json::is_null) || tried.has(Some("PX-NAN-01"), Json::is_null);
     assert!(has_nan && tried.has(Some("PX-JSON-02"), Json::is_string), "{name}: NaN");
@@ -192,7 +192,7 @@ fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &F
                 (value - end) * outwards > 0.0 && (value - end).abs() <= reach * end.abs().max(1.0)
             };
             let is_end_of_type = matches!(field.ty.element, Element::Scalar(scalar)
-                if scalar.integer_bounds().is_some_and(|(least, greatest)| [least, greatest].contains(&(end as i128))));
+                if scalar.integer_bounds().is_some_and(|(min, max)| [min, max].contains(&(end as i128))));
             assert!(tried.number(None, is_at), "{name}: the end {end}");
             let is_refused =
                 tried.number(Some("PX-RANGE-01"), is_beyond) || tried.number(Some("PX-LEN-01"), is_beyond);

@@ -42,7 +42,7 @@ pub fn fingerprints(schema: &Schema) -> Vec<Fingerprint> {
                 name: ros_name(schema, message),
                 topics: message.topics.clone(),
                 layout: layouts.get(types.get(*id)),
-                cdr_size: message.cdr.is_fixed.then_some(message.cdr.least),
+                cdr_size: message.cdr.is_fixed.then_some(message.cdr.min),
                 keys: Some(keys_hash(message.fields.iter().map(|field| field.name.as_str()))),
                 hash: message.hash,
                 type_hash: message.type_hash.clone(),

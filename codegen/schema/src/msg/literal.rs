@@ -12,9 +12,9 @@ pub(crate) enum LiteralError {
     /// A number that is out of range.
     Range {
         /// The minimum of the type.
-        least: String,
+        min: String,
         /// The maximum of the type.
-        greatest: String,
+        max: String,
     },
 }
 
@@ -25,10 +25,10 @@ pub(crate) fn parse_scalar(text: &str, scalar: Scalar) -> Result<Value, LiteralE
         Scalar::Float32 | Scalar::Float64 => parse_float(text, scalar),
         _ => {
             let value = parse_int(text).ok_or(LiteralError::Form)?;
-            let (least, greatest) = scalar.integer_bounds().ok_or(LiteralError::Form)?;
+            let (min, max) = scalar.integer_bounds().ok_or(LiteralError::Form)?;
             match value {
-                Some(value) if (least..=greatest).contains(&value) => Ok(Value::Int(value)),
-                _ => Err(LiteralError::Range { least: least.to_string(), greatest: greatest.to_string() }),
+                Some(value) if (min..=max).contains(&value) => Ok(Value::Int(value)),
+                _ => Err(LiteralError::Range { min: min.to_string(), max: max.to_string() }),
             }
         }
     }
@@ -115,11 +115,11 @@ fn parse_float(text: &str, scalar: Scalar) -> Result<Value, LiteralError> {
     let names_infinity = text.to_ascii_lowercase().contains("inf");
     if is_infinite && !names_infinity {
         // The limit of the type, in its shortest decimal form.
-        let greatest = if is_single { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
-        return Err(LiteralError::Range { least: format!("-{greatest}"), greatest });
+        let max = if is_single { format!("{:e}", f32::MAX) } else { format!("{:e}", f64::MAX) };
+        return Err(LiteralError::Range { min: format!("-{max}"), max });
     }
-    let greatest = f64::from(f32::MAX);
-    Ok(Value::Float(if is_single && value.is_finite() { value.clamp(-greatest, greatest) } else { value }))
+    let max = f64::from(f32::MAX);
+    Ok(Value::Float(if is_single && value.is_finite() { value.clamp(-max, max) } else { value }))
 }
 
 /// A string literal at the start of a text.
@@ -189,9 +189,9 @@ mod tests {
         assert!(matches!(parse_scalar(&"9".repeat(400), Scalar::UInt64), Err(LiteralError::Range { .. })));
         assert!(matches!(parse_scalar("1e39", Scalar::Float32), Err(LiteralError::Range { .. })));
         assert!(matches!(parse_scalar("3.4028236e38", Scalar::Float32), Err(LiteralError::Range { .. })));
-        for greatest in ["3.4028234663852886e38", "3.4028235e38", "3.40282347e+38"] {
+        for max in ["3.4028234663852886e38", "3.4028235e38", "3.40282347e+38"] {
             let expected = Ok(Value::Float(f32::MAX.into()));
-            assert_eq!(parse_scalar(greatest, Scalar::Float32), expected, "{greatest}");
+            assert_eq!(parse_scalar(max, Scalar::Float32), expected, "{max}");
         }
         assert!(matches!(parse_scalar("1e309", Scalar::Float64), Err(LiteralError::Range { .. })));
         assert_eq!(parse_scalar("-Inf", Scalar::Float32), Ok(Value::Float(f64::NEG_INFINITY)));

@@ -23,9 +23,9 @@ pub enum Statement<'s> {
     /// The length of a string (in characters) or list (in elements) on a page, from `[@length least, most]`.
     Length {
         /// The minimum, if bounded.
-        least: Option<u32>,
+        min: Option<u32>,
         /// The maximum, if bounded.
-        most: Option<u32>,
+        max: Option<u32>,
     },
     /// A requirement that the elements of a list on a page are distinct, from `[@unique]`.
     Unique,
@@ -142,10 +142,10 @@ fn length(argument: &str) -> Option<Statement<'_>> {
         "" => Some(None),
         digits => digits.parse().ok().map(Some),
     };
-    let (least, most) = argument.split_once(',').unwrap_or((argument, argument));
-    let (least, most): (Option<u32>, Option<u32>) = (bound(least)?, bound(most)?);
-    let is_ordered = least.zip(most).is_none_or(|(least, most)| least <= most);
-    (is_ordered && (least.is_some() || most.is_some())).then_some(Statement::Length { least, most })
+    let (min, max) = argument.split_once(',').unwrap_or((argument, argument));
+    let (min, max): (Option<u32>, Option<u32>) = (bound(min)?, bound(max)?);
+    let is_ordered = min.zip(max).is_none_or(|(min, max)| min <= max);
+    (is_ordered && (min.is_some() || max.is_some())).then_some(Statement::Length { min, max })
 }
 
 fn prefixes(argument: &str) -> Option<Vec<Prefix<'_>>> {

@@ -65,9 +65,9 @@ impl ByPrefix {
                 member.value = 1 << member.value;
             }
         }
-        let (least, greatest) = scalar.integer_bounds().unwrap_or((0, 0));
+        let (min, max) = scalar.integer_bounds().unwrap_or((0, 0));
         let (fitting, outside): (Vec<Member>, Vec<Member>) =
-            members.into_iter().partition(|member| (least..=greatest).contains(&member.value));
+            members.into_iter().partition(|member| (min..=max).contains(&member.value));
         let out_of_range = outside.into_iter().map(|member| (member.constant, member.value)).collect();
         let mut found = Enum { prefixes: prefixes.to_vec(), scalar, is_flags, members: fitting };
         make_names_unique(&mut found, message);

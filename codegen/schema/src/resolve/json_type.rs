@@ -274,7 +274,7 @@ impl Resolver<'_, '_> {
                 Statement::Constraint(_, Argument::Stated(Stated::Range(range)), _) => {
                     limits.range = Some(range.clone());
                 }
-                Statement::Length { least, most } => (limits.least, limits.most) = (*least, *most),
+                Statement::Length { min, max } => (limits.min, limits.max) = (*min, *max),
                 Statement::Unique => limits.is_unique = true,
                 Statement::Pattern(pattern) => limits.pattern = Some((*pattern).to_owned()),
                 Statement::Format(format) => limits.format = Some((*format).to_owned()),

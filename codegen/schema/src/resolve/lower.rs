@@ -266,7 +266,7 @@ impl<'s> Resolver<'s> {
 
     /// Reads `MESSAGE_VERSION` and `ORB_QUEUE_LENGTH`, which have a special meaning in PX4.
     fn known_constants(&mut self, index: usize) {
-        for (what, least) in [("MESSAGE_VERSION", 0), ("ORB_QUEUE_LENGTH", 1)] {
+        for (what, min) in [("MESSAGE_VERSION", 0), ("ORB_QUEUE_LENGTH", 1)] {
             let message = &mut self.schema.messages[index];
             let Some(constant) = message.constants.iter().find(|constant| constant.name == what) else {
                 continue;
@@ -275,14 +275,14 @@ impl<'s> Resolver<'s> {
                 .value
                 .as_int()
                 .and_then(|value| u32::try_from(value).ok())
-                .filter(|value| *value >= least);
+                .filter(|value| *value >= min);
             let span = constant.span;
             match what {
                 "MESSAGE_VERSION" => message.version = value,
                 _ => message.queue_length = value,
             }
             if value.is_none() {
-                self.report(Diagnostic::new(Problem::InvalidVersion { what, least }, span));
+                self.report(Diagnostic::new(Problem::InvalidVersion { what, min }, span));
             }
         }
     }
@@ -361,7 +361,7 @@ fn is_count(ty: Type) -> bool {
 
 fn can_hold(scalar: Scalar, value: &Value) -> bool {
     match (scalar.integer_bounds(), value) {
-        (Some((least, greatest)), Value::Int(value)) => (least..=greatest).contains(value),
+        (Some((min, max)), Value::Int(value)) => (min..=max).contains(value),
         (Some(_), Value::Float(value)) => value.fract() == 0.0,
         (None, _) => scalar != Scalar::Bool || matches!(value, Value::Int(0 | 1) | Value::Bool(_)),
         (Some(_), _) => false,

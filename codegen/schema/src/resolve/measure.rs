@@ -33,7 +33,7 @@ impl Resolver<'_> {
                 nested_fields[index] = nested_fields[index].saturating_add(nested_fields[nested.0 as usize]);
             }
             let uorb = layout::uorb(&self.schema, message);
-            let size = uorb.as_ref().map_or(0, |layout| layout.size as u64).max(sizes[index].least);
+            let size = uorb.as_ref().map_or(0, |layout| layout.size as u64).max(sizes[index].min);
             // Report only the nested message, not the messages that contain it.
             is_too_large[index] = nested_ids(message).any(|nested| is_too_large[nested.0 as usize]);
             if !is_too_large[index] {

@@ -3,10 +3,10 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use uavspec_dynamic::breaking;
+use uavspec_schema::Date;
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::finding::Finding;
 
-use super::date::is_over;
 use super::read::{Entry, List, Subject};
 use super::subject::Subjects;
 
@@ -67,7 +67,8 @@ pub(super) enum Reason {
 }
 
 impl Matches {
-    pub(super) fn new(list: &List, found: &Found, is_applied: &dyn Fn(&str) -> bool) -> Self {
+    /// Compares the findings of a run on `today`.
+    pub(super) fn new(list: &List, found: &Found, today: Date, is_applied: &dyn Fn(&str) -> bool) -> Self {
         let index = Index::new(list);
         let mut counts = vec![0; list.entries.len()];
         let mut entries = BTreeMap::new();
@@ -91,7 +92,7 @@ impl Matches {
         });
         let outdated = list.entries.iter().enumerate().filter(|(_, entry)| is_applied(&entry.rule));
         let outdated = outdated.filter_map(|(at, entry)| {
-            let reason = if entry.expires.is_some_and(is_over) {
+            let reason = if entry.expires.is_some_and(|last| last < today) {
                 Reason::Expired
             } else if counts[at] == 0 {
                 Reason::Unmatched

@@ -5,12 +5,12 @@ use std::path::Path;
 use globset::{Glob, GlobMatcher};
 use serde::Deserialize;
 use toml::Spanned;
-use toml::value::{Date, Datetime};
+use toml::value::Datetime;
 use uavspec_dynamic::breaking;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::source::{SourceId, SourceMap, Span};
 use uavspec_schema::wording::similar;
-use uavspec_schema::{render, terminal};
+use uavspec_schema::{Date, render, terminal};
 
 /// A baseline.
 #[derive(Debug)]
@@ -164,7 +164,7 @@ fn date(expires: &Spanned<Datetime>, whole: Span) -> Result<Date, EntryError> {
         let help = "write it without quotes, e.g. 2027-06-30";
         return Err((whole.part(expires.span()), "`expires`: expected a date".to_owned(), help.to_owned()));
     };
-    Ok(*date)
+    Ok(Date { year: date.year, month: date.month, day: date.day })
 }
 
 impl Subject {

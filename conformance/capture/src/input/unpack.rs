@@ -155,14 +155,9 @@ mod tests {
                 assert_eq!(found, text, "only the trailer is truncated: {cut}");
                 assert!(error.is_some(), "{cut}");
             }
-            for (cut, least) in [(packed.len() / 2, 1), (packed.len() - trailer - 1, text.len() / 2)] {
+            for (cut, min) in [(packed.len() / 2, 1), (packed.len() - trailer - 1, text.len() / 2)] {
                 let (found, error) = read(&packed[..cut]);
-                assert!(
-                    text.starts_with(&found) && found.len() >= least,
-                    "{} of {}",
-                    found.len(),
-                    text.len()
-                );
+                assert!(text.starts_with(&found) && found.len() >= min, "{} of {}", found.len(), text.len());
                 assert!(error.is_some());
             }
         }

@@ -169,8 +169,8 @@ impl Census {
     fn wrong_counts(&self, statistics: &Statistics) -> impl Iterator<Item = Problem> {
         let declared = |stated: u64, ids: &Ids| {
             // Writers differ in whether they count declarations that only the summary contains.
-            let (least, most) = (ids.in_data.len() as u64, ids.all.len() as u64);
-            (stated, stated.clamp(least, most))
+            let (min, max) = (ids.in_data.len() as u64, ids.all.len() as u64);
+            (stated, stated.clamp(min, max))
         };
         let counts = [
             ("messages", (statistics.messages, self.messages.values().sum())),

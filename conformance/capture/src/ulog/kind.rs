@@ -38,8 +38,8 @@ static SIZES: [(u32, u16); 256] = {
     let mut table = [(u32::MAX, 0); 256];
     let mut row = 0;
     while row < KINDS.len() {
-        let (kind, least, usual) = KINDS[row];
-        table[kind as usize] = (least as u32, usual);
+        let (kind, min, usual) = KINDS[row];
+        table[kind as usize] = (min as u32, usual);
         row += 1;
     }
     table

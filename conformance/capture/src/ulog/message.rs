@@ -226,9 +226,9 @@ struct Payload<'b> {
 
 impl<'b> Payload<'b> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N], Malformation> {
-        let least = self.position() + N;
+        let min = self.position() + N;
         let (taken, rest) =
-            self.rest.split_first_chunk().ok_or(Malformation::TooShort { size: self.size, least })?;
+            self.rest.split_first_chunk().ok_or(Malformation::TooShort { size: self.size, min })?;
         self.rest = rest;
         Ok(*taken)
     }
@@ -242,7 +242,7 @@ impl<'b> Payload<'b> {
         if self.rest.is_empty() {
             Ok(value)
         } else {
-            Err(Malformation::TooLong { size: self.size, most: self.position() })
+            Err(Malformation::TooLong { size: self.size, max: self.position() })
         }
     }
 

@@ -106,14 +106,14 @@ pub enum Malformation {
         /// The size of the payload, in bytes.
         size: usize,
         /// The minimum size, in bytes.
-        least: usize,
+        min: usize,
     },
     /// The payload is longer than all messages of its kind.
     TooLong {
         /// The size of the payload, in bytes.
         size: usize,
         /// The maximum size, in bytes.
-        most: usize,
+        max: usize,
     },
     /// A line of text has a level that doesn't exist.
     Level(u8),
@@ -251,10 +251,10 @@ impl fmt::Display for Resync {
 impl fmt::Display for Malformation {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooShort { size, least } => {
-                write!(formatter, "expected at least {least} bytes, found {size}")
+            Self::TooShort { size, min } => {
+                write!(formatter, "expected at least {min} bytes, found {size}")
             }
-            Self::TooLong { size, most } => write!(formatter, "expected {most} bytes, found {size}"),
+            Self::TooLong { size, max } => write!(formatter, "expected {max} bytes, found {size}"),
             Self::Level(level) => {
                 write!(formatter, "expected a level from `0` to `7`, found `{}`", level.escape_ascii())
             }

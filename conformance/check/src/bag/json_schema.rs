@@ -114,22 +114,22 @@ impl<'s> Comparing<'s> {
         let found = self.followed(property);
         let stated = |key: &str| found.get(key).and_then(Value::as_u64);
         // Each array has at least 0 elements.
-        let (least, most) = (stated("minItems").filter(|least| *least > 0), stated("maxItems"));
+        let (min, max) = (stated("minItems").filter(|min| *min > 0), stated("maxItems"));
         let (differs, defined) = match field.ty.shape {
             Shape::Array(length) => {
                 let is_other = |stated: u64| stated != u64::from(length);
-                (least.is_some_and(is_other) || most.is_some_and(is_other), format!("array of {length}"))
+                (min.is_some_and(is_other) || max.is_some_and(is_other), format!("array of {length}"))
             }
             Shape::Bounded(bound) => {
-                (most.is_some_and(|most| most > u64::from(bound)), format!("array of at most {bound}"))
+                (max.is_some_and(|max| max > u64::from(bound)), format!("array of at most {bound}"))
             }
             Shape::Single | Shape::Sequence => return None,
         };
-        let text = match (least, most) {
-            (Some(least), Some(most)) if least == most => format!("array of {most}"),
-            (Some(least), Some(most)) => format!("array of {least} to {most}"),
-            (Some(least), None) => format!("array of at least {least}"),
-            (None, Some(most)) => format!("array of at most {most}"),
+        let text = match (min, max) {
+            (Some(min), Some(max)) if min == max => format!("array of {max}"),
+            (Some(min), Some(max)) => format!("array of {min} to {max}"),
+            (Some(min), None) => format!("array of at least {min}"),
+            (None, Some(max)) => format!("array of at most {max}"),
             (None, None) => return None,
         };
         differs.then_some((text, defined))
@@ -143,10 +143,10 @@ impl<'s> Comparing<'s> {
             number.as_i64().map(i128::from).or_else(|| number.as_u64().map(i128::from))
         };
         let (low, high) = scalar.integer_bounds()?;
-        let (least, most) = (stated("minimum"), stated("maximum"));
-        let differs = least.is_some_and(|least| least < low) || most.is_some_and(|most| most > high);
-        let text = |least: i128, most: i128| format!("integer from {least} to {most}");
-        differs.then(|| (text(least.unwrap_or(low), most.unwrap_or(high)), text(low, high)))
+        let (min, max) = (stated("minimum"), stated("maximum"));
+        let differs = min.is_some_and(|min| min < low) || max.is_some_and(|max| max > high);
+        let text = |min: i128, max: i128| format!("integer from {min} to {max}");
+        differs.then(|| (text(min.unwrap_or(low), max.unwrap_or(high)), text(low, high)))
     }
 
     /// The schema of a single element of a field.

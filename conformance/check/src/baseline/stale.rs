@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_model::{Date, Excuse, ExcuseKind, Rule, SubjectName};
+use uavspec_model::{Excuse, ExcuseKind, Rule, SubjectName};
+use uavspec_schema::Date;
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::finding::Finding;
 

@@ -3,8 +3,8 @@
 mod fix;
 mod read;
 
-use uavspec_model::Date;
 use uavspec_rules::{RULES, rule};
+use uavspec_schema::Date;
 
 use super::*;
 

@@ -1,7 +1,7 @@
 //! The times of records. Programs that record sessions write them in various forms.
 
-use uavspec_model::Date;
 use uavspec_model::json::Tree;
+use uavspec_schema::Date;
 
 /// The first time that is too late, in seconds since 1970: the year 5138. Later times are in smaller units, and lie after
 /// 1973.

@@ -137,24 +137,24 @@ fn skips_an_endless_line_in_constant_memory() {
     /// A reader that records the size of the largest read, which shows the free space in the buffer.
     struct Endless {
         left: u64,
-        most: usize,
+        max: usize,
     }
     impl Read for &mut Endless {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
             let count = buffer.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
             buffer[..count].fill(b'x');
             self.left -= count as u64;
-            self.most = self.most.max(buffer.len());
+            self.max = self.max.max(buffer.len());
             Ok(count)
         }
     }
     let length = extent(200 << 20, 40 << 20);
-    let mut endless = Endless { left: length, most: 0 };
+    let mut endless = Endless { left: length, max: 0 };
     let mut reader = Reader::new(&mut endless);
     let item = reader.next().expect("bytes can be read").expect("a problem");
     assert_eq!(item.event, Event::Problem(Problem::TooLong { length }));
     assert_eq!(reader.next().expect("bytes can be read"), None);
-    assert!(endless.most <= MAX_LENGTH, "{}", endless.most);
+    assert!(endless.max <= MAX_LENGTH, "{}", endless.max);
 }
 
 /// Long names aren't stored or shown, and control characters are escaped.

@@ -343,14 +343,14 @@ fn flipped_bits_lose_few_messages_and_fail_checksums() {
     let mut random = Random(11);
     for form in FORMS {
         let whole = file(&chunked(form, &records_with(&good().cdr())));
-        let least = if form == Form::Unchunked { 50 } else { 29 };
+        let min = if form == Form::Unchunked { 50 } else { 29 };
         for _ in 0..extent(600, 45) {
             let mut bytes = whole.clone();
             let at = random.index(bytes.len() - 8) + 8;
             bytes[at] ^= 1 << random.below(8);
             let result = checked(&bytes);
             let is_declared = result.checked > 0;
-            assert!(!is_declared || result.records >= least, "{form:?} {at} {}", result.records);
+            assert!(!is_declared || result.records >= min, "{form:?} {at} {}", result.records);
             for (location, message) in &result.corruption {
                 assert!(is_within(*location, whole.len()), "{form:?} {at} {message}");
             }

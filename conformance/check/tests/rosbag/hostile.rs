@@ -160,15 +160,15 @@ fn payloads_have_a_maximum_size() {
 fn a_truncated_file_is_checked_as_far_as_possible() {
     let content = flight();
     let bytes = content.to_bytes();
-    let mut most = 0;
+    let mut max = 0;
     for cut in (4..bytes.len()).step_by(extent(509, 4_093)) {
         let (_folder, path) = file_with("bag.db3", &bytes[..cut]);
         let result = checked(&path);
         assert_ne!(result.extent, Extent::Whole, "cut at {cut}");
         assert!(result.checked <= content.messages.len() as u64);
-        most = most.max(result.checked);
+        max = max.max(result.checked);
     }
-    assert!(most > content.messages.len() as u64 / 2, "{most} of {}", content.messages.len());
+    assert!(max > content.messages.len() as u64 / 2, "{max} of {}", content.messages.len());
 }
 
 #[test]

@@ -196,9 +196,9 @@ fn bounds(limits: &[&Limits]) -> (Option<Bound>, Option<Bound>) {
 /// The tightest length range among these limits.
 fn length(limits: &[&Limits]) -> Length {
     let size = |length: u32| usize::try_from(length).unwrap_or(usize::MAX);
-    let least = limits.iter().filter_map(|limits| limits.least).max().map_or(0, size);
-    let most = limits.iter().filter_map(|limits| limits.most).min().map_or(usize::MAX, size);
-    Length { least, most }
+    let min = limits.iter().filter_map(|limits| limits.min).max().map_or(0, size);
+    let max = limits.iter().filter_map(|limits| limits.max).min().map_or(usize::MAX, size);
+    Length { min, max }
 }
 
 fn text(limits: &[&Limits]) -> Text {

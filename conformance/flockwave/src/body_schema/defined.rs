@@ -50,8 +50,8 @@ pub(super) struct Text {
 /// The minimum and maximum number of characters or elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Length {
-    pub(super) least: usize,
-    pub(super) most: usize,
+    pub(super) min: usize,
+    pub(super) max: usize,
 }
 
 /// A pattern for strings.
@@ -151,11 +151,11 @@ impl Object {
 
 impl Length {
     /// Any length.
-    pub(super) const ANY: Self = Self { least: 0, most: usize::MAX };
+    pub(super) const ANY: Self = Self { min: 0, max: usize::MAX };
 
     /// True if a length is within the limits.
     pub(super) fn accepts(self, length: usize) -> bool {
-        (self.least..=self.most).contains(&length)
+        (self.min..=self.max).contains(&length)
     }
 }
 
@@ -164,13 +164,13 @@ struct Counted(Length, &'static str);
 
 impl fmt::Display for Counted {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self(Length { least, most }, noun) = self;
-        match (least, most) {
+        let Self(Length { min, max }, noun) = self;
+        match (min, max) {
             (0, &usize::MAX) => Ok(()),
-            (least, &usize::MAX) => write!(formatter, " of at least {least} {noun}"),
-            (0, most) => write!(formatter, " of at most {most} {noun}"),
-            (least, most) if least == most => write!(formatter, " of {most} {noun}"),
-            (least, most) => write!(formatter, " of {least} to {most} {noun}"),
+            (min, &usize::MAX) => write!(formatter, " of at least {min} {noun}"),
+            (0, max) => write!(formatter, " of at most {max} {noun}"),
+            (min, max) if min == max => write!(formatter, " of {max} {noun}"),
+            (min, max) => write!(formatter, " of {min} to {max} {noun}"),
         }
     }
 }
@@ -220,15 +220,15 @@ impl fmt::Display for List {
 impl Tuple {
     /// The allowed number of elements, as a range.
     pub(super) fn length(&self) -> Length {
-        Length { least: self.required, most: self.elements.len() }
+        Length { min: self.required, max: self.elements.len() }
     }
 }
 
 impl fmt::Display for Tuple {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.required, self.elements.len()) {
-            (least, most) if least == most => write!(formatter, "a list of {most} elements"),
-            (least, most) => write!(formatter, "a list of {least} to {most} elements"),
+            (min, max) if min == max => write!(formatter, "a list of {max} elements"),
+            (min, max) => write!(formatter, "a list of {min} to {max} elements"),
         }
     }
 }

@@ -175,10 +175,10 @@ impl<'s> Scalar<'s> {
 
     /// Restricts the value to a range. Only ranges of integers are compared here.
     fn within(self, limits: Option<(i64, i64)>) -> Self {
-        let Some((least, most)) = limits else { return self };
+        let Some((min, max)) = limits else { return self };
         Self(match self.0 {
-            Allowed::Range(low, high) => Allowed::Range(low.max(least), high.min(most)),
-            Allowed::Nullable(low, high) => Allowed::Nullable(low.max(least), high.min(most)),
+            Allowed::Range(low, high) => Allowed::Range(low.max(min), high.min(max)),
+            Allowed::Nullable(low, high) => Allowed::Nullable(low.max(min), high.min(max)),
             Allowed::Other(_) => return Self::UNCLEAR,
         })
     }

@@ -22,7 +22,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use uavspec_check::story::{Part, Texts, number, state_value, topic_name};
+use uavspec_check::timeline::{Part, Texts, number, state_value, topic_name};
 use uavspec_dynamic::DynamicView;
 use uavspec_model::clock::Clock;
 use uavspec_model::{Channel, Message};

@@ -473,8 +473,8 @@ pub(crate) mod tests {
         assert_eq!(find("severity/flockwave/ErrorCode/code-66").expected.ok, {
             ExpectedResponse::Exactly(json!({ "class": "warning", "severity": "warning" }))
         });
-        let least = serde_json::from_str("[{\"x\": -9223372036854775809}]").expect("JSON");
-        assert!(is_lossy(&least) && !is_lossy(&json!([i64::MIN, u64::MAX, 0.5])));
+        let min = serde_json::from_str("[{\"x\": -9223372036854775809}]").expect("JSON");
+        assert!(is_lossy(&min) && !is_lossy(&json!([i64::MIN, u64::MAX, 0.5])));
         let case = find("validate/px4/Event/timestamp-null");
         assert_eq!(
             (&case.request(0)["value"]["timestamp"], &case.expected),

@@ -105,8 +105,8 @@ impl Lines<'_> {
         self.line.clear();
         self.number += 1;
         // One more byte for the line end.
-        let most = LINE_LIMIT as u64 + 1;
-        let read = self.input.take(most).read_until(b'\n', &mut self.line)?;
+        let max = LINE_LIMIT as u64 + 1;
+        let read = self.input.take(max).read_until(b'\n', &mut self.line)?;
         if self.line.len() > LINE_LIMIT && !self.line.ends_with(b"\n") {
             let text = format!("line {} is longer than {LINE_LIMIT} bytes", self.number);
             return Err(io::Error::new(io::ErrorKind::InvalidData, text));

@@ -259,8 +259,8 @@ fn read(output: impl Read, lines: &SyncSender<Received>, limit: usize) {
     loop {
         let mut line = Vec::new();
         // One more byte for the line end.
-        let most = u64::try_from(limit).unwrap_or(u64::MAX).saturating_add(1);
-        let read = output.by_ref().take(most).read_until(b'\n', &mut line);
+        let max = u64::try_from(limit).unwrap_or(u64::MAX).saturating_add(1);
+        let read = output.by_ref().take(max).read_until(b'\n', &mut line);
         let is_whole = line.pop_if(|byte| *byte == b'\n').is_some();
         let text = match read {
             Ok(_) if is_whole => Received::Line(line),

@@ -25,14 +25,14 @@ from os import PathLike
 from typing import TypeAlias, TypeVar
 
 from . import _native, flockwave, px4
-from ._native import Error, Report, Results, Story, Table, __version__
+from ._native import Error, Report, Results, Timeline, Table, __version__
 
 __all__ = [
     "Capture",
     "Error",
     "Report",
     "Results",
-    "Story",
+    "Timeline",
     "Table",
     "__version__",
     "check",
@@ -165,7 +165,7 @@ def read(
     return _native.read(capture, topic, instance, definitions)
 
 
-def explain(capture: Capture, *, definitions: str | PathLike[str] | None = None) -> Story:
+def explain(capture: Capture, *, definitions: str | PathLike[str] | None = None) -> Timeline:
     """Explains what a vehicle did and why, like `uavspec explain`. `str` returns the text.
 
     Raises:

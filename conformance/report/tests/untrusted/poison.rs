@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
 use uavspec_check::convert::{Action as Treated, ConversionReport, Loss, TopicReport};
-use uavspec_check::story::{Story, Texts};
+use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{
     BagChannel, BusEndpoint, BusTopic, CheckStatus, Coverage, FlockwaveSummary, JsonSummary, LogSummary,
     McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, UnreadTimes,
@@ -342,22 +342,22 @@ fn testee(testee: &mut Testee, text: &str) {
     }
 }
 
-fn story_without_text() -> Story {
+fn timeline_without_text() -> Timeline {
     let definitions = Definitions::built_in();
     let bytes = Flight::new(&definitions).log().to_bytes();
-    let story = Story::of_bytes(&bytes, &definitions, &Texts::of(Translations::default()));
-    story.expect("a readable capture")
+    let timeline = Timeline::of_bytes(&bytes, &definitions, &Texts::of(Translations::default()));
+    timeline.expect("a readable capture")
 }
 
-/// A story with the text in every field.
-pub(super) fn story(text: &str) -> Story {
-    static STORY: OnceLock<Story> = OnceLock::new();
-    let mut story = STORY.get_or_init(story_without_text).clone();
-    text.clone_into(&mut story.capture);
-    text.clone_into(&mut story.definitions);
-    story.corruption = vec![text.to_owned()];
-    story.topics.iter_mut().for_each(|topic| text.clone_into(&mut topic.name));
-    for lane in &mut story.lanes {
+/// A timeline with the text in every field.
+pub(super) fn timeline(text: &str) -> Timeline {
+    static TIMELINE: OnceLock<Timeline> = OnceLock::new();
+    let mut timeline = TIMELINE.get_or_init(timeline_without_text).clone();
+    text.clone_into(&mut timeline.capture);
+    text.clone_into(&mut timeline.definitions);
+    timeline.corruption = vec![text.to_owned()];
+    timeline.topics.iter_mut().for_each(|topic| text.clone_into(&mut topic.name));
+    for lane in &mut timeline.lanes {
         text.clone_into(&mut lane.topic);
         text.clone_into(&mut lane.name);
         lane.subject = Some(text.to_owned());
@@ -366,7 +366,7 @@ pub(super) fn story(text: &str) -> Story {
             .flat_map(|value| &mut value.parts)
             .for_each(|part| text.clone_into(&mut part.name));
     }
-    story
+    timeline
 }
 
 /// The report of a conversion with the text in every field.

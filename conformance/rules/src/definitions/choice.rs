@@ -243,8 +243,8 @@ impl Index {
             };
             counts.entry(&row.type_hash).or_insert_with(count);
         }
-        let least = counts.values().min();
-        rows.into_iter().filter(|row| counts.get(row.type_hash.as_str()) == least).collect()
+        let min = counts.values().min();
+        rows.into_iter().filter(|row| counts.get(row.type_hash.as_str()) == min).collect()
     }
 
     /// The number of types that have the version of their topics in a release.

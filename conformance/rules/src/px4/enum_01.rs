@@ -2,7 +2,7 @@
 
 use uavspec::px4::BatteryStatus;
 use uavspec::px4::battery_status::BatteryWarning;
-use uavspec_runtime::Rule as Violated;
+use uavspec_runtime::ConstraintKind;
 
 use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
@@ -30,7 +30,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     })),
     mutants: &[Mutant {
         name: "an undocumented value",
-        change: Change::Flight(|flight| flight.violating(Violated::Enum)),
+        change: Change::Flight(|flight| flight.violating(ConstraintKind::Enum)),
         also: &[],
     }],
 };

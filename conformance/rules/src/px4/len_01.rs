@@ -1,7 +1,7 @@
 //! `PX-LEN-01`.
 
 use uavspec::px4::ArmingCheckReply;
-use uavspec_runtime::Rule as Violated;
+use uavspec_runtime::ConstraintKind;
 
 use super::bug::{Bug, Side};
 use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
@@ -28,7 +28,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     })),
     mutants: &[Mutant {
         name: "a count above the array length",
-        change: Change::Flight(|flight| flight.violating(Violated::Count)),
+        change: Change::Flight(|flight| flight.violating(ConstraintKind::Count)),
         also: &[],
     }],
 };

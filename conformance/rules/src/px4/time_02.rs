@@ -143,10 +143,10 @@ impl Checker for Gaps {
             }
             let definition = context.defined(channel.definition);
             context.violation_of(channel.subject(), message.location, definition, || {
-                let (pause, most) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
+                let (pause, max) = (time_text(pause), time_text(period.saturating_mul(PAUSE)));
                 let period = time_text(period);
                 Detail::new(format!("no message for {pause}, but the period is {period}"))
-                    .expected(format!("at most {most}, or a dropout record"))
+                    .expected(format!("at most {max}, or a dropout record"))
                     .actual(pause)
             });
         }

@@ -247,9 +247,9 @@ impl TextQueue {
     }
 
     /// Takes up to `most` texts.
-    pub(super) fn take(&self, most: usize) -> Taken {
+    pub(super) fn take(&self, max: usize) -> Taken {
         let mut texts = self.texts.borrow_mut();
-        let count = texts.len().min(most);
+        let count = texts.len().min(max);
         if count == 0 {
             return if self.is_closed.get() { Taken::End } else { Taken::Nothing };
         }

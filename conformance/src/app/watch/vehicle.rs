@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use ratatui::crossterm::event;
-use uavspec_check::story::Texts;
+use uavspec_check::timeline::Texts;
 use uavspec_live::bus::{self, Address};
 use uavspec_live::vehicle::remove_recordings;
 use uavspec_live::watch::screen::Step;

@@ -9,7 +9,7 @@ use super::fault;
 use super::number::Leaf;
 use super::random::Random;
 use super::tree::{ListKind, Node};
-use crate::Rule;
+use crate::ConstraintKind;
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
 
 /// The maximum number of optional elements and characters in a case.
@@ -71,10 +71,10 @@ impl Draw {
             Shape::Array(length) => Ok(Node::group(self.elements(field, length as usize, fault)?)),
             Shape::Bounded(_) | Shape::Sequence => {
                 let bound = field.shape.bound();
-                let least = usize::from(fault.is_some());
-                let (length, least) = self.length(bound, least, too_long.is_some());
-                let list = Node::list(self.elements(field, length, fault)?, ListKind::Sequence, least);
-                Ok(if too_long.is_some() { list.violating(Rule::Bound) } else { list })
+                let min = usize::from(fault.is_some());
+                let (length, min) = self.length(bound, min, too_long.is_some());
+                let list = Node::list(self.elements(field, length, fault)?, ListKind::Sequence, min);
+                Ok(if too_long.is_some() { list.violating(ConstraintKind::Bound) } else { list })
             }
         }
     }
@@ -106,41 +106,41 @@ impl Draw {
             }
             Element::Text => Ok(self.text(1, fault.is_some())),
             Element::String { bound, .. } => {
-                let (length, least) = self.length(bound, 0, fault.is_some());
+                let (length, min) = self.length(bound, 0, fault.is_some());
                 let characters = (0..length).map(|_| Leaf::character(self.character()).into()).collect();
-                let string = Node::list(characters, ListKind::String, least);
-                Ok(if fault.is_some() { string.violating(Rule::Bound) } else { string })
+                let string = Node::list(characters, ListKind::String, min);
+                Ok(if fault.is_some() { string.violating(ConstraintKind::Bound) } else { string })
             }
             Element::Message(nested) => self.message(nested, fault),
         }
     }
 
     /// Draws the length of a sequence or string. Also returns the minimum length for simplification.
-    fn length(&mut self, bound: Option<u32>, least: usize, is_too_long: bool) -> (usize, usize) {
+    fn length(&mut self, bound: Option<u32>, min: usize, is_too_long: bool) -> (usize, usize) {
         let bound = bound.map_or(usize::MAX, |bound| bound as usize);
         if is_too_long {
             return (bound + 1 + self.random.below(3), bound + 1);
         }
-        let most = bound.min(self.room);
+        let max = bound.min(self.room);
         let length = match self.random.below(8) {
             0 => 0,
             1 if bound <= self.room => bound,
-            2 => self.random.below(most.min(40) + 1),
-            _ => self.random.below(most.min(4) + 1),
+            2 => self.random.below(max.min(40) + 1),
+            _ => self.random.below(max.min(4) + 1),
         };
-        let length = length.max(least);
+        let length = length.max(min);
         self.room = self.room.saturating_sub(length);
-        (length, least)
+        (length, min)
     }
 
     /// Draws text of at most `room` bytes. Bad text ends with a byte that makes it invalid UTF-8.
     fn text(&mut self, room: usize, is_bad: bool) -> Node {
         let bad_byte = is_bad.then(|| self.random.pick(&BAD_BYTES).copied().unwrap_or(0xff));
-        let most = room.saturating_sub(usize::from(is_bad));
+        let max = room.saturating_sub(usize::from(is_bad));
         let mut left = match self.random.below(4) {
             0 => 0,
-            1 => most,
-            _ => self.random.below(most + 1),
+            1 => max,
+            _ => self.random.below(max + 1),
         };
         let mut characters = Vec::new();
         while left > 0 {
@@ -150,7 +150,7 @@ impl Draw {
             characters.push(Leaf::character(character).into());
         }
         let text = Node::list(characters, ListKind::Text { room, bad_byte }, 0);
-        if is_bad { text.violating(Rule::Text) } else { text }
+        if is_bad { text.violating(ConstraintKind::Text) } else { text }
     }
 
     /// Draws any character except NUL, which would end the text.

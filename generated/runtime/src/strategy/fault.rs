@@ -9,7 +9,7 @@ use std::vec::Vec;
 use super::number::Allowed;
 use super::tree::Node;
 use crate::descriptor::{Element, FieldDescriptor, MessageDescriptor, Shape};
-use crate::{Constraint, Number, Path, Rule, Scalar};
+use crate::{Constraint, ConstraintKind, Number, Path, Scalar};
 
 /// Faults exceed a bound only if it is at most this large. More elements would take too long to generate.
 const GREATEST_BOUND: u32 = 4096;
@@ -48,12 +48,15 @@ pub(super) fn restriction(field: &FieldDescriptor) -> &'static Constraint<'stati
 }
 
 /// The rules that a number can violate.
-pub(super) fn rules(scalar: Scalar, constraint: &'static Constraint<'static>) -> impl Iterator<Item = Rule> {
-    Rule::ALL.into_iter().filter(move |rule| !values(scalar, constraint, *rule).is_empty())
+pub(super) fn rules(
+    scalar: Scalar,
+    constraint: &'static Constraint<'static>,
+) -> impl Iterator<Item = ConstraintKind> {
+    ConstraintKind::ALL.into_iter().filter(move |rule| !values(scalar, constraint, *rule).is_empty())
 }
 
 /// Numbers of a type that violate `rule`, starting with the numbers closest to the valid range.
-pub(super) fn values(scalar: Scalar, constraint: &Constraint<'_>, rule: Rule) -> Vec<Number> {
+pub(super) fn values(scalar: Scalar, constraint: &Constraint<'_>, rule: ConstraintKind) -> Vec<Number> {
     let allowed = Allowed { scalar, constraint };
     let candidates: Vec<Number> = if scalar.is_float() {
         floats(allowed).into_iter().map(Number::Float).collect()
@@ -65,15 +68,15 @@ pub(super) fn values(scalar: Scalar, constraint: &Constraint<'_>, rule: Rule) ->
 
 /// True if a field of the type can contain the integer.
 pub(super) fn fits(scalar: Scalar, value: i128) -> bool {
-    scalar.integer_bounds().is_some_and(|(least, most)| (least..=most).contains(&value))
+    scalar.integer_bounds().is_some_and(|(min, max)| (min..=max).contains(&value))
 }
 
 /// Integers adjacent to the allowed values, and the extremes of the type.
 fn integers(allowed: Allowed<'_>) -> Vec<i128> {
     /// The maximum number of documented values whose neighbours are tried.
     const NEIGHBOURS: usize = 32;
-    let Some((least, most)) = allowed.scalar.integer_bounds() else { return Vec::new() };
-    let (low, high) = allowed.integers().unwrap_or((least, most));
+    let Some((min, max)) = allowed.scalar.integer_bounds() else { return Vec::new() };
+    let (low, high) = allowed.integers().unwrap_or((min, max));
     let mut values = Vec::from([high + 1, low - 1]);
     if let Some(known) = allowed.constraint.known {
         if allowed.constraint.is_flags {
@@ -81,7 +84,7 @@ fn integers(allowed: Allowed<'_>) -> Vec<i128> {
             values.extend(
                 (0..8 * allowed.scalar.size()).map(|bit| 1 << bit).map(
                     |bit: i128| {
-                        if bit > most { -bit } else { bit }
+                        if bit > max { -bit } else { bit }
                     },
                 ),
             );
@@ -92,7 +95,7 @@ fn integers(allowed: Allowed<'_>) -> Vec<i128> {
             values.extend([0, low, high]);
         }
     }
-    values.extend([most, least]);
+    values.extend([max, min]);
     values
 }
 
@@ -106,8 +109,8 @@ fn floats(allowed: Allowed<'_>) -> Vec<f64> {
     } else {
         [high.next_up(), low.next_down()]
     };
-    let most = if is_single { f32::MAX.into() } else { f64::MAX };
-    let further = [high.abs() * 2.0 + 1.0, -(low.abs() * 2.0 + 1.0), most, -most];
+    let max = if is_single { f32::MAX.into() } else { f64::MAX };
+    let further = [high.abs() * 2.0 + 1.0, -(low.abs() * 2.0 + 1.0), max, -max];
     let round = |value: f64| if is_single { f64::from(value as f32) } else { value };
     let finite = neighbours.into_iter().chain(further.map(round)).filter(|value| value.is_finite());
     finite.chain([f64::NAN]).collect()
@@ -115,22 +118,22 @@ fn floats(allowed: Allowed<'_>) -> Vec<f64> {
 
 /// Finds the fault in the message with the given `root`. Extends `path` to the location of the fault and returns the
 /// violated rule.
-pub(super) fn locate(message: &'static MessageDescriptor, root: &Node, path: &mut Path) -> Rule {
+pub(super) fn locate(message: &'static MessageDescriptor, root: &Node, path: &mut Path) -> ConstraintKind {
     let parts = root.parts().iter().enumerate();
     let faulty = parts.zip(message.fields).find(|((_, part), _)| part.fault.is_some());
     // The tree has one fault, which simplification preserves.
-    let Some(((index, mut part), field)) = faulty else { return root.fault.unwrap_or(Rule::Range) };
+    let Some(((index, mut part), field)) = faulty else { return root.fault.unwrap_or(ConstraintKind::Range) };
     path.enter(index);
     let is_list = field.shape != Shape::Single && field.element != Element::Text;
     if is_list {
         let element = part.parts().iter().enumerate().find(|(_, element)| element.fault.is_some());
-        let Some((index, element)) = element else { return part.fault.unwrap_or(Rule::Bound) };
+        let Some((index, element)) = element else { return part.fault.unwrap_or(ConstraintKind::Bound) };
         path.select(Some(index));
         part = element;
     }
     match (field.element, part.fault) {
         (Element::Message(nested), _) => locate(nested, part, path),
         (_, Some(rule)) => rule,
-        (_, None) => Rule::Range,
+        (_, None) => ConstraintKind::Range,
     }
 }

@@ -7,7 +7,7 @@ use std::vec::Vec;
 use super::fault;
 use super::random::Random;
 use super::search::{Domain, Floats, Search};
-use crate::{Constraint, Number, Rule, Scalar};
+use crate::{Constraint, ConstraintKind, Number, Scalar};
 
 /// A number, or a character as its code point.
 pub(super) struct Leaf {
@@ -49,7 +49,7 @@ impl Leaf {
     pub(super) fn invalid(
         scalar: Scalar,
         constraint: &'static Constraint<'static>,
-        rule: Rule,
+        rule: ConstraintKind,
         random: &mut Random,
     ) -> Option<Self> {
         let mut values = fault::values(scalar, constraint, rule);
@@ -209,26 +209,25 @@ impl Allowed<'_> {
             return matches!(value, Number::Int(value) if fault::fits(self.scalar, value)).then_some(value);
         }
         let value = value.as_f64();
-        let most = if self.scalar == Scalar::Float32 { f32::MAX.into() } else { f64::MAX };
-        (value.is_nan() || value.abs() <= most).then_some(Number::Float(value))
+        let max = if self.scalar == Scalar::Float32 { f32::MAX.into() } else { f64::MAX };
+        (value.is_nan() || value.abs() <= max).then_some(Number::Float(value))
     }
 
     /// Minimum and maximum, without special values, or `None` if the range is empty.
     pub(super) fn integers(self) -> Option<(i128, i128)> {
-        let (least, most) =
-            if self.scalar == Scalar::Bool { (0, 1) } else { self.scalar.integer_bounds()? };
+        let (min, max) = if self.scalar == Scalar::Bool { (0, 1) } else { self.scalar.integer_bounds()? };
         #[allow(clippy::cast_possible_truncation)] // saturates, and the type has a smaller range
-        let low = self.constraint.low.map_or(least, |low| match low {
+        let low = self.constraint.low.map_or(min, |low| match low {
             Number::Int(low) => low,
             Number::Float(low) => low.ceil() as i128,
         });
         #[allow(clippy::cast_possible_truncation)]
-        let high = self.constraint.high.map_or(most, |high| match high {
+        let high = self.constraint.high.map_or(max, |high| match high {
             Number::Int(high) => high,
             Number::Float(high) => high.floor() as i128,
         });
-        let count = self.constraint.count.map_or(most, i128::from);
-        let (low, high) = (low.max(least), high.min(most).min(count));
+        let count = self.constraint.count.map_or(max, i128::from);
+        let (low, high) = (low.max(min), high.min(max).min(count));
         (low <= high).then_some((low, high))
     }
 
@@ -245,12 +244,12 @@ impl Allowed<'_> {
     /// Draws no flag, one flag, all flags, or any combination.
     fn flags(self, known: &[i128], (low, high): (i128, i128), random: &mut Random) -> Option<i128> {
         let all = known.iter().fold(0, |all, mask| all | mask);
-        let (least, most) = self.scalar.integer_bounds()?;
+        let (min, max) = self.scalar.integer_bounds()?;
         let drawn = (0..16).map(|_| match random.below(8) {
             0 => 0,
             1 => all,
             2 | 3 => random.pick(known).copied().unwrap_or_default(),
-            _ => random.between(least, most) & all,
+            _ => random.between(min, max) & all,
         });
         let mut candidates = drawn.chain([0, all]).chain(known.iter().copied());
         candidates.find(|value| (low..=high).contains(value))
@@ -292,7 +291,7 @@ impl Allowed<'_> {
 
     fn remarkable_float(self, low: f64, high: f64, random: &mut Random) -> f64 {
         let is_single = self.scalar == Scalar::Float32;
-        let least = if is_single { f64::from(f32::from_bits(1)) } else { f64::from_bits(1) };
+        let min = if is_single { f64::from(f32::from_bits(1)) } else { f64::from_bits(1) };
         let least_normal = if is_single { f32::MIN_POSITIVE.into() } else { f64::MIN_POSITIVE };
         let below_normal =
             if is_single { f32::MIN_POSITIVE.next_down().into() } else { f64::MIN_POSITIVE.next_down() };
@@ -303,8 +302,8 @@ impl Allowed<'_> {
             -0.0,
             1.0,
             -1.0,
-            least,
-            -least,
+            min,
+            -min,
             least_normal,
             -least_normal,
             below_normal,

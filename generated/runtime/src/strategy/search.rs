@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     /// The result of the search if all values from `limit` upwards fail.
-    fn least(domain: Domain, limit: f64) -> Option<Number> {
+    fn min(domain: Domain, limit: f64) -> Option<Number> {
         let fails = |value: Number| match value {
             #[allow(clippy::cast_precision_loss)] // small numbers
             Number::Int(value) => value as f64 >= limit,
@@ -167,21 +167,21 @@ mod tests {
     #[test]
     fn finds_the_smallest_failing_value() {
         let floats = |drawn, is_single| Domain::Floats(Floats::new(0.0, drawn, is_single));
-        assert_eq!(least(floats(153.7, true), 100.5), Some(Number::Float(101.0)));
-        assert_eq!(least(floats(1e300, false), 0.0), Some(Number::Float(0.0)));
-        let between = least(floats(100.75, true), 100.5);
+        assert_eq!(min(floats(153.7, true), 100.5), Some(Number::Float(101.0)));
+        assert_eq!(min(floats(1e300, false), 0.0), Some(Number::Float(0.0)));
+        let between = min(floats(100.75, true), 100.5);
         assert_eq!(between, Some(Number::Float(100.5)));
         let integers = Domain::Integers { simplest: 1, drawn: 1_000_000 };
-        assert_eq!(least(integers, 4711.0), Some(Number::Int(4711)));
+        assert_eq!(min(integers, 4711.0), Some(Number::Int(4711)));
         let list = Domain::Listed([0, 3, 5, 9].map(Number::Int).to_vec());
-        assert_eq!(least(list, 4.0), Some(Number::Int(5)));
+        assert_eq!(min(list, 4.0), Some(Number::Int(5)));
     }
 
     #[test]
     fn tries_the_simplest_negative_value() {
         for (simplest, drawn, is_single) in [(-10.0, -60.5, false), (-0.5, -0.75, true), (0.0, -2.5, true)] {
             let floats = || Domain::Floats(Floats::new(simplest, drawn, is_single));
-            assert_eq!(least(floats(), f64::MIN), Some(Number::Float(simplest)));
+            assert_eq!(min(floats(), f64::MIN), Some(Number::Float(simplest)));
             let Some(Number::Float(first)) = floats().at(0) else { panic!("no value") };
             assert_eq!(first.is_sign_negative(), simplest < 0.0, "{first}");
         }
@@ -189,7 +189,7 @@ mod tests {
 
     #[test]
     fn finds_nothing_simpler_than_the_simplest_value() {
-        assert_eq!(least(Domain::Integers { simplest: -3, drawn: -3 }, -10.0), None);
-        assert_eq!(least(Domain::Floats(Floats::new(0.5, 0.5, true)), 0.0), None);
+        assert_eq!(min(Domain::Integers { simplest: -3, drawn: -3 }, -10.0), None);
+        assert_eq!(min(Domain::Floats(Floats::new(0.5, 0.5, true)), 0.0), None);
     }
 }

@@ -5,12 +5,12 @@ use std::vec::Vec;
 
 use super::number::Leaf;
 use super::replay::Script;
-use crate::Rule;
+use crate::ConstraintKind;
 
 /// A field value or a message.
 pub(super) struct Node {
     /// The rule that the value violates.
-    pub(super) fault: Option<Rule>,
+    pub(super) fault: Option<ConstraintKind>,
     pub(super) kind: Kind,
 }
 
@@ -33,7 +33,7 @@ pub(super) struct Group {
 pub(super) struct List {
     group: Group,
     kind: ListKind,
-    least: usize,
+    min: usize,
     /// Number of parts to remove in one step. Halved in each round, down to 0.
     chunk_size: usize,
     /// Number of leading parts that have not been tried in this round.
@@ -68,15 +68,15 @@ impl Node {
     }
 
     /// A list. A fault in a part is also a fault of the node.
-    pub(super) fn list(parts: Vec<Self>, kind: ListKind, least: usize) -> Self {
+    pub(super) fn list(parts: Vec<Self>, kind: ListKind, min: usize) -> Self {
         let fault = parts.iter().find_map(|part| part.fault);
         let (chunk_size, end) = (parts.len(), parts.len());
-        let list = List { group: Group { parts, at: 0 }, kind, least, chunk_size, end, removed: None };
+        let list = List { group: Group { parts, at: 0 }, kind, min, chunk_size, end, removed: None };
         Self { fault, kind: Kind::List(list) }
     }
 
     /// Marks the node as violating `rule`.
-    pub(super) fn violating(self, rule: Rule) -> Self {
+    pub(super) fn violating(self, rule: ConstraintKind) -> Self {
         Self { fault: Some(rule), ..self }
     }
 
@@ -169,7 +169,7 @@ impl List {
         let start = self.end.saturating_sub(self.chunk_size);
         let parts = &mut self.group.parts;
         let range = start..self.end;
-        let is_needed = parts.len() - range.len() < self.least
+        let is_needed = parts.len() - range.len() < self.min
             || parts[range.clone()].iter().any(|part| part.fault.is_some());
         self.end = start;
         if !range.is_empty() && !is_needed {

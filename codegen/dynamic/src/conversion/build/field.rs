@@ -287,12 +287,12 @@ impl<'a> FieldBuilder<'_, 'a> {
     /// The value of the elements that the source lacks. Reports the elements that the target lacks.
     fn rest(&mut self, at: usize) -> Neutral {
         let (source, target) = (&self.direction.from.message.fields[at], self.field());
-        let most = |shape: Shape| match shape {
+        let max = |shape: Shape| match shape {
             Shape::Single => 1,
             Shape::Array(length) | Shape::Bounded(length) => length,
             Shape::Sequence => u32::MAX,
         };
-        let (before, after) = (most(source.ty.shape), most(target.ty.shape));
+        let (before, after) = (max(source.ty.shape), max(target.ty.shape));
         if before > after {
             self.lose(at, LossKind::Cut, format!("`{}` is cut to {after} elements", source.name));
         }
@@ -391,7 +391,7 @@ fn scalars(from: Scalar, to: Scalar) -> Compared {
     }
     match (from.integer_bounds(), to.integer_bounds()) {
         (Some(one), Some(other)) if one == other => Compared::Elements(Elements::Same),
-        (Some((low, high)), Some((least, most))) if least <= low && high <= most => {
+        (Some((low, high)), Some((min, max))) if min <= low && high <= max => {
             Compared::Elements(Elements::Widen)
         }
         (Some((low, high)), None) => {

@@ -89,11 +89,11 @@ fn limit_counts(direction: &Direction<'_>, conversion: &mut Conversion) {
             }
         };
         let fields = &direction.to.message.fields;
-        let Some(most) = counted(fields, target) else { continue };
+        let Some(max) = counted(fields, target) else { continue };
         let before = counted(&direction.from.message.fields, copy.source);
-        if before.is_none_or(|before| before > most) {
-            let special = special_counts(direction, copy, &fields[target], (before, most));
-            copy.limit = Some(CountLimit { most, special });
+        if before.is_none_or(|before| before > max) {
+            let special = special_counts(direction, copy, &fields[target], (before, max));
+            copy.limit = Some(CountLimit { max, special });
         }
     }
 }
@@ -108,7 +108,7 @@ fn special_counts(
     direction: &Direction<'_>,
     copy: &Copy,
     target: &Field,
-    (before, most): (Option<u32>, u32),
+    (before, max): (Option<u32>, u32),
 ) -> BTreeMap<i128, i128> {
     let source = &direction.from.message.fields[copy.source];
     let has = |field: &Field, value: i128| match field.ty.element {
@@ -125,7 +125,7 @@ fn special_counts(
     let named = named_values(direction.from, source).chain(named_values(direction.to, target));
     let others = annotated_values(target).chain(named).filter(is_no_count);
     let all = annotated_values(source).chain(others);
-    let all = all.filter(|value| has(source, *value) && (*value > i128::from(most) || !has(target, *value)));
+    let all = all.filter(|value| has(source, *value) && (*value > i128::from(max) || !has(target, *value)));
     let mut special: BTreeMap<i128, i128> =
         all.map(|value| (value, if has(target, value) { value } else { neutral })).collect();
     if let Elements::Values(pairs) = &copy.elements {

@@ -149,7 +149,7 @@ impl Test {
     }
 
     fn is_longer(&self, count: usize) -> bool {
-        matches!(self.kind, TestKind::Elements(most) if count > most)
+        matches!(self.kind, TestKind::Elements(max) if count > max)
     }
 
     /// True if an element contains a value other than 0 and NaN.

@@ -95,7 +95,7 @@ pub(super) fn values(limits: &Limits) -> Vec<String> {
     let mut lines = Vec::new();
     lines.extend(limits.range.as_ref().and_then(|bounds| range(ENGLISH, bounds)));
     let int = |value: u32| Value::Int(value.into());
-    let length = uavspec_schema::Range { low: limits.least.map(int), high: limits.most.map(int) };
+    let length = uavspec_schema::Range { low: limits.min.map(int), high: limits.max.map(int) };
     lines.extend(range(ENGLISH, &length).map(|length| format!("length {length}")));
     lines.extend(limits.is_unique.then(|| "unique elements".to_owned()));
     lines.extend(limits.pattern.as_ref().map(|pattern| format!("pattern {}", code(pattern))));

@@ -59,8 +59,8 @@ impl Member<'_> {
     /// Rows that are not drawn.
     fn hidden_rows(&self) -> Range<usize> {
         let whole = self.whole_rows();
-        let most = if self.tint == Tint::Nested { 2 } else { MAX_ROWS };
-        if whole.len() > most + 1 { whole.start + 1..whole.end - 1 } else { 0..0 }
+        let max = if self.tint == Tint::Nested { 2 } else { MAX_ROWS };
+        if whole.len() > max + 1 { whole.start + 1..whole.end - 1 } else { 0..0 }
     }
 }
 

@@ -119,7 +119,7 @@ impl Fields<'_> {
 }
 
 /// The maximum number of elements.
-fn most(shape: Shape) -> Option<u32> {
+fn max_length(shape: Shape) -> Option<u32> {
     match shape {
         Shape::Single => Some(1),
         Shape::Array(length) | Shape::Bounded(length) => Some(length),
@@ -170,7 +170,8 @@ impl Copied<'_> {
                 }
             }
             _ => {
-                let take = most(after).filter(|room| most(before).is_none_or(|length| length > *room));
+                let take =
+                    max_length(after).filter(|room| max_length(before).is_none_or(|length| length > *room));
                 let take = take.map(|room| {
                     let room = Literal::u32_unsuffixed(room);
                     quote!(.take(#room))
@@ -286,7 +287,7 @@ impl Copied<'_> {
             return raw;
         };
         let ty = types::primitive(to);
-        let most = self.copy.limit.as_ref().map(|limit| limit.most);
+        let max = self.copy.limit.as_ref().map(|limit| limit.max);
         let number = match &self.copy.elements {
             Elements::Widen => quote!(#ty::from(#raw)),
             Elements::Narrow(Narrowing::Neutral) => {
@@ -294,30 +295,30 @@ impl Copied<'_> {
                     Neutral::Int(value) => types::integer(clamped(self.target, value)),
                     Neutral::Default | Neutral::Float(_) => types::integer(0),
                 };
-                let Some(most) = most else {
+                let Some(max) = max else {
                     return quote!(#ty::try_from(#raw).unwrap_or(#neutral));
                 };
                 // The neutral value may exceed the length of an array that was cut.
-                let most = types::integer(clamped(self.target, most.into()));
-                return quote!(#ty::try_from(#raw).map_or(#neutral, |number| number.min(#most)));
+                let max = types::integer(clamped(self.target, max.into()));
+                return quote!(#ty::try_from(#raw).map_or(#neutral, |number| number.min(#max)));
             }
             Elements::Narrow(Narrowing::Nearest) => {
                 let Some((low, high)) = to.integer_bounds() else { return quote!(#raw as #ty) };
                 // A count is limited to the length of the array that was cut.
-                let high = most.map_or(high, |most| high.min(most.into()));
+                let high = max.map_or(high, |max| high.min(max.into()));
                 let (low, high) = (types::integer(low), types::integer(high));
                 return quote!(i128::from(#raw).clamp(#low, #high) as #ty);
             }
-            Elements::Values(pairs) if most.is_none() => return self.values(&raw, pairs, (from, to)),
+            Elements::Values(pairs) if max.is_none() => return self.values(&raw, pairs, (from, to)),
             // The limit of a count also converts the named values.
             Elements::Values(_) => cast(&raw, from, to),
             Elements::Flags(pairs) => return self.flags(&raw, pairs, (from, to)),
             _ => raw,
         };
-        match most {
-            Some(most) => {
-                let most = types::integer(clamped(self.target, most.into()));
-                quote!(#number.min(#most))
+        match max {
+            Some(max) => {
+                let max = types::integer(clamped(self.target, max.into()));
+                quote!(#number.min(#max))
             }
             None => number,
         }

@@ -492,7 +492,7 @@ fn facts(limits: &Limits) -> Vec<String> {
         facts.extend(range.to_text().map(|text| format!("range: {text}")));
     }
     let int = |value: u32| Value::Int(value.into());
-    let length = Range { low: limits.least.map(int), high: limits.most.map(int) };
+    let length = Range { low: limits.min.map(int), high: limits.max.map(int) };
     facts.extend(length.to_text().map(|text| format!("length: {text}")));
     facts.extend(limits.is_unique.then(|| "elements are unique".to_owned()));
     facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {}", prose::code(pattern))));

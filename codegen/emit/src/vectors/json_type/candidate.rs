@@ -46,8 +46,8 @@ pub(super) fn unlisted(set: &Set) -> Vec<Candidate> {
     let words = "an unlisted value";
     match &set.values {
         SetValues::Integers(values) => {
-            let greatest = values.iter().map(|found| found.value).max().unwrap_or(0);
-            let next = greatest.checked_add(1).filter(|next| is_exact((*next).into()));
+            let max = values.iter().map(|found| found.value).max().unwrap_or(0);
+            let next = max.checked_add(1).filter(|next| is_exact((*next).into()));
             next.map(|next| candidate("unlisted", words, next.into())).into_iter().collect()
         }
         SetValues::Strings(_) => vec![candidate("unlisted", words, Json::from("no such value"))],
@@ -137,16 +137,16 @@ fn strings(limits: &Limits, into: &mut Vec<Candidate>) {
                 .map(|length| candidate(name, words, text(length).into())),
         );
     };
-    length("shortest", "the minimum length", limits.least);
-    length("too-short", "one character too short", limits.least.and_then(|least| least.checked_sub(1)));
-    length("longest", "the maximum length", limits.most);
-    length("too-long", "one character too long", limits.most.and_then(|most| most.checked_add(1)));
-    if let Some(most) = limits.most.filter(|most| *most > 0 && *most <= MAX_LENGTH) {
+    length("shortest", "the minimum length", limits.min);
+    length("too-short", "one character too short", limits.min.and_then(|min| min.checked_sub(1)));
+    length("longest", "the maximum length", limits.max);
+    length("too-long", "one character too long", limits.max.and_then(|max| max.checked_add(1)));
+    if let Some(max) = limits.max.filter(|max| *max > 0 && *max <= MAX_LENGTH) {
         // Lengths count characters, not bytes or UTF-16 code units.
         into.push(candidate(
             "longest-wide",
             "the maximum length, with multibyte characters",
-            "🚁".repeat(most as usize).into(),
+            "🚁".repeat(max as usize).into(),
         ));
     }
     for (index, text) in TEXTS.iter().enumerate() {
@@ -164,10 +164,10 @@ fn lists(schema: &Schema, element: &Expression, limits: &Limits, into: &mut Vec<
         let list = length.filter(|length| *length <= MAX_LENGTH).and_then(&mut filled);
         into.extend(list.map(|list| candidate(name, words, list)));
     };
-    length("shortest", "the minimum length", limits.least);
-    length("too-short", "one element too short", limits.least.and_then(|least| least.checked_sub(1)));
-    length("longest", "the maximum length", limits.most);
-    length("too-long", "one element too long", limits.most.and_then(|most| most.checked_add(1)));
+    length("shortest", "the minimum length", limits.min);
+    length("too-short", "one element too short", limits.min.and_then(|min| min.checked_sub(1)));
+    length("longest", "the maximum length", limits.max);
+    length("too-long", "one element too long", limits.max.and_then(|max| max.checked_add(1)));
     let Some(Json::Array(whole)) =
         Typical::new(schema).value(&Expression::List(Box::new(element.clone())), limits)
     else {

@@ -50,9 +50,9 @@ impl Judge<'_> {
 
     fn tuple_violations(&self, elements: &[Member], value: &Json) -> Rules {
         let Some(found) = value.as_array() else { return only(rule::TYPE) };
-        let least = elements.iter().filter(|element| element.is_required).count();
+        let min = elements.iter().filter(|element| element.is_required).count();
         let mut rules = Rules::new();
-        if found.len() < least || found.len() > elements.len() {
+        if found.len() < min || found.len() > elements.len() {
             rules.insert(rule::LENGTH);
         }
         for (element, value) in elements.iter().zip(found) {
@@ -191,5 +191,5 @@ fn string_violations(limits: &Limits, text: &str) -> Rules {
 
 fn has_length(limits: &Limits, length: usize) -> bool {
     let length = u32::try_from(length).unwrap_or(u32::MAX);
-    limits.least.is_none_or(|least| least <= length) && limits.most.is_none_or(|most| length <= most)
+    limits.min.is_none_or(|min| min <= length) && limits.max.is_none_or(|max| length <= max)
 }

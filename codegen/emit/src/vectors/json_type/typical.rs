@@ -121,10 +121,10 @@ impl<'s> Typical<'s> {
     }
 
     fn list(&mut self, element: &Expression, limits: &Limits) -> Option<Json> {
-        let least = limits.least.map_or(0, |least| least as usize);
-        let most = limits.most.map_or(usize::MAX, |most| most as usize);
+        let min = limits.min.map_or(0, |min| min as usize);
+        let max = limits.max.map_or(usize::MAX, |max| max as usize);
         let preferred = if self.depth <= MAX_OPTIONAL_DEPTH { 2 } else { 0 };
-        let length = preferred.clamp(least, most.max(least));
+        let length = preferred.clamp(min, max.max(min));
         if length > MAX_LENGTH {
             return None;
         }
@@ -146,15 +146,15 @@ impl<'s> Typical<'s> {
             // Base64 of the bytes 0 to 3.
             return Some("AAECAw==".to_owned());
         }
-        let most = limits.most.map_or(usize::MAX, |most| most as usize);
-        lengthened(&format!("{}é", self.next()).chars().take(most).collect::<String>(), limits)
+        let max = limits.max.map_or(usize::MAX, |max| max as usize);
+        lengthened(&format!("{}é", self.next()).chars().take(max).collect::<String>(), limits)
     }
 }
 
 /// Repeats the last character until the text has the minimum length.
 fn lengthened(text: &str, limits: &Limits) -> Option<String> {
-    let least = limits.least.map_or(0, |least| least as usize);
-    let missing = least.saturating_sub(text.chars().count());
+    let min = limits.min.map_or(0, |min| min as usize);
+    let missing = min.saturating_sub(text.chars().count());
     let filler = text.chars().next_back().unwrap_or('a');
     (missing <= MAX_LENGTH).then(|| text.chars().chain(std::iter::repeat_n(filler, missing)).collect())
 }
@@ -205,8 +205,8 @@ fn narrower(own: &Limits, place: &Limits) -> Limits {
     Limits {
         unit: None,
         range: range(&own.range, &place.range),
-        least: own.least.max(place.least),
-        most: own.most.into_iter().chain(place.most).min(),
+        min: own.min.max(place.min),
+        max: own.max.into_iter().chain(place.max).min(),
         is_unique: own.is_unique || place.is_unique,
         pattern: place.pattern.clone().or_else(|| own.pattern.clone()),
         format: place.format.clone().or_else(|| own.format.clone()),

@@ -20,8 +20,8 @@ const LIMITS: [(&str, Scalar); 8] = [
 /// Parses a number in an annotation: an integer, a float, the name of a limit, or a multiple of pi.
 pub(super) fn parse(text: &str) -> Result<Value, LiteralError> {
     if let Some((_, scalar)) = LIMITS.iter().find(|(name, _)| *name == text) {
-        let (_, greatest) = scalar.integer_bounds().ok_or(LiteralError::Form)?;
-        return Ok(Value::Int(greatest));
+        let (_, max) = scalar.integer_bounds().ok_or(LiteralError::Form)?;
+        return Ok(Value::Int(max));
     }
     let lower = text.to_ascii_lowercase();
     if let Some(factor) = lower.strip_suffix("pi") {

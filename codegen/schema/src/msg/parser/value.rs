@@ -130,10 +130,10 @@ impl<'s> LineParser<'s, '_> {
                 let problem = Problem::InvalidLiteral { text: text.to_owned(), type_name };
                 Err(self.report_with(problem, span, literal::form(scalar)))
             }
-            Err(LiteralError::Range { least, greatest }) => Err(self.report(
-                Problem::ConstantOutOfRange { text: text.to_owned(), type_name, least, greatest },
-                span,
-            )),
+            Err(LiteralError::Range { min, max }) => {
+                Err(self
+                    .report(Problem::ConstantOutOfRange { text: text.to_owned(), type_name, min, max }, span))
+            }
         }
     }
 

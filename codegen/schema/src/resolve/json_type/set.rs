@@ -69,8 +69,8 @@ fn read<'e>(entry: &Entry<'e>, diagnostics: &mut Vec<Diagnostic>) -> Written<'e>
             Some(value) => return Written::Integer(value),
             None => Problem::InvalidLiteral { text: text_of_problem, type_name },
         },
-        Err(LiteralError::Range { least, greatest }) => {
-            Problem::ConstantOutOfRange { text: text_of_problem, type_name, least, greatest }
+        Err(LiteralError::Range { min, max }) => {
+            Problem::ConstantOutOfRange { text: text_of_problem, type_name, min, max }
         }
         Err(LiteralError::Form) if is_numeric(text) => {
             Problem::InvalidLiteral { text: text_of_problem, type_name }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_check::story::{Value, number, state_value};
+use uavspec_check::timeline::{Value, number, state_value};
 use uavspec_dynamic::DynamicView;
 use uavspec_runtime::Number;
 

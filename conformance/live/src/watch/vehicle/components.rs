@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_check::story::{Part, event_part, number, text};
+use uavspec_check::timeline::{Part, event_part, number, text};
 use uavspec_dynamic::{DynamicView, Value as FieldValue};
 
 /// The maximum number of components. PX4 supports far fewer components.

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use uavspec_check::story::{Item, Label, Part, Severity, Value, flags, number, required_flags, state_value};
+use uavspec_check::timeline::{
+    Item, Label, Part, Severity, Value, flags, number, required_flags, state_value,
+};
 use uavspec_dynamic::DynamicView;
 use uavspec_rules::px4::REQUIREMENT;
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use uavspec_check::Observer;
-use uavspec_check::story::Texts;
+use uavspec_check::timeline::Texts;
 use uavspec_flockwave::record::SessionRecord;
 use uavspec_model::clock::Clock;
 use uavspec_model::{Channel, Message};

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use uavspec_capture::input::Input;
-use uavspec_check::story::Texts;
+use uavspec_check::timeline::Texts;
 use uavspec_check::{Checked, Summary, check_input};
 use uavspec_model::Qos;
 use uavspec_model::clock::Clock;

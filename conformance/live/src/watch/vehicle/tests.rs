@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 use uavspec_check::observe_capture;
-use uavspec_check::story::Severity;
+use uavspec_check::timeline::Severity;
 use uavspec_model::Qos;
 use uavspec_model::clock::Clock;
 use uavspec_rules::definitions::Library;

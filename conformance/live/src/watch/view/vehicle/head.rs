@@ -2,7 +2,7 @@
 
 use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
-use uavspec_check::story::Part;
+use uavspec_check::timeline::Part;
 use uavspec_model::text::{plural, shown, thousands};
 
 use super::Scene;

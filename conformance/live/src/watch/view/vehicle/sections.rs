@@ -2,7 +2,7 @@
 
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use uavspec_check::story::{Label, Part, Severity, Value};
+use uavspec_check::timeline::{Label, Part, Severity, Value};
 use uavspec_model::text::{plural, shown};
 
 use super::Scene;

@@ -1,12 +1,12 @@
-//! The story of a flight: the changes in a capture that explain what the vehicle did, and why.
+//! The timeline of a flight: the changes in a capture that explain what the vehicle did, and why.
 //!
 //! ```text
-//!  check ──records──▶ Follower ──▶ lanes ──▶ Story ──report──▶ text, JSON, HTML
+//!  check ──records──▶ Follower ──▶ lanes ──▶ Timeline ──report──▶ text, JSON, HTML
 //!                        ▲
 //!        definitions, translations
 //! ```
 //!
-//! The topics of the story, and the kinds of lanes that they make, are listed in `px4.rs` and `session.rs`. All other
+//! The topics of the timeline, and the kinds of lanes that they make, are listed in `px4.rs` and `session.rs`. All other
 //! texts come from the definitions.
 
 mod context;
@@ -43,9 +43,9 @@ use crate::{
 /// The version of the JSON format.
 const VERSION: u32 = 1;
 
-/// The story of a capture.
+/// The timeline of a capture.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
-pub struct Story {
+pub struct Timeline {
     /// The version of this format. The version increases if a member is removed or changes meaning.
     pub version: u32,
     /// The version of uavspec.
@@ -64,11 +64,11 @@ pub struct Story {
     pub extent: Extent,
     /// The corrupt parts of the capture.
     pub corruption: Vec<String>,
-    /// The number of messages on topics of the story that can't be read.
+    /// The number of messages on topics of the timeline that can't be read.
     pub unreadable_messages: u64,
     /// The languages of the labels other than English, by tag.
     pub languages: BTreeMap<String, String>,
-    /// The topics of the story, or the message types if the capture is a session.
+    /// The topics of the timeline, or the message types if the capture is a session.
     pub topics: Vec<Topic>,
     /// The lanes.
     pub lanes: Vec<Lane>,
@@ -83,7 +83,7 @@ pub struct Story {
     start: u64,
 }
 
-/// A topic of the story.
+/// A topic of the timeline.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Topic {
     /// The name of the topic or message type.
@@ -96,9 +96,9 @@ pub struct Topic {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum TopicStatus {
-    /// The topic is in the story.
+    /// The topic is in the timeline.
     Explained,
-    /// The topic is in the story, but its format differs from the definition. The meaning of values may differ too.
+    /// The topic is in the timeline, but its format differs from the definition. The meaning of values may differ too.
     Differs,
     /// The topic is in the capture, but has no definition.
     Undefined,
@@ -106,7 +106,7 @@ pub enum TopicStatus {
     Absent,
 }
 
-impl Story {
+impl Timeline {
     /// Reads a capture. The inner error is the reason why nothing can be read.
     ///
     /// Fails if the capture can't be opened.
@@ -130,11 +130,11 @@ impl Story {
     ) -> io::Result<(Checked, Result<Self, String>)> {
         let mut follower = Follower::new(texts);
         let checked = crate::check_input(input, message_id, library, Some(&mut follower), reading)?;
-        let story = follower.finish(input.name(), &checked.result, &checked.definitions);
-        Ok((checked, story))
+        let timeline = follower.finish(input.name(), &checked.result, &checked.definitions);
+        Ok((checked, timeline))
     }
 
-    /// Checks a capture. With texts, also reads its story, if anything can be read.
+    /// Checks a capture. With texts, also reads its timeline, if anything can be read.
     pub fn check_with(
         texts: Option<&Texts>,
         input: &Input,
@@ -145,8 +145,8 @@ impl Story {
         let Some(texts) = texts else {
             return Ok((crate::check_input(input, message_id, library, None, reading)?, None));
         };
-        let (checked, story) = Self::check(input, message_id, library, texts, reading)?;
-        Ok((checked, story.ok()))
+        let (checked, timeline) = Self::check(input, message_id, library, texts, reading)?;
+        Ok((checked, timeline.ok()))
     }
 
     /// Like [`Self::read`], for bytes in memory.
@@ -237,7 +237,7 @@ impl<'t> Follower<'t> {
         capture: String,
         result: &CaptureResult,
         definitions: &Definitions,
-    ) -> Result<Story, String> {
+    ) -> Result<Timeline, String> {
         if let Summary::Unknown(unknown) = &result.summary {
             return Err(unknown.reason.clone());
         }
@@ -250,7 +250,7 @@ impl<'t> Follower<'t> {
         let values_without_lane = self.lanes.more;
         let mut lanes = self.lanes.finish(start, end);
         px4::hide_only_channels(&mut lanes);
-        Ok(Story {
+        Ok(Timeline {
             version: VERSION,
             uavspec: env!("CARGO_PKG_VERSION").to_owned(),
             capture,
@@ -271,7 +271,7 @@ impl<'t> Follower<'t> {
         })
     }
 
-    /// The topics of the story with their statuses.
+    /// The topics of the timeline with their statuses.
     fn topics(&self, is_session: bool, parts: &[CheckedPart]) -> Vec<Topic> {
         let names: Vec<&str> =
             if is_session { TYPES.to_vec() } else { TOPICS.iter().map(|topic| topic.name).collect() };

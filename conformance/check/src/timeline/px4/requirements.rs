@@ -6,9 +6,9 @@ use uavspec_rules::px4::{REQUIREMENT, belongs_to};
 use uavspec_schema::MessageId;
 
 use super::{number, rank_of, whole};
-use crate::story::context::Context;
-use crate::story::label::{Item, Label};
-use crate::story::lane::{Lane, LaneKind, Part, Severity, Value};
+use crate::timeline::context::Context;
+use crate::timeline::label::{Item, Label};
+use crate::timeline::lane::{Lane, LaneKind, Part, Severity, Value};
 
 const TOPIC: &str = "failsafe_flags";
 

@@ -1,4 +1,4 @@
-//! Tests of stories.
+//! Tests of timelines.
 
 use std::fs;
 
@@ -16,8 +16,8 @@ fn texts() -> Texts {
     Texts::of(Translations::default())
 }
 
-fn story(bytes: &[u8], definitions: &Definitions) -> Story {
-    Story::of_bytes(bytes, definitions, &texts()).expect("a readable capture")
+fn timeline(bytes: &[u8], definitions: &Definitions) -> Timeline {
+    Timeline::of_bytes(bytes, definitions, &texts()).expect("a readable capture")
 }
 
 /// A flight in which a flag is set in these rounds.
@@ -35,8 +35,8 @@ fn flight_with_flag(definitions: &Definitions, is_set: impl Fn(u64) -> bool) -> 
     flight
 }
 
-fn lane<'s>(story: &'s Story, topic: &str, name: &str) -> &'s Lane {
-    let mut found = story.lanes.iter().filter(|lane| lane.topic == topic && lane.name == name);
+fn lane<'s>(timeline: &'s Timeline, topic: &str, name: &str) -> &'s Lane {
+    let mut found = timeline.lanes.iter().filter(|lane| lane.topic == topic && lane.name == name);
     found.next().unwrap_or_else(|| panic!("no lane {topic}.{name}"))
 }
 
@@ -69,8 +69,8 @@ fn with_status(status: &str) -> Definitions {
 fn tells_when_a_flag_is_set_and_cleared() {
     let definitions = Definitions::built_in();
     let flight = flight_with_flag(&definitions, |round| (10..20).contains(&round));
-    let story = story(&flight.log().to_bytes(), &definitions);
-    let flag = lane(&story, "failsafe_flags", FLAG);
+    let timeline = timeline(&flight.log().to_bytes(), &definitions);
+    let flag = lane(&timeline, "failsafe_flags", FLAG);
     let first = flag.changes[0].time_us;
     let period = i64::try_from(PERIOD).expect("a small number");
     let expected = [(first, "cleared"), (first + 10 * period, "set"), (first + 20 * period, "cleared")];
@@ -81,17 +81,17 @@ fn tells_when_a_flag_is_set_and_cleared() {
     assert_ne!(label.in_language("uk"), label.text);
     assert_eq!(label.in_language("xx"), label.text);
     assert_eq!(flag.group.as_ref().map(|group| &*group.text), Some("Mode requirements"));
-    let quiet = lane(&story, "failsafe_flags", "gcs_connection_lost");
+    let quiet = lane(&timeline, "failsafe_flags", "gcs_connection_lost");
     assert_eq!((quiet.num_changes(), quiet.listed().count()), (0, 0));
 }
 
 #[test]
-fn all_encodings_tell_the_same_story() {
+fn all_encodings_tell_the_same_timeline() {
     let definitions = Definitions::built_in();
     let flight = flight_with_flag(&definitions, |round| round % 7 == 3);
     let lanes_in = |encoding: Encoding| {
-        let story = story(&encoding.write(&flight).expect("an encoded flight"), &definitions);
-        assert_eq!(story.unreadable_messages, 0, "{}", encoding.name());
+        let timeline = timeline(&encoding.write(&flight).expect("an encoded flight"), &definitions);
+        assert_eq!(timeline.unreadable_messages, 0, "{}", encoding.name());
         let from_first = |lane: &Lane| {
             let found = changes(lane);
             let times: Vec<(i64, String)> =
@@ -99,7 +99,7 @@ fn all_encodings_tell_the_same_story() {
             // JSON Lines and bags don't number the instances of a topic.
             (lane.topic.clone(), lane.name.clone(), times, lane.set_us())
         };
-        story.lanes.iter().map(from_first).collect::<Vec<_>>()
+        timeline.lanes.iter().map(from_first).collect::<Vec<_>>()
     };
     let log = lanes_in(Encoding::Ulog);
     assert!(log.len() > 20, "{}", log.len());
@@ -116,8 +116,9 @@ fn all_encodings_tell_the_same_story() {
 #[test]
 fn tells_the_replies_of_each_component_with_their_reasons() {
     let definitions = Definitions::built_in();
-    let story = story(&Flight::new(&definitions).lines().to_bytes(), &definitions);
-    let replies: Vec<&Lane> = story.lanes.iter().filter(|lane| lane.topic == "arming_check_reply").collect();
+    let timeline = timeline(&Flight::new(&definitions).lines().to_bytes(), &definitions);
+    let replies: Vec<&Lane> =
+        timeline.lanes.iter().filter(|lane| lane.topic == "arming_check_reply").collect();
     let subjects: Vec<&str> = replies.iter().filter_map(|lane| lane.subject.as_deref()).collect();
     assert!(
         matches!(subjects[..], [a, b] if a.starts_with("registration 3, ") && b.starts_with("registration 5, "))
@@ -126,7 +127,7 @@ fn tells_the_replies_of_each_component_with_their_reasons() {
     assert_eq!((refused.parts[0].name.as_str(), refused.severity), ("false", Severity::Warning));
     let events = refused.parts.iter().filter(|part| part.name.starts_with("event "));
     assert_eq!(events.count(), 2, "only the used entries: {refused:?}");
-    let requests = lane(&story, "arming_check_request", "valid_registrations_mask");
+    let requests = lane(&timeline, "arming_check_request", "valid_registrations_mask");
     assert_eq!(changes(requests)[0].1, "registration 3; registration 5");
     assert_eq!(changes(requests)[1].1, "registration 3", "a component was removed");
 }
@@ -166,8 +167,8 @@ fn replies_belong_to_the_component_that_has_the_id_at_that_time() {
         request(7_000),
         reply(8_000, false),
     ];
-    let story = story(&lines(&messages), &definitions);
-    let replies = story.lanes.iter().filter(|lane| lane.topic == "arming_check_reply");
+    let timeline = timeline(&lines(&messages), &definitions);
+    let replies = timeline.lanes.iter().filter(|lane| lane.topic == "arming_check_reply");
     let found: Vec<_> =
         replies.map(|lane| (lane.subject.as_deref(), changes(lane), lane.values[0].duration_us)).collect();
     // The replies of the first component end when the other one gets the id.
@@ -176,7 +177,7 @@ fn replies_belong_to_the_component_that_has_the_id_at_that_time() {
         (Some("registration 3, Owl"), vec![(7_000, "false".to_owned())], 0),
     ];
     assert_eq!(found, expected);
-    let requests = lane(&story, "arming_check_request", "valid_registrations_mask");
+    let requests = lane(&timeline, "arming_check_request", "valid_registrations_mask");
     assert_eq!(texts_of(&changes(requests)), [(2_000, "registration 3"), (6_000, "registration 3")]);
     let labels = requests.values.iter().map(|value| value.parts[0].label.as_ref().map(|label| &*label.text));
     assert_eq!(labels.collect::<Vec<_>>(), [Some("Kite"), Some("Owl")]);
@@ -189,8 +190,8 @@ fn names_the_component_of_an_event() {
     arguments[1] = 171;
     let event = json!({ "timestamp": 9, "id": (1 << 24) + 77, "event_sequence": 3, "arguments": arguments,
         "log_levels": 0x64 });
-    let story = story(&lines(&[("px4/Event", event)]), &definitions);
-    let event = &lane(&story, "event", "event").values[0];
+    let timeline = timeline(&lines(&[("px4/Event", event)]), &definitions);
+    let event = &lane(&timeline, "event", "event").values[0];
     let expected = "event 16777293 (component 1, number 77), log levels 6 and 4, arguments 00 ab";
     assert_eq!((event.parts[0].name.as_str(), event.severity), (expected, Severity::Warning));
 }
@@ -210,8 +211,8 @@ fn limits_the_changes_of_a_lane_and_counts_the_others() {
             sent
         })
         .collect();
-    let story = story(&flight.lines().to_bytes(), &definitions);
-    let flag = lane(&story, "failsafe_flags", FLAG);
+    let timeline = timeline(&flight.lines().to_bytes(), &definitions);
+    let flag = lane(&timeline, "failsafe_flags", FLAG);
     assert_eq!((flag.changes.len(), flag.more_changes), (MAX_CHANGES, 250));
     assert_eq!(flag.num_changes(), count as u64 - 1);
     assert_eq!(flag.set_us(), (count as u64 / 2 - 1) * 10_000, "the duration includes all changes");
@@ -234,15 +235,15 @@ fn names_the_constants_and_the_unmet_requirements() {
         status(5_000, 40),
         status(6_000, 200),
     ];
-    let story = story(&lines(&messages), &definitions);
-    let modes = lane(&story, "vehicle_status", "nav_state");
+    let timeline = timeline(&lines(&messages), &definitions);
+    let modes = lane(&timeline, "vehicle_status", "nav_state");
     assert_eq!(texts_of(&changes(modes)), [(0, "STAB"), (2_000, "LAND"), (4_000, "40"), (5_000, "200")]);
     let labels = |lane: &Lane| -> Vec<Option<String>> {
         let parts = lane.values.iter().flat_map(|value| &value.parts);
         parts.map(|part| part.label.as_ref().map(|label| label.text.clone())).collect()
     };
     assert_eq!(labels(modes), [Some("Stabilized".to_owned()), None, None, None]);
-    let unmet = lane(&story, "failsafe_flags", "mode_req_*");
+    let unmet = lane(&timeline, "failsafe_flags", "mode_req_*");
     assert_eq!(texts_of(&changes(unmet)), [(1_000, ""), (2_000, FLAG), (3_000, "")]);
     assert_eq!(labels(unmet), [Some("Attitude lost".to_owned())]);
 }
@@ -267,8 +268,8 @@ fn finds_the_texts_of_constants_with_other_prefixes() {
     let definitions = Definitions::load(folder.path()).expect("definitions");
     let status =
         |time: u64, warning: u8| ("px4/BatteryStatus", json!({ "timestamp": time, "warning": warning }));
-    let story = story(&lines(&[status(1, 1), status(2, 2)]), &definitions);
-    let values = &lane(&story, "battery_status", "warning").values;
+    let timeline = timeline(&lines(&[status(1, 1), status(2, 2)]), &definitions);
+    let values = &lane(&timeline, "battery_status", "warning").values;
     let labels = values.iter().map(|value| value.parts[0].label.as_ref().map(|label| &*label.text));
     assert_eq!(labels.collect::<Vec<_>>(), [Some("Low voltage"), None]);
 }
@@ -279,14 +280,16 @@ fn lists_the_topics_that_are_missing_or_have_no_definition() {
     let flight = flight_with_flag(&definitions, |_| false);
     let mut bytes = flight.lines().to_bytes();
     bytes.extend(lines(&[("px4/VehicleStatus", json!({ "timestamp": 7 }))]));
-    let story = story(&bytes, &definitions);
-    let status = |name: &str| story.topics.iter().find(|topic| topic.name == name).map(|topic| topic.status);
+    let timeline = timeline(&bytes, &definitions);
+    let status =
+        |name: &str| timeline.topics.iter().find(|topic| topic.name == name).map(|topic| topic.status);
     assert_eq!(status("failsafe_flags"), Some(TopicStatus::Explained));
     assert_eq!(status("vehicle_status"), Some(TopicStatus::Undefined));
     let bytes = lines(&[("px4/Event", json!({ "timestamp": 7 }))]);
-    let story = Story::of_bytes(&bytes, &definitions, &texts()).expect("a story");
-    let status = |name: &str| story.topics.iter().find(|topic| topic.name == name).map(|topic| topic.status);
-    assert_eq!((status("event"), story.unreadable_messages), (Some(TopicStatus::Explained), 1));
+    let timeline = Timeline::of_bytes(&bytes, &definitions, &texts()).expect("a timeline");
+    let status =
+        |name: &str| timeline.topics.iter().find(|topic| topic.name == name).map(|topic| topic.status);
+    assert_eq!((status("event"), timeline.unreadable_messages), (Some(TopicStatus::Explained), 1));
     assert_eq!(status("vehicle_status"), Some(TopicStatus::Absent));
 }
 
@@ -295,11 +298,11 @@ fn fields_that_a_log_lacks_are_left_out() {
     let full = with_status("uint64 timestamp\nuint8 nav_state\nbool failsafe\n");
     let old = with_status("uint64 timestamp\nbool failsafe\n");
     let bytes = Flight::new(&old).log().to_bytes();
-    let story = story(&bytes, &full);
+    let timeline = timeline(&bytes, &full);
     let status: Vec<&str> =
-        story.lanes.iter().filter(|lane| lane.topic == "vehicle_status").map(|lane| &*lane.name).collect();
+        timeline.lanes.iter().filter(|lane| lane.topic == "vehicle_status").map(|lane| &*lane.name).collect();
     assert_eq!(status, ["failsafe"]);
-    assert_eq!(story.topics(TopicStatus::Differs).collect::<Vec<_>>(), ["vehicle_status"]);
+    assert_eq!(timeline.topics(TopicStatus::Differs).collect::<Vec<_>>(), ["vehicle_status"]);
 }
 
 #[test]
@@ -319,12 +322,12 @@ fn tells_the_errors_and_modes_of_a_session() {
         line(1.8e9 + 4.0, json!({ "7": { "errors": [] } })),
         event(1.8e9 + 5.0, "closed"),
     ];
-    let story = story(text.concat().as_bytes(), &Definitions::built_in());
-    assert!(story.is_session);
-    assert_eq!(story.start_utc.as_deref(), Some("2027-01-15T08:00:00.000Z"));
+    let timeline = timeline(text.concat().as_bytes(), &Definitions::built_in());
+    assert!(timeline.is_session);
+    assert_eq!(timeline.start_utc.as_deref(), Some("2027-01-15T08:00:00.000Z"));
     let of = |subject: &str, name: &str| {
         let is_wanted = |lane: &&Lane| lane.subject.as_deref() == Some(subject) && lane.name == name;
-        story.lanes.iter().find(is_wanted).unwrap_or_else(|| panic!("{subject} {name}"))
+        timeline.lanes.iter().find(is_wanted).unwrap_or_else(|| panic!("{subject} {name}"))
     };
     let low = of("7", "66 LOWBAT");
     assert_eq!(texts_of(&changes(low)), [(2_000_000, "set"), (4_000_000, "cleared")]);
@@ -341,7 +344,7 @@ fn tells_the_errors_and_modes_of_a_session() {
     let modes = of("8", "mode");
     assert_eq!(modes.values[0].parts[0].label.as_ref().map(|label| &*label.text), Some("Automatic landing"));
     assert_eq!(texts_of(&changes(of("tcp#1", "connection"))), [(0, "connect"), (5_000_000, "closed")]);
-    assert_eq!(story.topics(TopicStatus::Absent).collect::<Vec<_>>(), ["CONN-INF"]);
+    assert_eq!(timeline.topics(TopicStatus::Absent).collect::<Vec<_>>(), ["CONN-INF"]);
 }
 
 #[test]
@@ -352,10 +355,10 @@ fn bounds_the_memory_for_hostile_sessions() {
         json!({ "$fw.version": "1.0", "id": "a", "body": body }).to_string()
     });
     let text = lines.collect::<Vec<_>>().join("\n");
-    let story = story(text.as_bytes(), &Definitions::built_in());
-    assert!(story.lanes.len() <= 2_000, "{}", story.lanes.len());
-    assert!(story.values_without_lane > extent(1_000, 500), "{}", story.values_without_lane);
-    let longest = story.lanes.iter().flat_map(|lane| &lane.values).flat_map(|value| &value.parts);
+    let timeline = timeline(text.as_bytes(), &Definitions::built_in());
+    assert!(timeline.lanes.len() <= 2_000, "{}", timeline.lanes.len());
+    assert!(timeline.values_without_lane > extent(1_000, 500), "{}", timeline.values_without_lane);
+    let longest = timeline.lanes.iter().flat_map(|lane| &lane.values).flat_map(|value| &value.parts);
     assert!(longest.map(|part| part.name.len()).max().is_some_and(|length| length < 200));
 }
 
@@ -363,8 +366,8 @@ fn bounds_the_memory_for_hostile_sessions() {
 fn an_event_without_an_id_is_no_event() {
     let event =
         json!({ "timestamp": 9, "id": 0, "event_sequence": 3, "arguments": vec![0; 25], "log_levels": 0 });
-    let story = story(&lines(&[("px4/Event", event)]), &Definitions::built_in());
-    assert_eq!(lane(&story, "event", "event").num_changes(), 0);
+    let timeline = timeline(&lines(&[("px4/Event", event)]), &Definitions::built_in());
+    assert_eq!(lane(&timeline, "event", "event").num_changes(), 0);
 }
 
 #[test]
@@ -378,10 +381,10 @@ fn recognizes_the_names_of_topics_in_captures() {
 }
 
 #[test]
-fn a_file_that_is_no_capture_has_no_story() {
+fn a_file_that_is_no_capture_has_no_timeline() {
     let definitions = Definitions::built_in();
     for bytes in [&b""[..], b"not a capture", b"\x01\x02\x03\x04"] {
-        assert!(Story::of_bytes(bytes, &definitions, &texts()).is_err(), "{bytes:?}");
+        assert!(Timeline::of_bytes(bytes, &definitions, &texts()).is_err(), "{bytes:?}");
     }
 }
 
@@ -395,8 +398,8 @@ fn lanes_of_several_vehicles_name_the_topic() {
     let line = |topic: &str| format!("{}\n", json!({ "op": "publish", "topic": topic, "msg": sent.value }));
     let subjects = |topics: &[&str]| {
         let text: String = topics.iter().map(|topic| line(topic)).collect();
-        let story = story(text.as_bytes(), &definitions);
-        let lanes = story.lanes.into_iter().filter(|lane| lane.name == "warning");
+        let timeline = timeline(text.as_bytes(), &definitions);
+        let lanes = timeline.lanes.into_iter().filter(|lane| lane.name == "warning");
         lanes.map(|lane| lane.subject).collect::<Vec<_>>()
     };
     let [a, b] = ["/a/fmu/out/battery_status", "/b/fmu/out/battery_status"];

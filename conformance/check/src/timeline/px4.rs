@@ -1,4 +1,4 @@
-//! Follows the PX4 topics of the story.
+//! Follows the PX4 topics of the timeline.
 
 mod arming;
 mod requirements;
@@ -21,7 +21,7 @@ use super::context::Context;
 use super::label::{Item, Texts};
 use super::lane::{Lane, LaneKind, Part, Severity, Value};
 
-/// A topic of the story.
+/// A topic of the timeline.
 #[derive(Debug)]
 pub(super) struct Topic {
     /// The name.
@@ -79,7 +79,7 @@ const fn battery(name: &'static str) -> Field {
     Field { name, constants: Some(constants) }
 }
 
-/// The topics of the story, in the order of their lanes.
+/// The topics of the timeline, in the order of their lanes.
 pub(super) static TOPICS: [Topic; 9] = [
     Topic {
         name: "vehicle_status",
@@ -108,7 +108,7 @@ const FIRST_INSTANCE: &str = "instance 0";
 /// The number of ranks that a topic's lanes share: one for each field.
 const RANKS: usize = 1_000;
 
-/// Finds the topic of the story that a channel carries.
+/// Finds the topic of the timeline that a channel carries.
 pub(super) fn topic_of(channel: &Channel<'_>, definitions: &Definitions) -> Option<usize> {
     let message = definitions.schema.message(channel.definition?);
     let is_px4 = definitions.schema.package_of(message).form == Form::Msg(Dialect::Px4);
@@ -118,7 +118,7 @@ pub(super) fn topic_of(channel: &Channel<'_>, definitions: &Definitions) -> Opti
     TOPICS.iter().position(|topic| is_px4 && is_published(topic.name) && !is_other(topic.name))
 }
 
-/// The name of the topic of the story that a channel carries.
+/// The name of the topic of the timeline that a channel carries.
 pub fn topic_name(channel: &Channel<'_>, definitions: &Definitions) -> Option<&'static str> {
     topic_of(channel, definitions).map(|topic| TOPICS[topic].name)
 }
@@ -155,7 +155,7 @@ struct Watched {
 }
 
 impl Px4 {
-    /// Handles a new channel. Returns true if the story needs its messages.
+    /// Handles a new channel. Returns true if the timeline needs its messages.
     pub(super) fn opened(&mut self, channel: &Channel<'_>, definitions: &Definitions) -> bool {
         let count = self.channels.len().max(channel.index + 1);
         self.channels.resize_with(count, || None);
@@ -183,7 +183,7 @@ impl Px4 {
         }
     }
 
-    /// Follows a message. Returns its topic if the story needs the message; as an error if the message can't be read.
+    /// Follows a message. Returns its topic if the timeline needs the message; as an error if the message can't be read.
     pub(super) fn message(
         &mut self,
         channel: &Channel<'_>,
@@ -348,7 +348,7 @@ impl Constants {
     }
 }
 
-/// The value of a field that has constants, in messages of a topic of the story. `None` for other fields.
+/// The value of a field that has constants, in messages of a topic of the timeline. `None` for other fields.
 pub fn state_value(
     (topic, field): (&str, &str),
     id: MessageId,

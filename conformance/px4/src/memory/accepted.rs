@@ -7,7 +7,7 @@ use crate::values::{Constraint, Element, number};
 
 /// A fast check that only accepts values without findings. Most values need at most two comparisons.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Healthy {
+pub(super) enum Accepted {
     /// The bytes 0 and 1.
     Bool,
     /// UTF-8 text up to the first NUL.
@@ -24,7 +24,7 @@ pub(super) enum Healthy {
     Unknown,
 }
 
-impl Healthy {
+impl Accepted {
     /// Derives the fast check from a constraint. To verify the derived ranges, their ends are checked against the
     /// constraint. `None` if nothing is constrained.
     pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
@@ -40,28 +40,29 @@ impl Healthy {
             return None;
         }
         if let Scalar::UInt8 | Scalar::Byte | Scalar::Char | Scalar::Int8 = scalar {
-            let is_healthy =
+            let is_accepted =
                 |byte: usize| u8::try_from(byte).is_ok_and(|byte| constraint.check_bytes(&[byte]).is_ok());
-            let bits =
-                |word| (0..64).filter(|bit| is_healthy(64 * word + bit)).fold(0, |bits, bit| bits | 1 << bit);
+            let bits = |word| {
+                (0..64).filter(|bit| is_accepted(64 * word + bit)).fold(0, |bits, bit| bits | 1 << bit)
+            };
             return Some(Self::Among(std::array::from_fn(bits)));
         }
-        let is_healthy = |number: Number| constraint.check_number(number).is_ok();
-        let healthy = if !restriction.constraint().is_interval() {
+        let is_accepted = |number: Number| constraint.check_number(number).is_ok();
+        let accepted = if !restriction.constraint().is_interval() {
             None
         } else if scalar.is_float() {
             Some(Self::floats(scalar, restriction))
         } else {
             Self::integers(scalar, restriction)
         };
-        let are_ends_healthy = match &healthy {
+        let are_ends_accepted = match &accepted {
             Some(Self::Between(_, low, high)) => {
-                [*low, *high].map(|end| Number::Int(end.into())).into_iter().all(is_healthy)
+                [*low, *high].map(|end| Number::Int(end.into())).into_iter().all(is_accepted)
             }
-            Some(Self::Floats(_, low, high)) => [*low, *high].map(Number::Float).into_iter().all(is_healthy),
+            Some(Self::Floats(_, low, high)) => [*low, *high].map(Number::Float).into_iter().all(is_accepted),
             _ => false,
         };
-        Some(healthy.filter(|_| are_ends_healthy).unwrap_or(Self::Unknown))
+        Some(accepted.filter(|_| are_ends_accepted).unwrap_or(Self::Unknown))
     }
 
     fn floats(scalar: Scalar, restriction: &Restriction) -> Self {

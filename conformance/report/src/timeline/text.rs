@@ -1,6 +1,6 @@
-//! The story as text for a terminal.
+//! The timeline as text for a terminal.
 
-use uavspec_check::story::{Label, Story};
+use uavspec_check::timeline::{Label, Timeline};
 use uavspec_model::text::{plural, shown, thousands, wrapped};
 
 use super::{
@@ -11,20 +11,24 @@ use super::{
 /// The width of the column with times.
 const TIMES: usize = 12;
 
-/// The story as text. `language` is the tag of the labels' language.
-pub fn to_text(story: &Story, language: &str) -> String {
-    let sections =
-        [vec![paragraph(&head(story))], changes(story, language), durations(story), summary(story)];
+/// The timeline as text. `language` is the tag of the labels' language.
+pub fn to_text(timeline: &Timeline, language: &str) -> String {
+    let sections = [
+        vec![paragraph(&head(timeline))],
+        changes(timeline, language),
+        durations(timeline),
+        summary(timeline),
+    ];
     let sections = sections.iter().filter(|lines| !lines.is_empty()).map(|lines| lines.concat());
     sections.collect::<Vec<_>>().join("\n")
 }
 
 /// The capture, its start and its duration.
-fn head(story: &Story) -> String {
+fn head(timeline: &Timeline) -> String {
     let start =
-        story.start_utc.as_ref().map(|start| format!(", starts {}", shown(start))).unwrap_or_default();
-    let (path, definitions) = (shown(&story.capture), shown(&story.definitions));
-    format!("{path}: {} long{start}, explained by {definitions}", duration(story.duration_us))
+        timeline.start_utc.as_ref().map(|start| format!(", starts {}", shown(start))).unwrap_or_default();
+    let (path, definitions) = (shown(&timeline.capture), shown(&timeline.definitions));
+    format!("{path}: {} long{start}, explained by {definitions}", duration(timeline.duration_us))
 }
 
 fn paragraph(text: &str) -> String {
@@ -36,10 +40,10 @@ fn line(time: &str, text: &str) -> String {
     format!("{time:>TIMES$}  {}\n", wrapped(text, TIMES + 2, TIMES + 2))
 }
 
-fn changes(story: &Story, language: &str) -> Vec<String> {
-    let lines = entries(story).into_iter().map(|entry| {
+fn changes(timeline: &Timeline, language: &str) -> Vec<String> {
+    let lines = entries(timeline).into_iter().map(|entry| {
         let at_start = entry.change.is_first.then(|| "at start".to_owned());
-        let when = at_start.unwrap_or_else(|| time(story, entry.change.time_us));
+        let when = at_start.unwrap_or_else(|| time(timeline, entry.change.time_us));
         line(&when, &change(&entry, language))
     });
     lines.collect()
@@ -60,9 +64,9 @@ fn change(entry: &Entry<'_>, language: &str) -> String {
 }
 
 /// The time for which each flag was set.
-fn durations(story: &Story) -> Vec<String> {
-    let heading = format!("Time for which {} were set:\n", flag_noun(story));
-    let lines = flags(story).map(|lane| {
+fn durations(timeline: &Timeline) -> Vec<String> {
+    let heading = format!("Time for which {} were set:\n", flag_noun(timeline));
+    let lines = flags(timeline).map(|lane| {
         let changes = plural(lane.num_changes(), "change");
         line(&duration(lane.set_us()), &format!("{}, {changes}", lane_name(lane)))
     });
@@ -70,21 +74,21 @@ fn durations(story: &Story) -> Vec<String> {
     if lines.is_empty() { lines } else { [vec![heading], lines].concat() }
 }
 
-fn summary(story: &Story) -> Vec<String> {
-    let (listed, more) = totals(story);
+fn summary(timeline: &Timeline) -> Vec<String> {
+    let (listed, more) = totals(timeline);
     let more = if more > 0 { format!("; {} more aren't listed", thousands(more)) } else { String::new() };
-    let quiet = match num_quiet(story) {
+    let quiet = match num_quiet(timeline) {
         0 => String::new(),
         1 => " 1 flag was never set.".to_owned(),
         count => format!(" {count} flags were never set."),
     };
     let mut lines = vec![format!("{}{more}.{quiet}\n", plural(listed, "change"))];
     for (status, heading) in STATUSES {
-        let names: Vec<String> = story.topics(status).map(shown).collect();
+        let names: Vec<String> = timeline.topics(status).map(shown).collect();
         if !names.is_empty() {
             lines.push(paragraph(&format!("{heading}: {}", names.join(", "))));
         }
     }
-    lines.extend(remarks(story).iter().map(|remark| paragraph(remark)));
+    lines.extend(remarks(timeline).iter().map(|remark| paragraph(remark)));
     lines
 }

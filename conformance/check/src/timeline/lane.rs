@@ -22,7 +22,7 @@ const MAX_VALUES: usize = 500;
 /// The maximum length of a name, in characters.
 const MAX_NAME: usize = 160;
 
-/// A lane of the story.
+/// A lane of the timeline.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Lane {
     /// The topic, or the type of the messages.
@@ -49,7 +49,7 @@ pub struct Lane {
     /// The current value and the time at which it began.
     #[serde(skip)]
     pub(super) current: Option<(usize, u64)>,
-    /// The position in the story: lanes are sorted by it.
+    /// The position in the timeline: lanes are sorted by it.
     #[serde(skip)]
     pub(super) rank: usize,
 }
@@ -299,7 +299,7 @@ impl Lanes {
         }
     }
 
-    /// Returns the lanes in the order of the story. Times are relative to `start` from now on.
+    /// Returns the lanes in the order of the timeline. Times are relative to `start` from now on.
     pub(super) fn finish(self, start: u64, end: u64) -> Vec<Lane> {
         let mut lanes = self.all;
         let start = i64::try_from(start).unwrap_or(i64::MAX);

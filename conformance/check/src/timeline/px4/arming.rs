@@ -6,9 +6,9 @@ use uavspec_dynamic::{DynamicView, Value as FieldValue};
 use uavspec_schema::MessageId;
 
 use super::{Defined, defined, event_part, number, rank_of};
-use crate::story::context::Context;
-use crate::story::label::{Item, Label};
-use crate::story::lane::{Lane, LaneKind, Part, Severity, Value};
+use crate::timeline::context::Context;
+use crate::timeline::label::{Item, Label};
+use crate::timeline::lane::{Lane, LaneKind, Part, Severity, Value};
 
 const REQUEST: &str = "arming_check_request";
 const REPLY: &str = "arming_check_reply";

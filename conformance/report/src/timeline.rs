@@ -1,4 +1,4 @@
-//! The story of a flight in each format.
+//! The timeline of a flight in each format.
 //!
 //! All texts from captures are escaped when a report is rendered.
 
@@ -8,7 +8,7 @@ mod schema;
 mod text;
 
 use uavspec_check::ReleaseMatch;
-use uavspec_check::story::{Change, Lane, LaneKind, Story, TopicStatus, Value};
+use uavspec_check::timeline::{Change, Lane, LaneKind, Timeline, TopicStatus, Value};
 use uavspec_model::text::{plural, shown};
 use uavspec_schema::json_text;
 
@@ -17,15 +17,15 @@ pub use self::text::to_text;
 
 /// The texts for the statuses of topics, in the order of reports.
 const STATUSES: [(TopicStatus, &str); 4] = [
-    (TopicStatus::Explained, "in the story"),
-    (TopicStatus::Differs, "in the story, but the format differs from the definition"),
+    (TopicStatus::Explained, "in the timeline"),
+    (TopicStatus::Differs, "in the timeline, but the format differs from the definition"),
     (TopicStatus::Undefined, "in the capture, but without a definition"),
     (TopicStatus::Absent, "not in the capture"),
 ];
 
-/// The story in JSON.
-pub fn to_json(story: &Story) -> String {
-    json_text::pretty(story)
+/// The timeline in JSON.
+pub fn to_json(timeline: &Timeline) -> String {
+    json_text::pretty(timeline)
 }
 
 /// A change of a lane.
@@ -37,9 +37,9 @@ struct Entry<'s> {
 }
 
 /// All listed changes in chronological order. First values come first.
-fn entries(story: &Story) -> Vec<Entry<'_>> {
+fn entries(timeline: &Timeline) -> Vec<Entry<'_>> {
     let mut entries: Vec<Entry<'_>> = Vec::new();
-    for lane in &story.lanes {
+    for lane in &timeline.lanes {
         let listed = lane.listed().filter_map(|change| Some((change, lane.values.get(change.value)?)));
         entries.extend(listed.map(|(change, value)| Entry { lane, change, value }));
     }
@@ -66,8 +66,8 @@ fn is_flag(lane: &Lane) -> bool {
 }
 
 /// The time of a change: relative to the start, or in UTC for a session.
-fn time(story: &Story, time_us: i64) -> String {
-    let utc = story.utc(time_us).filter(|_| story.is_session);
+fn time(timeline: &Timeline, time_us: i64) -> String {
+    let utc = timeline.utc(time_us).filter(|_| timeline.is_session);
     // `2026-11-23T10:20:30.123Z`
     utc.and_then(|utc| utc.get(11..23).map(str::to_owned)).unwrap_or_else(|| clock(time_us))
 }
@@ -85,38 +85,38 @@ fn duration(micros: u64) -> String {
 }
 
 /// The plural noun for lanes with flags.
-const fn flag_noun(story: &Story) -> &'static str {
-    if story.is_session { "error codes" } else { "flags" }
+const fn flag_noun(timeline: &Timeline) -> &'static str {
+    if timeline.is_session { "error codes" } else { "flags" }
 }
 
 /// The flags that were set for some time, or that changed.
-fn flags(story: &Story) -> impl Iterator<Item = &Lane> {
-    story.lanes.iter().filter(|lane| is_flag(lane) && lane.num_changes() > 0)
+fn flags(timeline: &Timeline) -> impl Iterator<Item = &Lane> {
+    timeline.lanes.iter().filter(|lane| is_flag(lane) && lane.num_changes() > 0)
 }
 
 /// The number of flags that were never set.
-fn num_quiet(story: &Story) -> usize {
-    story.lanes.iter().filter(|lane| is_flag(lane) && lane.num_changes() == 0).count()
+fn num_quiet(timeline: &Timeline) -> usize {
+    timeline.lanes.iter().filter(|lane| is_flag(lane) && lane.num_changes() == 0).count()
 }
 
 /// The number of listed changes, and the number of changes that aren't listed.
-fn totals(story: &Story) -> (u64, u64) {
-    let more: u64 = story.lanes.iter().map(|lane| lane.more_changes).sum();
-    (story.lanes.iter().map(|lane| lane.listed().count() as u64).sum(), more)
+fn totals(timeline: &Timeline) -> (u64, u64) {
+    let more: u64 = timeline.lanes.iter().map(|lane| lane.more_changes).sum();
+    (timeline.lanes.iter().map(|lane| lane.listed().count() as u64).sum(), more)
 }
 
-/// Remarks on missing parts of the capture and the story.
-fn remarks(story: &Story) -> Vec<String> {
+/// Remarks on missing parts of the capture and the timeline.
+fn remarks(timeline: &Timeline) -> Vec<String> {
     let mut remarks: Vec<String> =
-        story.corruption.iter().map(|text| format!("not readable: {}", shown(text))).collect();
-    remarks.extend(story.releases.iter().filter_map(ReleaseMatch::problem));
-    if story.unreadable_messages > 0 {
-        let count = plural(story.unreadable_messages, "message");
+        timeline.corruption.iter().map(|text| format!("not readable: {}", shown(text))).collect();
+    remarks.extend(timeline.releases.iter().filter_map(ReleaseMatch::problem));
+    if timeline.unreadable_messages > 0 {
+        let count = plural(timeline.unreadable_messages, "message");
         remarks.push(format!("{count} can't be read or violate a rule"));
     }
-    if story.values_without_lane > 0 {
-        let count = plural(story.values_without_lane, "value");
-        remarks.push(format!("{count} left out: the story has too many lanes"));
+    if timeline.values_without_lane > 0 {
+        let count = plural(timeline.values_without_lane, "value");
+        remarks.push(format!("{count} left out: the timeline has too many lanes"));
     }
     remarks
 }

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::healthy::Healthy;
+use super::accepted::Accepted;
 use super::{Content, Step};
 
 /// The values at fixed positions, in a compact form.
 #[derive(Debug, Default)]
-pub(super) struct Screen {
+pub(super) struct Prefilter {
     /// The end of the last value, in bytes.
     end: usize,
     /// The ranges of `bool`s.
@@ -22,31 +22,31 @@ struct Series {
     starts: Range<usize>,
     stride: usize,
     width: usize,
-    healthy: Healthy,
+    accepted: Accepted,
 }
 
-impl Screen {
+impl Prefilter {
     /// Collects the values of steps with fixed positions.
     pub(super) fn new(steps: &[Step]) -> Self {
-        let mut screen = Self::default();
+        let mut prefilter = Self::default();
         for step in steps {
             let Content::Values(values) = &step.content else { continue };
-            let (start, stride, width, healthy) =
-                (step.offset, step.stride.max(1), values.width, values.healthy);
+            let (start, stride, width, accepted) =
+                (step.offset, step.stride.max(1), values.width, values.accepted);
             let Some(others) = step.count.checked_sub(1) else { continue };
             let last = start + others * stride;
             let end = last + width;
-            screen.end = screen.end.max(end);
-            if matches!(healthy, Healthy::Bool) && stride == 1 {
-                match screen.bools.last_mut() {
+            prefilter.end = prefilter.end.max(end);
+            if matches!(accepted, Accepted::Bool) && stride == 1 {
+                match prefilter.bools.last_mut() {
                     Some(before) if before.1 == start => before.1 = end,
-                    _ => screen.bools.push((start, end)),
+                    _ => prefilter.bools.push((start, end)),
                 }
             } else {
-                screen.others.push(Series { starts: start..last + 1, stride, width, healthy });
+                prefilter.others.push(Series { starts: start..last + 1, stride, width, accepted });
             }
         }
-        screen
+        prefilter
     }
 
     /// True if all values are guaranteed to produce no findings.
@@ -59,7 +59,7 @@ impl Screen {
         }
         self.others.iter().all(|series| {
             let mut starts = series.starts.clone().step_by(series.stride);
-            starts.all(|start| series.healthy.accepts(&payload[start..start + series.width]))
+            starts.all(|start| series.accepted.accepts(&payload[start..start + series.width]))
         })
     }
 }

@@ -1,43 +1,43 @@
-//! Tests of pages and of stories as text.
+//! Tests of pages and of timelines as text.
 
 use data_encoding::BASE64;
 use serde_json::json;
 use sha2::{Digest as _, Sha256};
-use uavspec_check::story::Texts;
+use uavspec_check::timeline::Texts;
 use uavspec_rules::definitions::Definitions;
 use uavspec_schema::translation::Translations;
 
 use super::*;
-use crate::story::{to_json, to_text};
+use crate::timeline::{to_json, to_text};
 
 const HOSTILE: &str = "</script><script>alert(1)</script>\u{1b}[31m\u{202e}\n::error::x";
 
-fn story(bytes: &[u8]) -> Story {
+fn timeline(bytes: &[u8]) -> Timeline {
     let (definitions, translations) = (Definitions::built_in(), Translations::default());
-    Story::of_bytes(bytes, &definitions, &Texts::of(translations)).expect("a readable capture")
+    Timeline::of_bytes(bytes, &definitions, &Texts::of(translations)).expect("a readable capture")
 }
 
-/// A session with hostile text in each place that a story shows.
-fn hostile() -> Story {
+/// A session with hostile text in each place that a timeline shows.
+fn hostile() -> Timeline {
     let status = json!({ HOSTILE: { "errors": [66, 999_999], "mode": HOSTILE } });
     let message = json!({ "$fw.version": "1.0", "id": "a", "body": { "type": "UAV-INF", "status": status } });
     let lines = [
         json!({ "t": 1.8e9, "conn": HOSTILE, "dir": "event", "event": HOSTILE }),
         json!({ "t": 1.8e9 + 1.0, "conn": HOSTILE, "dir": "in", "msg": message }),
     ];
-    let mut story = story(lines.map(|line| format!("{line}\n")).concat().as_bytes());
-    HOSTILE.clone_into(&mut story.capture);
-    HOSTILE.clone_into(&mut story.definitions);
-    story
+    let mut timeline = timeline(lines.map(|line| format!("{line}\n")).concat().as_bytes());
+    HOSTILE.clone_into(&mut timeline.capture);
+    HOSTILE.clone_into(&mut timeline.definitions);
+    timeline
 }
 
 #[test]
 fn hostile_text_is_escaped() {
-    let story = hostile();
-    let page = to_html(&story, "en", HOSTILE);
+    let timeline = hostile();
+    let page = to_html(&timeline, "en", HOSTILE);
     assert_eq!(page.matches("<script").count(), 1, "only the script of the page");
     assert!(page.contains("&lt;/script&gt;"));
-    let text = to_text(&story, "en");
+    let text = to_text(&timeline, "en");
     assert!(text.contains("alert(1)"), "{text}");
     for rendered in [page, text] {
         assert!(!rendered.contains(['\u{1b}', '\u{202e}']), "{rendered}");
@@ -80,11 +80,11 @@ fn the_page_is_valid_and_contains_all_languages() {
 
 #[test]
 fn the_table_has_a_row_for_each_change() {
-    let story = hostile();
-    let page = to_html(&story, "en", "uavspec");
+    let timeline = hostile();
+    let page = to_html(&timeline, "en", "uavspec");
     let table = page.split("<table class=\"changes\">").nth(1).and_then(|rest| rest.split("</table>").next());
     let rows = table.expect("a table").matches("<tr>").count() - 1;
-    assert_eq!(rows as u64, totals(&story).0);
+    assert_eq!(rows as u64, totals(&timeline).0);
     assert!(rows >= 4, "{rows}");
 }
 
@@ -96,20 +96,20 @@ fn text_fits_into_80_columns_and_has_the_language() {
         let message = json!({ "$fw.version": "1.0", "id": "a", "body": body });
         format!("{}\n", json!({ "t": time, "conn": "tcp#1", "dir": "in", "msg": message }))
     };
-    let story = story(
+    let timeline = timeline(
         [line(1.8e9, &[]), line(1.8e9 + 1.5, &[1, 4, 66]), line(1.8e9 + 3.0, &[1])].concat().as_bytes(),
     );
-    let text = to_text(&story, "en");
+    let text = to_text(&timeline, "en");
     assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     assert!(text.contains("08:00:01.500  UAV-INF.1 GROUND (7) set – The UAV is on the ground\n"), "{text}");
     assert!(text.contains("00:01.500  UAV-INF.66 LOWBAT (7), 2 changes\n"), "{text}");
-    assert!(to_text(&story, "uk").contains("UAV-INF.1 GROUND (7) set – БПЛА на землі\n"));
-    assert!(to_json(&story).contains("\"БПЛА на землі\""));
+    assert!(to_text(&timeline, "uk").contains("UAV-INF.1 GROUND (7) set – БПЛА на землі\n"));
+    assert!(to_json(&timeline).contains("\"БПЛА на землі\""));
 }
 
 #[test]
 fn times_have_minutes_and_milliseconds() {
-    use crate::story::clock;
+    use crate::timeline::clock;
     for (time, text) in
         [(0, "00:00.000"), (61_234_567, "01:01.234"), (-1_500_000, "-00:01.500"), (-5, "00:00.000")]
     {

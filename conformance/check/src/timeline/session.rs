@@ -12,7 +12,7 @@ use super::context::Context;
 use super::label::Label;
 use super::lane::{Lane, LaneKind, Part, Severity, Value};
 
-/// The message types of the story, in the order of their lanes.
+/// The message types of the timeline, in the order of their lanes.
 pub(super) const TYPES: [&str; 2] = [UAV, "CONN-INF"];
 
 /// The type of status reports.
@@ -45,7 +45,7 @@ struct Uav {
 }
 
 impl Session {
-    /// Follows a record. Returns the type of a message that the story needs.
+    /// Follows a record. Returns the type of a message that the timeline needs.
     pub(super) fn record(
         &mut self,
         record: &SessionRecord<'_>,
