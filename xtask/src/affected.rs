@@ -1,13 +1,15 @@
 //! The packages of the workspace that a change can affect.
 
 use std::collections::BTreeSet;
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process;
+use std::process::Command;
 
 use clap::Args;
 use serde::Deserialize;
 use uavspec_schema::terminal;
 
+use crate::command::{self, cargo};
 use crate::paths::repository;
 
 #[derive(Args)]
@@ -43,7 +45,7 @@ struct Metadata {
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
-    let metadata = output("cargo", &["metadata", "--no-deps", "--format-version=1"])?;
+    let metadata = output(cargo(), &["metadata", "--no-deps", "--format-version=1"])?;
     let metadata: Metadata = serde_json::from_str(&metadata).map_err(|error| error.to_string())?;
     let changed = output("git", &["diff", "--name-only", "--end-of-options", &arguments.revision, "--"])?;
     let new = output("git", &["ls-files", "--others", "--exclude-standard"])?;
@@ -56,13 +58,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<bool, String> {
     Ok(true)
 }
 
-fn output(program: &str, arguments: &[&str]) -> Result<String, String> {
-    let run = process::Command::new(program).args(arguments).current_dir(repository()).output();
-    let run = run.map_err(|error| format!("cannot run {program}: {error}"))?;
-    if !run.status.success() {
-        return Err(format!("{program}: {}", String::from_utf8_lossy(&run.stderr).trim()));
-    }
-    Ok(String::from_utf8_lossy(&run.stdout).into_owned())
+fn output(program: impl AsRef<OsStr>, arguments: &[&str]) -> Result<String, String> {
+    command::output(Command::new(program).args(arguments).current_dir(repository()))
 }
 
 /// The names of the packages that changes of some files affect. `None` means all packages.

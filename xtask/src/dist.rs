@@ -4,7 +4,6 @@
 //! commit and toolchain lead to the same bytes.
 
 mod build;
-mod command;
 mod debian;
 mod documents;
 mod notices;
@@ -24,6 +23,7 @@ use sha2::{Digest as _, Sha256};
 use self::build::Built;
 use self::documents::Documents;
 use crate::archive::{File, tar_gz};
+use crate::command;
 use crate::package::{self, Content, Package, licences};
 use crate::paths::repository;
 use crate::platform::{PLATFORMS, Platform, Program};

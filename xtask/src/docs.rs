@@ -1,11 +1,11 @@
 //! Builds the documentation site from generated and hand-written pages.
 
-use std::env;
 use std::path::PathBuf;
 use std::process::Command;
 
 use clap::Args;
 
+use crate::command::cargo;
 use crate::message_of;
 use crate::paths::{repository, shown};
 
@@ -26,8 +26,7 @@ pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let root = repository();
     uavspec_codegen::generate(root.join("definitions/uavspec.toml"))
         .map_err(|failure| message_of(&failure))?;
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(cargo);
+    let mut command = Command::new(cargo());
     command.args(["run", "--quiet", "--locked", "--manifest-path"]).arg(root.join("xtask/site/Cargo.toml"));
     command.arg("--target-dir").arg(root.join("target/site-build")).arg("--");
     let out = arguments.out.unwrap_or_else(|| shown(&root.join("target/site")));

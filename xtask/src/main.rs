@@ -6,6 +6,7 @@
 mod affected;
 mod archive;
 mod bench;
+mod command;
 mod dist;
 mod docs;
 mod fuzz;
@@ -16,7 +17,6 @@ mod paths;
 mod platform;
 mod sbom;
 
-use std::env;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::{self, ExitCode};
@@ -177,7 +177,7 @@ fn conformance(arguments: Vec<OsString>) -> ExitCode {
 
 /// Builds the program of a package. Returns its path, so that building takes no time of a program's time limits.
 fn build(package: &str) -> Result<PathBuf, String> {
-    let mut cargo = process::Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    let mut cargo = process::Command::new(command::cargo());
     cargo.args([
         "build",
         "--quiet",

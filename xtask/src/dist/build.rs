@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-use super::command::{cargo, found, output, run};
+use crate::command::{cargo, found, output, run};
 use crate::platform::{FEATURES, Platform};
 
 /// The crate of the program.

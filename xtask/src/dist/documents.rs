@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::Command;
 
 use super::build::Built;
-use super::command::{cargo, output};
 use crate::archive::File;
+use crate::command::{cargo, output};
 
 /// The documents of the program.
 pub(super) struct Documents {

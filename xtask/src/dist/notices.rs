@@ -8,8 +8,8 @@ use std::process::Command;
 
 use serde::Deserialize;
 
-use super::command::{cargo, output};
 use crate::archive::File;
+use crate::command::{cargo, output};
 use crate::sbom::Crates;
 
 /// The files with the licences of crates and C code, and with those of Rust's standard library.

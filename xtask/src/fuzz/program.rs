@@ -5,6 +5,8 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use crate::command::cargo;
+
 /// The flags that `cargo fuzz` sets without a sanitizer: libFuzzer counts the executions of each edge, knows the edges'
 /// addresses, and sees the operands of comparisons.
 const FLAGS: [&str; 6] = [
@@ -72,10 +74,6 @@ impl Program {
     fn output(&self, command: &mut Command) -> Result<Output, String> {
         command.output().map_err(|error| format!("cannot run {}: {error}", self.path.display()))
     }
-}
-
-fn cargo() -> std::ffi::OsString {
-    env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }
 
 /// The name of this platform, as the compiler prints it.

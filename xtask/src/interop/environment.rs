@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use super::tool::{Environment, Tool};
+use crate::command::cargo;
 
 /// The installed environments.
 #[derive(Debug)]
@@ -119,8 +120,7 @@ impl Installation {
         let program = target.join("debug").join(&tool.adapter);
         if self.may_install {
             eprintln!("interop: compiling {}", tool.adapter);
-            let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-            let mut build = command(cargo, ["build", "--quiet", "--locked", "--package", &tool.adapter]);
+            let mut build = command(cargo(), ["build", "--quiet", "--locked", "--package", &tool.adapter]);
             build.arg("--manifest-path").arg(self.source.join("rust/Cargo.toml"));
             execute(build.arg("--target-dir").arg(&target))?;
         }

@@ -2,12 +2,12 @@
 //! other programs of the workspace use, because it combines the features of all of them.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::env;
 use std::path::Path;
 use std::process::Command;
 
 use serde::Deserialize;
 
+use crate::command::cargo;
 use crate::platform::FEATURES;
 
 /// The crate of the program.
@@ -130,8 +130,7 @@ fn expression(license: &str) -> String {
 
 /// Runs `cargo tree`.
 fn tree(root: &Path, selection: &[&str]) -> Result<String, String> {
-    let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let mut command = Command::new(cargo);
+    let mut command = Command::new(cargo());
     command.args(["tree", "--locked"]).args(selection);
     command.args(["--prefix", "depth", "--format", FORMAT, "--package", PROGRAM, "--manifest-path"]);
     let output = command

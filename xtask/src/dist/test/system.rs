@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::super::command::{found, output};
+use crate::command::{found, output};
 use crate::paths::repository;
 use crate::platform::Platform;
 

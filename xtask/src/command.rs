@@ -5,24 +5,24 @@ use std::ffi::OsString;
 use std::process::{Command, Stdio};
 
 /// The cargo that runs this program.
-pub(super) fn cargo() -> OsString {
+pub(crate) fn cargo() -> OsString {
     env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }
 
 /// True if a program is in `PATH` and has the option `--version`.
-pub(super) fn found(program: &str) -> bool {
+pub(crate) fn found(program: &str) -> bool {
     Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
 /// Runs a command that prints its own progress.
-pub(super) fn run(command: &mut Command) -> Result<(), String> {
+pub(crate) fn run(command: &mut Command) -> Result<(), String> {
     let status =
         command.stdin(Stdio::null()).status().map_err(|error| format!("{}: {error}", name(command)))?;
     if status.success() { Ok(()) } else { Err(format!("{} failed: {status}", name(command))) }
 }
 
 /// Runs a command and returns its standard output without white space at the end. The error contains all output.
-pub(super) fn output(command: &mut Command) -> Result<String, String> {
+pub(crate) fn output(command: &mut Command) -> Result<String, String> {
     let output =
         command.stdin(Stdio::null()).output().map_err(|error| format!("{}: {error}", name(command)))?;
     let printed = String::from_utf8_lossy(&output.stdout);
