@@ -7,7 +7,7 @@ use uavspec_model::Level;
 use uavspec_test_server::memory::Watched;
 use uavspec_test_server::proxy::{MOVED, Pass, Proxy, certified};
 use uavspec_test_server::server;
-use uavspec_test_support::{LIMIT, Random};
+use uavspec_test_support::{LIMIT, Random, extent};
 
 use super::*;
 
@@ -78,9 +78,10 @@ fn probes_a_server_that_loses_datagrams() {
     assert!(unanswered.is_empty(), "{unanswered:?}");
 }
 
-/// Options for tests of a connection, which need no trials.
-fn survey_options() -> Options {
-    Options { selection: Selection::default().without_trials(), ..long_options() }
+/// Options for tests of a connection. Trials, which open further ones, are part of the thorough tests.
+fn connection_options() -> Options {
+    let selection = Selection::default();
+    Options { selection: extent(selection.clone(), selection.without_trials()), ..long_options() }
 }
 
 #[test]
@@ -88,7 +89,11 @@ fn probes_a_server_behind_a_redirect() {
     let redirect = Some(("308 Permanent Redirect", MOVED.to_owned()));
     for url in ["http://ADDRESS", "socketio://ADDRESS", "socketio://ADDRESS?transport=polling"] {
         let proxy = Proxy { redirect: redirect.clone(), ..Proxy::default() };
-        assert_eq!(probed_through(proxy, Transport::Http, url, &survey_options()).cut_short, None, "{url}");
+        assert_eq!(
+            probed_through(proxy, Transport::Http, url, &connection_options()).cut_short,
+            None,
+            "{url}"
+        );
     }
 }
 
@@ -96,7 +101,7 @@ fn probes_a_server_behind_a_redirect() {
 fn probes_a_server_behind_a_login() {
     let proxy = Proxy { login: Some("cGlsb3Q6c2VjcmV0"), ..Proxy::default() };
     let login = Some(("pilot".to_owned(), "secret".to_owned()));
-    let options = Options { login, ..survey_options() };
+    let options = Options { login, ..connection_options() };
     let probed = probed_through(proxy, Transport::SocketIo, "socketio://ADDRESS", &options);
     assert_eq!(probed.cut_short, None);
 }
@@ -114,7 +119,7 @@ fn probes_a_server_with_tls() {
     ] {
         let proxy = Proxy { tls: Some(config.clone()), ..Proxy::default() };
         let trust = Trust::new(Some(&path), false).expect("a certificate");
-        let options = Options { trust, ..survey_options() };
+        let options = Options { trust, ..connection_options() };
         assert_eq!(probed_through(proxy, transport, url, &options).cut_short, None, "{url}");
     }
 }
