@@ -1,5 +1,5 @@
 //! Tests of the Rust code for types and messages on pages. The code for `fixtures/ok/type-tables*` is compiled and run
-//! here. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen json_types::`.
+//! here. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-emit json_types::`.
 
 use uavspec_test_definitions as support;
 

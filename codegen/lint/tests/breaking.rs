@@ -2,7 +2,7 @@
 //!
 //! `fixtures/breaking/<rule>.txt` contains the expected findings for a rule's examples. Each folder
 //! `fixtures/breaking/<case>/` contains another case: definitions in `old/` and `new/`, and all expected findings in
-//! `expected.txt`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen breaking::`.
+//! `expected.txt`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-lint breaking::`.
 
 use std::collections::BTreeSet;
 use std::fs;

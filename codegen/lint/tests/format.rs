@@ -2,7 +2,7 @@
 //!
 //! Each folder in `fixtures/format` is a case: an `in.*` file to format, and an `out.*` file with the expected result.
 //! A `dialect` file selects `ros2` instead of `px4`. To accept intended changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test
-//! -p uavspec-codegen format::`.
+//! -p uavspec-lint format::`.
 
 use std::fmt::Write as _;
 use std::fs;

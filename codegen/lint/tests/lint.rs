@@ -4,7 +4,7 @@
 //! in the good example. If the rule has a fix, the fix must turn the bad example into the good one. Each folder
 //! `fixtures/lint/<rule>-<case>/` contains the definitions of another case, and the rule's expected findings in
 //! `expected.txt`. If any of the findings can be fixed, `fixed.txt` contains the fixed text. To accept intended
-//! changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen lint::`.
+//! changes: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-lint lint::`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -8,7 +8,7 @@
 //! definitions, unless a `dialect` file contains `ros2`. In that case, the case contains ROS 2 definitions, and each
 //! subfolder is a package.
 //!
-//! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-codegen fixtures::`.
+//! To update: `UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-schema fixtures::`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -377,6 +377,6 @@ fn the_guide_lists_all_columns() {
     if std::env::var_os("UAVSPEC_UPDATE_FIXTURES").is_some() {
         fs::write(&path, &expected).expect("written");
     }
-    let update = "UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-conformance --features tables --lib tables";
+    let update = "UAVSPEC_UPDATE_FIXTURES=1 cargo test -p uavspec-tables --features arrow --lib";
     assert!(fs::read_to_string(&path).expect("a page") == expected, "run `{update}`");
 }

@@ -19,7 +19,7 @@ use std::{env, fs, process};
 use libfuzzer_sys::fuzz_target;
 use uavspec_fuzzing::{TARGETS, Target, definitions as fuzzing};
 
-/// The targets for definitions and codecs. The targets for captures, servers and testees are in `uavspec-conformance`.
+/// The targets for definitions and codecs. The other targets are in `uavspec-fuzzing`.
 const OWN_TARGETS: &[Target] = &[
     Target { name: "definitions", check: definitions::definitions, seeds: seeds::definitions },
     Target { name: "tables", check: definitions::tables, seeds: seeds::tables },
