@@ -85,6 +85,7 @@ pub mod obj_list_02;
 pub mod obj_list_03;
 pub mod obj_list_04;
 mod per_connection;
+mod prelude;
 mod prm_01;
 mod reply;
 pub mod sample;
@@ -151,25 +152,18 @@ pub(crate) mod val_01;
 mod view;
 mod wth_01;
 
-use uavspec_flockwave::body_schema::{ExpectedValue, Fault, INTEGER};
-use uavspec_flockwave::session::{Exchange, OPERATIONS, Reference, Role, Stage};
-use uavspec_model::json::Tree;
-use uavspec_model::{Detail, Level, Location, Rule, Status};
+use uavspec_flockwave::session::Exchange;
+use uavspec_model::{Location, Rule};
 
 use self::attribution::Attribution;
 pub use self::attribution::attributed;
 use self::bug::Bug;
 pub use self::bug::{Needs, Outgoing};
-use self::lines::Lines;
-use self::malformed::Malformed;
-use self::per_connection::PerConnection;
-use self::sample::Session;
 pub use self::served::BEFORE_LOGIN;
 pub use self::source::page;
+use self::trial::Trial;
 pub use self::trial::shown_by;
-use self::trial::{Attempt, Request, SHORT_PAUSE, Sent, Step, Strain, Trial};
 pub use self::val_01::plausible;
-use self::view::Violates;
 pub use self::view::{Message, StatusReport};
 use super::RuleContext;
 

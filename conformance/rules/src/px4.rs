@@ -28,6 +28,7 @@ mod json_01;
 mod json_02;
 mod len_01;
 mod nan_01;
+mod prelude;
 mod qos_01;
 mod queue_01;
 mod range_01;
@@ -37,9 +38,7 @@ mod time_02;
 mod type_01;
 mod ver_01;
 
-use uavspec_model::{
-    ApplicationType, Channel, Detail, Endpoint, Level, Location, Message, Rule, Status, SubjectName,
-};
+use uavspec_model::{ApplicationType, Channel, Detail, Endpoint, Location, Message, Rule, SubjectName};
 use uavspec_px4::ValueRules;
 use uavspec_runtime::ConstraintKind;
 use uavspec_schema::MessageId;

@@ -1,12 +1,6 @@
 //! `FW-ACK-04`.
 
-use serde_json::json;
-use uavspec_model::json::pointer;
-
-use super::{
-    Attribution, Bug, Check, Detail, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule,
-    RuleContext, Status, Tree, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

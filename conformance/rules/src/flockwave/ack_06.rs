@@ -3,12 +3,7 @@
 //! AUTH-INF reports that a login is required, but doesn't say which requests require a login. The probe chooses a
 //! request that requires a login.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Needs, Rule, RuleContext, Status, Violates,
-    body, mutant, served, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -2,10 +2,8 @@
 
 use uavspec_flockwave::session::OPERATIONS;
 
-use super::{
-    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, asy_09,
-    mutant, reply, source,
-};
+use super::asy_09;
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

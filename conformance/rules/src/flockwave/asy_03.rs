@@ -1,11 +1,8 @@
 //! `FW-ASY-03`.
 
-use serde_json::json;
 use uavspec_flockwave::session::OPERATIONS;
 
-use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

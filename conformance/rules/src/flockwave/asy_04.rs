@@ -1,11 +1,9 @@
 //! `FW-ASY-04`.
 
-use serde_json::json;
+use uavspec_flockwave::session::OPERATIONS;
 
-use super::{
-    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, OPERATIONS, Role,
-    Rule, RuleContext, Status, Tree, attribution, body, env_18, mutant, reply, source,
-};
+use super::env_18;
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

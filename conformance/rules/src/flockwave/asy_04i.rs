@@ -1,11 +1,7 @@
 //! `FW-ASY-04I`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
-    asy_10, body, mutant, source,
-};
+use super::asy_10;
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -1,11 +1,7 @@
 //! `FW-ASY-06`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
-    asy_09, body, bug, mutant, source,
-};
+use super::asy_09;
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

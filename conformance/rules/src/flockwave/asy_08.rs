@@ -1,11 +1,6 @@
 //! `FW-ASY-08`.
 
-use serde_json::{Value, json};
-
-use super::{
-    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
-    Status, attribution, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -2,12 +2,7 @@
 //!
 //! The specification sets no time limit, so a missing end doesn't violate this rule. `FW-ASY-10I` reports it.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
-    body, mutant, served, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -5,12 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Needs, PerConnection, Role, Rule,
-    RuleContext, SessionCheck, Status, StatusReport, Tree, asy_10, asy_17, body, mutant, source,
-};
+use super::prelude::*;
+use super::{asy_10, asy_17};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -4,12 +4,8 @@
 //! servers also accept ASYNC-RESUME for operations that are not suspended. The rule therefore requires that the server
 //! has refused to resume the operation before.
 
-use serde_json::{Value, json};
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Stage, Status, Violates,
-    asy_19, body, mutant, source,
-};
+use super::asy_19;
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,10 +1,6 @@
 //! `FW-ASY-16`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, reply, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

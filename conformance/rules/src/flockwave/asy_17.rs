@@ -7,12 +7,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    Session, SessionCheck, Stage, Status, StatusReport, Violates, body, mutant, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

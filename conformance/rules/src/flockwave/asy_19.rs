@@ -3,11 +3,7 @@
 //! An operation may become suspended just before the request. The rule therefore accepts that the operation is resumed
 //! if the server has reported it as suspended.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant, served, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

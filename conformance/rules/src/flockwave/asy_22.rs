@@ -1,12 +1,6 @@
 //! `FW-ASY-22`.
 
-use serde_json::{Value, json};
-use uavspec_model::json::pointer;
-
-use super::{
-    Attribution, Bug, Check, Detail, Exchange, Fault, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext,
-    Status, Tree, Violates, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -3,10 +3,7 @@
 use std::borrow::Cow;
 use std::collections::HashSet;
 
-use uavspec_flockwave::body_schema::Mismatch;
-use uavspec_model::json::pointer;
-
-use super::{Detail, ExpectedValue, Message, RuleContext, Tree};
+use super::prelude::*;
 
 /// The maximum length of a quoted text, in characters.
 const MAX_QUOTED: usize = 64;

@@ -1,11 +1,6 @@
 //! `FW-CONN-INF-01`.
 
-use serde_json::json;
-
-use super::{
-    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant,
-    reply, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

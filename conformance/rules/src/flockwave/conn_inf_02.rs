@@ -1,10 +1,6 @@
 //! `FW-CONN-INF-02`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

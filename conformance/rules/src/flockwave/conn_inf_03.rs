@@ -1,11 +1,6 @@
 //! `FW-CONN-INF-03`.
 
-use serde_json::json;
-
-use super::{
-    Attribution, Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
-    attribution, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

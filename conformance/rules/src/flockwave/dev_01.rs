@@ -2,12 +2,8 @@
 //!
 //! `FW-INF-01` covers DEV-INF.
 
-use serde_json::json;
-
-use super::{
-    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, inf_01,
-    mutant, reply, source,
-};
+use super::inf_01;
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -3,12 +3,8 @@
 //! Other rules report TCP messages that span several lines, and lines or datagrams that contain several messages. A
 //! line that could be the start of a message is reported only after later lines show that it isn't.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Rule, RuleContext, Session,
-    SessionCheck, Status, StatusReport, lines, mutant, source,
-};
+use super::lines::Lines;
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,11 +1,6 @@
 //! `FW-ENV-02`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body,
-    mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

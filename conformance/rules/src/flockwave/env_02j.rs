@@ -1,11 +1,6 @@
 //! `FW-ENV-02J`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree, body, mutant,
-    source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,11 +1,6 @@
 //! `FW-ENV-04`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status,
-    StatusReport, Violates, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -2,12 +2,7 @@
 //!
 //! A server may copy an id that is not a string from a malformed request. `FW-ENV-06` checks the value of a string.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status, Tree,
-    Violates, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,12 +1,8 @@
 //! `FW-ENV-05I`.
 
-use serde_json::{Value, json};
 use uavspec_flockwave::record::Direction;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, Violates,
-    mutant, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -3,12 +3,7 @@
 //! Requests that were sent before the recording started are unknown. The rule therefore checks only connections whose
 //! start was recorded, and only until the client sends text whose id is unknown.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Reference, Rule, RuleContext, Status,
-    Violates, body, mutant, reply, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -11,13 +11,10 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::json;
 use uavspec_flockwave::session::SentRequest;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Session,
-    SessionCheck, Status, env_24, env_25, mutant, served, source,
-};
+use super::prelude::*;
+use super::{env_24, env_25};
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -1,11 +1,6 @@
 //! `FW-ENV-12`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree, body, mutant,
-    source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

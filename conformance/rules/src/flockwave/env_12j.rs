@@ -1,11 +1,8 @@
 //! `FW-ENV-12J`.
 
-use serde_json::{Value, json};
+use uavspec_flockwave::body_schema::INTEGER;
 
-use super::{
-    Bug, Check, ExpectedValue, FlockwaveRule, INTEGER, Level, Message, Mutant, Rule, RuleContext, Status,
-    body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -2,12 +2,7 @@
 //!
 //! Only a probe shows how a server treats unknown keys in requests.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Request, Rule, RuleContext, Status, Tree,
-    Trial, body, mutant, served, source,
-};
+use super::prelude::*;
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

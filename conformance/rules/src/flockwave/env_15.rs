@@ -1,11 +1,7 @@
 //! `FW-ENV-15`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, env_16,
-    mutant, source,
-};
+use super::env_16;
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,13 +1,9 @@
 //! `FW-ENV-16`.
 
-use serde_json::json;
 use uavspec_flockwave::session::parts;
 use uavspec_schema::json_type::Direction;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, Violates,
-    body, mutant, reply, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,12 +1,8 @@
 //! `FW-ENV-17`.
 
-use serde_json::json;
 use uavspec_schema::json_type::Direction;
 
-use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Role, Rule, RuleContext, Status, mutant,
-    source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

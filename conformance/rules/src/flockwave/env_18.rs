@@ -2,12 +2,8 @@
 //!
 //! A violation covered by another rule is reported only by that rule.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, attributed, inf_01, mutant,
-    source,
-};
+use super::prelude::*;
+use super::{attributed, inf_01};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

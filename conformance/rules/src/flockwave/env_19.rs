@@ -3,12 +3,7 @@
 //! This is the only rule that checks clients. If a client reuses an id, responses can't be matched to requests. Only a
 //! probe shows whether the server accepts the id of an answered request.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Request, Role, Rule, RuleContext, Status,
-    Trial, Violates, body, mutant, served, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -1,11 +1,7 @@
 //! `FW-ENV-21`.
 
-use serde_json::json;
-
-use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, Step, Strain, Trial, env_06, mutant,
-    served, source,
-};
+use super::env_06;
+use super::prelude::*;
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

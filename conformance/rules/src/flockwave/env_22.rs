@@ -3,10 +3,9 @@
 //! The probe sends a malformed request and then a valid one. The server may ignore the malformed request. Any response to
 //! either request is accepted.
 
-use super::{
-    Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Malformed, Mutant, Rule, RuleContext, Sent,
-    Status, Step, Strain, Trial, body, malformed, mutant, served, source,
-};
+use super::malformed;
+use super::malformed::Malformed;
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -2,12 +2,7 @@
 
 use std::collections::HashSet;
 
-use uavspec_model::json::pointer;
-
-use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Session, Status, Tree,
-    body, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -3,12 +3,7 @@
 //! The specification allows responses in any order. However, most clients only ever receive responses in request order,
 //! so a different order is worth reporting. `FW-ENV-07` reports unanswered requests.
 
-use uavspec_flockwave::transport::endpoint::Endpoint;
-
-use super::{
-    Attempt, Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Needs, PerConnection,
-    Role, Rule, RuleContext, Sent, SessionCheck, Status, Step, Strain, Trial, Violates, mutant, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

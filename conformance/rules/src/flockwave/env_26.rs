@@ -3,14 +3,9 @@
 //! A value may be valid in one part of the specification and invalid in another. A server that follows either part must
 //! not fail, so this rule reports such values in place of the rules that report other values of the same field.
 
-use serde_json::{Value, json};
 use uavspec_flockwave::body_schema::Deviation;
-use uavspec_model::json::pointer;
 
-use super::{
-    Bug, Check, Detail, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree, body,
-    mutant, source, ust,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

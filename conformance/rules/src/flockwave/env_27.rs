@@ -7,16 +7,12 @@
 //! If there are several suspects, and the server serves again, the probe sends each of them alone. The finding then names
 //! the message that ended the service again.
 
-use serde_json::json;
 use uavspec_flockwave::record::Direction;
 use uavspec_flockwave::session::message_excerpt;
-use uavspec_model::Location;
 
+use super::env_22;
+use super::prelude::*;
 use super::trial::SENT_ALONE;
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, PerConnection, Role, Rule, RuleContext,
-    SessionCheck, Status, body, env_22, mutant, served, source,
-};
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

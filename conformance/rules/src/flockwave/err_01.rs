@@ -1,13 +1,6 @@
 //! `FW-ERR-01`.
 
-use serde_json::json;
-use uavspec_flockwave::body_schema::Mismatch;
-use uavspec_model::json::pointer;
-
-use super::{
-    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
-    Status, Tree, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

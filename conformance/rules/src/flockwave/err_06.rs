@@ -2,11 +2,7 @@
 
 use std::collections::HashSet;
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

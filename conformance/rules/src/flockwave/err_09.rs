@@ -1,10 +1,6 @@
 //! `FW-ERR-09`.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

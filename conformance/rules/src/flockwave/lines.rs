@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use uavspec_flockwave::record::{Connection, Direction};
+use uavspec_flockwave::session::{Exchange, Role};
 use uavspec_model::Location;
-use uavspec_model::json::Frame;
-
-use super::{Exchange, Role, Tree};
+use uavspec_model::json::{Frame, Tree};
 
 /// The maximum size, in bytes, of a message that spans several lines. A longer text is not treated as a message.
 const MAX_TEXT: usize = 1 << 20;

@@ -3,8 +3,9 @@
 //! Most changes are function pointers, so that the compiler doesn't copy the functions for each change.
 
 use serde_json::{Value, json};
+use uavspec_model::Rule;
 
-use super::{Rule, Session};
+use super::sample::Session;
 
 /// The conforming session with a changed body in the first response of this type.
 pub(super) fn reply(type_name: &str, change: fn(&mut Value)) -> Option<Vec<u8>> {

@@ -1,11 +1,6 @@
 //! `FW-OBJ-DEL-01`.
 
-use serde_json::json;
-
-use super::{
-    Attribution, Bug, Check, Detail, ExpectedValue, FlockwaveRule, Level, Message, Mutant, Role, Rule,
-    RuleContext, Status, attribution, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,12 +1,8 @@
 //! `FW-OBJ-DEL-02`.
 
-use serde_json::json;
 use uavspec_flockwave::session::ids::Ids;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Rule, RuleContext, SessionCheck,
-    Status, StatusReport, Tree, Violates, body, mutant, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

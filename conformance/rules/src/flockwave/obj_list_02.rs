@@ -2,12 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    SessionCheck, Status, Violates, body, mutant, obj_list_03, reply, source, uav_list_02,
-};
+use super::prelude::*;
+use super::{obj_list_03, uav_list_02};
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

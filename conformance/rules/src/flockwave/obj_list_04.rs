@@ -7,13 +7,8 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::json;
-
+use super::prelude::*;
 use super::reply::TimedList;
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    SessionCheck, Status, Violates, body, mutant, reply, source,
-};
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -1,8 +1,6 @@
 //! The state of a check, stored separately for each connection.
 
-use uavspec_flockwave::session::ConnectionId;
-
-use super::{Exchange, Role};
+use uavspec_flockwave::session::{ConnectionId, Exchange, Role};
 
 /// The maximum number of connections whose state is stored. If there are more connections, the state of the connection
 /// with the lowest index is dropped.

@@ -1,12 +1,6 @@
 //! `FW-PRM-01`.
 
-use serde_json::json;
-use uavspec_model::json::pointer;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Tree, Violates,
-    body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

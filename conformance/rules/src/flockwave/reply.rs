@@ -3,10 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use uavspec_flockwave::body_schema::Deviation;
-use uavspec_flockwave::session::parts;
-use uavspec_model::json::pointer;
+use uavspec_flockwave::session::{OPERATIONS, parts};
 
-use super::{Detail, Exchange, Fault, OPERATIONS, Reference, Role, RuleContext, Tree, Violates, body};
+use super::prelude::*;
 
 /// The maximum size of a stored list, in bytes. The ids of ten thousand UAVs fit.
 const MAX_LISTED: usize = 1 << 19;

@@ -4,7 +4,8 @@
 //! Trials are marked in the session. A refused request counts as not served, so trials use only requests that a server
 //! has no other reason to refuse.
 
-use super::{Detail, Exchange, Role, Rule, RuleContext, Tree, Violates, body, env_27, mutant, reply};
+use super::env_27;
+use super::prelude::*;
 
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "probe requests that test this rule";

@@ -1,11 +1,8 @@
 //! `FW-SIO-02`.
 
-use uavspec_flockwave::transport::endpoint::{Carrier, Endpoint};
+use uavspec_flockwave::transport::endpoint::Carrier;
 
-use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Step, Strain, Trial, mutant,
-    served, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

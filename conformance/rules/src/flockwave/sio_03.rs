@@ -1,11 +1,6 @@
 //! `FW-SIO-03`.
 
-use uavspec_flockwave::transport::endpoint::Endpoint;
-
-use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Step, Strain, Trial, mutant,
-    served, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

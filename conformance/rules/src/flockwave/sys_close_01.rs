@@ -1,11 +1,7 @@
 //! `FW-SYS-CLOSE-01`.
 
-use serde_json::json;
-
-use super::{
-    Attribution, Bug, Check, Detail, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Needs,
-    Role, Rule, RuleContext, Status, body, mutant, source, sys_close_02,
-};
+use super::prelude::*;
+use super::sys_close_02;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -3,13 +3,9 @@
 //! Every request gets a response, so the responses to earlier requests may follow SYS-CLOSE. A response whose request is
 //! unknown may answer an earlier request, so the rule doesn't report it.
 
-use serde_json::json;
 use uavspec_flockwave::session::remembered::Remembered;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, Role, Rule, RuleContext, Session,
-    SessionCheck, Status, StatusReport, Violates, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

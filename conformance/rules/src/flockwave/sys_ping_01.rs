@@ -3,12 +3,7 @@
 //! Before login, a server may refuse even SYS-PING with ACK-NAK. An ACK-NAK is therefore a violation only if a probe
 //! sent the request, because a probe logs in first.
 
-use serde_json::json;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Role, Rule, RuleContext, Status, Violates,
-    body, mutant, served, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

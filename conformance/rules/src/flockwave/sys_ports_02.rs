@@ -2,14 +2,7 @@
 //!
 //! With port forwarding, the port that the client uses differs from the server's port. The level is therefore INFO.
 
-use serde_json::json;
-use uavspec_flockwave::transport::endpoint::Endpoint;
-use uavspec_model::json::pointer;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
-    RuleContext, SessionCheck, Status, Tree, Violates, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -3,13 +3,10 @@
 //! After a request that adjusts the clock, the offset is unknown until the server answers a request that it certainly
 //! received after the adjustment, or the adjustment itself. `FW-SYS-TIME-03` checks adjustments of 0.
 
-use serde_json::json;
 use uavspec_flockwave::session::ClockMove;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Session, Status, Violates,
-    mutant, source, sys_time_03, uav_inf_09,
-};
+use super::prelude::*;
+use super::{sys_time_03, uav_inf_09};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -4,13 +4,10 @@
 //! deviate from the recording clock by up to the elapsed time. This rule accepts such a deviation, which
 //! `FW-SYS-TIME-02` reports.
 
-use serde_json::json;
 use uavspec_flockwave::session::ClockMove;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, Violates, mutant,
-    source, sys_time_02,
-};
+use super::prelude::*;
+use super::sys_time_02;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

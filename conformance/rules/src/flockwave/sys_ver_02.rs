@@ -1,11 +1,6 @@
 //! `FW-SYS-VER-02`.
 
-use serde_json::json;
-
-use super::{
-    Attribution, Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree,
-    attribution, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

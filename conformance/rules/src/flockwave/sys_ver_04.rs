@@ -1,12 +1,6 @@
 //! `FW-SYS-VER-04`.
 
-use serde_json::json;
-use uavspec_model::json::pointer;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    SessionCheck, Status, Tree, Violates, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

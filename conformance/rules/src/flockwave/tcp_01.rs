@@ -3,10 +3,8 @@
 //! If lines form a message only when joined, this rule reports them as a single message with line breaks. `FW-ENV-01`
 //! reports all other lines that are not messages.
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Lines, Location, Mutant, Needs, Rule, RuleContext,
-    SessionCheck, Status, StatusReport, Violates, lines, mutant, source,
-};
+use super::lines::Lines;
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -1,11 +1,7 @@
 //! `FW-TCP-02`.
 
-use uavspec_flockwave::transport::endpoint::Endpoint;
-
-use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, SHORT_PAUSE, Sent, Status, Step, Strain,
-    Trial, mutant, served, source,
-};
+use super::prelude::*;
+use super::trial::SHORT_PAUSE;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -1,11 +1,6 @@
 //! `FW-TCP-03`.
 
-use uavspec_flockwave::transport::endpoint::Endpoint;
-
-use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Sent, Status, Step, Strain, Trial,
-    mutant, served, source, trial,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

@@ -2,12 +2,8 @@
 
 use std::time::Duration;
 
-use uavspec_flockwave::transport::endpoint::Endpoint;
-
-use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Sent, Status, Step, Strain, Trial,
-    mutant, served, source, tcp_02,
-};
+use super::prelude::*;
+use super::tcp_02;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

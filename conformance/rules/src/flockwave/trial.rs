@@ -3,10 +3,11 @@
 use std::time::Duration;
 
 use serde_json::{Value, json};
+use uavspec_flockwave::session::Exchange;
 use uavspec_flockwave::transport::endpoint::Endpoint;
 use uavspec_model::Rule;
 
-use super::{Exchange, RULES};
+use super::RULES;
 
 /// The starts of the descriptions with which a probe checks the server after a trial and after a request.
 pub const AFTER_TRIAL: &str = "after a trial: ";

@@ -1,9 +1,6 @@
 //! `FW-UAV-INF-01`.
 
-use super::{
-    Attribution, Bug, Check, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, mutant,
-    reply, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,12 +1,6 @@
 //! `FW-UAV-INF-05`.
 
-use serde_json::json;
-use uavspec_model::json::pointer;
-
-use super::{
-    Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree, body, mutant,
-    source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

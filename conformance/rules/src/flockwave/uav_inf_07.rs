@@ -1,8 +1,6 @@
 //! `FW-UAV-INF-07`.
 
-use serde_json::json;
-
-use super::{Bug, Check, FlockwaveRule, Level, Mutant, Request, Rule, Status, Trial, mutant, served, source};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

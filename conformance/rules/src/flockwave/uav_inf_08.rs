@@ -5,12 +5,8 @@
 
 use uavspec_flockwave::session::ConnectionId;
 use uavspec_flockwave::session::ids::Ids;
-use uavspec_model::json::pointer;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, SessionCheck, Status,
-    StatusReport, Tree, Violates, body, mutant, reply, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -6,12 +6,8 @@
 //! clock back, older timestamps may be later than the server time. The rule then checks nothing more.
 
 use uavspec_flockwave::session::seconds;
-use uavspec_model::json::pointer;
 
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Mutant, Rule, RuleContext, Status, StatusReport,
-    Tree, Violates, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -6,13 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::json;
-use uavspec_model::json::pointer;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Role, Rule,
-    RuleContext, SessionCheck, Status, StatusReport, Tree, Violates, body, mutant, source,
-};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

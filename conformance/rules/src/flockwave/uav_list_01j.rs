@@ -1,11 +1,6 @@
 //! `FW-UAV-LIST-01J`.
 
-use uavspec_flockwave::body_schema::Mismatch;
-
-use super::{
-    Attribution, Bug, Check, ExpectedValue, Fault, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext,
-    Status, Tree, body, mutant, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -5,13 +5,8 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::json;
-
+use super::prelude::*;
 use super::reply::TimedList;
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    SessionCheck, Status, body, mutant, reply, source,
-};
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -5,12 +5,7 @@
 
 use std::collections::BTreeSet;
 
-use serde_json::{Value, json};
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Location, Mutant, PerConnection, Rule, RuleContext,
-    Session, SessionCheck, Status, body, mutant, reply, source,
-};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -8,12 +8,7 @@
 
 use std::collections::BTreeMap;
 
-use serde_json::json;
-
-use super::{
-    Detail, Exchange, Location, PerConnection, Role, Rule, RuleContext, SessionCheck, StatusReport, lines,
-    mutant, served,
-};
+use super::prelude::*;
 
 /// The records that these rules apply to.
 pub(super) const APPLIES_TO: &str = "probe requests over UDP that test this rule";

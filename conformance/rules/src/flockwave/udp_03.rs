@@ -1,11 +1,7 @@
 //! `FW-UDP-03`.
 
-use uavspec_flockwave::transport::endpoint::Endpoint;
-
-use super::{
-    Attempt, Bug, Check, FlockwaveRule, Level, Mutant, Needs, Rule, Status, Strain, Trial, env_27, mutant,
-    source, trial, udp,
-};
+use super::env_27;
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: FlockwaveRule = FlockwaveRule {

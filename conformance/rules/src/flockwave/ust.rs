@@ -1,8 +1,6 @@
 //! Parts shared by the `FW-UST-…` rules. Each rule checks that one field of a UAV state matches its definition.
 
-use serde_json::Value;
-
-use super::{FlockwaveRule, Level, Message, Rule, RuleContext, Status, body, mutant, source};
+use super::prelude::*;
 
 /// The common fields of the `FW-UST-…` rules.
 pub(super) const RULE: Rule = Rule {

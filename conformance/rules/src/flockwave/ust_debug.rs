@@ -1,8 +1,6 @@
 //! `FW-UST-DEBUG`.
 
-use serde_json::json;
-
-use super::{Attribution, Bug, Check, FlockwaveRule, Level, Mutant, Rule, Status, attribution, ust};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -1,8 +1,6 @@
 //! `FW-UST-HEADING`.
 
-use serde_json::json;
-
-use super::{Attribution, Bug, Check, FlockwaveRule, Mutant, Rule, attribution, ust};
+use super::prelude::*;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -3,13 +3,8 @@
 //! The specification sets no limits for these values, except that timestamps count from 1970. The rule's limits are so
 //! wide that only a wrong unit or a wrong epoch exceeds them.
 
-use serde_json::json;
-use uavspec_model::json::pointer;
-
-use super::{
-    Bug, Check, Detail, Exchange, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status,
-    StatusReport, Tree, Violates, body, mutant, source, uav_inf_08, ust,
-};
+use super::prelude::*;
+use super::uav_inf_08;
 
 pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

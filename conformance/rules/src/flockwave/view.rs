@@ -7,9 +7,11 @@ use std::borrow::Cow;
 
 use uavspec_flockwave::body_schema::{Deviation, Mismatch};
 use uavspec_flockwave::record::Connection;
-use uavspec_flockwave::session::ConnectionId;
+use uavspec_flockwave::session::{ConnectionId, Exchange, Role};
+use uavspec_model::Detail;
+use uavspec_model::json::Tree;
 
-use super::{Detail, Exchange, Role, RuleContext, Tree};
+use crate::RuleContext;
 
 /// The type of status reports.
 const STATUS: &str = "UAV-INF";

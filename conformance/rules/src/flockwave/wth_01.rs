@@ -1,12 +1,7 @@
 //! `FW-WTH-01`.
 
-use serde_json::{Value, json};
-use uavspec_model::json::pointer;
-
-use super::{
-    Attribution, Bug, Check, Detail, FlockwaveRule, Level, Message, Mutant, Rule, RuleContext, Status, Tree,
-    attribution, body, mutant, source, val_01,
-};
+use super::prelude::*;
+use super::val_01;
 
 pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     rule: Rule {

@@ -2,8 +2,7 @@
 
 use serde_json::Value;
 
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
-use crate::sample::Flight;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

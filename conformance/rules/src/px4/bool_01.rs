@@ -3,7 +3,7 @@
 use uavspec_dynamic::{Placed, PlacedElement};
 use uavspec_runtime::Scalar;
 
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -2,8 +2,7 @@
 
 use uavspec::px4::ArmingCheckReply;
 
-use super::bug::{Bug, Side};
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: Px4Rule = Px4Rule {

@@ -1,6 +1,6 @@
 //! `PX-DATA-01`.
 
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: Px4Rule = Px4Rule {

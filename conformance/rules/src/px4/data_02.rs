@@ -1,6 +1,6 @@
 //! `PX-DATA-02`.
 
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::prelude::*;
 use crate::sample::Entry;
 
 /// The rule.

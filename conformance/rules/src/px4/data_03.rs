@@ -2,9 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Mutant, Px4Rule, Rule, RuleContext, Status,
-};
+use super::prelude::*;
 use crate::sample::Entry;
 
 pub(super) static RULE: Px4Rule = Px4Rule {

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use uavspec_model::Endpoint;
 
-use super::{Channel, Checker, Detail, Interest, Location, RuleContext};
+use super::prelude::*;
 
 /// The maximum number of endpoints of a topic that are compared.
 const MAX_PER_TOPIC: usize = 256;

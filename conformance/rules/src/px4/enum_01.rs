@@ -4,8 +4,7 @@ use uavspec::px4::BatteryStatus;
 use uavspec::px4::battery_status::BatteryWarning;
 use uavspec_runtime::ConstraintKind;
 
-use super::bug::{Bug, Side};
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

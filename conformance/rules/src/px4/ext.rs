@@ -19,7 +19,7 @@ use uavspec_runtime::Number;
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Form, MessageId};
 
-use super::{Channel, Checker, Detail, Interest, Location, Message, RuleContext, SubjectName};
+use super::prelude::*;
 
 /// The maximum difference between two times that count as equal, in µs. A component uses the clock of its computer,
 /// which is synchronized with the flight controller to within a few milliseconds.

@@ -8,10 +8,8 @@
 
 use uavspec::px4::ArmingCheckReply;
 
-use super::bug::{Bug, Side};
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status, SubjectName};
-use crate::sample::Flight;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

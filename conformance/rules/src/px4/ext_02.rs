@@ -14,10 +14,8 @@
 
 use uavspec::px4::ArmingCheckReply;
 
-use super::bug::{Bug, Side};
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status, SubjectName};
-use crate::sample::Flight;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -2,13 +2,8 @@
 
 use uavspec::px4::ArmingCheckReply;
 
-use super::bug::{Bug, Side};
 use super::ext::{is_reply, number};
-use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, Px4Rule, Rule, RuleContext,
-    Status,
-};
-use crate::sample::Flight;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -13,9 +13,8 @@ use std::collections::VecDeque;
 
 use uavspec::px4::ArmingCheckReply;
 
-use super::bug::{Bug, Side};
 use super::ext::{Listener, Reply, Request, Requests, Talk};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, RuleContext, Status, SubjectName};
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

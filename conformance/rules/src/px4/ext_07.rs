@@ -12,13 +12,8 @@ use uavspec_dynamic::{DynamicView, Value};
 use uavspec_runtime::Text;
 use uavspec_schema::MessageId;
 
-use super::bug::{Bug, Side};
 use super::ext::{number, px4_message};
-use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, Px4Rule, Rule,
-    RuleContext, Status, SubjectName,
-};
-use crate::sample::Flight;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

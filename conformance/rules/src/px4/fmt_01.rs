@@ -1,7 +1,6 @@
 //! `PX-FMT-01`.
 
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
-use crate::sample::Flight;
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: Px4Rule = Px4Rule {

@@ -1,6 +1,7 @@
 //! `PX-FMT-03`.
 
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status, fmt_01};
+use super::fmt_01;
+use super::prelude::*;
 
 /// The rule.
 pub static RULE: Px4Rule = Px4Rule {

@@ -8,13 +8,8 @@
 use uavspec::px4::FailsafeFlags;
 use uavspec_dynamic::{DynamicView, Value};
 
-use super::bug::{Bug, Needs, Side};
 use super::ext::px4_message;
-use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
-    RuleContext, Status,
-};
-use crate::sample::Flight;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -10,15 +10,11 @@ use std::collections::{BTreeSet, HashMap};
 
 use uavspec::px4::MessageFormatResponse;
 use uavspec_dynamic::{DynamicView, Value};
-use uavspec_model::EndpointKind;
+use uavspec_model::{ApplicationType, Endpoint, EndpointKind};
 use uavspec_px4::comparison::compare_texts;
 
-use super::bug::{Bug, Side};
 use super::ext::{number, px4_message};
-use super::{
-    ApplicationType, Change, Channel, Check, Checker, Detail, Endpoint, Interest, Level, Location, Message,
-    Mutant, Px4Rule, Rule, RuleContext, Status,
-};
+use super::prelude::*;
 use crate::definitions::{ReleasedType, released_type, unversioned, versioned};
 
 pub(super) static RULE: Px4Rule = Px4Rule {

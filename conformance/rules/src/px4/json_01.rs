@@ -1,6 +1,6 @@
 //! `PX-JSON-01`.
 
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::prelude::*;
 use crate::sample::{PERIOD, ROUNDS, START};
 
 pub(super) static RULE: Px4Rule = Px4Rule {

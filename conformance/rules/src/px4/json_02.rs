@@ -1,6 +1,6 @@
 //! `PX-JSON-02`.
 
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

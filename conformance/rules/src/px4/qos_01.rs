@@ -4,10 +4,8 @@ use std::time::Duration;
 
 use uavspec_model::{Durability, Endpoint, EndpointKind, Liveliness, Qos, Reliability};
 
-use super::bug::{Bug, Side};
 use super::endpoints::{Pairs, name};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, Status};
-use crate::sample::Bag;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -2,12 +2,7 @@
 
 use uavspec::px4::Event;
 
-use super::bug::{Bug, Side};
-use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Message, Mutant, PerChannel, Px4Rule, Rule,
-    RuleContext, Status,
-};
-use crate::sample::Flight;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -3,8 +3,7 @@
 use uavspec::px4::RegisterExtComponentRequest;
 use uavspec_dynamic::{Placed, PlacedElement};
 
-use super::bug::{Bug, Side};
-use super::{Change, Check, Level, Mutant, Px4Rule, Rule, Status};
+use super::prelude::*;
 
 /// The position of the `name` in the payload, after the encapsulation header, `timestamp` and `request_id`.
 const NAME: usize = 4 + 8 + 8;

@@ -2,14 +2,10 @@
 
 use uavspec::px4::BatteryStatus;
 
-use super::bug::{Bug, Side};
 use super::ext::is_of_px4;
-use super::{
-    Change, Channel, Check, Checker, Detail, Encoding, Interest, Level, Location, Message, Mutant,
-    PerChannel, Px4Rule, Rule, RuleContext, Status,
-};
+use super::prelude::*;
 use crate::definitions::FROM_PX4;
-use crate::sample::{Flight, START};
+use crate::sample::START;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -5,11 +5,7 @@ use std::mem;
 use uavspec_model::MAX_EXAMPLES;
 
 use super::ext::is_of_px4;
-use super::{
-    Change, Channel, Check, Checker, Detail, Interest, Level, Location, Message, Mutant, PerChannel, Px4Rule,
-    Rule, RuleContext, Status,
-};
-use crate::sample::Flight;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -2,10 +2,8 @@
 
 use uavspec_model::Endpoint;
 
-use super::bug::{Bug, Side};
 use super::endpoints::{Pairs, name};
-use super::{Change, Check, Detail, Level, Mutant, Px4Rule, Rule, Status};
-use crate::sample::Bag;
+use super::prelude::*;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
     rule: Rule {

@@ -1,10 +1,7 @@
 //! `PX-VER-01`.
 
 use super::ext::px4_message;
-use super::{
-    Change, Channel, Check, Checker, Detail, Encoding, Interest, Level, Mutant, Px4Rule, Rule, RuleContext,
-    Status,
-};
+use super::prelude::*;
 use crate::definitions::is_exchanged;
 
 pub(super) static RULE: Px4Rule = Px4Rule {
