@@ -159,6 +159,7 @@ use self::attribution::Attribution;
 pub use self::attribution::attributed;
 use self::bug::Bug;
 pub use self::bug::{Needs, Outgoing};
+pub(crate) use self::mutant::Mutant;
 pub use self::served::BEFORE_LOGIN;
 pub use self::source::page;
 use self::trial::Trial;
@@ -355,15 +356,4 @@ pub trait SessionCheck {
 
     /// Handles the end of the session.
     fn end(&mut self, _context: &mut RuleContext<'_>) {}
-}
-
-/// A capture that violates a rule: a conforming capture with a small change.
-#[derive(Debug)]
-pub(crate) struct Mutant {
-    /// A description of the change.
-    pub name: &'static str,
-    /// Creates the capture.
-    pub make: fn() -> Option<Vec<u8>>,
-    /// The other rules that the capture violates.
-    pub also: &'static [&'static Rule],
 }

@@ -54,7 +54,7 @@ pub struct Mutant {
 
 #[derive(Clone, Copy, Debug)]
 enum Make {
-    Session(fn() -> Option<Vec<u8>>),
+    Session(&'static flockwave::Mutant),
     Flight(px4::Change),
 }
 
@@ -62,7 +62,10 @@ impl Mutant {
     /// The captures, each with a title. Empty if the flight's definitions don't allow the change.
     pub fn captures(&self, flight: &Flight<'_>) -> Vec<(String, Vec<u8>)> {
         match self.make {
-            Make::Session(make) => make().map(|bytes| (self.name.to_owned(), bytes)).into_iter().collect(),
+            Make::Session(mutant) => {
+                let capture = mutant.capture(self.rule);
+                capture.map(|bytes| (self.name.to_owned(), bytes)).into_iter().collect()
+            }
             Make::Flight(change) => {
                 let title = |encoding: sample::Encoding| format!("{} ({})", self.name, encoding.name());
                 change
@@ -78,11 +81,11 @@ impl Mutant {
 /// The mutants of all rules, in rule order.
 pub fn mutants() -> impl Iterator<Item = Mutant> {
     let sessions = flockwave::RULES.iter().flat_map(|entry| {
-        entry.mutants.iter().map(|flockwave::Mutant { name, make, also }| Mutant {
+        entry.mutants.iter().map(|mutant| Mutant {
             rule: &entry.rule,
-            name,
-            also: also.to_vec(),
-            make: Make::Session(*make),
+            name: mutant.name,
+            also: mutant.also.to_vec(),
+            make: Make::Session(mutant),
         })
     });
     let flights = px4::RULES.iter().flat_map(|entry| {

@@ -143,6 +143,42 @@ pub struct Mutant {
     pub also: &'static [&'static Px4Rule],
 }
 
+impl Mutant {
+    /// Creates a mutant that changes the flight. The flight is written in each encoding that can represent the change.
+    const fn flight(name: &'static str, change: for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>) -> Self {
+        Self { name, change: Change::Flight(change), also: &[] }
+    }
+
+    /// Like [`Self::flight`], for a rule that applies only to these encodings.
+    const fn flight_in(
+        name: &'static str,
+        encodings: &'static [Encoding],
+        change: for<'d> fn(&Flight<'d>) -> Option<Flight<'d>>,
+    ) -> Self {
+        Self { name, change: Change::FlightIn(encodings, change), also: &[] }
+    }
+
+    /// Creates a mutant that changes the `ULog` of a flight.
+    const fn ulog(name: &'static str, change: fn(&Flight<'_>, Log) -> Option<Log>) -> Self {
+        Self { name, change: Change::Ulog(change), also: &[] }
+    }
+
+    /// Creates a mutant that changes the MCAP file of a flight.
+    const fn mcap(name: &'static str, change: fn(&Flight<'_>, Bag) -> Option<Bag>) -> Self {
+        Self { name, change: Change::Mcap(change), also: &[] }
+    }
+
+    /// Creates a mutant that changes the text of JSON Lines files in both encodings.
+    const fn json(name: &'static str, change: fn(Lines) -> Option<Lines>) -> Self {
+        Self { name, change: Change::Json(change), also: &[] }
+    }
+
+    /// Sets the rules that the mutant violates in addition to its own rule.
+    const fn also(self, also: &'static [&'static Px4Rule]) -> Self {
+        Self { also, ..self }
+    }
+}
+
 /// The function that makes a mutant. The function returns `None` if the definitions don't allow the change.
 #[derive(Clone, Copy, Debug)]
 pub enum Change {

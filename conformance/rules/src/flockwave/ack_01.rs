@@ -24,11 +24,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "an ACK-ACK without `refs`",
-        make: || mutant::then(|session| session.notify(json!({ "type": "ACK-ACK" }))),
-        also: &[],
-    }],
+    mutants: &[Mutant::session("an ACK-ACK without `refs`", |session| {
+        session.notify(json!({ "type": "ACK-ACK" }));
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -24,11 +24,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "an ACK-ACK with a reason",
-        make: || mutant::reply("ACK-ACK", |body| body["reason"] = "Fine".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::reply("an ACK-ACK with a reason", "ACK-ACK", |body| body["reason"] = "Fine".into())],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

@@ -28,16 +28,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a reason that is a number",
-            make: || mutant::reply("ACK-NAK", |body| body["reason"] = 7.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "an additional field",
-            make: || mutant::reply("ACK-NAK", |body| body["code"] = 7.into()),
-            also: &[],
-        },
+        Mutant::reply("a reason that is a number", "ACK-NAK", |body| body["reason"] = 7.into()),
+        Mutant::reply("an additional field", "ACK-NAK", |body| body["code"] = 7.into()),
     ],
 };
 

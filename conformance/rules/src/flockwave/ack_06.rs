@@ -29,20 +29,12 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
         .needs(Needs::Login),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "the request is served before login",
-            make: || {
-                let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
-                let request = json!({ "type": "UAV-LIST" });
-                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, served))
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "the request is not answered",
-            make: || mutant::unanswered("tcp#9", &RULE.rule),
-            also: &[],
-        },
+        Mutant::connection("the request is served before login", "tcp#9", |session| {
+            let served = json!({ "type": "UAV-LIST", "ids": ["kite"] });
+            let request = json!({ "type": "UAV-LIST" });
+            session.tries_and_receives(&RULE.rule, "", request, served);
+        }),
+        Mutant::unanswered("the request is not answered", "tcp#9"),
     ],
 };
 

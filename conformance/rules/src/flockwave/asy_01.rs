@@ -27,24 +27,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a result in addition to the receipt",
-            make: || {
-                mutant::reply("LOG-DATA", |body| {
-                    body["result"] = json!({ "id": "7", "kind": "text", "body": "Took off" });
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "no result, error or receipt",
-            make: || {
-                mutant::then(|session| {
-                    session.exchange(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
-                })
-            },
-            also: &[],
-        },
+        Mutant::reply("a result in addition to the receipt", "LOG-DATA", |body| {
+            body["result"] = json!({ "id": "7", "kind": "text", "body": "Took off" });
+        }),
+        Mutant::session("no result, error or receipt", |session| {
+            session.exchange(json!({ "type": "LOG-DATA", "uavId": "kite", "logId": "8" }), json!({}));
+        }),
     ],
 };
 

@@ -30,16 +30,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .with(&[&asy_09::RULE.rule]),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a missing UAV",
-            make: || mutant::reply("UAV-TAKEOFF", |body| mutant::remove(body, "result")),
-            also: &[],
-        },
-        Mutant {
-            name: "a UAV in two maps",
-            make: || mutant::reply("UAV-TAKEOFF", |body| body["result"]["owl"] = true.into()),
-            also: &[],
-        },
+        Mutant::reply("a missing UAV", "UAV-TAKEOFF", |body| mutant::remove(body, "result")),
+        Mutant::reply("a UAV in two maps", "UAV-TAKEOFF", |body| body["result"]["owl"] = true.into()),
     ],
 };
 

@@ -26,11 +26,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "an additional UAV",
-        make: || mutant::reply("UAV-TAKEOFF", |body| body["error"]["hawk"] = "Asleep".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::reply("an additional UAV", "UAV-TAKEOFF", |body| {
+        body["error"]["hawk"] = "Asleep".into();
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

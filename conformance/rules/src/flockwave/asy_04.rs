@@ -29,30 +29,16 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("Receipts are 70 characters long.").with(&[&env_18::RULE.rule]),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a receipt that is a number",
-            make: || {
-                mutant::then(|session| {
-                    session.exchange(
-                        json!({ "type": "UAV-RTH", "ids": ["kite"] }),
-                        json!({ "receipt": { "kite": 7 } }),
-                    );
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "an empty receipt",
-            make: || {
-                mutant::then(|session| {
-                    session.exchange(
-                        json!({ "type": "UAV-RTH", "ids": ["kite"] }),
-                        json!({ "receipt": { "kite": "" } }),
-                    );
-                })
-            },
-            also: &[],
-        },
+        Mutant::session("a receipt that is a number", |session| {
+            session
+                .exchange(json!({ "type": "UAV-RTH", "ids": ["kite"] }), json!({ "receipt": { "kite": 7 } }));
+        }),
+        Mutant::session("an empty receipt", |session| {
+            session.exchange(
+                json!({ "type": "UAV-RTH", "ids": ["kite"] }),
+                json!({ "receipt": { "kite": "" } }),
+            );
+        }),
     ],
 };
 

@@ -24,15 +24,11 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("All operations have the same receipt.").with(&[&asy_10::RULE.rule]),
     trial: None,
-    mutants: &[Mutant {
-        name: "two UAVs with the same receipt",
-        make: || {
-            let same = json!({ "receipt": { "kite": "rcpt-8", "swift": "rcpt-8" } });
-            let request = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
-            mutant::then(|session| session.exchange(request, same))
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("two UAVs with the same receipt", |session| {
+        let same = json!({ "receipt": { "kite": "rcpt-8", "swift": "rcpt-8" } });
+        let request = json!({ "type": "UAV-RTH", "ids": ["kite", "swift"] });
+        session.exchange(request, same);
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -29,18 +29,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     })
     .with(&[&asy_09::RULE.rule]),
     trial: None,
-    mutants: &[Mutant {
-        name: "an operation that ends before its receipt is sent",
-        make: || {
-            mutant::then(|session| {
-                let id = session.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
-                session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
-                session
-                    .answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
-            })
-        },
-        also: &[&asy_09::RULE.rule],
-    }],
+    mutants: &[Mutant::session("an operation that ends before its receipt is sent", |session| {
+        let id = session.sends(json!({ "type": "UAV-RTH", "ids": ["kite"] }));
+        session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+        session.answers(&id, json!({ "body": { "type": "UAV-RTH", "receipt": { "kite": "rcpt-8" } } }));
+    })
+    .also(&[&asy_09::RULE.rule])],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -25,16 +25,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "both a result and an error",
-            make: || mutant::notice("ASYNC-RESP", |body| body["error"] = "Winch broke".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "neither a result nor an error",
-            make: || mutant::notice("ASYNC-RESP", |body| mutant::remove(body, "result")),
-            also: &[],
-        },
+        Mutant::notice("both a result and an error", "ASYNC-RESP", |body| {
+            body["error"] = "Winch broke".into();
+        }),
+        Mutant::notice("neither a result nor an error", "ASYNC-RESP", |body| mutant::remove(body, "result")),
     ],
 };
 

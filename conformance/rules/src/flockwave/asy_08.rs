@@ -29,20 +29,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "an id that is a number",
-            make: || mutant::notice("ASYNC-RESP", |body| body["id"] = 7.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "an error that is a number",
-            make: || {
-                mutant::notice("ASYNC-RESP", |body| {
-                    *body = json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "error": 7 });
-                })
-            },
-            also: &[],
-        },
+        Mutant::notice("an id that is a number", "ASYNC-RESP", |body| body["id"] = 7.into()),
+        Mutant::notice("an error that is a number", "ASYNC-RESP", |body| {
+            *body = json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "error": 7 });
+        }),
     ],
 };
 

@@ -27,15 +27,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "the end of an operation that never began",
-        make: || {
-            mutant::then(|session| {
-                session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("the end of an operation that never began", |session| {
+        session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -32,24 +32,12 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a result after the timeout",
-            make: || {
-                mutant::then(|session| {
-                    session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-2", "result": "Flaps out" }));
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a second result",
-            make: || {
-                mutant::then(|session| {
-                    session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
-                })
-            },
-            also: &[],
-        },
+        Mutant::session("a result after the timeout", |session| {
+            session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-2", "result": "Flaps out" }));
+        }),
+        Mutant::session("a second result", |session| {
+            session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-1", "result": true }));
+        }),
     ],
 };
 

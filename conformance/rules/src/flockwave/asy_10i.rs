@@ -34,20 +34,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .needs(Needs::Patience)
     .with(&[&asy_17::RULE.rule]),
     trial: None,
-    mutants: &[Mutant {
-        name: "a short operation that does not end",
-        make: || {
-            mutant::over("tcp#9", |session| {
-                let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
-                let id = session.tries(&asy_10::RULE.rule, "", test);
-                let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
-                session.answers(&id, json!({ "body": body }));
-                session.wait(20.0);
-                session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("a short operation that does not end", "tcp#9", |session| {
+        let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
+        let id = session.tries(&asy_10::RULE.rule, "", test);
+        let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
+        session.answers(&id, json!({ "body": body }));
+        session.wait(20.0);
+        session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+    })],
 };
 
 /// The maximum allowed gap between messages about a short operation, in seconds, if the server sends other messages.

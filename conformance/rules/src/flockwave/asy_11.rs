@@ -28,14 +28,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "progress after the end",
-        make: || {
-            let late = json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": { "percentage": 80 } });
-            mutant::then(|session| session.notify(late))
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("progress after the end", |session| {
+        let late = json!({ "type": "ASYNC-ST", "id": "rcpt-1", "progress": { "percentage": 80 } });
+        session.notify(late);
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -32,21 +32,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "110 percent",
-            make: || mutant::notice("ASYNC-ST", |body| body["progress"]["percentage"] = 110.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "missing `progress`",
-            make: || mutant::notice("ASYNC-ST", |body| mutant::remove(body, "progress")),
-            also: &[],
-        },
-        Mutant {
-            name: "`suspended` is a string",
-            make: || mutant::notice("ASYNC-ST", |body| body["suspended"] = "no".into()),
-            also: &[],
-        },
+        Mutant::notice("110 percent", "ASYNC-ST", |body| body["progress"]["percentage"] = 110.into()),
+        Mutant::notice("missing `progress`", "ASYNC-ST", |body| mutant::remove(body, "progress")),
+        Mutant::notice("`suspended` is a string", "ASYNC-ST", |body| body["suspended"] = "no".into()),
     ],
 };
 

@@ -34,18 +34,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a suspended operation without a notification",
-        make: || {
-            let resume = || json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-60"] });
-            mutant::over("tcp#9", |session| {
-                session.command("rcpt-60");
-                session.exchange(resume(), json!({ "error": { "rcpt-60": "It isn't suspended" } }));
-                session.exchange(resume(), json!({ "success": ["rcpt-60"] }));
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("a suspended operation without a notification", "tcp#9", |session| {
+        let resume = || json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-60"] });
+        session.command("rcpt-60");
+        session.exchange(resume(), json!({ "error": { "rcpt-60": "It isn't suspended" } }));
+        session.exchange(resume(), json!({ "success": ["rcpt-60"] }));
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

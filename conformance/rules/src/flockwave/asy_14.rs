@@ -26,21 +26,14 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("Suspended operations resume on their own."),
     trial: None,
-    mutants: &[Mutant {
-        name: "a suspended operation that ends on its own",
-        make: || {
-            mutant::then(|session| {
-                session.exchange(
-                    json!({ "type": "UAV-RTH", "ids": ["kite"] }),
-                    json!({ "receipt": { "kite": "rcpt-8" } }),
-                );
-                session
-                    .notify(json!({ "type": "ASYNC-ST", "id": "rcpt-8", "progress": {}, "suspended": true }));
-                session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("a suspended operation that ends on its own", |session| {
+        session.exchange(
+            json!({ "type": "UAV-RTH", "ids": ["kite"] }),
+            json!({ "receipt": { "kite": "rcpt-8" } }),
+        );
+        session.notify(json!({ "type": "ASYNC-ST", "id": "rcpt-8", "progress": {}, "suspended": true }));
+        session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": true }));
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

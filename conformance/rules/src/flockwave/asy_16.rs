@@ -30,16 +30,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a receipt in both `success` and `error`",
-            make: || mutant::reply("ASYNC-RESUME", |body| body["error"]["rcpt-1"] = "Not now".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a receipt in neither `success` nor `error`",
-            make: || mutant::reply("ASYNC-RESUME", |body| mutant::remove(body, "error")),
-            also: &[],
-        },
+        Mutant::reply("a receipt in both `success` and `error`", "ASYNC-RESUME", |body| {
+            body["error"]["rcpt-1"] = "Not now".into();
+        }),
+        Mutant::reply("a receipt in neither `success` nor `error`", "ASYNC-RESUME", |body| {
+            mutant::remove(body, "error");
+        }),
     ],
 };
 

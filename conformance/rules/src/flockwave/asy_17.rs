@@ -37,37 +37,19 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("Cancelled operations continue."),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a cancelled operation that does not end",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    cancel(session, "rcpt-40");
-                    session.wait(20.0);
-                    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a cancelled operation with a result",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    cancel(session, "rcpt-40");
-                    session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a cancelled operation that times out",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    cancel(session, "rcpt-40");
-                    session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
-                })
-            },
-            also: &[],
-        },
+        Mutant::connection("a cancelled operation that does not end", "tcp#9", |session| {
+            cancel(session, "rcpt-40");
+            session.wait(20.0);
+            session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+        }),
+        Mutant::connection("a cancelled operation with a result", "tcp#9", |session| {
+            cancel(session, "rcpt-40");
+            session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
+        }),
+        Mutant::connection("a cancelled operation that times out", "tcp#9", |session| {
+            cancel(session, "rcpt-40");
+            session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
+        }),
     ],
 };
 

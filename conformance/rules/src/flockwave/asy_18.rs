@@ -26,16 +26,12 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("ASYNC-CANCEL accepts unknown receipts."),
     trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
-        Mutant {
-            name: "an unknown receipt is cancelled",
-            make: || {
-                let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
-                let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
-                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", cancel, done))
-            },
-            also: &[],
-        },
-        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant::connection("an unknown receipt is cancelled", "tcp#9", |session| {
+            let cancel = json!({ "type": "ASYNC-CANCEL", "ids": ["rcpt-none"] });
+            let done = json!({ "type": "ASYNC-CANCEL", "success": ["rcpt-none"] });
+            session.tries_and_receives(&RULE.rule, "", cancel, done);
+        }),
+        Mutant::refused("the request is refused", "tcp#9"),
     ],
 };
 

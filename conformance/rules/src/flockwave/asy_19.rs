@@ -29,19 +29,14 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("Operations that are not suspended can be resumed."),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a running operation is resumed",
-            make: || {
-                let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-30"] });
-                let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });
-                mutant::over("tcp#9", |session| {
-                    session.command("rcpt-30");
-                    session.tries_and_receives(&RULE.rule, "", resume, done);
-                })
-            },
-            also: &[],
-        },
-        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
+        Mutant::connection("a running operation is resumed", "tcp#9", |session| {
+            let resume = json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-30"] });
+            let done = json!({ "type": "ASYNC-RESUME", "success": ["rcpt-30"] });
+
+            session.command("rcpt-30");
+            session.tries_and_receives(&RULE.rule, "", resume, done);
+        }),
+        Mutant::refused("the request is refused", "tcp#9"),
     ],
 };
 

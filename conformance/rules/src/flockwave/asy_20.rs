@@ -26,11 +26,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a single id instead of a list",
-        make: || mutant::notice("ASYNC-TIMEOUT", |body| body["ids"] = "rcpt-2".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::notice("a single id instead of a list", "ASYNC-TIMEOUT", |body| {
+        body["ids"] = "rcpt-2".into();
+    })],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

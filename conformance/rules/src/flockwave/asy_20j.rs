@@ -23,19 +23,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a duplicate id",
-        make: || {
-            mutant::then(|session| {
-                session.exchange(
-                    json!({ "type": "UAV-RTH", "ids": ["kite"] }),
-                    json!({ "receipt": { "kite": "rcpt-8" } }),
-                );
-                session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("a duplicate id", |session| {
+        session.exchange(
+            json!({ "type": "UAV-RTH", "ids": ["kite"] }),
+            json!({ "receipt": { "kite": "rcpt-8" } }),
+        );
+        session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-8", "rcpt-8"] }));
+    })],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

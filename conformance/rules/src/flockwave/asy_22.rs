@@ -35,16 +35,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "null in a response",
-            make: || mutant::reply("UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
-            also: &[],
-        },
-        Mutant {
-            name: "a number in ASYNC-RESP",
-            make: || mutant::notice("ASYNC-RESP", |body| body["result"] = 7.into()),
-            also: &[],
-        },
+        Mutant::reply("null in a response", "UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
+        Mutant::notice("a number in ASYNC-RESP", "ASYNC-RESP", |body| body["result"] = 7.into()),
     ],
 };
 

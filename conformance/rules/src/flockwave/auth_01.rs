@@ -28,21 +28,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .needs(Needs::Login),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "both `result` and `data`",
-            make: || mutant::reply("AUTH-RESP", |body| body["data"] = "more".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a successful login without `user`",
-            make: || mutant::reply("AUTH-RESP", |body| mutant::remove(body, "user")),
-            also: &[],
-        },
-        Mutant {
-            name: "a failed login with `user`",
-            make: || mutant::reply("AUTH-RESP", |body| body["result"] = false.into()),
-            also: &[],
-        },
+        Mutant::reply("both `result` and `data`", "AUTH-RESP", |body| body["data"] = "more".into()),
+        Mutant::reply("a successful login without `user`", "AUTH-RESP", |body| mutant::remove(body, "user")),
+        Mutant::reply("a failed login with `user`", "AUTH-RESP", |body| body["result"] = false.into()),
     ],
 };
 

@@ -22,11 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.drop_last(&["CONN-INF"]);
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a missing connection",
-        make: || mutant::reply("CONN-INF", |body| body["error"] = json!({})),
-        also: &[],
-    }],
+    mutants: &[Mutant::reply("a missing connection", "CONN-INF", |body| body["error"] = json!({}))],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -22,11 +22,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.each_status("CONN-INF", |status| status["id"] = json!("radio-7"));
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "an id that differs from its key",
-        make: || mutant::notice("CONN-INF", |body| body["status"]["winch"]["id"] = "tow".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::notice("an id that differs from its key", "CONN-INF", |body| {
+        body["status"]["winch"]["id"] = "tow".into();
+    })],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

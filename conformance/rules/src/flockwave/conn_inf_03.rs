@@ -28,16 +28,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "an unknown purpose",
-            make: || mutant::notice("CONN-INF", |body| body["status"]["winch"]["purpose"] = "tow".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a status that is a number",
-            make: || mutant::notice("CONN-INF", |body| body["status"]["winch"]["status"] = 2.into()),
-            also: &[],
-        },
+        Mutant::notice("an unknown purpose", "CONN-INF", |body| {
+            body["status"]["winch"]["purpose"] = "tow".into();
+        }),
+        Mutant::notice("a status that is a number", "CONN-INF", |body| {
+            body["status"]["winch"]["status"] = 2.into();
+        }),
     ],
 };
 

@@ -29,16 +29,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .with(&[&inf_01::RULE.rule]),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "an object without a device tree",
-            make: || mutant::reply("DEV-LIST", |body| body["devices"] = json!({})),
-            also: &[],
-        },
-        Mutant {
-            name: "a path in both `success` and `error`",
-            make: || mutant::reply("DEV-SUB", |body| body["error"]["/kite/vario"] = "Busy".into()),
-            also: &[],
-        },
+        Mutant::reply("an object without a device tree", "DEV-LIST", |body| body["devices"] = json!({})),
+        Mutant::reply("a path in both `success` and `error`", "DEV-SUB", |body| {
+            body["error"]["/kite/vario"] = "Busy".into();
+        }),
     ],
 };
 

@@ -29,37 +29,23 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "data that is not JSON",
-            make: || {
-                let mut session = Session::new();
-                session
-                    .lines
-                    .push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "raw": "{\"$fw.version\":" }));
-                Some(session.to_bytes())
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "lines that do not form a message",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    session.send_raw("{");
-                    session.send_raw("\"wind\":");
-                    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a list",
-            make: || {
-                let mut session = Session::new();
-                session.lines.push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "msg": [1] }));
-                Some(session.to_bytes())
-            },
-            also: &[],
-        },
+        Mutant::new("data that is not JSON", || {
+            let mut session = Session::new();
+            session
+                .lines
+                .push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "raw": "{\"$fw.version\":" }));
+            Some(session.to_bytes())
+        }),
+        Mutant::connection("lines that do not form a message", "tcp#9", |session| {
+            session.send_raw("{");
+            session.send_raw("\"wind\":");
+            session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+        }),
+        Mutant::new("a list", || {
+            let mut session = Session::new();
+            session.lines.push(json!({ "t": 1.8e9, "conn": "hill", "dir": "in", "msg": [1] }));
+            Some(session.to_bytes())
+        }),
     ],
 };
 

@@ -22,16 +22,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a missing version",
-            make: || mutant::reply_message("SYS-VER", |message| mutant::remove(message, "$fw.version")),
-            also: &[],
-        },
-        Mutant {
-            name: "a version that is a number",
-            make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = 1.into()),
-            also: &[],
-        },
+        Mutant::reply_message("a missing version", "SYS-VER", |message| {
+            mutant::remove(message, "$fw.version");
+        }),
+        Mutant::reply_message("a version that is a number", "SYS-VER", |message| {
+            message["$fw.version"] = 1.into();
+        }),
     ],
 };
 

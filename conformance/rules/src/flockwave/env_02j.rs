@@ -23,16 +23,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a version that is a word",
-            make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = "first".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a version with four numbers",
-            make: || mutant::reply_message("SYS-VER", |message| message["$fw.version"] = "1.0.0.0".into()),
-            also: &[],
-        },
+        Mutant::reply_message("a version that is a word", "SYS-VER", |message| {
+            message["$fw.version"] = "first".into();
+        }),
+        Mutant::reply_message("a version with four numbers", "SYS-VER", |message| {
+            message["$fw.version"] = "1.0.0.0".into();
+        }),
     ],
 };
 

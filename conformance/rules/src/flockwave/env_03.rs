@@ -24,16 +24,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "an id that is a number",
-            make: || mutant::reply_message("SYS-VER", |message| message["id"] = 7.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a missing id",
-            make: || mutant::reply_message("SYS-VER", |message| mutant::remove(message, "id")),
-            also: &[],
-        },
+        Mutant::reply_message("an id that is a number", "SYS-VER", |message| message["id"] = 7.into()),
+        Mutant::reply_message("a missing id", "SYS-VER", |message| mutant::remove(message, "id")),
     ],
 };
 

@@ -23,16 +23,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "an id of 37 characters",
-            make: || mutant::reply_message("SYS-VER", |message| message["id"] = "x".repeat(37).into()),
-            also: &[],
-        },
-        Mutant {
-            name: "an empty id",
-            make: || mutant::reply_message("SYS-VER", |message| message["id"] = "".into()),
-            also: &[],
-        },
+        Mutant::reply_message("an id of 37 characters", "SYS-VER", |message| {
+            message["id"] = "x".repeat(37).into();
+        }),
+        Mutant::reply_message("an empty id", "SYS-VER", |message| message["id"] = "".into()),
     ],
 };
 

@@ -20,11 +20,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::message("All messages have the same id.", |out| out.message()["id"] = json!("s1")),
     trial: None,
-    mutants: &[Mutant {
-        name: "a response with the id of the previous response",
-        make: || mutant::reply_message("ACK-ACK", |message| message["id"] = "say-1".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::reply_message(
+        "a response with the id of the previous response",
+        "ACK-ACK",
+        |message| message["id"] = "say-1".into(),
+    )],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -26,18 +26,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "`refs` that is a number",
-        make: || {
-            mutant::then(|session| {
-                session.notify(json!({ "type": "CONN-INF" }));
-                if let Some(line) = session.lines.last_mut() {
-                    line["msg"]["refs"] = json!(7);
-                }
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("`refs` that is a number", |session| {
+        session.notify(json!({ "type": "CONN-INF" }));
+        if let Some(line) = session.lines.last_mut() {
+            line["msg"]["refs"] = json!(7);
+        }
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -25,20 +25,18 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("An id that is not a string is copied to `refs`."),
     trial: None,
     mutants: &[
-        Mutant { name: "`refs` that copies a number", make: || copied(&json!(17)), also: &[] },
-        Mutant { name: "`refs` that copies null", make: || copied(&json!(null)), also: &[] },
+        Mutant::connection("`refs` that copies a number", "tcp#9", |session| copies(session, &json!(17))),
+        Mutant::connection("`refs` that copies null", "tcp#9", |session| copies(session, &json!(null))),
     ],
 };
 
-/// The conforming session with a request that has an invalid id, and its refusal with the same id in `refs`.
-fn copied(id: &Value) -> Option<Vec<u8>> {
-    mutant::over("tcp#9", |session| {
-        let request = json!({ "$fw.version": "1.0", "id": id, "body": { "type": "SYS-PING" } });
-        session.line("out", request);
-        let refusal = json!({ "type": "ACK-NAK", "reason": "Invalid id" });
-        let answer = json!({ "$fw.version": "1.0", "id": "odd-1", "refs": id, "body": refusal });
-        session.line("in", answer);
-    })
+/// Adds a request that has an invalid id, and its refusal with the same id in `refs`.
+fn copies(session: &mut Session, id: &Value) {
+    let request = json!({ "$fw.version": "1.0", "id": id, "body": { "type": "SYS-PING" } });
+    session.line("out", request);
+    let refusal = json!({ "type": "ACK-NAK", "reason": "Invalid id" });
+    let answer = json!({ "$fw.version": "1.0", "id": "odd-1", "refs": id, "body": refusal });
+    session.line("in", answer);
 }
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -28,14 +28,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a response without a request",
-        make: || {
-            let answer = || json!({ "body": { "type": "ACK-ACK" } });
-            mutant::then(|session| session.answers("nobody", answer()))
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("a response without a request", |session| {
+        session.answers("nobody", json!({ "body": { "type": "ACK-ACK" } }));
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

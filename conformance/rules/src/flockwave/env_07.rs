@@ -43,30 +43,18 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a request without a response",
-            make: || Some(Session::new().without("SYS-VER")?.to_bytes()),
-            also: &[],
-        },
-        Mutant {
-            name: "a probe request without a response",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
-                })
+        Mutant::new("a request without a response", || Some(Session::new().without("SYS-VER")?.to_bytes())),
+        Mutant::connection("a probe request without a response", "tcp#9", |session| {
+            session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
+        }),
+        Mutant::connection(
+            "a connection that the server closes in place of a response",
+            "tcp#9",
+            |session| {
+                session.tries(&env_24::RULE.rule, "", json!({ "type": "RTK-SURVEY" }));
+                session.closed("eof");
             },
-            also: &[],
-        },
-        Mutant {
-            name: "a connection that the server closes in place of a response",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    session.tries(&env_24::RULE.rule, "", json!({ "type": "RTK-SURVEY" }));
-                    session.closed("eof");
-                })
-            },
-            also: &[],
-        },
+        ),
     ],
 };
 

@@ -27,14 +27,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a second response",
-        make: || {
-            let answer = || json!({ "body": { "type": "ACK-ACK" } });
-            mutant::then(|session| session.answers("ask-2", answer()))
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("a second response", |session| {
+        session.answers("ask-2", json!({ "body": { "type": "ACK-ACK" } }));
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -27,16 +27,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a response to a notification",
-        make: || {
-            let mut session = Session::opened();
-            session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
-            session.answers("say-1", json!({ "body": { "type": "ACK-ACK" } }));
-            Some(session.to_bytes())
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::new("a response to a notification", || {
+        let mut session = Session::opened();
+        session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "Wind from the west" }] }));
+        session.answers("say-1", json!({ "body": { "type": "ACK-ACK" } }));
+        Some(session.to_bytes())
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

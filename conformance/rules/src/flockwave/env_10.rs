@@ -24,11 +24,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "both `body` and `error`",
-        make: || mutant::reply_message("SYS-VER", |message| message["error"] = json!({ "code": 7 })),
-        also: &[],
-    }],
+    mutants: &[Mutant::reply_message("both `body` and `error`", "SYS-VER", |message| {
+        message["error"] = json!({ "code": 7 });
+    })],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

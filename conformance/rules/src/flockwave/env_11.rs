@@ -29,16 +29,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "neither `body` nor `error`",
-            make: || mutant::reply_message("ACK-ACK", |message| mutant::remove(message, "body")),
-            also: &[],
-        },
-        Mutant {
-            name: "a body that is a string",
-            make: || mutant::reply_message("ACK-ACK", |message| message["body"] = "fine".into()),
-            also: &[],
-        },
+        Mutant::reply_message("neither `body` nor `error`", "ACK-ACK", |message| {
+            mutant::remove(message, "body");
+        }),
+        Mutant::reply_message("a body that is a string", "ACK-ACK", |message| {
+            message["body"] = "fine".into();
+        }),
     ],
 };
 

@@ -28,26 +28,14 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "an empty error",
-            make: || {
-                mutant::then(|session| {
-                    let id = session.sends(json!({ "type": "LCN-INF" }));
-                    session.answers(&id, json!({ "error": {} }));
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "an error that is a string",
-            make: || {
-                mutant::then(|session| {
-                    let id = session.sends(json!({ "type": "LCN-INF" }));
-                    session.answers(&id, json!({ "error": "No" }));
-                })
-            },
-            also: &[],
-        },
+        Mutant::session("an empty error", |session| {
+            let id = session.sends(json!({ "type": "LCN-INF" }));
+            session.answers(&id, json!({ "error": {} }));
+        }),
+        Mutant::session("an error that is a string", |session| {
+            let id = session.sends(json!({ "type": "LCN-INF" }));
+            session.answers(&id, json!({ "error": "No" }));
+        }),
     ],
 };
 

@@ -32,25 +32,19 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a code that is a string",
-            make: || with(&json!({ "code": "three", "message": "No" })),
-            also: &[],
-        },
-        Mutant {
-            name: "a message that is a number",
-            make: || with(&json!({ "code": 3, "message": 4 })),
-            also: &[],
-        },
+        Mutant::session("a code that is a string", |session| {
+            fails(session, &json!({ "code": "three", "message": "No" }));
+        }),
+        Mutant::session("a message that is a number", |session| {
+            fails(session, &json!({ "code": 3, "message": 4 }));
+        }),
     ],
 };
 
-/// The conforming session with this error.
-fn with(error: &Value) -> Option<Vec<u8>> {
-    mutant::then(|session| {
-        let id = session.sends(json!({ "type": "LCN-INF" }));
-        session.answers(&id, json!({ "error": error }));
-    })
+/// Adds a request that fails with this error.
+fn fails(session: &mut Session, error: &Value) {
+    let id = session.sends(json!({ "type": "LCN-INF" }));
+    session.answers(&id, json!({ "error": error }));
 }
 
 const CODE: ExpectedValue = ExpectedValue::Nullable(&INTEGER);

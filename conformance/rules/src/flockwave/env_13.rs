@@ -26,16 +26,8 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
-        Mutant {
-            name: "a reserved key",
-            make: || mutant::reply_message("SYS-VER", |message| message["$wind"] = 7.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a request with an unknown key is refused",
-            make: || mutant::refused("tcp#9", &RULE.rule),
-            also: &[],
-        },
+        Mutant::reply_message("a reserved key", "SYS-VER", |message| message["$wind"] = 7.into()),
+        Mutant::refused("a request with an unknown key is refused", "tcp#9"),
     ],
 };
 

@@ -24,16 +24,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a missing type",
-            make: || mutant::reply_message("ACK-ACK", |message| message["body"] = json!({})),
-            also: &[],
-        },
-        Mutant {
-            name: "a type that is a number",
-            make: || mutant::reply("ACK-ACK", |body| body["type"] = 7.into()),
-            also: &[],
-        },
+        Mutant::reply_message("a missing type", "ACK-ACK", |message| message["body"] = json!({})),
+        Mutant::reply("a type that is a number", "ACK-ACK", |body| body["type"] = 7.into()),
     ],
 };
 

@@ -29,16 +29,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .with(&[&env_16::RULE.rule]),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a lowercase type",
-            make: || mutant::then(|session| session.exchange(json!({ "type": "uav-soar" }), json!({}))),
-            also: &[],
-        },
-        Mutant {
-            name: "a type with three parts",
-            make: || mutant::then(|session| session.exchange(json!({ "type": "UAV-SOAR-HIGH" }), json!({}))),
-            also: &[],
-        },
+        Mutant::session("a lowercase type", |session| {
+            session.exchange(json!({ "type": "uav-soar" }), json!({}));
+        }),
+        Mutant::session("a type with three parts", |session| {
+            session.exchange(json!({ "type": "UAV-SOAR-HIGH" }), json!({}));
+        }),
     ],
 };
 

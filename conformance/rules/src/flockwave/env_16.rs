@@ -32,20 +32,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a response of a different type",
-            make: || mutant::reply("SYS-PORTS", |body| *body = json!({ "type": "UAV-LIST", "ids": [] })),
-            also: &[],
-        },
-        Mutant {
-            name: "an RTK-SOURCE with `id` answered with RTK-SOURCE",
-            make: || {
-                mutant::then(|session| {
-                    session.exchange(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
-                })
-            },
-            also: &[],
-        },
+        Mutant::reply("a response of a different type", "SYS-PORTS", |body| {
+            *body = json!({ "type": "UAV-LIST", "ids": [] });
+        }),
+        Mutant::session("an RTK-SOURCE with `id` answered with RTK-SOURCE", |session| {
+            session.exchange(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
+        }),
     ],
 };
 

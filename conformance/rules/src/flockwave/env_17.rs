@@ -31,11 +31,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a response without `refs`",
-        make: || mutant::then(|session| session.notify(json!({ "type": "UAV-LIST", "ids": [] }))),
-        also: &[],
-    }],
+    mutants: &[Mutant::session("a response without `refs`", |session| {
+        session.notify(json!({ "type": "UAV-LIST", "ids": [] }));
+    })],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

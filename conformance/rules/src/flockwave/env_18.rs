@@ -29,58 +29,33 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a missing required field",
-            make: || mutant::reply("RTK-INF", |body| mutant::remove(&mut body["preset"]["field"], "title")),
-            also: &[],
-        },
-        Mutant {
-            name: "a number in place of a string",
-            make: || mutant::notice("ASYNC-ST", |body| body["progress"]["message"] = 7.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a value outside an enumeration",
-            make: || mutant::reply("UAV-PREFLT", |body| body["status"]["kite"]["result"] = "fine".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a number out of range",
-            make: || mutant::reply("WTH-AT", |body| body["weather"]["windSpeed"] = (-1).into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a latitude in degrees",
-            make: || mutant::reply("WTH-INF", |body| body["status"]["ridge"]["position"][0] = 46.541.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a position without a longitude",
-            make: || {
-                mutant::reply("WTH-INF", |body| body["status"]["ridge"]["position"] = json!([465_410_000]))
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a path without a slash",
-            make: || mutant::reply("DEV-SUB", |body| body["success"] = json!(["/kite/vario", "kite"])),
-            also: &[],
-        },
-        Mutant {
-            name: "a request field in the response",
-            make: || mutant::reply("CLK-INF", |body| body["ids"] = json!(["day"])),
-            also: &[],
-        },
-        Mutant {
-            name: "an unknown field in a nested object that allows no unknown fields",
-            make: || mutant::reply("DEV-LIST", |body| body["devices"]["kite"]["colour"] = "red".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a list in place of a map",
-            make: || mutant::reply("EXT-INF", |body| body["error"] = json!([])),
-            also: &[&inf_01::RULE.rule],
-        },
+        Mutant::reply("a missing required field", "RTK-INF", |body| {
+            mutant::remove(&mut body["preset"]["field"], "title");
+        }),
+        Mutant::notice("a number in place of a string", "ASYNC-ST", |body| {
+            body["progress"]["message"] = 7.into();
+        }),
+        Mutant::reply("a value outside an enumeration", "UAV-PREFLT", |body| {
+            body["status"]["kite"]["result"] = "fine".into();
+        }),
+        Mutant::reply("a number out of range", "WTH-AT", |body| body["weather"]["windSpeed"] = (-1).into()),
+        Mutant::reply("a latitude in degrees", "WTH-INF", |body| {
+            body["status"]["ridge"]["position"][0] = 46.541.into();
+        }),
+        Mutant::reply("a position without a longitude", "WTH-INF", |body| {
+            body["status"]["ridge"]["position"] = json!([465_410_000]);
+        }),
+        Mutant::reply("a path without a slash", "DEV-SUB", |body| {
+            body["success"] = json!(["/kite/vario", "kite"]);
+        }),
+        Mutant::reply("a request field in the response", "CLK-INF", |body| body["ids"] = json!(["day"])),
+        Mutant::reply(
+            "an unknown field in a nested object that allows no unknown fields",
+            "DEV-LIST",
+            |body| body["devices"]["kite"]["colour"] = "red".into(),
+        ),
+        Mutant::reply("a list in place of a map", "EXT-INF", |body| body["error"] = json!([]))
+            .also(&[&inf_01::RULE.rule]),
     ],
 };
 

@@ -27,27 +27,17 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("A request that reuses the id of an answered request is refused."),
     trial: Some(Trial::Requests(|_| requests())),
     mutants: &[
-        Mutant {
-            name: "two open requests with the same id",
-            make: || {
-                mutant::then(|session| {
-                    let id = session.sends(json!({ "type": "SYS-PING" }));
-                    let other = session.sends(json!({ "type": "SYS-PING" }));
-                    if let Some(line) = session.lines.last_mut() {
-                        line["msg"]["id"] = id.clone().into();
-                    }
-                    for _ in [&id, &other] {
-                        session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
-                    }
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "the id of an answered request is refused",
-            make: || mutant::refused("tcp#9", &RULE.rule),
-            also: &[],
-        },
+        Mutant::session("two open requests with the same id", |session| {
+            let id = session.sends(json!({ "type": "SYS-PING" }));
+            let other = session.sends(json!({ "type": "SYS-PING" }));
+            if let Some(line) = session.lines.last_mut() {
+                line["msg"]["id"] = id.clone().into();
+            }
+            for _ in [&id, &other] {
+                session.answers(&id, json!({ "body": { "type": "ACK-ACK" } }));
+            }
+        }),
+        Mutant::refused("the id of an answered request is refused", "tcp#9"),
     ],
 };
 

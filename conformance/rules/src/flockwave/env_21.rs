@@ -34,11 +34,7 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     )
     .with(&[&env_06::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Sound, |_| attempts())),
-    mutants: &[
-        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::REFUSED, make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
-    ],
+    mutants: &served::mutants("tcp#9"),
 };
 
 /// An attempt for each unusual id.

@@ -30,16 +30,10 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("A malformed request ends the connection."),
     trial: Some(Trial::Attempts(Strain::Malformed, |_| attempts())),
     mutants: &[
-        Mutant {
-            name: "no response to the next request",
-            make: || mutant::unanswered("tcp#9", &RULE.rule),
-            also: &[],
-        },
-        Mutant {
-            name: "an HTTP request that fails",
-            make: || mutant::then(|session| session.failed(&RULE.rule, "no body", "HTTP status 500")),
-            also: &[],
-        },
+        Mutant::unanswered("no response to the next request", "tcp#9"),
+        Mutant::session("an HTTP request that fails", |session| {
+            session.failed(&RULE.rule, "no body", "HTTP status 500");
+        }),
     ],
 };
 

@@ -31,26 +31,16 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "`NaN`",
-            make: || {
-                let session = Session::new();
-                let text = String::from_utf8(session.to_bytes()).ok()?;
-                Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"gusts\":NaN", 1).into_bytes())
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a duplicate key",
-            make: || {
-                let session = Session::new();
-                let text = String::from_utf8(session.to_bytes()).ok()?;
-                Some(
-                    text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"name\":\"Hill\"", 1).into_bytes(),
-                )
-            },
-            also: &[],
-        },
+        Mutant::new("`NaN`", || {
+            let session = Session::new();
+            let text = String::from_utf8(session.to_bytes()).ok()?;
+            Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"gusts\":NaN", 1).into_bytes())
+        }),
+        Mutant::new("a duplicate key", || {
+            let session = Session::new();
+            let text = String::from_utf8(session.to_bytes()).ok()?;
+            Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"name\":\"Hill\"", 1).into_bytes())
+        }),
     ],
 };
 

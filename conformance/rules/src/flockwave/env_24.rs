@@ -41,36 +41,28 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("The DEV family has no handler."),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "DEV requests are refused as if their type were unknown",
-            make: || {
-                refused(|session| {
-                    for (rule, name) in
-                        [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
-                    {
-                        let refused = json!({ "type": "ACK-NAK", "reason": format!("{name} isn't known") });
-                        session.tries_and_receives(rule, "", json!({ "type": name }), refused);
-                    }
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "CONN requests are refused without a reason, as if their type were unknown",
-            make: || {
-                refused(|session| {
-                    for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
-                        session.tries_and_receives(
-                            rule,
-                            "",
-                            json!({ "type": name }),
-                            json!({ "type": "ACK-NAK" }),
-                        );
-                    }
-                })
-            },
-            also: &[],
-        },
+        Mutant::new("DEV requests are refused as if their type were unknown", || {
+            refused(|session| {
+                for (rule, name) in
+                    [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
+                {
+                    let refused = json!({ "type": "ACK-NAK", "reason": format!("{name} isn't known") });
+                    session.tries_and_receives(rule, "", json!({ "type": name }), refused);
+                }
+            })
+        }),
+        Mutant::new("CONN requests are refused without a reason, as if their type were unknown", || {
+            refused(|session| {
+                for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
+                    session.tries_and_receives(
+                        rule,
+                        "",
+                        json!({ "type": name }),
+                        json!({ "type": "ACK-NAK" }),
+                    );
+                }
+            })
+        }),
     ],
 };
 

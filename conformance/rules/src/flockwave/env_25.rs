@@ -29,11 +29,9 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("Over TCP, requests that arrive together are answered in reverse order.")
         .needs(Needs::Tcp),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
-    mutants: &[Mutant {
-        name: "the last request is answered first",
-        make: || mutant::over("tcp#9", |session| session.pipelines(&RULE.rule, &[2, 0, 1])),
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("the last request is answered first", "tcp#9", |session| {
+        session.pipelines(&RULE.rule, &[2, 0, 1]);
+    })],
 };
 
 /// The order of responses, by connection.

@@ -36,58 +36,24 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "null in an optional field",
-            make: || mutant::reply("ACK-NAK", |body| body["reason"] = json!(null)),
-            also: &[],
-        },
-        Mutant {
-            name: "null in an optional field of a UAV state",
-            make: || ust::with("attitude", json!(null)),
-            also: &[],
-        },
-        Mutant {
-            name: "a notification whose `refs` is null",
-            make: || {
-                mutant::then(|session| {
-                    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
-                    if let Some(line) = session.lines.last_mut() {
-                        line["msg"]["refs"] = Value::Null;
-                    }
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "null in addition to a body",
-            make: || mutant::reply_message("UAV-LIST", |message| message["error"] = json!(null)),
-            also: &[],
-        },
-        Mutant {
-            name: "an error whose code is null",
-            make: || {
-                mutant::then(|session| {
-                    let id = session.sends(json!({ "type": "LCN-INF" }));
-                    session.answers(&id, json!({ "error": { "code": null, "message": "No" } }));
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a timestamp with a fraction",
-            make: || ust::with("timestamp", json!(1_790_000_000_000.5)),
-            also: &[],
-        },
-        Mutant {
-            name: "a position in degrees",
-            make: || ust::with("position", json!([46.541, 11.552])),
-            also: &[],
-        },
-        Mutant {
-            name: "a longitude of 180°",
-            make: || ust::with("position", json!([0, 1_800_000_000])),
-            also: &[],
-        },
+        Mutant::reply("null in an optional field", "ACK-NAK", |body| body["reason"] = json!(null)),
+        Mutant::state("null in an optional field of a UAV state", |state| state["attitude"] = json!(null)),
+        Mutant::session("a notification whose `refs` is null", |session| {
+            session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+            if let Some(line) = session.lines.last_mut() {
+                line["msg"]["refs"] = Value::Null;
+            }
+        }),
+        Mutant::reply_message("null in addition to a body", "UAV-LIST", |message| {
+            message["error"] = json!(null);
+        }),
+        Mutant::session("an error whose code is null", |session| {
+            let id = session.sends(json!({ "type": "LCN-INF" }));
+            session.answers(&id, json!({ "error": { "code": null, "message": "No" } }));
+        }),
+        Mutant::state("a timestamp with a fraction", |state| state["timestamp"] = json!(1_790_000_000_000.5)),
+        Mutant::state("a position in degrees", |state| state["position"] = json!([46.541, 11.552])),
+        Mutant::state("a longitude of 180°", |state| state["position"] = json!([0, 1_800_000_000])),
     ],
 };
 

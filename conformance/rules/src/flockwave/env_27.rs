@@ -39,35 +39,23 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
         .with(&[&env_22::RULE.rule]),
     trial: None,
     mutants: &[
-        Mutant { name: served::UNANSWERED, make: unanswered, also: &[] },
-        Mutant { name: served::NO_CONNECTION, make: no_connection, also: &[] },
-        Mutant { name: "no connection over UDP", make: no_datagrams, also: &[] },
+        Mutant::connection(served::UNANSWERED, "tcp#9", |session| {
+            session.sends_raw(KILLER);
+            session.tries(&RULE.rule, "after a trial", json!({ "type": "SYS-PING" }));
+        }),
+        Mutant::connection(served::NO_CONNECTION, "tcp#9", |session| {
+            session.sends_raw(KILLER);
+            session.refused(&RULE.rule, "after a trial", "Connection refused");
+        }),
+        Mutant::connection("no connection over UDP", "udp#9", |session| {
+            session.sends_raw(KILLER);
+            session.refused(&RULE.rule, "after a trial", "no server listens");
+        }),
     ],
 };
 
 /// Text that ends the service in the mutants.
 const KILLER: &str = "wind";
-
-fn unanswered() -> Option<Vec<u8>> {
-    mutant::over("tcp#9", |session| {
-        session.sends_raw(KILLER);
-        session.tries(&RULE.rule, "after a trial", json!({ "type": "SYS-PING" }));
-    })
-}
-
-fn no_connection() -> Option<Vec<u8>> {
-    mutant::over("tcp#9", |session| {
-        session.sends_raw(KILLER);
-        session.refused(&RULE.rule, "after a trial", "Connection refused");
-    })
-}
-
-fn no_datagrams() -> Option<Vec<u8>> {
-    mutant::over("udp#9", |session| {
-        session.sends_raw(KILLER);
-        session.refused(&RULE.rule, "after a trial", "no server listens");
-    })
-}
 
 /// The maximum number of suspects.
 const MAX_SUSPECTS: usize = 16;

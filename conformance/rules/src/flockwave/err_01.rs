@@ -19,7 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[Attribution::new(&["UAV-INF"], "status.*.errors.*", &[Fault::Value])],
     bug: Bug::message("An error code is negative.", |out| out.set_in_state("errors", json!([-1]))),
     trial: None,
-    mutants: &[Mutant { name: "a negative code", make: || mutant::errors(&[-1]), also: &[] }],
+    mutants: &[Mutant::errors("a negative code", &[-1])],
 };
 
 const CODE: ExpectedValue = ExpectedValue::Integer(0, i128::MAX);

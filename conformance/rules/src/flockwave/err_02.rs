@@ -19,10 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::message("The error code 0 is sent.", |out| out.set_in_state("errors", json!([0]))),
     trial: None,
-    mutants: &[
-        Mutant { name: "0 alone", make: || mutant::errors(&[0]), also: &[] },
-        Mutant { name: "0 next to another code", make: || mutant::errors(&[0, 1]), also: &[] },
-    ],
+    mutants: &[Mutant::errors("0 alone", &[0]), Mutant::errors("0 next to another code", &[0, 1])],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

@@ -20,7 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::message("A reserved error code is sent.", |out| out.set_in_state("errors", json!([300]))),
     trial: None,
-    mutants: &[Mutant { name: "the reserved code 300", make: || mutant::errors(&[300]), also: &[] }],
+    mutants: &[Mutant::errors("the reserved code 300", &[300])],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

@@ -22,7 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::message("An undefined error code is sent.", |out| out.set_in_state("errors", json!([50]))),
     trial: None,
-    mutants: &[Mutant { name: "the undefined code 12", make: || mutant::errors(&[12]), also: &[] }],
+    mutants: &[Mutant::errors("the undefined code 12", &[12])],
 };
 
 /// The defined codes, except 0.

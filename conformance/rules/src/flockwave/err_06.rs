@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::message("An error code is sent twice.", |out| out.set_in_state("errors", json!([64, 64]))),
     trial: None,
-    mutants: &[Mutant { name: "a duplicate code", make: || mutant::errors(&[1, 1]), also: &[] }],
+    mutants: &[Mutant::errors("a duplicate code", &[1, 1])],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

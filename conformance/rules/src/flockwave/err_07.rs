@@ -27,9 +27,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "two low-battery codes", make: || mutant::errors(&[66, 134]), also: &[] },
-        Mutant { name: "two geofence codes", make: || mutant::errors(&[71, 201]), also: &[] },
-        Mutant { name: "a disputed pair of codes", make: || mutant::errors(&[65, 132]), also: &[] },
+        Mutant::errors("two low-battery codes", &[66, 134]),
+        Mutant::errors("two geofence codes", &[71, 201]),
+        Mutant::errors("a disputed pair of codes", &[65, 132]),
     ],
 };
 

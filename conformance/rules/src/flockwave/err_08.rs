@@ -22,11 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.set_in_state("errors", json!([1, 201]));
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "the in-air geofence code on the ground",
-        make: || mutant::errors(&[1, 201]),
-        also: &[],
-    }],
+    mutants: &[Mutant::errors("the in-air geofence code on the ground", &[1, 201])],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

@@ -23,11 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.set_in_state("errors", json!([1, 5]));
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "both landing and on the ground",
-        make: || mutant::errors(&[1, 6]),
-        also: &[],
-    }],
+    mutants: &[Mutant::errors("both landing and on the ground", &[1, 6])],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

@@ -21,8 +21,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("A simulated error is sent.", |out| out.set_in_state("errors", json!([188]))),
     trial: None,
     mutants: &[
-        Mutant { name: "the simulated error 188", make: || mutant::errors(&[188]), also: &[] },
-        Mutant { name: "the simulated fatal error 253", make: || mutant::errors(&[253]), also: &[] },
+        Mutant::errors("the simulated error 188", &[188]),
+        Mutant::errors("the simulated fatal error 253", &[253]),
     ],
 };
 

@@ -24,51 +24,31 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "BCN-INF has no data for a requested object",
-            make: || mutant::reply("BCN-INF", |body| body["status"] = json!({})),
-            also: &[],
-        },
-        Mutant {
-            name: "UAV-PREFLT has its data in an undefined field",
-            make: || {
-                mutant::reply("UAV-PREFLT", |body| {
-                    body["result"] = body["status"].take();
-                    mutant::remove(body, "status");
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "CLK-INF has no data for a requested object",
-            make: || mutant::reply("CLK-INF", |body| body["status"] = json!({})),
-            also: &[],
-        },
-        Mutant {
-            name: "DEV-INF has no data for a requested object",
-            make: || mutant::reply("DEV-INF", |body| body["values"] = json!({})),
-            also: &[],
-        },
-        Mutant {
-            name: "EXT-INF has no data for a requested object",
-            make: || mutant::reply("EXT-INF", |body| body["status"] = json!({})),
-            also: &[],
-        },
-        Mutant {
-            name: "RTK-INF has no data for a requested object",
-            make: || mutant::reply("RTK-INF", |body| body["preset"] = json!({})),
-            also: &[],
-        },
-        Mutant {
-            name: "UAV-PREFLT has no data for a requested object",
-            make: || mutant::reply("UAV-PREFLT", |body| body["status"] = json!({})),
-            also: &[],
-        },
-        Mutant {
-            name: "WTH-INF has no data for a requested object",
-            make: || mutant::reply("WTH-INF", |body| body["status"] = json!({})),
-            also: &[],
-        },
+        Mutant::reply("BCN-INF has no data for a requested object", "BCN-INF", |body| {
+            body["status"] = json!({});
+        }),
+        Mutant::reply("UAV-PREFLT has its data in an undefined field", "UAV-PREFLT", |body| {
+            body["result"] = body["status"].take();
+            mutant::remove(body, "status");
+        }),
+        Mutant::reply("CLK-INF has no data for a requested object", "CLK-INF", |body| {
+            body["status"] = json!({});
+        }),
+        Mutant::reply("DEV-INF has no data for a requested object", "DEV-INF", |body| {
+            body["values"] = json!({});
+        }),
+        Mutant::reply("EXT-INF has no data for a requested object", "EXT-INF", |body| {
+            body["status"] = json!({});
+        }),
+        Mutant::reply("RTK-INF has no data for a requested object", "RTK-INF", |body| {
+            body["preset"] = json!({});
+        }),
+        Mutant::reply("UAV-PREFLT has no data for a requested object", "UAV-PREFLT", |body| {
+            body["status"] = json!({});
+        }),
+        Mutant::reply("WTH-INF has no data for a requested object", "WTH-INF", |body| {
+            body["status"] = json!({});
+        }),
     ],
 };
 

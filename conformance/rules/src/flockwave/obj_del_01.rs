@@ -27,21 +27,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "missing `ids`",
-            make: || mutant::notice("OBJ-DEL", |body| *body = json!({ "type": "OBJ-DEL" })),
-            also: &[],
-        },
-        Mutant {
-            name: "OBJ-DEL as a response",
-            make: || {
-                mutant::then(|session| {
-                    let id = session.sends(json!({ "type": "UAV-SOAR" }));
-                    session.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
-                })
-            },
-            also: &[],
-        },
+        Mutant::notice("missing `ids`", "OBJ-DEL", |body| *body = json!({ "type": "OBJ-DEL" })),
+        Mutant::session("OBJ-DEL as a response", |session| {
+            let id = session.sends(json!({ "type": "UAV-SOAR" }));
+            session.answers(&id, json!({ "body": { "type": "OBJ-DEL", "ids": ["vane"] } }));
+        }),
     ],
 };
 

@@ -27,15 +27,9 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("Deleted objects stay in the lists."),
     trial: None,
-    mutants: &[Mutant {
-        name: "a deleted object is listed again",
-        make: || {
-            mutant::then(|session| {
-                session.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::session("a deleted object is listed again", |session| {
+        session.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
+    })],
 };
 
 /// The memory limit, in bytes.

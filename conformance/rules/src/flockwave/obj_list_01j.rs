@@ -24,16 +24,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("OBJ-LIST contains its first id twice.", |out| out.repeat_first_id("OBJ-LIST")),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a duplicate id",
-            make: || mutant::reply("OBJ-LIST", |body| body["ids"][0] = "swift".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "an id with a slash",
-            make: || mutant::reply("OBJ-LIST", |body| body["ids"][0] = "kite/2".into()),
-            also: &[],
-        },
+        Mutant::reply("a duplicate id", "OBJ-LIST", |body| body["ids"][0] = "swift".into()),
+        Mutant::reply("an id with a slash", "OBJ-LIST", |body| body["ids"][0] = "kite/2".into()),
     ],
 };
 

@@ -29,18 +29,12 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("OBJ-LIST ignores its filter.")
         .with(&[&obj_list_03::RULE.rule, &uav_list_02::RULE.rule]),
     trial: None,
-    mutants: &[Mutant {
-        name: "an ignored filter",
-        make: || {
-            mutant::over("tcp#9", |session| {
-                for kind in ["uav", "beacon"] {
-                    let all = json!({ "ids": ["kite", "mast", "swift"] });
-                    session.exchange(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
-                }
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("an ignored filter", "tcp#9", |session| {
+        for kind in ["uav", "beacon"] {
+            let all = json!({ "ids": ["kite", "mast", "swift"] });
+            session.exchange(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
+        }
+    })],
 };
 
 /// The maximum number of stored lists per connection.

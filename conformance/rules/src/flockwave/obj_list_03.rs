@@ -26,16 +26,12 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
         vec![Request::new("", json!({ "type": "OBJ-LIST", "filter": ["unknown-type"] }))]
     })),
     mutants: &[
-        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant {
-            name: "all objects are listed",
-            make: || {
-                let request = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
-                let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
-                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, all))
-            },
-            also: &[],
-        },
+        Mutant::refused("the request is refused", "tcp#9"),
+        Mutant::connection("all objects are listed", "tcp#9", |session| {
+            let request = json!({ "type": "OBJ-LIST", "filter": ["cloud"] });
+            let all = json!({ "type": "OBJ-LIST", "ids": ["kite", "swift"] });
+            session.tries_and_receives(&RULE.rule, "", request, all);
+        }),
     ],
 };
 

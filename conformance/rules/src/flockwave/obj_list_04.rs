@@ -34,19 +34,13 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("OBJ-LIST without a filter lists UAVs only."),
     trial: None,
-    mutants: &[Mutant {
-        name: "the objects of one type are missing",
-        make: || {
-            let all = || json!({ "ids": ["kite", "swift"] });
-            let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
-            mutant::over("tcp#9", |session| {
-                session.exchange(json!({ "type": "OBJ-LIST" }), all());
-                session.exchange(masts, json!({ "ids": ["mast"] }));
-                session.exchange(json!({ "type": "OBJ-LIST" }), all());
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("the objects of one type are missing", "tcp#9", |session| {
+        let all = || json!({ "ids": ["kite", "swift"] });
+        let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
+        session.exchange(json!({ "type": "OBJ-LIST" }), all());
+        session.exchange(masts, json!({ "ids": ["mast"] }));
+        session.exchange(json!({ "type": "OBJ-LIST" }), all());
+    })],
 };
 
 /// The maximum number of stored objects from filtered lists.

@@ -27,23 +27,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "success with a failed parameter",
-            make: || mutant::reply("PRM-SET-MANY", |body| body["result"]["kite"]["success"] = true.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "success with a failed parameter in ASYNC-RESP",
-            make: || {
-                let request = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
-                let outcome = json!({ "success": true, "failed": ["GEAR"] });
-                mutant::then(|session| {
-                    session.exchange(request, json!({ "receipt": { "kite": "rcpt-8" } }));
-                    session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
-                })
-            },
-            also: &[],
-        },
+        Mutant::reply("success with a failed parameter", "PRM-SET-MANY", |body| {
+            body["result"]["kite"]["success"] = true.into();
+        }),
+        Mutant::session("success with a failed parameter in ASYNC-RESP", |session| {
+            let request = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
+            let outcome = json!({ "success": true, "failed": ["GEAR"] });
+            session.exchange(request, json!({ "receipt": { "kite": "rcpt-8" } }));
+            session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
+        }),
     ],
 };
 

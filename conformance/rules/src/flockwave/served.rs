@@ -19,9 +19,6 @@ const REFUSED_DATAGRAM: &str = "connection refused";
 /// The name of the mutant without a response.
 pub(super) const UNANSWERED: &str = "no response";
 
-/// The name of the mutant with a refused request.
-pub(super) const REFUSED: &str = "a refused request";
-
 /// The name of the mutant without a connection.
 pub(super) const NO_CONNECTION: &str = "no connection";
 
@@ -30,9 +27,13 @@ pub(super) fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     served(exchange, context);
 }
 
-/// The conforming session with a refused connection that tests the rule.
-pub(super) fn no_connection(rule: &Rule) -> Option<Vec<u8>> {
-    mutant::then(|session| session.refused(rule, "no connection", "Connection refused"))
+/// The mutants of a rule that is only about the service, on a connection such as `tcp#9`.
+pub(super) const fn mutants(connection: &'static str) -> [Mutant; 3] {
+    [
+        Mutant::unanswered(UNANSWERED, connection),
+        Mutant::refused("a refused request", connection),
+        Mutant::no_connection(NO_CONNECTION),
+    ]
 }
 
 /// True if this is the response to a request that tests the rule. Reports a violation if there is no response or no

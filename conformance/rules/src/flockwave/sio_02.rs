@@ -24,11 +24,7 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("Over Socket.IO, long polling is refused.").needs(Needs::SocketIo),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
-    mutants: &[
-        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("socketio#9", &RULE.rule), also: &[] },
-        Mutant { name: served::REFUSED, make: || mutant::refused("socketio#9", &RULE.rule), also: &[] },
-        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
-    ],
+    mutants: &served::mutants("socketio#9"),
 };
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {

@@ -25,21 +25,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .needs(Needs::Farewell),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a reason that is a number",
-            make: || mutant::notice("SYS-CLOSE", |body| body["reason"] = 7.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "SYS-CLOSE as a response",
-            make: || {
-                mutant::then(|session| {
-                    let id = session.sends(json!({ "type": "UAV-SOAR" }));
-                    session.answers(&id, json!({ "body": { "type": "SYS-CLOSE" } }));
-                })
-            },
-            also: &[&sys_close_02::RULE.rule],
-        },
+        Mutant::notice("a reason that is a number", "SYS-CLOSE", |body| body["reason"] = 7.into()),
+        Mutant::session("SYS-CLOSE as a response", |session| {
+            let id = session.sends(json!({ "type": "UAV-SOAR" }));
+            session.answers(&id, json!({ "body": { "type": "SYS-CLOSE" } }));
+        })
+        .also(&[&sys_close_02::RULE.rule]),
     ],
 };
 

@@ -29,17 +29,13 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a message after SYS-CLOSE",
-        make: || {
-            let mut session = Session::new();
-            let closed = session.lines.pop()?;
-            session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
-            session.lines.push(closed);
-            Some(session.to_bytes())
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::new("a message after SYS-CLOSE", || {
+        let mut session = Session::new();
+        let closed = session.lines.pop()?;
+        session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
+        session.lines.push(closed);
+        Some(session.to_bytes())
+    })],
 };
 
 /// The memory limit, in bytes.

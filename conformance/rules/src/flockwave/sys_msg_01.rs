@@ -28,16 +28,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "an item without a message",
-            make: || mutant::notice("SYS-MSG", |body| body["items"][0] = json!({ "severity": "info" })),
-            also: &[],
-        },
-        Mutant {
-            name: "`items` is not a list",
-            make: || mutant::notice("SYS-MSG", |body| body["items"] = "Thermals".into()),
-            also: &[],
-        },
+        Mutant::notice("an item without a message", "SYS-MSG", |body| {
+            body["items"][0] = json!({ "severity": "info" });
+        }),
+        Mutant::notice("`items` is not a list", "SYS-MSG", |body| body["items"] = "Thermals".into()),
     ],
 };
 

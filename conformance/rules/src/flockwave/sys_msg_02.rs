@@ -24,11 +24,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "an unknown severity",
-        make: || mutant::notice("SYS-MSG", |body| body["items"][0]["severity"] = "loud".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::notice("an unknown severity", "SYS-MSG", |body| {
+        body["items"][0]["severity"] = "loud".into();
+    })],
 };
 
 const SEVERITY: ExpectedValue =

@@ -30,17 +30,11 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "SYS-PING is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant {
-            name: "SYS-PING is not answered",
-            make: || mutant::unanswered("tcp#9", &RULE.rule),
-            also: &[],
-        },
-        Mutant {
-            name: "SYS-PING is answered with a different type",
-            make: || mutant::reply("ACK-ACK", |body| *body = json!({ "type": "CONN-LIST", "ids": [] })),
-            also: &[],
-        },
+        Mutant::refused("SYS-PING is refused", "tcp#9"),
+        Mutant::unanswered("SYS-PING is not answered", "tcp#9"),
+        Mutant::reply("SYS-PING is answered with a different type", "ACK-ACK", |body| {
+            *body = json!({ "type": "CONN-LIST", "ids": [] });
+        }),
     ],
 };
 

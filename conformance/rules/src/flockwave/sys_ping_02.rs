@@ -25,11 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a SYS-PING response",
-        make: || mutant::reply("ACK-ACK", |body| body["type"] = "SYS-PING".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::reply("a SYS-PING response", "ACK-ACK", |body| body["type"] = "SYS-PING".into())],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -28,16 +28,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "port 0",
-            make: || mutant::reply("SYS-PORTS", |body| body["ports"]["tcp"] = 0.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a list of ports",
-            make: || mutant::reply("SYS-PORTS", |body| body["ports"] = json!([7001])),
-            also: &[],
-        },
+        Mutant::reply("port 0", "SYS-PORTS", |body| body["ports"]["tcp"] = 0.into()),
+        Mutant::reply("a list of ports", "SYS-PORTS", |body| body["ports"] = json!([7001])),
     ],
 };
 

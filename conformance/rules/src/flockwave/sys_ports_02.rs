@@ -31,14 +31,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a different port",
-        make: || {
-            let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
-            mutant::over("tcp#9", |session| session.exchange(json!({ "type": "SYS-PORTS" }), ports))
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("a different port", "tcp#9", |session| {
+        let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
+        session.exchange(json!({ "type": "SYS-PORTS" }), ports);
+    })],
 };
 
 /// The transport and the port in use, by connection.

@@ -25,16 +25,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a missing timestamp",
-            make: || mutant::reply("SYS-TIME", |body| mutant::remove(body, "timestamp")),
-            also: &[],
-        },
-        Mutant {
-            name: "a string",
-            make: || mutant::reply("SYS-TIME", |body| body["timestamp"] = "noon".into()),
-            also: &[],
-        },
+        Mutant::reply("a missing timestamp", "SYS-TIME", |body| mutant::remove(body, "timestamp")),
+        Mutant::reply("a string", "SYS-TIME", |body| body["timestamp"] = "noon".into()),
     ],
 };
 

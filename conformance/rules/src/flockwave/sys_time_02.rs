@@ -36,32 +36,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     .with(&[&uav_inf_09::RULE.rule]),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a clock that jumps forward",
-            make: || {
-                let later = |session: &mut Session| {
-                    session.exchange(
-                        json!({ "type": "SYS-TIME" }),
-                        json!({ "timestamp": 1_800_000_000_000_u64 }),
-                    );
-                };
-                mutant::then(later)
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a clock that jumps back",
-            make: || {
-                let before = |session: &mut Session| {
-                    session.exchange(
-                        json!({ "type": "SYS-TIME" }),
-                        json!({ "timestamp": 1_780_000_000_000_u64 }),
-                    );
-                };
-                mutant::then(before)
-            },
-            also: &[],
-        },
+        Mutant::session("a clock that jumps forward", |session| {
+            session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
+        }),
+        Mutant::session("a clock that jumps back", |session| {
+            session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
+        }),
     ],
 };
 

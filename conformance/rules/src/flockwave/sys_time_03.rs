@@ -32,22 +32,22 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("An adjustment of 0 sets the clock forward by an hour."),
     trial: None,
     mutants: &[
-        Mutant { name: "the response to the adjustment is an hour ahead", make: || adjusted(1), also: &[] },
-        Mutant { name: "the next response is an hour ahead", make: || adjusted(2), also: &[] },
+        Mutant::connection("the response to the adjustment is an hour ahead", "tcp#9", |session| {
+            adjusts(session, 1);
+        }),
+        Mutant::connection("the next response is an hour ahead", "tcp#9", |session| adjusts(session, 2)),
     ],
 };
 
-/// A session with three responses. From response `first` on, the server clock is an hour ahead.
-fn adjusted(first: usize) -> Option<Vec<u8>> {
-    mutant::over("tcp#9", |session| {
-        let requests = [json!({}), json!({ "adjustment": 0 }), json!({})];
-        for (at, mut request) in requests.into_iter().enumerate() {
-            request["type"] = "SYS-TIME".into();
-            let ahead = if at < first { 0 } else { 3_600_000 };
-            let answer = json!({ "timestamp": session.now() + 40 + ahead });
-            session.exchange(request, answer);
-        }
-    })
+/// Adds three responses. From response `first` on, the server clock is an hour ahead.
+fn adjusts(session: &mut Session, first: usize) {
+    let requests = [json!({}), json!({ "adjustment": 0 }), json!({})];
+    for (at, mut request) in requests.into_iter().enumerate() {
+        request["type"] = "SYS-TIME".into();
+        let ahead = if at < first { 0 } else { 3_600_000 };
+        let answer = json!({ "timestamp": session.now() + 40 + ahead });
+        session.exchange(request, answer);
+    }
 }
 
 /// True if an adjustment of 0 changed the clock.

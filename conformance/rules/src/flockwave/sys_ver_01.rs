@@ -23,16 +23,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "`software` is a number",
-            make: || mutant::reply("SYS-VER", |body| body["software"] = 7.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "missing `software`",
-            make: || mutant::reply("SYS-VER", |body| mutant::remove(body, "software")),
-            also: &[],
-        },
+        Mutant::reply("`software` is a number", "SYS-VER", |body| body["software"] = 7.into()),
+        Mutant::reply("missing `software`", "SYS-VER", |body| mutant::remove(body, "software")),
     ],
 };
 

@@ -23,16 +23,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "`version` is a number",
-            make: || mutant::reply("SYS-VER", |body| body["version"] = 3.1.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a suffix after the numbers",
-            make: || mutant::reply("SYS-VER", |body| body["version"] = "3.1-rc".into()),
-            also: &[],
-        },
+        Mutant::reply("`version` is a number", "SYS-VER", |body| body["version"] = 3.1.into()),
+        Mutant::reply("a suffix after the numbers", "SYS-VER", |body| body["version"] = "3.1-rc".into()),
     ],
 };
 

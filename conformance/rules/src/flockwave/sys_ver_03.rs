@@ -26,16 +26,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a revision that is a number",
-            make: || mutant::reply("SYS-VER", |body| body["revision"] = 7.into()),
-            also: &[],
-        },
-        Mutant {
-            name: "a name that is a list",
-            make: || mutant::reply("SYS-VER", |body| body["name"] = json!([])),
-            also: &[],
-        },
+        Mutant::reply("a revision that is a number", "SYS-VER", |body| body["revision"] = 7.into()),
+        Mutant::reply("a name that is a list", "SYS-VER", |body| body["name"] = json!([])),
     ],
 };
 

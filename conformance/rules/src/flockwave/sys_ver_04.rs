@@ -27,18 +27,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.set("SYS-VER", "revision", json!(revision));
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a changed revision",
-        make: || {
-            mutant::over("tcp#9", |session| {
-                for revision in ["b7", "b8"] {
-                    let version = json!({ "software": "Windward", "version": "3.1", "revision": revision });
-                    session.exchange(json!({ "type": "SYS-VER" }), version);
-                }
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("a changed revision", "tcp#9", |session| {
+        for revision in ["b7", "b8"] {
+            let version = json!({ "software": "Windward", "version": "3.1", "revision": revision });
+            session.exchange(json!({ "type": "SYS-VER" }), version);
+        }
+    })],
 };
 
 /// The compared fields.

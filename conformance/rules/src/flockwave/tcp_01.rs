@@ -28,33 +28,23 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("Over TCP, notifications are split into several lines.").needs(Needs::Tcp),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a message on several lines",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    for line in [
-                        "{",
-                        "\"$fw.version\": \"1.0\", \"id\": \"{\\\"\",",
-                        "\"body\": { \"type\": \"OBJ-DEL\", \"ids\": [",
-                        "\"vane\"",
-                        "] } }",
-                    ] {
-                        session.send_raw(line);
-                    }
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "three messages on one line",
-            make: || {
-                let message = |id: &str| {
-                    format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
-                };
-                mutant::over("tcp#9", |session| session.send_raw(&["a", "b", "c"].map(message).join(" ")))
-            },
-            also: &[],
-        },
+        Mutant::connection("a message on several lines", "tcp#9", |session| {
+            for line in [
+                "{",
+                "\"$fw.version\": \"1.0\", \"id\": \"{\\\"\",",
+                "\"body\": { \"type\": \"OBJ-DEL\", \"ids\": [",
+                "\"vane\"",
+                "] } }",
+            ] {
+                session.send_raw(line);
+            }
+        }),
+        Mutant::connection("three messages on one line", "tcp#9", |session| {
+            let message = |id: &str| {
+                format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
+            };
+            session.send_raw(&["a", "b", "c"].map(message).join(" "));
+        }),
     ],
 };
 

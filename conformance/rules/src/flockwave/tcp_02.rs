@@ -28,11 +28,7 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("Over TCP, only the first of several requests in a segment is handled.")
         .needs(Needs::Tcp),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
-    mutants: &[
-        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::REFUSED, make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
-    ],
+    mutants: &served::mutants("tcp#9"),
 };
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {

@@ -23,11 +23,7 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("Over TCP, a line that is not JSON ends the connection.").needs(Needs::Tcp),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
-    mutants: &[
-        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::REFUSED, make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
-    ],
+    mutants: &served::mutants("tcp#9"),
 };
 
 fn attempts(endpoint: &Endpoint) -> Vec<Attempt> {

@@ -30,11 +30,7 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
         .needs(Needs::Tcp)
         .with(&[&tcp_02::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Sound, attempts)),
-    mutants: &[
-        Mutant { name: served::UNANSWERED, make: || mutant::unanswered("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::REFUSED, make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant { name: served::NO_CONNECTION, make: || served::no_connection(&RULE.rule), also: &[] },
-    ],
+    mutants: &served::mutants("tcp#9"),
 };
 
 /// The pause between the two halves of a message.

@@ -24,16 +24,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a missing UAV",
-            make: || mutant::reply("UAV-INF", |body| mutant::remove(body, "error")),
-            also: &[],
-        },
-        Mutant {
-            name: "a UAV in both maps",
-            make: || mutant::reply("UAV-INF", |body| body["error"]["kite"] = "Asleep".into()),
-            also: &[],
-        },
+        Mutant::reply("a missing UAV", "UAV-INF", |body| mutant::remove(body, "error")),
+        Mutant::reply("a UAV in both maps", "UAV-INF", |body| body["error"]["kite"] = "Asleep".into()),
     ],
 };
 

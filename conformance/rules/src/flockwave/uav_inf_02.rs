@@ -27,11 +27,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "an additional UAV",
-        make: || mutant::reply("UAV-INF", |body| body["error"]["hawk"] = "Asleep".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::reply("an additional UAV", "UAV-INF", |body| body["error"]["hawk"] = "Asleep".into())],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

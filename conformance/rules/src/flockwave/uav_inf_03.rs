@@ -22,11 +22,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.set_in_state("id", json!("ghost-1"));
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "an id that differs from its key",
-        make: || mutant::state(|kite| kite["id"] = "hawk".into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::state("an id that differs from its key", |kite| kite["id"] = "hawk".into())],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

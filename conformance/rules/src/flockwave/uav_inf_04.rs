@@ -35,11 +35,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a reason that is a number",
-        make: || mutant::reply("UAV-INF", |body| body["error"]["owl"] = 7.into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::reply("a reason that is a number", "UAV-INF", |body| body["error"]["owl"] = 7.into())],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

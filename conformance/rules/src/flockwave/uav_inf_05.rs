@@ -24,11 +24,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a notification with `error`",
-        make: || mutant::notice("UAV-INF", |body| body["error"] = json!({ "owl": "Lost" })),
-        also: &[],
-    }],
+    mutants: &[Mutant::notice("a notification with `error`", "UAV-INF", |body| {
+        body["error"] = json!({ "owl": "Lost" });
+    })],
 };
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

@@ -24,16 +24,12 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
         vec![Request::new("", json!({ "type": "UAV-INF", "ids": [trial::UNKNOWN_ID] }))]
     })),
     mutants: &[
-        Mutant { name: "the request is refused", make: || mutant::refused("tcp#9", &RULE.rule), also: &[] },
-        Mutant {
-            name: "the response has a state for an unknown UAV",
-            make: || {
-                let request = json!({ "type": "UAV-INF", "ids": ["nobody"] });
-                let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
-                let reported = json!({ "type": "UAV-INF", "status": status });
-                mutant::over("tcp#9", |session| session.tries_and_receives(&RULE.rule, "", request, reported))
-            },
-            also: &[],
-        },
+        Mutant::refused("the request is refused", "tcp#9"),
+        Mutant::connection("the response has a state for an unknown UAV", "tcp#9", |session| {
+            let request = json!({ "type": "UAV-INF", "ids": ["nobody"] });
+            let status = json!({ "nobody": { "id": "nobody", "timestamp": 1_790_000_000_000_u64 } });
+            let reported = json!({ "type": "UAV-INF", "status": status });
+            session.tries_and_receives(&RULE.rule, "", request, reported);
+        }),
     ],
 };

@@ -22,11 +22,7 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("Requests with no ids fail."),
     trial: Some(Trial::Requests(requests)),
-    mutants: &[Mutant {
-        name: "the request is refused",
-        make: || mutant::refused("tcp#9", &RULE.rule),
-        also: &[],
-    }],
+    mutants: &[Mutant::refused("the request is refused", "tcp#9")],
 };
 
 /// A repeated id is not tested: the definition requires unique ids, so a server may refuse them.

@@ -31,11 +31,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a timestamp that goes back",
-        make: || mutant::state(|kite| kite["timestamp"] = 1_789_000_000_000_u64.into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::state("a timestamp that goes back", |kite| {
+        kite["timestamp"] = 1_789_000_000_000_u64.into();
+    })],
 };
 
 /// The memory limit, in bytes.

@@ -31,11 +31,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         out.shift_timestamps(|time| time + 3_600_000);
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "a timestamp that is a day ahead",
-        make: || mutant::state(|kite| kite["timestamp"] = 1_790_086_400_000_u64.into()),
-        also: &[],
-    }],
+    mutants: &[Mutant::state("a timestamp that is a day ahead", |kite| {
+        kite["timestamp"] = 1_790_086_400_000_u64.into();
+    })],
 };
 
 /// The tolerance for inaccurate clocks, in seconds.

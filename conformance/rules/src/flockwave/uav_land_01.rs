@@ -34,15 +34,9 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
         "A UAV ignores the first UAV-LAND of a flight, which the server accepts. After UAV-RTH, the UAV only hovers.",
     ),
     trial: None,
-    mutants: &[Mutant {
-        name: "a UAV that keeps its height after UAV-LAND",
-        make: || {
-            mutant::over("tcp#9", |session| {
-                session.lands(json!({ "result": { "kite": true } }), &[9_000, 10_000, 10_000, 10_000]);
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("a UAV that keeps its height after UAV-LAND", "tcp#9", |session| {
+        session.lands(json!({ "result": { "kite": true } }), &[9_000, 10_000, 10_000, 10_000]);
+    })],
 };
 
 /// The time for a UAV to begin to descend, in seconds.

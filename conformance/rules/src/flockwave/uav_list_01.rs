@@ -23,16 +23,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The last id in UAV-LIST is a number.", |out| out.make_last_id_a_number("UAV-LIST")),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "missing `ids`",
-            make: || mutant::reply("UAV-LIST", |body| mutant::remove(body, "ids")),
-            also: &[],
-        },
-        Mutant {
-            name: "an id that is a number",
-            make: || mutant::reply("UAV-LIST", |body| body["ids"][0] = 7.into()),
-            also: &[],
-        },
+        Mutant::reply("missing `ids`", "UAV-LIST", |body| mutant::remove(body, "ids")),
+        Mutant::reply("an id that is a number", "UAV-LIST", |body| body["ids"][0] = 7.into()),
     ],
 };
 

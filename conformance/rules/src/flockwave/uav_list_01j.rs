@@ -24,16 +24,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("UAV-LIST contains its first id twice.", |out| out.repeat_first_id("UAV-LIST")),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a duplicate id",
-            make: || mutant::reply("UAV-LIST", |body| body["ids"][0] = "swift".into()),
-            also: &[],
-        },
-        Mutant {
-            name: "an id with a slash",
-            make: || mutant::reply("UAV-LIST", |body| body["ids"][0] = "kite/2".into()),
-            also: &[],
-        },
+        Mutant::reply("a duplicate id", "UAV-LIST", |body| body["ids"][0] = "swift".into()),
+        Mutant::reply("an id with a slash", "UAV-LIST", |body| body["ids"][0] = "kite/2".into()),
     ],
 };
 

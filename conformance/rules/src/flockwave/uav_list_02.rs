@@ -37,22 +37,20 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "UAV-LIST omits a UAV", make: || listed(&["kite"], &["kite", "swift"]), also: &[] },
-        Mutant {
-            name: "UAV-LIST has an additional UAV",
-            make: || listed(&["kite", "owl"], &["kite"]),
-            also: &[],
-        },
+        Mutant::connection("UAV-LIST omits a UAV", "tcp#9", |session| {
+            lists(session, &["kite"], &["kite", "swift"]);
+        }),
+        Mutant::connection("UAV-LIST has an additional UAV", "tcp#9", |session| {
+            lists(session, &["kite", "owl"], &["kite"]);
+        }),
     ],
 };
 
-/// A session with `uavs` in UAV-LIST, `objects` in OBJ-LIST, and `uavs` in UAV-LIST again.
-fn listed(uavs: &[&str], objects: &[&str]) -> Option<Vec<u8>> {
-    mutant::over("tcp#9", |session| {
-        session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
-        session.exchange(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
-        session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
-    })
+/// Adds responses with `uavs` in UAV-LIST, `objects` in OBJ-LIST, and `uavs` in UAV-LIST again.
+fn lists(session: &mut Session, uavs: &[&str], objects: &[&str]) {
+    session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
+    session.exchange(json!({ "type": "OBJ-LIST", "filter": ["uav"] }), json!({ "ids": objects }));
+    session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": uavs }));
 }
 
 /// The maximum number of OBJ-LIST responses that are stored until the next UAV-LIST.

@@ -43,21 +43,15 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
         }
     }),
     trial: None,
-    mutants: &[Mutant {
-        name: "an unknown UAV in the list",
-        make: || {
-            mutant::over("tcp#9", |session| {
-                let list = |session: &mut Session| {
-                    session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
-                };
-                list(session);
-                let error = json!({ "error": { "kite": "No such glider" } });
-                session.exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
-                list(session);
-            })
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("an unknown UAV in the list", "tcp#9", |session| {
+        let list = |session: &mut Session| {
+            session.exchange(json!({ "type": "UAV-LIST" }), json!({ "ids": ["kite", "swift"] }));
+        };
+        list(session);
+        let error = json!({ "error": { "kite": "No such glider" } });
+        session.exchange(json!({ "type": "UAV-INF", "ids": ["kite"] }), error);
+        list(session);
+    })],
 };
 
 /// The maximum number of stored unknown UAVs per connection.

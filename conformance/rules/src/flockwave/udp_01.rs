@@ -22,16 +22,11 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[],
     bug: Bug::behaviour("Over UDP, each notification is sent twice in one datagram.").needs(Needs::Udp),
     trial: None,
-    mutants: &[Mutant {
-        name: "two messages in a datagram",
-        make: || {
-            let message = |id: &str| {
-                format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
-            };
-            mutant::over("udp#9", |session| session.send_raw(&["a", "b"].map(message).join("\n")))
-        },
-        also: &[],
-    }],
+    mutants: &[Mutant::connection("two messages in a datagram", "udp#9", |session| {
+        let message =
+            |id: &str| format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#);
+        session.send_raw(&["a", "b"].map(message).join("\n"));
+    })],
 };
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {

@@ -23,8 +23,10 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::behaviour("Over UDP, all responses go to the address of the first client.").needs(Needs::Udp),
     trial: Some(Trial::Attempts(Strain::Plain, attempts)),
     mutants: &[
-        Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },
-        Mutant { name: "a refused request", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },
+        Mutant::connection("requests without a response", "udp#9", |session| {
+            udp::unanswered(session, &RULE.rule);
+        }),
+        Mutant::refused("a refused request", "udp#9"),
     ],
 };
 

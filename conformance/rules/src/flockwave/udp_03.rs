@@ -29,8 +29,10 @@ pub static RULE: FlockwaveRule = FlockwaveRule {
         .with(&[&env_27::RULE.rule]),
     trial: Some(Trial::Attempts(Strain::Noise, attempts)),
     mutants: &[
-        Mutant { name: "requests without a response", make: || udp::unanswered(&RULE.rule), also: &[] },
-        Mutant { name: "a refused request", make: || mutant::refused("udp#9", &RULE.rule), also: &[] },
+        Mutant::connection("requests without a response", "udp#9", |session| {
+            udp::unanswered(session, &RULE.rule);
+        }),
+        Mutant::refused("a refused request", "udp#9"),
     ],
 };
 

@@ -16,11 +16,6 @@ pub(super) const RULE: Rule = Rule {
     fix: "",
 };
 
-/// The conforming session with a different value in a field of a UAV state.
-pub(super) fn with(field: &str, value: Value) -> Option<Vec<u8>> {
-    mutant::state(|kite| kite[field] = value)
-}
-
 /// Counts the states that have this field, and reports the body schema violations that the rule covers.
 pub(super) fn check(message: &Message<'_>, context: &mut RuleContext<'_>, rule: &FlockwaveRule, field: &str) {
     for (_, state) in body::states(message, "UAV-INF") {

@@ -23,7 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "a yaw of 3600", make: || ust::with("attitude", json!([0, 0, 3600])), also: &[] },
-        Mutant { name: "a missing yaw", make: || ust::with("attitude", json!([0, 0])), also: &[] },
+        Mutant::state("a yaw of 3600", |state| state["attitude"] = json!([0, 0, 3600])),
+        Mutant::state("a missing yaw", |state| state["attitude"] = json!([0, 0])),
     ],
 };

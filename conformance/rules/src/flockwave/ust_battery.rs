@@ -23,12 +23,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "a fractional voltage", make: || ust::with("battery", json!([11.8, 84])), also: &[] },
-        Mutant { name: "101 percent", make: || ust::with("battery", json!([118, 101])), also: &[] },
-        Mutant {
-            name: "a number in place of a boolean",
-            make: || ust::with("battery", json!([118, 84, 1])),
-            also: &[],
-        },
+        Mutant::state("a fractional voltage", |state| state["battery"] = json!([11.8, 84])),
+        Mutant::state("101 percent", |state| state["battery"] = json!([118, 101])),
+        Mutant::state("a number in place of a boolean", |state| state["battery"] = json!([118, 84, 1])),
     ],
 };

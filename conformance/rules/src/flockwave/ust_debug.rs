@@ -23,11 +23,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a string that is not Base64",
-            make: || ust::with("debug", json!("glide!")),
-            also: &[],
-        },
-        Mutant { name: "a number", make: || ust::with("debug", json!(7)), also: &[] },
+        Mutant::state("a string that is not Base64", |state| state["debug"] = json!("glide!")),
+        Mutant::state("a number", |state| state["debug"] = json!(7)),
     ],
 };

@@ -21,9 +21,5 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     ],
     bug: Bug::message("A UAV's `errors` field is a string.", |out| out.set_in_state("errors", json!("none"))),
     trial: None,
-    mutants: &[Mutant {
-        name: "a code instead of a list",
-        make: || ust::with("errors", json!(1)),
-        also: &[],
-    }],
+    mutants: &[Mutant::state("a code instead of a list", |state| state["errors"] = json!(1))],
 };

@@ -22,8 +22,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "a fix type of 8", make: || ust::with("gps", json!([8])), also: &[] },
-        Mutant { name: "an empty list", make: || ust::with("gps", json!([])), also: &[] },
-        Mutant { name: "a fix type instead of a list", make: || ust::with("gps", json!(3)), also: &[] },
+        Mutant::state("a fix type of 8", |state| state["gps"] = json!([8])),
+        Mutant::state("an empty list", |state| state["gps"] = json!([])),
+        Mutant::state("a fix type instead of a list", |state| state["gps"] = json!(3)),
     ],
 };

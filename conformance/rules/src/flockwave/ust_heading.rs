@@ -19,8 +19,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The heading of a UAV is 3600.", |out| out.set_in_state("heading", json!(3600))),
     trial: None,
     mutants: &[
-        Mutant { name: "a heading of 3600", make: || ust::with("heading", json!(3600)), also: &[] },
-        Mutant { name: "a heading of -1", make: || ust::with("heading", json!(-1)), also: &[] },
-        Mutant { name: "a fractional heading", make: || ust::with("heading", json!(271.5)), also: &[] },
+        Mutant::state("a heading of 3600", |state| state["heading"] = json!(3600)),
+        Mutant::state("a heading of -1", |state| state["heading"] = json!(-1)),
+        Mutant::state("a fractional heading", |state| state["heading"] = json!(271.5)),
     ],
 };

@@ -21,8 +21,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The `id` of a UAV is a number.", |out| out.set_in_state("id", json!(7))),
     trial: None,
     mutants: &[
-        Mutant { name: "missing `id`", make: || mutant::state(|kite| mutant::remove(kite, "id")), also: &[] },
-        Mutant { name: "an id that is a number", make: || ust::with("id", json!(7)), also: &[] },
-        Mutant { name: "an id that is null", make: || ust::with("id", json!(null)), also: &[] },
+        Mutant::state("missing `id`", |state| mutant::remove(state, "id")),
+        Mutant::state("an id that is a number", |state| state["id"] = json!(7)),
+        Mutant::state("an id that is null", |state| state["id"] = json!(null)),
     ],
 };

@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "a colour of 65536", make: || ust::with("light", json!(65536)), also: &[] },
-        Mutant { name: "a colour name", make: || ust::with("light", json!("green")), also: &[] },
+        Mutant::state("a colour of 65536", |state| state["light"] = json!(65536)),
+        Mutant::state("a colour name", |state| state["light"] = json!("green")),
     ],
 };

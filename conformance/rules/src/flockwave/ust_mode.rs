@@ -18,5 +18,5 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     covers: &[Attribution::new(&["UAV-INF"], "status.*.mode.**", attribution::ALL)],
     bug: Bug::message("The `mode` of a UAV is a number.", |out| out.set_in_state("mode", json!(4))),
     trial: None,
-    mutants: &[Mutant { name: "a mode that is a number", make: || ust::with("mode", json!(4)), also: &[] }],
+    mutants: &[Mutant::state("a mode that is a number", |state| state["mode"] = json!(4))],
 };

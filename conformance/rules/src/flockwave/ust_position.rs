@@ -23,25 +23,11 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a longitude beyond 180°",
-            make: || ust::with("position", json!([0, 1_800_000_001])),
-            also: &[],
-        },
-        Mutant {
-            name: "a latitude of 180°",
-            make: || ust::with("position", json!([1_800_000_000, 0])),
-            also: &[],
-        },
-        Mutant {
-            name: "a missing longitude",
-            make: || ust::with("position", json!([465_410_000])),
-            also: &[],
-        },
-        Mutant {
-            name: "six elements",
-            make: || ust::with("position", json!([465_410_000, 115_520_000, 1, 2, 3, 4])),
-            also: &[],
-        },
+        Mutant::state("a longitude beyond 180°", |state| state["position"] = json!([0, 1_800_000_001])),
+        Mutant::state("a latitude of 180°", |state| state["position"] = json!([1_800_000_000, 0])),
+        Mutant::state("a missing longitude", |state| state["position"] = json!([465_410_000])),
+        Mutant::state("six elements", |state| {
+            state["position"] = json!([465_410_000, 115_520_000, 1, 2, 3, 4]);
+        }),
     ],
 };

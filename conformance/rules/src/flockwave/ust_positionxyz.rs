@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant { name: "two coordinates", make: || ust::with("positionXYZ", json!([1, 2])), also: &[] },
-        Mutant { name: "a string", make: || ust::with("positionXYZ", json!(["1", 0, 0])), also: &[] },
+        Mutant::state("two coordinates", |state| state["positionXYZ"] = json!([1, 2])),
+        Mutant::state("a string", |state| state["positionXYZ"] = json!(["1", 0, 0])),
     ],
 };

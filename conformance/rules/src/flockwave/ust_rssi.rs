@@ -19,7 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     bug: Bug::message("The `rssi` of a UAV is -60.", |out| out.set_in_state("rssi", json!([-60]))),
     trial: None,
     mutants: &[
-        Mutant { name: "a value of -80", make: || ust::with("rssi", json!([-80])), also: &[] },
-        Mutant { name: "a number instead of a list", make: || ust::with("rssi", json!(71)), also: &[] },
+        Mutant::state("a value of -80", |state| state["rssi"] = json!([-80])),
+        Mutant::state("a number instead of a list", |state| state["rssi"] = json!(71)),
     ],
 };

@@ -20,16 +20,8 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "missing `timestamp`",
-            make: || mutant::state(|kite| mutant::remove(kite, "timestamp")),
-            also: &[],
-        },
-        Mutant {
-            name: "a timestamp that is a string",
-            make: || ust::with("timestamp", json!("noon")),
-            also: &[],
-        },
-        Mutant { name: "null", make: || ust::with("timestamp", json!(null)), also: &[] },
+        Mutant::state("missing `timestamp`", |state| mutant::remove(state, "timestamp")),
+        Mutant::state("a timestamp that is a string", |state| state["timestamp"] = json!("noon")),
+        Mutant::state("null", |state| state["timestamp"] = json!(null)),
     ],
 };

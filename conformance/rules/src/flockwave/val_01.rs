@@ -32,42 +32,21 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a timestamp in seconds",
-            make: || ust::with("timestamp", json!(1_790_000_000)),
-            also: &[&uav_inf_08::RULE.rule],
-        },
-        Mutant {
-            name: "a server time since the start of the server",
-            make: || {
-                mutant::over("tcp#9", |session| {
-                    session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1 }));
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a connection timestamp in seconds",
-            make: || {
-                mutant::notice("CONN-INF", |body| body["status"]["winch"]["timestamp"] = 1_790_000_000.into())
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a voltage in microvolts",
-            make: || ust::with("battery", json!([11_800_000, 84])),
-            also: &[],
-        },
-        Mutant {
-            name: "an altitude in nanometres",
-            make: || ust::with("position", json!([465_410_000, 115_520_000, 812_000_000_000_i64])),
-            also: &[],
-        },
-        Mutant {
-            name: "a velocity in micrometres per second",
-            make: || ust::with("velocity", json!([0, -20_000_000, 0])),
-            also: &[],
-        },
+        Mutant::state("a timestamp in seconds", |state| state["timestamp"] = json!(1_790_000_000))
+            .also(&[&uav_inf_08::RULE.rule]),
+        Mutant::connection("a server time since the start of the server", "tcp#9", |session| {
+            session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1 }));
+        }),
+        Mutant::notice("a connection timestamp in seconds", "CONN-INF", |body| {
+            body["status"]["winch"]["timestamp"] = 1_790_000_000.into();
+        }),
+        Mutant::state("a voltage in microvolts", |state| state["battery"] = json!([11_800_000, 84])),
+        Mutant::state("an altitude in nanometres", |state| {
+            state["position"] = json!([465_410_000, 115_520_000, 812_000_000_000_i64]);
+        }),
+        Mutant::state("a velocity in micrometres per second", |state| {
+            state["velocity"] = json!([0, -20_000_000, 0]);
+        }),
     ],
 };
 

@@ -37,39 +37,21 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule {
     }),
     trial: None,
     mutants: &[
-        Mutant {
-            name: "a WTH-INF timestamp that is a string",
-            make: || {
-                mutant::reply("WTH-INF", |body| {
-                    body["status"]["ridge"]["timestamp"] = "noon".into();
-                })
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a WTH-INF timestamp in seconds",
-            make: || {
-                mutant::reply("WTH-INF", |body| body["status"]["ridge"]["timestamp"] = 1_790_000_000.into())
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a WTH-AT timestamp in seconds with a fraction",
-            make: || mutant::reply("WTH-AT", |body| body["weather"]["timestamp"] = json!(1_790_000_000.5)),
-            also: &[],
-        },
-        Mutant {
-            name: "a WTH-AT timestamp in milliseconds with a fraction",
-            make: || {
-                mutant::reply("WTH-AT", |body| body["weather"]["timestamp"] = json!(1_790_000_000_000.5))
-            },
-            also: &[],
-        },
-        Mutant {
-            name: "a missing WTH-AT timestamp",
-            make: || mutant::reply("WTH-AT", |body| mutant::remove(&mut body["weather"], "timestamp")),
-            also: &[],
-        },
+        Mutant::reply("a WTH-INF timestamp that is a string", "WTH-INF", |body| {
+            body["status"]["ridge"]["timestamp"] = "noon".into();
+        }),
+        Mutant::reply("a WTH-INF timestamp in seconds", "WTH-INF", |body| {
+            body["status"]["ridge"]["timestamp"] = 1_790_000_000.into();
+        }),
+        Mutant::reply("a WTH-AT timestamp in seconds with a fraction", "WTH-AT", |body| {
+            body["weather"]["timestamp"] = json!(1_790_000_000.5);
+        }),
+        Mutant::reply("a WTH-AT timestamp in milliseconds with a fraction", "WTH-AT", |body| {
+            body["weather"]["timestamp"] = json!(1_790_000_000_000.5);
+        }),
+        Mutant::reply("a missing WTH-AT timestamp", "WTH-AT", |body| {
+            mutant::remove(&mut body["weather"], "timestamp");
+        }),
     ],
 };
 

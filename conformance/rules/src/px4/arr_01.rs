@@ -24,26 +24,18 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     bug: None,
     mutants: &[
-        Mutant {
-            name: "an array without its last element",
-            change: Change::Flight(|flight| {
-                let (topic, name) = array(flight)?;
-                flight.with_last(topic, |message| _ = message[&name].as_array_mut().and_then(Vec::pop))
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "an array with an extra element",
-            change: Change::Flight(|flight| {
-                let (topic, name) = array(flight)?;
-                flight.with_last(topic, |message| {
-                    if let Some(elements) = message[&name].as_array_mut() {
-                        elements.extend(elements.last().cloned());
-                    }
-                })
-            }),
-            also: &[],
-        },
+        Mutant::flight("an array without its last element", |flight| {
+            let (topic, name) = array(flight)?;
+            flight.with_last(topic, |message| _ = message[&name].as_array_mut().and_then(Vec::pop))
+        }),
+        Mutant::flight("an array with an extra element", |flight| {
+            let (topic, name) = array(flight)?;
+            flight.with_last(topic, |message| {
+                if let Some(elements) = message[&name].as_array_mut() {
+                    elements.extend(elements.last().cloned());
+                }
+            })
+        }),
     ],
 };
 

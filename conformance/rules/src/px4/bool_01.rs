@@ -23,13 +23,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::Value,
     bug: None,
-    mutants: &[Mutant {
-        name: "a bool whose byte is 153",
-        change: Change::Ulog(|flight, log| {
-            let is_bool = |field: &Placed<'_>| matches!(field.element, PlacedElement::Scalar(Scalar::Bool));
-            let (topic, at) = flight.find_field(is_bool)?;
-            log.with_payload(topic, |payload| payload[at] = 153)
-        }),
-        also: &[],
-    }],
+    mutants: &[Mutant::ulog("a bool whose byte is 153", |flight, log| {
+        let is_bool = |field: &Placed<'_>| matches!(field.element, PlacedElement::Scalar(Scalar::Bool));
+        let (topic, at) = flight.find_field(is_bool)?;
+        log.with_payload(topic, |payload| payload[at] = 153)
+    })],
 };

@@ -35,9 +35,7 @@ pub static RULE: Px4Rule = Px4Rule {
         )
         .needing(Needs::Headers),
     ),
-    mutants: &[Mutant {
-        name: "a header with an undefined encoding",
-        change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload[1] = 0x42)),
-        also: &[],
-    }],
+    mutants: &[Mutant::mcap("a header with an undefined encoding", |_, bag| {
+        bag.with_payload(|payload| payload[1] = 0x42)
+    })],
 };

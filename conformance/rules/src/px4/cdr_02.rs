@@ -34,23 +34,13 @@ pub static RULE: Px4Rule = Px4Rule {
         },
     )),
     mutants: &[
-        Mutant {
-            name: "a payload without its last four bytes",
-            change: Change::Mcap(|_, bag| {
-                // Some of the removed bytes may be padding.
-                bag.with_payload(|payload| (0..4).for_each(|_| _ = payload.pop()))
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "a payload with four extra bytes",
-            change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload.extend([0; 4]))),
-            also: &[],
-        },
-        Mutant {
-            name: "a payload of three bytes",
-            change: Change::Mcap(|_, bag| bag.with_payload(|payload| payload.truncate(3))),
-            also: &[],
-        },
+        Mutant::mcap("a payload without its last four bytes", |_, bag| {
+            // Some of the removed bytes may be padding.
+            bag.with_payload(|payload| (0..4).for_each(|_| _ = payload.pop()))
+        }),
+        Mutant::mcap("a payload with four extra bytes", |_, bag| {
+            bag.with_payload(|payload| payload.extend([0; 4]))
+        }),
+        Mutant::mcap("a payload of three bytes", |_, bag| bag.with_payload(|payload| payload.truncate(3))),
     ],
 };

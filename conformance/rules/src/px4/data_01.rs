@@ -22,15 +22,7 @@ pub static RULE: Px4Rule = Px4Rule {
     check: Check::Source,
     bug: None,
     mutants: &[
-        Mutant {
-            name: "a payload of four bytes",
-            change: Change::Ulog(|_, log| log.with_payload(0, |payload| payload.truncate(4))),
-            also: &[],
-        },
-        Mutant {
-            name: "a payload with an extra byte",
-            change: Change::Ulog(|_, log| log.with_payload(0, |payload| payload.push(0))),
-            also: &[],
-        },
+        Mutant::ulog("a payload of four bytes", |_, log| log.with_payload(0, |payload| payload.truncate(4))),
+        Mutant::ulog("a payload with an extra byte", |_, log| log.with_payload(0, |payload| payload.push(0))),
     ],
 };

@@ -23,24 +23,16 @@ pub static RULE: Px4Rule = Px4Rule {
     check: Check::Source,
     bug: None,
     mutants: &[
-        Mutant {
-            name: "data with an id that was never subscribed",
-            change: Change::Ulog(|_, mut log| {
-                log.entries.push(Entry::Data(u16::MAX, vec![0; 8]));
-                Some(log)
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "a subscription after its data",
-            change: Change::Ulog(|_, mut log| {
-                let is_first = |entry: &Entry| matches!(entry, Entry::Subscription(0, ..));
-                let at = log.entries.iter().position(is_first)?;
-                let late = log.entries.remove(at);
-                log.entries.push(late);
-                Some(log)
-            }),
-            also: &[],
-        },
+        Mutant::ulog("data with an id that was never subscribed", |_, mut log| {
+            log.entries.push(Entry::Data(u16::MAX, vec![0; 8]));
+            Some(log)
+        }),
+        Mutant::ulog("a subscription after its data", |_, mut log| {
+            let is_first = |entry: &Entry| matches!(entry, Entry::Subscription(0, ..));
+            let at = log.entries.iter().position(is_first)?;
+            let late = log.entries.remove(at);
+            log.entries.push(late);
+            Some(log)
+        }),
     ],
 };

@@ -23,14 +23,10 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::State(|| Box::new(Instances::default())),
     bug: None,
-    mutants: &[Mutant {
-        name: "a second subscription to an instance",
-        change: Change::Ulog(|flight, mut log| {
-            log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
-            Some(log)
-        }),
-        also: &[],
-    }],
+    mutants: &[Mutant::ulog("a second subscription to an instance", |flight, mut log| {
+        log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
+        Some(log)
+    })],
 };
 
 /// The channel of each subscribed topic and instance.

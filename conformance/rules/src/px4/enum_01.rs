@@ -27,9 +27,5 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     bug: Some(Bug::message(Side::Autopilot, "`warning` of every third BatteryStatus is 100.", |out| {
         out.edit(3, |battery: &mut BatteryStatus| battery.warning = BatteryWarning(100));
     })),
-    mutants: &[Mutant {
-        name: "an undocumented value",
-        change: Change::Flight(|flight| flight.violating(ConstraintKind::Enum)),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("an undocumented value", |flight| flight.violating(ConstraintKind::Enum))],
 };

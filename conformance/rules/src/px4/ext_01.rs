@@ -37,16 +37,8 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         },
     )),
     mutants: &[
-        Mutant {
-            name: "a reply to an old request",
-            change: Change::Flight(|flight| stray(flight, 7)),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply to a request that was never sent",
-            change: Change::Flight(|flight| stray(flight, 255)),
-            also: &[],
-        },
+        Mutant::flight("a reply to an old request", |flight| stray(flight, 7)),
+        Mutant::flight("a reply to a request that was never sent", |flight| stray(flight, 255)),
     ],
 };
 

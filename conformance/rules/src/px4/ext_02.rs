@@ -45,17 +45,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         },
     )),
     mutants: &[
-        Mutant {
-            name: "a reply with an id that was never assigned",
-            change: Change::Flight(|flight| stranger(flight, 9)),
-            also: &[],
-        },
-        Mutant {
-            name: "a reply with an id that is never valid",
-            change: Change::Flight(|flight| stranger(flight, 255)),
-            also: &[],
-        },
-        Mutant { name: "a reply with a released id", change: Change::Flight(ghost), also: &[] },
+        Mutant::flight("a reply with an id that was never assigned", |flight| stranger(flight, 9)),
+        Mutant::flight("a reply with an id that is never valid", |flight| stranger(flight, 255)),
+        Mutant::flight("a reply with a released id", ghost),
     ],
 };
 

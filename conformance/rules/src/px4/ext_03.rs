@@ -43,7 +43,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             out.drop::<ArmingCheckReply>(6);
         },
     )),
-    mutants: &[Mutant { name: "a missing reply", change: Change::Flight(silent), also: &[] }],
+    mutants: &[Mutant::flight("a missing reply", silent)],
 };
 
 /// The number of consecutive replies after which a component is checked. Replies without a time count as late only if

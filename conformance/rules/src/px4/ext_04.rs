@@ -26,7 +26,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     bug: Some(Bug::message(Side::Component, "The events of ArmingCheckReply have `id` 0.", |out| {
         out.edit(1, |reply: &mut ArmingCheckReply| reply.events.iter_mut().for_each(|event| event.id = 0));
     })),
-    mutants: &[Mutant { name: "an event without an id", change: Change::Flight(without_id), also: &[] }],
+    mutants: &[Mutant::flight("an event without an id", without_id)],
 };
 
 struct Reasons;

@@ -24,11 +24,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     bug: Some(Bug::message(Side::Component, "The component refuses arming without an event.", |out| {
         out.edit(1, |reply: &mut ArmingCheckReply| reply.num_events = 0);
     })),
-    mutants: &[Mutant {
-        name: "a refusal without a reason",
-        change: Change::Flight(without_reason),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("a refusal without a reason", without_reason)],
 };
 
 struct Refusals;

@@ -42,11 +42,9 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             out.follow(5, |reply: &mut ArmingCheckReply| reply.mode_req_mission = !reply.mode_req_mission);
         },
     )),
-    mutants: &[Mutant {
-        name: "a second reply with other values",
-        change: Change::Flight(|flight| flight.with_reply(|reply| reply["can_arm_and_run"] = true.into())),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("a second reply with other values", |flight| {
+        flight.with_reply(|reply| reply["can_arm_and_run"] = true.into())
+    })],
 };
 
 /// The maximum time between two replies to the same request, in µs. Request ids repeat after a longer time.

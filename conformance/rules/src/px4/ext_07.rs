@@ -41,7 +41,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             }
         },
     )),
-    mutants: &[Mutant { name: "a reply with another name", change: Change::Flight(renamed), also: &[] }],
+    mutants: &[Mutant::flight("a reply with another name", renamed)],
 };
 
 /// The maximum number of stored requests. A flight controller registers far fewer components.

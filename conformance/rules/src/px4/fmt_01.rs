@@ -24,26 +24,18 @@ pub static RULE: Px4Rule = Px4Rule {
     check: Check::Source,
     bug: None,
     mutants: &[
-        Mutant {
-            name: "a renamed field",
-            change: Change::Ulog(|flight, mut log| {
-                let (topic, name) = second_field(flight)?;
-                let fields = log.format_mut(&flight.topics[topic].name)?;
-                *fields = fields.replace(&format!(" {name};"), &format!(" {name}_before;"));
-                Some(log)
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "a renamed field in a schema",
-            change: Change::Mcap(|flight, mut bag| {
-                let (topic, name) = second_field(flight)?;
-                let text = &mut bag.channels[topic].text;
-                *text = text.replacen(&format!(" {name}\n"), &format!(" {name}_before\n"), 1);
-                Some(bag)
-            }),
-            also: &[],
-        },
+        Mutant::ulog("a renamed field", |flight, mut log| {
+            let (topic, name) = second_field(flight)?;
+            let fields = log.format_mut(&flight.topics[topic].name)?;
+            *fields = fields.replace(&format!(" {name};"), &format!(" {name}_before;"));
+            Some(log)
+        }),
+        Mutant::mcap("a renamed field in a schema", |flight, mut bag| {
+            let (topic, name) = second_field(flight)?;
+            let text = &mut bag.channels[topic].text;
+            *text = text.replacen(&format!(" {name}\n"), &format!(" {name}_before\n"), 1);
+            Some(bag)
+        }),
     ],
 };
 

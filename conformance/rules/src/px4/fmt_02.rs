@@ -21,13 +21,9 @@ pub static RULE: Px4Rule = Px4Rule {
     },
     check: Check::Source,
     bug: None,
-    mutants: &[Mutant {
-        name: "a nested type without a format",
-        change: Change::Ulog(|_, mut log| {
-            let fields = "uint64_t timestamp;rope[2] ropes;".to_owned();
-            log.entries.insert(1, Entry::Format("tow".to_owned(), fields));
-            Some(log)
-        }),
-        also: &[],
-    }],
+    mutants: &[Mutant::ulog("a nested type without a format", |_, mut log| {
+        let fields = "uint64_t timestamp;rope[2] ropes;".to_owned();
+        log.entries.insert(1, Entry::Format("tow".to_owned(), fields));
+        Some(log)
+    })],
 };

@@ -21,14 +21,11 @@ pub static RULE: Px4Rule = Px4Rule {
     },
     check: Check::Source,
     bug: None,
-    mutants: &[Mutant {
-        name: "a renamed `timestamp`",
-        change: Change::Ulog(|flight, mut log| {
-            let topic = flight.regular(|_| true)?;
-            let fields = log.format_mut(&flight.topics[topic].name)?;
-            *fields = fields.replace("uint64_t timestamp;", "uint64_t time;");
-            Some(log)
-        }),
-        also: &[&fmt_01::RULE],
-    }],
+    mutants: &[Mutant::ulog("a renamed `timestamp`", |flight, mut log| {
+        let topic = flight.regular(|_| true)?;
+        let fields = log.format_mut(&flight.topics[topic].name)?;
+        *fields = fields.replace("uint64_t timestamp;", "uint64_t time;");
+        Some(log)
+    })
+    .also(&[&fmt_01::RULE])],
 };

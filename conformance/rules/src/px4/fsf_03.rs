@@ -41,11 +41,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         // The flags of several releases have the same size.
         .needing(Needs::TypeHashes),
     ),
-    mutants: &[Mutant {
-        name: "a flag that is set but has no matching requirement",
-        change: Change::Flight(not_required),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("a flag that is set but has no matching requirement", not_required)],
 };
 
 /// The prefix of the fields that say what a mode requires.

@@ -21,12 +21,8 @@ pub static RULE: Px4Rule = Px4Rule {
     },
     check: Check::Source,
     bug: None,
-    mutants: &[Mutant {
-        name: "the hash of a different type",
-        change: Change::Mcap(|_, mut bag| {
-            bag.channels.first_mut()?.hash = format!("RIHS01_{}", "0".repeat(64));
-            Some(bag)
-        }),
-        also: &[],
-    }],
+    mutants: &[Mutant::mcap("the hash of a different type", |_, mut bag| {
+        bag.channels.first_mut()?.hash = format!("RIHS01_{}", "0".repeat(64));
+        Some(bag)
+    })],
 };

@@ -41,15 +41,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         "The `message_hash` of each MessageFormatResponse is that of another definition.",
         |out| out.edit(1, |response: &mut MessageFormatResponse| response.message_hash ^= 1),
     )),
-    mutants: &[Mutant {
-        name: "an application with another definition",
-        change: Change::Mcap(|flight, mut bag| {
-            flight.topic("MessageFormatResponse")?;
-            bag.application.first_mut()?.hash ^= 1;
-            Some(bag)
-        }),
-        also: &[],
-    }],
+    mutants: &[Mutant::mcap("an application with another definition", |flight, mut bag| {
+        flight.topic("MessageFormatResponse")?;
+        bag.application.first_mut()?.hash ^= 1;
+        Some(bag)
+    })],
 };
 
 /// The maximum number of types, of topics, and of differences.

@@ -23,30 +23,18 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     bug: None,
     mutants: &[
-        Mutant {
-            name: "a missing field",
-            change: Change::Flight(|flight| {
-                flight.with_last(0, |message| {
-                    if let Some(fields) = message.as_object_mut() {
-                        let last = fields.keys().next_back().cloned();
-                        last.and_then(|last| fields.remove(&last));
-                    }
-                })
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "an unknown field",
-            change: Change::Flight(|flight| flight.with_last(0, |message| message["tow"] = 1.into())),
-            also: &[],
-        },
-        Mutant {
-            name: "a duplicate field",
-            change: Change::Json(|lines| {
-                let time = format!("\"timestamp\":{}", START + (ROUNDS - 1) * PERIOD);
-                lines.with_text(&time, &format!("{time},{time}"))
-            }),
-            also: &[],
-        },
+        Mutant::flight("a missing field", |flight| {
+            flight.with_last(0, |message| {
+                if let Some(fields) = message.as_object_mut() {
+                    let last = fields.keys().next_back().cloned();
+                    last.and_then(|last| fields.remove(&last));
+                }
+            })
+        }),
+        Mutant::flight("an unknown field", |flight| flight.with_last(0, |message| message["tow"] = 1.into())),
+        Mutant::json("a duplicate field", |lines| {
+            let time = format!("\"timestamp\":{}", START + (ROUNDS - 1) * PERIOD);
+            lines.with_text(&time, &format!("{time},{time}"))
+        }),
     ],
 };

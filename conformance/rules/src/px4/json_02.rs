@@ -22,22 +22,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     check: Check::Value,
     bug: None,
     mutants: &[
-        Mutant {
-            name: "a number in place of a bool",
-            change: Change::Json(|lines| lines.with_text(":true", ":1")),
-            also: &[],
-        },
-        Mutant {
-            name: "a string in place of an integer",
-            change: Change::Flight(|flight| flight.with_last(0, |message| message["timestamp"] = "1".into())),
-            also: &[],
-        },
-        Mutant {
-            name: "an integer outside the range of its type",
-            change: Change::Flight(|flight| {
-                flight.with_last(0, |message| message["timestamp"] = (-1).into())
-            }),
-            also: &[],
-        },
+        Mutant::json("a number in place of a bool", |lines| lines.with_text(":true", ":1")),
+        Mutant::flight("a string in place of an integer", |flight| {
+            flight.with_last(0, |message| message["timestamp"] = "1".into())
+        }),
+        Mutant::flight("an integer outside the range of its type", |flight| {
+            flight.with_last(0, |message| message["timestamp"] = (-1).into())
+        }),
     ],
 };

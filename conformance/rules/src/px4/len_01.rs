@@ -25,9 +25,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     bug: Some(Bug::message(Side::Component, "`num_events` of every fifth ArmingCheckReply is 6.", |out| {
         out.edit(5, |reply: &mut ArmingCheckReply| reply.num_events = 6);
     })),
-    mutants: &[Mutant {
-        name: "a count above the array length",
-        change: Change::Flight(|flight| flight.violating(ConstraintKind::Count)),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("a count above the array length", |flight| {
+        flight.violating(ConstraintKind::Count)
+    })],
 };

@@ -25,9 +25,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     bug: Some(Bug::message(Side::Autopilot, "`remaining` of every third BatteryStatus is NaN.", |out| {
         out.edit(3, |battery: &mut BatteryStatus| battery.remaining = f32::NAN);
     })),
-    mutants: &[Mutant {
-        name: "NaN in a field without `@invalid NaN`",
-        change: Change::Flight(|flight| flight.violating(ConstraintKind::Nan)),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("NaN in a field without `@invalid NaN`", |flight| {
+        flight.violating(ConstraintKind::Nan)
+    })],
 };

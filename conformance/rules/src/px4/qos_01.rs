@@ -29,34 +29,18 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         "The component requests reliable delivery of arming_check_request, and receives none.",
     )),
     mutants: &[
-        Mutant {
-            name: "a subscriber that requests reliable delivery",
-            change: Change::Mcap(|_, bag| {
-                Some(with_subscriber(bag, Qos { reliability: Reliability::Reliable, ..Qos::PX4 }))
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "a subscriber that requests a higher durability",
-            change: Change::Mcap(|_, bag| {
-                Some(with_subscriber(bag, Qos { durability: Durability::Persistent, ..Qos::PX4 }))
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "a subscriber that requests a deadline",
-            change: Change::Mcap(|_, bag| {
-                Some(with_subscriber(bag, Qos { deadline: Some(Duration::from_secs(1)), ..Qos::PX4 }))
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "a subscriber that requests manual liveliness",
-            change: Change::Mcap(|_, bag| {
-                Some(with_subscriber(bag, Qos { liveliness: Liveliness::ManualByTopic, ..Qos::PX4 }))
-            }),
-            also: &[],
-        },
+        Mutant::mcap("a subscriber that requests reliable delivery", |_, bag| {
+            Some(with_subscriber(bag, Qos { reliability: Reliability::Reliable, ..Qos::PX4 }))
+        }),
+        Mutant::mcap("a subscriber that requests a higher durability", |_, bag| {
+            Some(with_subscriber(bag, Qos { durability: Durability::Persistent, ..Qos::PX4 }))
+        }),
+        Mutant::mcap("a subscriber that requests a deadline", |_, bag| {
+            Some(with_subscriber(bag, Qos { deadline: Some(Duration::from_secs(1)), ..Qos::PX4 }))
+        }),
+        Mutant::mcap("a subscriber that requests manual liveliness", |_, bag| {
+            Some(with_subscriber(bag, Qos { liveliness: Liveliness::ManualByTopic, ..Qos::PX4 }))
+        }),
     ],
 };
 

@@ -30,11 +30,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             }
         },
     )),
-    mutants: &[Mutant {
-        name: "more messages with the same timestamp than fit into the queue",
-        change: Change::Flight(burst),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("more messages with the same timestamp than fit into the queue", burst)],
 };
 
 /// PX4's default queue length.

@@ -25,9 +25,5 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     bug: Some(Bug::message(Side::Autopilot, "`remaining` of every third BatteryStatus is 1.5.", |out| {
         out.edit(3, |battery: &mut BatteryStatus| battery.remaining = 1.5);
     })),
-    mutants: &[Mutant {
-        name: "a value outside its range",
-        change: Change::Flight(|flight| flight.violating(ConstraintKind::Range)),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("a value outside its range", |flight| flight.violating(ConstraintKind::Range))],
 };

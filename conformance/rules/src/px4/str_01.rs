@@ -33,23 +33,15 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         });
     })),
     mutants: &[
-        Mutant {
-            name: "text that is not UTF-8",
-            change: Change::Ulog(|flight, log| {
-                let (topic, at) = flight.find_field(is_text)?;
-                log.with_payload(topic, |payload| payload[at] = 0xff)
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "text with a NUL",
-            change: Change::Flight(|flight| {
-                let (topic, _) = flight.find_field(is_text)?;
-                let name = flight.type_of(topic).layout().find(is_text)?.name;
-                flight.with_last(topic, |message| message[name] = "D\0".into())
-            }),
-            also: &[],
-        },
+        Mutant::ulog("text that is not UTF-8", |flight, log| {
+            let (topic, at) = flight.find_field(is_text)?;
+            log.with_payload(topic, |payload| payload[at] = 0xff)
+        }),
+        Mutant::flight("text with a NUL", |flight| {
+            let (topic, _) = flight.find_field(is_text)?;
+            let name = flight.type_of(topic).layout().find(is_text)?.name;
+            flight.with_last(topic, |message| message[name] = "D\0".into())
+        }),
     ],
 };
 

@@ -39,11 +39,11 @@ pub(super) static RULE: Px4Rule = Px4Rule {
             });
         },
     )),
-    mutants: &[Mutant {
-        name: "a message with an earlier timestamp than the ones before and after it",
-        change: Change::FlightIn(&[Encoding::Ulog, Encoding::Mcap, Encoding::Rosbridge], back),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight_in(
+        "a message with an earlier timestamp than the ones before and after it",
+        &[Encoding::Ulog, Encoding::Mcap, Encoding::Rosbridge],
+        back,
+    )],
 };
 
 /// The greatest step back of a message whose time is wrong, in µs. PX4 sends the time since 1970 once its clock is

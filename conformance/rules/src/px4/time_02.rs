@@ -27,11 +27,7 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::State(|| Box::new(Gaps::default())),
     bug: None,
-    mutants: &[Mutant {
-        name: "a pause of a topic with a regular period",
-        change: Change::Flight(pause),
-        also: &[],
-    }],
+    mutants: &[Mutant::flight("a pause of a topic with a regular period", pause)],
 };
 
 /// The number of pauses from which the period of a channel is learned.

@@ -29,20 +29,12 @@ pub(super) static RULE: Px4Rule = Px4Rule {
         "A second publisher of arming_check_request announces another type hash.",
     )),
     mutants: &[
-        Mutant {
-            name: "an endpoint with another type",
-            change: Change::Mcap(|_, bag| {
-                with_other(bag, |endpoint| "other_msgs/msg/Other".clone_into(&mut endpoint.type_name))
-            }),
-            also: &[],
-        },
-        Mutant {
-            name: "an endpoint with another type hash",
-            change: Change::Mcap(|_, bag| {
-                with_other(bag, |endpoint| endpoint.type_hash = Some(format!("RIHS01_{}", "0".repeat(64))))
-            }),
-            also: &[],
-        },
+        Mutant::mcap("an endpoint with another type", |_, bag| {
+            with_other(bag, |endpoint| "other_msgs/msg/Other".clone_into(&mut endpoint.type_name))
+        }),
+        Mutant::mcap("an endpoint with another type hash", |_, bag| {
+            with_other(bag, |endpoint| endpoint.type_hash = Some(format!("RIHS01_{}", "0".repeat(64))))
+        }),
     ],
 };
 

@@ -23,16 +23,16 @@ pub(super) static RULE: Px4Rule = Px4Rule {
     },
     check: Check::State(|| Box::new(Versions)),
     bug: None,
-    mutants: &[Mutant {
-        name: "a topic name with a different version",
-        change: Change::FlightIn(&[Encoding::Mcap, Encoding::Rosbridge], |flight| {
+    mutants: &[Mutant::flight_in(
+        "a topic name with a different version",
+        &[Encoding::Mcap, Encoding::Rosbridge],
+        |flight| {
             let topic = flight.regular(|message| message.version.is_some())?;
             let mut flight = flight.clone();
             flight.topics[topic].name += "_v9999";
             Some(flight)
-        }),
-        also: &[],
-    }],
+        },
+    )],
 };
 
 struct Versions;
