@@ -330,6 +330,39 @@ pub struct FlockwaveRule {
     pub(crate) mutants: &'static [Mutant],
 }
 
+impl FlockwaveRule {
+    /// Creates a rule from its text. The other functions set its checks, its bug and its mutants, which each rule needs,
+    /// and its attributions and its trial, which few rules have.
+    const fn new(rule: Rule) -> Self {
+        Self { rule, checks: &[], covers: &[], bug: Bug::behaviour(""), trial: None, mutants: &[] }
+    }
+
+    /// Sets the code that finds violations.
+    const fn checks(self, checks: &'static [Check]) -> Self {
+        Self { checks, ..self }
+    }
+
+    /// Sets the body schema violations that the rule reports in place of `FW-ENV-18`.
+    const fn covers(self, covers: &'static [Attribution]) -> Self {
+        Self { covers, ..self }
+    }
+
+    /// Sets the reference server bug that violates the rule.
+    const fn bug(self, bug: Bug) -> Self {
+        Self { bug, ..self }
+    }
+
+    /// Sets the probe requests that test the rule.
+    const fn trial(self, trial: Trial) -> Self {
+        Self { trial: Some(trial), ..self }
+    }
+
+    /// Sets the captures that violate the rule.
+    const fn mutants(self, mutants: &'static [Mutant]) -> Self {
+        Self { mutants, ..self }
+    }
+}
+
 /// A check of a rule. The kind of check determines the input.
 #[derive(Clone, Copy, Debug)]
 pub enum Check {

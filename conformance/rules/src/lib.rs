@@ -174,7 +174,10 @@ impl RuleContext<'_> {
 const _: () = {
     let mut at = 0;
     while at < flockwave::RULES.len() {
-        assert!(!flockwave::RULES[at].mutants.is_empty(), "a rule without a mutant");
+        let rule = flockwave::RULES[at];
+        assert!(!rule.checks.is_empty(), "a rule without a check");
+        assert!(!rule.bug.description.is_empty(), "a rule without a bug");
+        assert!(!rule.mutants.is_empty(), "a rule without a mutant");
         at += 1;
     }
     let mut at = 0;
@@ -191,6 +194,9 @@ pub fn rule(id: &str) -> Option<&'static Rule> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+    use std::path::Path;
+
     use uavspec_model::{Level, Status};
 
     use super::*;
@@ -227,6 +233,24 @@ mod tests {
         ] {
             let text = checked_by(rule(id).expect("a rule"));
             assert!(text.starts_with(start), "{id}: {text}");
+        }
+    }
+
+    #[test]
+    fn lines_of_rules_are_short_enough_for_rustfmt() {
+        const MAX_WIDTH: usize = 110;
+        for family in ["flockwave", "px4"] {
+            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(family);
+            for file in fs::read_dir(folder).expect("a folder") {
+                let path = file.expect("an entry").path();
+                let text =
+                    if path.is_file() { fs::read_to_string(&path).expect("a file") } else { String::new() };
+                let rule = text.lines().skip_while(|line| !line.contains("static RULE: "));
+                let mut rule = rule.take_while(|line| !line.is_empty());
+                // With a longer line, rustfmt leaves the whole rule as it is.
+                let long = rule.find(|line| line.chars().count() > MAX_WIDTH);
+                assert_eq!(long, None, "{path:?}");
+            }
         }
     }
 

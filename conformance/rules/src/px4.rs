@@ -121,6 +121,29 @@ pub struct Px4Rule {
     pub mutants: &'static [Mutant],
 }
 
+impl Px4Rule {
+    /// Creates a rule from its text. The other functions set its check and its mutants, which each rule needs, and its
+    /// bug.
+    const fn new(rule: Rule) -> Self {
+        Self { rule, check: Check::Value, bug: None, mutants: &[] }
+    }
+
+    /// Sets the check.
+    const fn check(self, check: Check) -> Self {
+        Self { check, ..self }
+    }
+
+    /// Sets the bug in a reference participant that violates the rule.
+    const fn bug(self, bug: Bug) -> Self {
+        Self { bug: Some(bug), ..self }
+    }
+
+    /// Sets the changes that violate the rule.
+    const fn mutants(self, mutants: &'static [Mutant]) -> Self {
+        Self { mutants, ..self }
+    }
+}
+
 /// The way a rule is checked.
 #[derive(Clone, Copy, Debug)]
 pub enum Check {

@@ -2,32 +2,28 @@
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ACK-01",
-        name: "Acknowledgments are responses",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "ACK-ACK and ACK-NAK are sent only as responses.",
-        source: source::MESSAGES,
-        applies_to: "ACK-ACK, ACK-NAK",
-        why: "Without `refs`, a client cannot match an acknowledgment to its request, so the request times out.",
-        example: r#"{"$fw.version":"1.0","id":"s7","body":{"type":"ACK-ACK"}}"#,
-        fix: "Copy the `id` of the request to the `refs` of the acknowledgment. Do not send ACK-ACK or ACK-NAK \
-              without a request.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[],
-    bug: Bug::message("An ACK-ACK without `refs` follows each SYS-VER response.", |out| {
-        if out.kind() == "SYS-VER" {
-            out.follow(None, json!({ "type": "ACK-ACK" }));
-        }
-    }),
-    trial: None,
-    mutants: &[Mutant::session("an ACK-ACK without `refs`", |session| {
-        session.notify(json!({ "type": "ACK-ACK" }));
-    })],
-};
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ACK-01",
+    name: "Acknowledgments are responses",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "ACK-ACK and ACK-NAK are sent only as responses.",
+    source: source::MESSAGES,
+    applies_to: "ACK-ACK, ACK-NAK",
+    why: "Without `refs`, a client cannot match an acknowledgment to its request, so the request times out.",
+    example: r#"{"$fw.version":"1.0","id":"s7","body":{"type":"ACK-ACK"}}"#,
+    fix: "Copy the `id` of the request to the `refs` of the acknowledgment. Do not send ACK-ACK or \
+          ACK-NAK without a request.",
+})
+.checks(&[Check::Exchange(check)])
+.bug(Bug::message("An ACK-ACK without `refs` follows each SYS-VER response.", |out| {
+    if out.kind() == "SYS-VER" {
+        out.follow(None, json!({ "type": "ACK-ACK" }));
+    }
+}))
+.mutants(&[Mutant::session("an ACK-ACK without `refs`", |session| {
+    session.notify(json!({ "type": "ACK-ACK" }));
+})]);
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if !exchange.is_from_server() || !matches!(exchange.type_name, Some("ACK-ACK" | "ACK-NAK")) {

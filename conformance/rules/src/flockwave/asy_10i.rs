@@ -8,41 +8,41 @@ use std::collections::BTreeMap;
 use super::prelude::*;
 use super::{asy_10, asy_17};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ASY-10I",
-        name: "Short operations end in time",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "A short operation ends with ASYNC-RESP or ASYNC-TIMEOUT within 18 s of the latest message about it.",
-        source: source::DERIVED,
-        applies_to: "probe requests that test this rule or FW-ASY-10",
-        why: "Without a final message, the client waits forever.",
-        example: r#"→ {"type":"UAV-TEST","ids":["uav-1"],"component":"led"}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ASY-10I",
+    name: "Short operations end in time",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "A short operation ends with ASYNC-RESP or ASYNC-TIMEOUT within 18 s of the latest message \
+                about it.",
+    source: source::DERIVED,
+    applies_to: "probe requests that test this rule or FW-ASY-10",
+    why: "Without a final message, the client waits forever.",
+    example: r#"→ {"type":"UAV-TEST","ids":["uav-1"],"component":"led"}
 ← {"type":"UAV-TEST","receipt":{"uav-1":"r2"}}
 (20 s later)
 ← {"type":"OBJ-DEL","ids":["uav-2"]}"#,
-        fix: "Send one ASYNC-RESP or ASYNC-TIMEOUT for each receipt. If the UAV doesn't answer, send ASYNC-TIMEOUT.",
-    },
-    checks: &[Check::Session(|| Box::new(Ends::default()))],
-    covers: &[],
-    bug: Bug::message("ASYNC-RESP is never sent.", |out| {
+    fix: "Send one ASYNC-RESP or ASYNC-TIMEOUT for each receipt. If the UAV doesn't answer, send \
+          ASYNC-TIMEOUT.",
+})
+.checks(&[Check::Session(|| Box::new(Ends::default()))])
+.bug(
+    Bug::message("ASYNC-RESP is never sent.", |out| {
         if out.kind() == "ASYNC-RESP" {
             out.message = None;
         }
     })
     .needs(Needs::Patience)
-    .with(&[&asy_17::RULE.rule]),
-    trial: None,
-    mutants: &[Mutant::connection("a short operation that does not end", "tcp#9", |session| {
-        let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
-        let id = session.tries(&asy_10::RULE.rule, "", test);
-        let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
-        session.answers(&id, json!({ "body": body }));
-        session.wait(20.0);
-        session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
-    })],
-};
+    .also(&[&asy_17::RULE.rule]),
+)
+.mutants(&[Mutant::connection("a short operation that does not end", "tcp#9", |session| {
+    let test = json!({ "type": "UAV-TEST", "ids": ["kite"], "component": "lamp" });
+    let id = session.tries(&asy_10::RULE.rule, "", test);
+    let body = json!({ "type": "UAV-TEST", "receipt": { "kite": "rcpt-50" } });
+    session.answers(&id, json!({ "body": body }));
+    session.wait(20.0);
+    session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+})]);
 
 /// The maximum allowed gap between messages about a short operation, in seconds, if the server sends other messages.
 const MAX_SECONDS: f64 = 18.0;

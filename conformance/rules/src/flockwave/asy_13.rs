@@ -7,40 +7,36 @@
 use super::asy_19;
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ASY-13",
-        name: "Suspension is reported",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "When an operation is suspended, the server sends ASYNC-ST with `suspended` set to true.",
-        source: source::ASYNC,
-        applies_to: "ASYNC-RESUME over time",
-        why: "Without this notification, the client does not know that it must resume the operation. The operation \
-              then stays pending.",
-        example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ASY-13",
+    name: "Suspension is reported",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "When an operation is suspended, the server sends ASYNC-ST with `suspended` set to true.",
+    source: source::ASYNC,
+    applies_to: "ASYNC-RESUME over time",
+    why: "Without this notification, the client does not know that it must resume the operation. The \
+          operation then stays pending.",
+    example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-RESUME","ids":["r1"]}
 ← {"type":"ASYNC-RESUME","error":{"r1":"Not suspended"}}
 → {"type":"ASYNC-RESUME","ids":["r1"]}
 ← {"type":"ASYNC-RESUME","success":["r1"]}"#,
-        fix: "Send ASYNC-ST with `suspended` set to true as soon as the operation starts waiting for the client.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[],
-    bug: Bug::message("ASYNC-ST has no `suspended`.", |out| {
-        if let Some(body) = out.body_of("ASYNC-ST").and_then(Value::as_object_mut) {
-            body.remove("suspended");
-        }
-    }),
-    trial: None,
-    mutants: &[Mutant::connection("a suspended operation without a notification", "tcp#9", |session| {
-        let resume = || json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-60"] });
-        session.command("rcpt-60");
-        session.exchange(resume(), json!({ "error": { "rcpt-60": "It isn't suspended" } }));
-        session.exchange(resume(), json!({ "success": ["rcpt-60"] }));
-    })],
-};
+    fix: "Send ASYNC-ST with `suspended` set to true as soon as the operation starts waiting for the client.",
+})
+.checks(&[Check::Exchange(check)])
+.bug(Bug::message("ASYNC-ST has no `suspended`.", |out| {
+    if let Some(body) = out.body_of("ASYNC-ST").and_then(Value::as_object_mut) {
+        body.remove("suspended");
+    }
+}))
+.mutants(&[Mutant::connection("a suspended operation without a notification", "tcp#9", |session| {
+    let resume = || json!({ "type": "ASYNC-RESUME", "ids": ["rcpt-60"] });
+    session.command("rcpt-60");
+    session.exchange(resume(), json!({ "error": { "rcpt-60": "It isn't suspended" } }));
+    session.exchange(resume(), json!({ "success": ["rcpt-60"] }));
+})]);
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     // If a probe resumes an operation that is not suspended, FW-ASY-19 checks the request.

@@ -10,48 +10,44 @@ use std::collections::{BTreeMap, VecDeque};
 use super::prelude::*;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ASY-17",
-        name: "Cancelled operations end with an error",
-        level: Level::Should,
-        status: Status::Disputed(
-            "The specification text requires an ASYNC-RESP with an error, but also allows a server to continue a \
-             cancelled operation without informing the client. This rule requires the ASYNC-RESP.",
-        ),
-        statement: "A cancelled operation ends with an ASYNC-RESP that contains an error.",
-        source: source::ASYNC,
-        applies_to: "ASYNC-CANCEL over time",
-        why: "The ASYNC-RESP confirms that the operation has stopped. Without confirmation, the UAV may still be \
-              executing a command that the operator cancelled.",
-        example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ASY-17",
+    name: "Cancelled operations end with an error",
+    level: Level::Should,
+    status: Status::Disputed(
+        "The specification text requires an ASYNC-RESP with an error, but also allows a server to \
+         continue a cancelled operation without informing the client. This rule requires the ASYNC-RESP.",
+    ),
+    statement: "A cancelled operation ends with an ASYNC-RESP that contains an error.",
+    source: source::ASYNC,
+    applies_to: "ASYNC-CANCEL over time",
+    why: "The ASYNC-RESP confirms that the operation has stopped. Without confirmation, the UAV may still \
+          be executing a command that the operator cancelled.",
+    example: r#"→ {"type":"UAV-TAKEOFF","ids":["uav-1"]}
 ← {"type":"UAV-TAKEOFF","receipt":{"uav-1":"r1"}}
 → {"type":"ASYNC-CANCEL","ids":["r1"]}
 ← {"type":"ASYNC-CANCEL","success":["r1"]}
 ← {"type":"ASYNC-TIMEOUT","ids":["r1"]}"#,
-        fix: "After you accept ASYNC-CANCEL, stop the operation and send ASYNC-RESP with an `error` such as \
-              \"cancelled\".",
-    },
-    checks: &[Check::Session(|| Box::new(Cancelled::default()))],
-    covers: &[],
-    bug: Bug::behaviour("Cancelled operations continue."),
-    trial: None,
-    mutants: &[
-        Mutant::connection("a cancelled operation that does not end", "tcp#9", |session| {
-            cancel(session, "rcpt-40");
-            session.wait(20.0);
-            session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
-        }),
-        Mutant::connection("a cancelled operation with a result", "tcp#9", |session| {
-            cancel(session, "rcpt-40");
-            session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
-        }),
-        Mutant::connection("a cancelled operation that times out", "tcp#9", |session| {
-            cancel(session, "rcpt-40");
-            session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
-        }),
-    ],
-};
+    fix: "After you accept ASYNC-CANCEL, stop the operation and send ASYNC-RESP with an `error` such as \
+          \"cancelled\".",
+})
+.checks(&[Check::Session(|| Box::new(Cancelled::default()))])
+.bug(Bug::behaviour("Cancelled operations continue."))
+.mutants(&[
+    Mutant::connection("a cancelled operation that does not end", "tcp#9", |session| {
+        cancel(session, "rcpt-40");
+        session.wait(20.0);
+        session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+    }),
+    Mutant::connection("a cancelled operation with a result", "tcp#9", |session| {
+        cancel(session, "rcpt-40");
+        session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-40", "result": "Flaps out" }));
+    }),
+    Mutant::connection("a cancelled operation that times out", "tcp#9", |session| {
+        cancel(session, "rcpt-40");
+        session.notify(json!({ "type": "ASYNC-TIMEOUT", "ids": ["rcpt-40"] }));
+    }),
+]);
 
 /// The maximum allowed time, in seconds, from the ASYNC-CANCEL response to the end of the operation.
 const MAX_SECONDS: f64 = 10.0;

@@ -2,43 +2,41 @@
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ASY-22",
-        name: "Type of a result",
-        level: Level::Should,
-        status: Status::DisputedCases(
-            "For the result of ASYNC-RESP, the specification text requires an object, but its example has a number, \
-             and the JSON Schema allows any value. This rule requires the type that an immediate response would have.",
-        ),
-        statement: "Each result has the type specified in the definition of its command. For most UAV commands, this \
-                    is a boolean.",
-        source: source::SCHEMA,
-        applies_to: "ASYNC-RESP, and responses with `result`",
-        why: "Clients compare the result with true. A string such as \"failed\" may count as success, and null as \
-              failure.",
-        example: r#"{"type":"UAV-LAND","result":{"uav-1":"ok"}}"#,
-        fix: "Send the type that the definition specifies. Report failures in `error`, not as text in `result`.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[Attribution::new(&TYPES, "result.*", &[Fault::Null, Fault::Kind])],
-    bug: Bug::message("Results that should be booleans are strings.", |out| {
-        let is_command = out.kind().starts_with("UAV-") || out.kind() == "ASYNC-RESP";
-        let Some(result) = out.message()["body"].get_mut("result").filter(|_| is_command) else { return };
-        let values: Vec<&mut Value> = match result {
-            Value::Object(values) => values.values_mut().collect(),
-            value => vec![value],
-        };
-        for value in values.into_iter().filter(|value| value.is_boolean()) {
-            *value = json!("yes");
-        }
-    }),
-    trial: None,
-    mutants: &[
-        Mutant::reply("null in a response", "UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
-        Mutant::notice("a number in ASYNC-RESP", "ASYNC-RESP", |body| body["result"] = 7.into()),
-    ],
-};
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ASY-22",
+    name: "Type of a result",
+    level: Level::Should,
+    status: Status::DisputedCases(
+        "For the result of ASYNC-RESP, the specification text requires an object, but its example has a \
+         number, and the JSON Schema allows any value. This rule requires the type that an immediate \
+         response would have.",
+    ),
+    statement: "Each result has the type specified in the definition of its command. For most UAV \
+                commands, this is a boolean.",
+    source: source::SCHEMA,
+    applies_to: "ASYNC-RESP, and responses with `result`",
+    why: "Clients compare the result with true. A string such as \"failed\" may count as success, and \
+          null as failure.",
+    example: r#"{"type":"UAV-LAND","result":{"uav-1":"ok"}}"#,
+    fix: "Send the type that the definition specifies. Report failures in `error`, not as text in `result`.",
+})
+.checks(&[Check::Exchange(check)])
+.covers(&[Attribution::new(&TYPES, "result.*", &[Fault::Null, Fault::Kind])])
+.bug(Bug::message("Results that should be booleans are strings.", |out| {
+    let is_command = out.kind().starts_with("UAV-") || out.kind() == "ASYNC-RESP";
+    let Some(result) = out.message()["body"].get_mut("result").filter(|_| is_command) else { return };
+    let values: Vec<&mut Value> = match result {
+        Value::Object(values) => values.values_mut().collect(),
+        value => vec![value],
+    };
+    for value in values.into_iter().filter(|value| value.is_boolean()) {
+        *value = json!("yes");
+    }
+}))
+.mutants(&[
+    Mutant::reply("null in a response", "UAV-TAKEOFF", |body| body["result"]["swift"] = json!(null)),
+    Mutant::notice("a number in ASYNC-RESP", "ASYNC-RESP", |body| body["result"] = 7.into()),
+]);
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     if exchange.role == Role::Response && exchange.is_from_server() {

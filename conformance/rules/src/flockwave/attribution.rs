@@ -68,7 +68,7 @@ fn matches_path(path: &str, steps: &[Step]) -> bool {
 
 impl FlockwaveRule {
     /// True if the rule reports this body schema violation for a message type.
-    pub(super) fn covers(&self, type_name: &str, deviation: &Deviation) -> bool {
+    pub(super) fn reports(&self, type_name: &str, deviation: &Deviation) -> bool {
         !env_26::is_disputed(type_name, deviation)
             && self.covers.iter().any(|attribution| attribution.matches(type_name, deviation))
     }
@@ -79,7 +79,7 @@ pub fn attributed(type_name: &str, deviation: &Deviation) -> Option<&'static Rul
     if env_26::is_disputed(type_name, deviation) {
         return Some(&env_26::RULE.rule);
     }
-    let found = RULES.iter().find(|rule| rule.covers(type_name, deviation));
+    let found = RULES.iter().find(|rule| rule.reports(type_name, deviation));
     found.map(|found| &found.rule)
 }
 

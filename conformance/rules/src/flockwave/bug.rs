@@ -61,7 +61,7 @@ impl Bug {
     }
 
     /// Sets the rules that the bug violates in addition to its own rule.
-    pub(super) const fn with(self, also: &'static [&'static Rule]) -> Self {
+    pub(super) const fn also(self, also: &'static [&'static Rule]) -> Self {
         Self { also, ..self }
     }
 

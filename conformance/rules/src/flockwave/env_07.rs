@@ -17,46 +17,38 @@ use super::prelude::*;
 use super::{env_24, env_25};
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-07",
-        name: "Every request gets a response",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "Every request gets a response, even if the server does not know the type of the request.",
-        source: source::GENERAL,
-        applies_to: "requests over time",
-        why: "A client waiting for the response blocks or times out. The client cannot distinguish an unknown request \
-              from a dead connection.",
-        example: r#"→ {"type":"UAV-SOAR","ids":["uav-1"]}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-07",
+    name: "Every request gets a response",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "Every request gets a response, even if the server does not know the type of the request.",
+    source: source::GENERAL,
+    applies_to: "requests over time",
+    why: "A client waiting for the response blocks or times out. The client cannot distinguish an unknown \
+          request from a dead connection.",
+    example: r#"→ {"type":"UAV-SOAR","ids":["uav-1"]}
 (40 s later, still no response)
 ← {"type":"OBJ-DEL","ids":["uav-2"]}"#,
-        fix: "Answer every request. Send ACK-NAK with a reason if the type is unknown or no handler produces a \
-              response.",
-    },
-    checks: &[Check::Session(|| Box::new(Answered::default()))],
-    covers: &[],
-    bug: Bug::message("Requests of unknown types are not answered.", |out| {
-        if out.refuses_unknown_type() {
-            out.message = None;
-        }
+    fix: "Answer every request. Send ACK-NAK with a reason if the type is unknown or no handler produces \
+          a response.",
+})
+.checks(&[Check::Session(|| Box::new(Answered::default()))])
+.bug(Bug::message("Requests of unknown types are not answered.", |out| {
+    if out.refuses_unknown_type() {
+        out.message = None;
+    }
+}))
+.mutants(&[
+    Mutant::new("a request without a response", || Some(Session::new().without("SYS-VER")?.to_bytes())),
+    Mutant::connection("a probe request without a response", "tcp#9", |session| {
+        session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
     }),
-    trial: None,
-    mutants: &[
-        Mutant::new("a request without a response", || Some(Session::new().without("SYS-VER")?.to_bytes())),
-        Mutant::connection("a probe request without a response", "tcp#9", |session| {
-            session.tries(&RULE.rule, "", json!({ "type": "SYS-VER" }));
-        }),
-        Mutant::connection(
-            "a connection that the server closes in place of a response",
-            "tcp#9",
-            |session| {
-                session.tries(&env_24::RULE.rule, "", json!({ "type": "RTK-SURVEY" }));
-                session.closed("eof");
-            },
-        ),
-    ],
-};
+    Mutant::connection("a connection that the server closes in place of a response", "tcp#9", |session| {
+        session.tries(&env_24::RULE.rule, "", json!({ "type": "RTK-SURVEY" }));
+        session.closed("eof");
+    }),
+]);
 
 /// The maximum time until a response, in seconds. If a server needs longer to process a request, it responds with a
 /// receipt instead.

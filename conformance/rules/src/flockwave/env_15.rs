@@ -3,40 +3,38 @@
 use super::env_16;
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-15",
-        name: "Form of a message type",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "A message type consists of two parts joined by a hyphen. Each part has 2 to 8 uppercase letters or \
-                    digits. Seven types in the specification are exceptions.",
-        source: source::GENERAL,
-        applies_to: "messages from the server",
-        why: "Clients and proxies select messages by family, the part before the hyphen. Clients and proxies cannot \
-              route a type in a different form.",
-        example: r#"{"type":"uav-wind","speed":6200}"#,
-        fix: "Name custom types like the standard ones: an uppercase family and name joined by one hyphen, such as \
-              `UAV-WIND`.",
-    },
-    checks: &[Check::Message(check)],
-    covers: &[],
-    bug: Bug::message("Requests of unknown types are answered with a lowercase type.", |out| {
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-15",
+    name: "Form of a message type",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "A message type consists of two parts joined by a hyphen. Each part has 2 to 8 uppercase \
+                letters or digits. Seven types in the specification are exceptions.",
+    source: source::GENERAL,
+    applies_to: "messages from the server",
+    why: "Clients and proxies select messages by family, the part before the hyphen. Clients and proxies \
+          cannot route a type in a different form.",
+    example: r#"{"type":"uav-wind","speed":6200}"#,
+    fix: "Name custom types like the standard ones: an uppercase family and name joined by one hyphen, \
+          such as `UAV-WIND`.",
+})
+.checks(&[Check::Message(check)])
+.bug(
+    Bug::message("Requests of unknown types are answered with a lowercase type.", |out| {
         if out.refuses_unknown_type() {
             out.message()["body"] = json!({ "type": "whatever" });
         }
     })
-    .with(&[&env_16::RULE.rule]),
-    trial: None,
-    mutants: &[
-        Mutant::session("a lowercase type", |session| {
-            session.exchange(json!({ "type": "uav-soar" }), json!({}));
-        }),
-        Mutant::session("a type with three parts", |session| {
-            session.exchange(json!({ "type": "UAV-SOAR-HIGH" }), json!({}));
-        }),
-    ],
-};
+    .also(&[&env_16::RULE.rule]),
+)
+.mutants(&[
+    Mutant::session("a lowercase type", |session| {
+        session.exchange(json!({ "type": "uav-soar" }), json!({}));
+    }),
+    Mutant::session("a type with three parts", |session| {
+        session.exchange(json!({ "type": "UAV-SOAR-HIGH" }), json!({}));
+    }),
+]);
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let Some(name) = message.type_name else { return };

@@ -5,41 +5,38 @@ use uavspec_schema::json_type::Direction;
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-16",
-        name: "Type of a response",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "A response has the type of its request, or is ACK-NAK. There are three exceptions: AUTH-RESP answers \
-                    AUTH-REQ. ACK-ACK answers SHOW-SETCFG, SHOW-SETLIGHTS and any RTK-SOURCE that has an `id`. ACK-ACK \
-                    may answer requests whose response has no required fields.",
-        source: source::GENERAL,
-        applies_to: "responses over time",
-        why: "The client decodes the body as the expected type. If the type differs, the client reads wrong data or \
-              rejects the response.",
-        example: r#"→ {"type":"CONN-LIST"}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-16",
+    name: "Type of a response",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "A response has the type of its request, or is ACK-NAK. There are three exceptions: \
+                AUTH-RESP answers AUTH-REQ. ACK-ACK answers SHOW-SETCFG, SHOW-SETLIGHTS and any \
+                RTK-SOURCE that has an `id`. ACK-ACK may answer requests whose response has no required \
+                fields.",
+    source: source::GENERAL,
+    applies_to: "responses over time",
+    why: "The client decodes the body as the expected type. If the type differs, the client reads wrong \
+          data or rejects the response.",
+    example: r#"→ {"type":"CONN-LIST"}
 ← {"type":"OBJ-LIST","ids":["radio-1"]}"#,
-        fix: "Copy the type of the request to the response. Answer with ACK-NAK if the request fails, and follow \
-              the listed exceptions.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[],
-    bug: Bug::message("CONN-LIST is answered with OBJ-LIST.", |out| {
-        if let Some(body) = out.body_of("CONN-LIST") {
-            body["type"] = json!("OBJ-LIST");
-        }
+    fix: "Copy the type of the request to the response. Answer with ACK-NAK if the request fails, and \
+          follow the listed exceptions.",
+})
+.checks(&[Check::Exchange(check)])
+.bug(Bug::message("CONN-LIST is answered with OBJ-LIST.", |out| {
+    if let Some(body) = out.body_of("CONN-LIST") {
+        body["type"] = json!("OBJ-LIST");
+    }
+}))
+.mutants(&[
+    Mutant::reply("a response of a different type", "SYS-PORTS", |body| {
+        *body = json!({ "type": "UAV-LIST", "ids": [] });
     }),
-    trial: None,
-    mutants: &[
-        Mutant::reply("a response of a different type", "SYS-PORTS", |body| {
-            *body = json!({ "type": "UAV-LIST", "ids": [] });
-        }),
-        Mutant::session("an RTK-SOURCE with `id` answered with RTK-SOURCE", |session| {
-            session.exchange(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
-        }),
-    ],
-};
+    Mutant::session("an RTK-SOURCE with `id` answered with RTK-SOURCE", |session| {
+        session.exchange(json!({ "type": "RTK-SOURCE", "id": null }), json!({ "id": null }));
+    }),
+]);
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let (Some(request), Some(found)) = (&exchange.request, exchange.type_name) else { return };

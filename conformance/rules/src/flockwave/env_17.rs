@@ -4,37 +4,34 @@ use uavspec_schema::json_type::Direction;
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-17",
-        name: "Type of a notification",
-        level: Level::Should,
-        status: Status::Disputed(
-            "The specification text allows UAV-INF, CONN-INF, DEV-INF, CLK-INF and UAV-PREFLT as notifications; the \
-             published JSON Schema for notifications does not. This rule allows these notifications.",
-        ),
-        statement: "If a message from the server has no `refs`, its type is SYS-PING or a type that is allowed for \
-                    notifications.",
-        source: source::GENERAL,
-        applies_to: "messages from the server",
-        why: "A message of any other type without `refs` is usually a response whose `refs` is missing by mistake. The \
-              client cannot match the response to a request, and the request times out.",
-        example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"UAV-LIST","ids":["uav-1"]}}"#,
-        fix: "Add `refs` if the message answers a request. Otherwise, do not send the message: only some types may be \
-              notifications.",
-    },
-    checks: &[Check::Message(check)],
-    covers: &[],
-    bug: Bug::message("Each SYS-VER response is followed by a CONN-LIST that was not requested.", |out| {
-        if out.kind() == "SYS-VER" {
-            out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
-        }
-    }),
-    trial: None,
-    mutants: &[Mutant::session("a response without `refs`", |session| {
-        session.notify(json!({ "type": "UAV-LIST", "ids": [] }));
-    })],
-};
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-17",
+    name: "Type of a notification",
+    level: Level::Should,
+    status: Status::Disputed(
+        "The specification text allows UAV-INF, CONN-INF, DEV-INF, CLK-INF and UAV-PREFLT as \
+         notifications; the published JSON Schema for notifications does not. This rule allows these \
+         notifications.",
+    ),
+    statement: "If a message from the server has no `refs`, its type is SYS-PING or a type that is \
+                allowed for notifications.",
+    source: source::GENERAL,
+    applies_to: "messages from the server",
+    why: "A message of any other type without `refs` is usually a response whose `refs` is missing by \
+          mistake. The client cannot match the response to a request, and the request times out.",
+    example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"UAV-LIST","ids":["uav-1"]}}"#,
+    fix: "Add `refs` if the message answers a request. Otherwise, do not send the message: only some \
+          types may be notifications.",
+})
+.checks(&[Check::Message(check)])
+.bug(Bug::message("Each SYS-VER response is followed by a CONN-LIST that was not requested.", |out| {
+    if out.kind() == "SYS-VER" {
+        out.follow(None, json!({ "type": "CONN-LIST", "ids": ["radio-1"] }));
+    }
+}))
+.mutants(&[Mutant::session("a response without `refs`", |session| {
+    session.notify(json!({ "type": "UAV-LIST", "ids": [] }));
+})]);
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     let defined_schemas = context.definitions.defined_schemas();

@@ -3,25 +3,24 @@
 use super::env_06;
 use super::prelude::*;
 
-pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-21",
-        name: "Request ids are returned unchanged",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "The `refs` of a response equals the id of the request, even if the id has 36 characters or \
-                    contains spaces or non-ASCII letters.",
-        source: source::DERIVED,
-        applies_to: served::APPLIES_TO,
-        why: "Unusual ids are valid too. If the server changes an id, the client cannot match the response to its \
-              request.",
-        example: r#"→ {"$fw.version":"1.0","id":"Höhe 1","body":{"type":"SYS-PING"}}
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-21",
+    name: "Request ids are returned unchanged",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "The `refs` of a response equals the id of the request, even if the id has 36 characters \
+                or contains spaces or non-ASCII letters.",
+    source: source::DERIVED,
+    applies_to: served::APPLIES_TO,
+    why: "Unusual ids are valid too. If the server changes an id, the client cannot match the response to \
+          its request.",
+    example: r#"→ {"$fw.version":"1.0","id":"Höhe 1","body":{"type":"SYS-PING"}}
 ← {"$fw.version":"1.0","id":"s1","refs":"Hhe1","body":{"type":"ACK-ACK"}}"#,
-        fix: "Treat ids as opaque Unicode strings. Do not trim, filter, re-encode or truncate them.",
-    },
-    checks: &[Check::Exchange(served::check)],
-    covers: &[],
-    bug: Bug::message(
+    fix: "Treat ids as opaque Unicode strings. Do not trim, filter, re-encode or truncate them.",
+})
+.checks(&[Check::Exchange(served::check)])
+.bug(
+    Bug::message(
         "All characters except ASCII letters, digits, - and _ are removed from the id in `refs`.",
         |out| {
             if let Some(refs) = out.message()["refs"].as_str() {
@@ -32,10 +31,10 @@ pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
             }
         },
     )
-    .with(&[&env_06::RULE.rule]),
-    trial: Some(Trial::Attempts(Strain::Sound, |_| attempts())),
-    mutants: &served::mutants("tcp#9"),
-};
+    .also(&[&env_06::RULE.rule]),
+)
+.trial(Trial::Attempts(Strain::Sound, |_| attempts()))
+.mutants(&served::mutants("tcp#9"));
 
 /// An attempt for each unusual id.
 fn attempts() -> Vec<Attempt> {

@@ -8,34 +8,31 @@ use super::malformed::Malformed;
 use super::prelude::*;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-22",
-        name: "Malformed requests do no harm",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "After a malformed request, the server keeps serving the connection. Over HTTP, it answers the \
-                    request itself, at least with a status from 200 to 499.",
-        source: source::DERIVED,
-        applies_to: "probe requests that test this rule",
-        why: "A server that mishandles a malformed request may end the client's session or hang for all clients.",
-        example: r#"→ {"$fw.version":"1.0","id":"c1","body":"SYS-PING"}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-22",
+    name: "Malformed requests do no harm",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "After a malformed request, the server keeps serving the connection. Over HTTP, it answers \
+                the request itself, at least with a status from 200 to 499.",
+    source: source::DERIVED,
+    applies_to: "probe requests that test this rule",
+    why: "A server that mishandles a malformed request may end the client's session or hang for all clients.",
+    example: r#"→ {"$fw.version":"1.0","id":"c1","body":"SYS-PING"}
 → {"type":"SYS-VER"}
 (the server closes the connection without a response)"#,
-        fix: "Catch decoding errors for each message. Answer with ACK-NAK and the reason if the request has an id, \
-              then continue with the next message.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[],
-    bug: Bug::behaviour("A malformed request ends the connection."),
-    trial: Some(Trial::Attempts(Strain::Malformed, |_| attempts())),
-    mutants: &[
-        Mutant::unanswered("no response to the next request", "tcp#9"),
-        Mutant::session("an HTTP request that fails", |session| {
-            session.failed(&RULE.rule, "no body", "HTTP status 500");
-        }),
-    ],
-};
+    fix: "Catch decoding errors for each message. Answer with ACK-NAK and the reason if the request has \
+          an id, then continue with the next message.",
+})
+.checks(&[Check::Exchange(check)])
+.bug(Bug::behaviour("A malformed request ends the connection."))
+.trial(Trial::Attempts(Strain::Malformed, |_| attempts()))
+.mutants(&[
+    Mutant::unanswered("no response to the next request", "tcp#9"),
+    Mutant::session("an HTTP request that fails", |session| {
+        session.failed(&RULE.rule, "no body", "HTTP status 500");
+    }),
+]);
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     served::tried(exchange, context);

@@ -4,45 +4,41 @@ use std::collections::HashSet;
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-23",
-        name: "Strict JSON",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "A message is strict JSON: no `NaN` or `Infinity`, and no duplicate keys in an object.",
-        source: source::DERIVED,
-        applies_to: "messages from the server",
-        why: "Standard JSON parsers reject `NaN`, so the whole message is lost. If a key is duplicated, different \
-              parsers keep different values.",
-        example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"DEV-INF","values":{"/uav-1/cpu/temp":NaN}}}"#,
-        fix: "Configure the serializer to reject NaN and infinities. Send null or omit the field if there is no \
-              value.",
-    },
-    checks: &[Check::Message(check)],
-    covers: &[],
-    bug: Bug::message("Notifications have a duplicate key.", |out| {
-        if out.is_notification() {
-            out.write = |message| {
-                let text = message.to_string();
-                text.replacen('{', "{\"$fw.version\":\"1.0\",", 1)
-            };
-        }
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-23",
+    name: "Strict JSON",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "A message is strict JSON: no `NaN` or `Infinity`, and no duplicate keys in an object.",
+    source: source::DERIVED,
+    applies_to: "messages from the server",
+    why: "Standard JSON parsers reject `NaN`, so the whole message is lost. If a key is duplicated, \
+          different parsers keep different values.",
+    example: r#"{"$fw.version":"1.0","id":"s1","body":{"type":"DEV-INF","values":{"/uav-1/cpu/temp":NaN}}}"#,
+    fix: "Configure the serializer to reject NaN and infinities. Send null or omit the field if there is \
+          no value.",
+})
+.checks(&[Check::Message(check)])
+.bug(Bug::message("Notifications have a duplicate key.", |out| {
+    if out.is_notification() {
+        out.write = |message| {
+            let text = message.to_string();
+            text.replacen('{', "{\"$fw.version\":\"1.0\",", 1)
+        };
+    }
+}))
+.mutants(&[
+    Mutant::new("`NaN`", || {
+        let session = Session::new();
+        let text = String::from_utf8(session.to_bytes()).ok()?;
+        Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"gusts\":NaN", 1).into_bytes())
     }),
-    trial: None,
-    mutants: &[
-        Mutant::new("`NaN`", || {
-            let session = Session::new();
-            let text = String::from_utf8(session.to_bytes()).ok()?;
-            Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"gusts\":NaN", 1).into_bytes())
-        }),
-        Mutant::new("a duplicate key", || {
-            let session = Session::new();
-            let text = String::from_utf8(session.to_bytes()).ok()?;
-            Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"name\":\"Hill\"", 1).into_bytes())
-        }),
-    ],
-};
+    Mutant::new("a duplicate key", || {
+        let session = Session::new();
+        let text = String::from_utf8(session.to_bytes()).ok()?;
+        Some(text.replacen("\"name\":\"Hill\"", "\"name\":\"Hill\",\"name\":\"Hill\"", 1).into_bytes())
+    }),
+]);
 
 /// The maximum number of keys that are compared pairwise.
 const MAX_SCANNED_KEYS: usize = 16;

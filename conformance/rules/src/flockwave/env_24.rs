@@ -17,54 +17,45 @@ use super::env_07;
 use super::prelude::*;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-24",
-        name: "Mandatory message families",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "Each mandatory message family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS and \
-                    UAV. ACK has no requests.",
-        source: source::GENERAL,
-        applies_to: "probe requests that test this rule",
-        why: "Clients use these families without checking that the server supports them. If a handler is missing, \
-              views such as the list of devices stay empty.",
-        example: r#"→ {"type":"UAV-SOAR"}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-24",
+    name: "Mandatory message families",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "Each mandatory message family has a handler: ASYNC, AUTH, CONN, DEV, EXT, OBJ, RTK, SYS \
+                and UAV. ACK has no requests.",
+    source: source::GENERAL,
+    applies_to: "probe requests that test this rule",
+    why: "Clients use these families without checking that the server supports them. If a handler is \
+          missing, views such as the list of devices stay empty.",
+    example: r#"→ {"type":"UAV-SOAR"}
 ← {"type":"ACK-NAK","reason":"No handler for UAV-SOAR"}
 → {"type":"DEV-LIST","ids":["uav-1"]}
 ← {"type":"ACK-NAK","reason":"No handler for DEV-LIST"}"#,
-        fix: "Add handlers for the family. If the server has no objects of this family, return empty lists and report \
-              each unknown id in `error`.",
-    },
-    checks: &[Check::Session(|| Box::new(Families::default()))],
-    covers: &[],
-    bug: Bug::behaviour("The DEV family has no handler."),
-    trial: None,
-    mutants: &[
-        Mutant::new("DEV requests are refused as if their type were unknown", || {
-            refused(|session| {
-                for (rule, name) in
-                    [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
-                {
-                    let refused = json!({ "type": "ACK-NAK", "reason": format!("{name} isn't known") });
-                    session.tries_and_receives(rule, "", json!({ "type": name }), refused);
-                }
-            })
-        }),
-        Mutant::new("CONN requests are refused without a reason, as if their type were unknown", || {
-            refused(|session| {
-                for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
-                    session.tries_and_receives(
-                        rule,
-                        "",
-                        json!({ "type": name }),
-                        json!({ "type": "ACK-NAK" }),
-                    );
-                }
-            })
-        }),
-    ],
-};
+    fix: "Add handlers for the family. If the server has no objects of this family, return empty lists \
+          and report each unknown id in `error`.",
+})
+.checks(&[Check::Session(|| Box::new(Families::default()))])
+.bug(Bug::behaviour("The DEV family has no handler."))
+.mutants(&[
+    Mutant::new("DEV requests are refused as if their type were unknown", || {
+        refused(|session| {
+            for (rule, name) in
+                [(&RULE.rule, "DEV-LIST"), (&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "DEV-SUB")]
+            {
+                let refused = json!({ "type": "ACK-NAK", "reason": format!("{name} isn't known") });
+                session.tries_and_receives(rule, "", json!({ "type": name }), refused);
+            }
+        })
+    }),
+    Mutant::new("CONN requests are refused without a reason, as if their type were unknown", || {
+        refused(|session| {
+            for (rule, name) in [(&env_07::RULE.rule, "UAV-SOAR"), (&RULE.rule, "CONN-LIST")] {
+                session.tries_and_receives(rule, "", json!({ "type": name }), json!({ "type": "ACK-NAK" }));
+            }
+        })
+    }),
+]);
 
 /// A session with these refusals. In the conforming session, the server serves all families.
 #[allow(clippy::unnecessary_wraps)] // like all mutants

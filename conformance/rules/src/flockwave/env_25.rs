@@ -6,33 +6,32 @@
 use super::prelude::*;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-25",
-        name: "Order of responses",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "Requests that are sent together are answered in the order in which they were sent.",
-        source: source::DERIVED,
-        applies_to: "probe requests that test this rule",
-        why: "The specification allows any order, but many clients were only ever tested with responses in order. A \
-              client that matches responses by position assigns them to the wrong requests.",
-        example: r#"→ {"type":"SYS-VER"}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-25",
+    name: "Order of responses",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "Requests that are sent together are answered in the order in which they were sent.",
+    source: source::DERIVED,
+    applies_to: "probe requests that test this rule",
+    why: "The specification allows any order, but many clients were only ever tested with responses in \
+          order. A client that matches responses by position assigns them to the wrong requests.",
+    example: r#"→ {"type":"SYS-VER"}
 → {"type":"CONN-LIST"}
 ← {"type":"CONN-LIST","ids":[]}
 ← {"type":"SYS-VER","software":"Example","version":"1.0"}"#,
-        fix: "In a server, answer in order if this requires no extra work. In a client, match responses by `refs`, \
-              never by order.",
-    },
-    checks: &[Check::Session(|| Box::new(Order::default()))],
-    covers: &[],
-    bug: Bug::behaviour("Over TCP, requests that arrive together are answered in reverse order.")
+    fix: "In a server, answer in order if this requires no extra work. In a client, match responses by \
+          `refs`, never by order.",
+})
+.checks(&[Check::Session(|| Box::new(Order::default()))])
+.bug(
+    Bug::behaviour("Over TCP, requests that arrive together are answered in reverse order.")
         .needs(Needs::Tcp),
-    trial: Some(Trial::Attempts(Strain::Sound, attempts)),
-    mutants: &[Mutant::connection("the last request is answered first", "tcp#9", |session| {
-        session.pipelines(&RULE.rule, &[2, 0, 1]);
-    })],
-};
+)
+.trial(Trial::Attempts(Strain::Sound, attempts))
+.mutants(&[Mutant::connection("the last request is answered first", "tcp#9", |session| {
+    session.pipelines(&RULE.rule, &[2, 0, 1]);
+})]);
 
 /// The order of responses, by connection.
 #[derive(Default)]

@@ -7,55 +7,55 @@ use uavspec_flockwave::body_schema::Deviation;
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-26",
-        name: "Values allowed in part of the specification",
-        level: Level::Should,
-        status: Status::Disputed(
-            "For optional fields, the published JSON Schemas do not allow null, but the guidelines for specification \
-             authors do. For timestamps other than those of weather data, the JSON Schemas allow any number; for \
-             coordinates and velocities, the tables in the text do. A longitude of 180° is allowed by the JSON Schema only. This rule reports all of \
-             these values.",
-        ),
-        statement: "A value is valid in every part of the specification. An optional field is omitted instead of null. \
-                    Timestamps, coordinates and velocities are integers, and longitudes are less than 180°.",
-        source: source::GENERAL,
-        applies_to: "messages from the server",
-        why: "Clients that follow a different part of the specification reject the whole message.",
-        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"attitude":null}}}"#,
-        fix: "Omit optional fields that have no value. Round timestamps, coordinates and velocities to integers, and \
-              send -180° instead of 180°.",
-    },
-    checks: &[Check::Message(check)],
-    covers: &[],
-    bug: Bug::message("The `refs` of notifications is null.", |out| {
-        if out.is_notification() {
-            out.message()["refs"] = Value::Null;
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-26",
+    name: "Values allowed in part of the specification",
+    level: Level::Should,
+    status: Status::Disputed(
+        "For optional fields, the published JSON Schemas do not allow null, but the guidelines for \
+         specification authors do. For timestamps other than those of weather data, the JSON Schemas \
+         allow any number; for coordinates and velocities, the tables in the text do. A longitude of 180° \
+         is allowed by the JSON Schema only. This rule reports all of these values.",
+    ),
+    statement: "A value is valid in every part of the specification. An optional field is omitted instead \
+                of null. Timestamps, coordinates and velocities are integers, and longitudes are less \
+                than 180°.",
+    source: source::GENERAL,
+    applies_to: "messages from the server",
+    why: "Clients that follow a different part of the specification reject the whole message.",
+    example: concat!(
+        r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000,"#,
+        r#""attitude":null}}}"#
+    ),
+    fix: "Omit optional fields that have no value. Round timestamps, coordinates and velocities to \
+          integers, and send -180° instead of 180°.",
+})
+.checks(&[Check::Message(check)])
+.bug(Bug::message("The `refs` of notifications is null.", |out| {
+    if out.is_notification() {
+        out.message()["refs"] = Value::Null;
+    }
+}))
+.mutants(&[
+    Mutant::reply("null in an optional field", "ACK-NAK", |body| body["reason"] = json!(null)),
+    Mutant::state("null in an optional field of a UAV state", |state| state["attitude"] = json!(null)),
+    Mutant::session("a notification whose `refs` is null", |session| {
+        session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
+        if let Some(line) = session.lines.last_mut() {
+            line["msg"]["refs"] = Value::Null;
         }
     }),
-    trial: None,
-    mutants: &[
-        Mutant::reply("null in an optional field", "ACK-NAK", |body| body["reason"] = json!(null)),
-        Mutant::state("null in an optional field of a UAV state", |state| state["attitude"] = json!(null)),
-        Mutant::session("a notification whose `refs` is null", |session| {
-            session.notify(json!({ "type": "CONN-DEL", "ids": ["winch"] }));
-            if let Some(line) = session.lines.last_mut() {
-                line["msg"]["refs"] = Value::Null;
-            }
-        }),
-        Mutant::reply_message("null in addition to a body", "UAV-LIST", |message| {
-            message["error"] = json!(null);
-        }),
-        Mutant::session("an error whose code is null", |session| {
-            let id = session.sends(json!({ "type": "LCN-INF" }));
-            session.answers(&id, json!({ "error": { "code": null, "message": "No" } }));
-        }),
-        Mutant::state("a timestamp with a fraction", |state| state["timestamp"] = json!(1_790_000_000_000.5)),
-        Mutant::state("a position in degrees", |state| state["position"] = json!([46.541, 11.552])),
-        Mutant::state("a longitude of 180°", |state| state["position"] = json!([0, 1_800_000_000])),
-    ],
-};
+    Mutant::reply_message("null in addition to a body", "UAV-LIST", |message| {
+        message["error"] = json!(null);
+    }),
+    Mutant::session("an error whose code is null", |session| {
+        let id = session.sends(json!({ "type": "LCN-INF" }));
+        session.answers(&id, json!({ "error": { "code": null, "message": "No" } }));
+    }),
+    Mutant::state("a timestamp with a fraction", |state| state["timestamp"] = json!(1_790_000_000_000.5)),
+    Mutant::state("a position in degrees", |state| state["position"] = json!([46.541, 11.552])),
+    Mutant::state("a longitude of 180°", |state| state["position"] = json!([0, 1_800_000_000])),
+]);
 
 /// The longitude that the specification text excludes, as in a body.
 const LONGITUDE_180: &str = "1800000000";

@@ -15,44 +15,42 @@ use super::prelude::*;
 use super::trial::SENT_ALONE;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-ENV-27",
-        name: "Clients do not affect each other",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "No message ends the service: requests get a response, whatever another client has sent.",
-        source: source::GENERAL,
-        applies_to: "probe requests after a request or trial without a response",
-        why: "If one message stops the service for all clients, a single faulty client grounds the whole fleet.",
-        example: r#"(connection 1)
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-ENV-27",
+    name: "Clients do not affect each other",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "No message ends the service: requests get a response, whatever another client has sent.",
+    source: source::GENERAL,
+    applies_to: "probe requests after a request or trial without a response",
+    why: "If one message stops the service for all clients, a single faulty client grounds the whole fleet.",
+    example: r#"(connection 1)
 → this is not JSON
 (connection 2)
 → {"type":"SYS-VER"}
 (no response)"#,
-        fix: "Handle the errors of each connection separately. An error must end at most the connection that caused \
-              it.",
-    },
-    checks: &[Check::Session(|| Box::new(Suspects::default()))],
-    covers: &[],
-    bug: Bug::behaviour("After the message `{}`, no request is answered on any connection.")
-        .with(&[&env_22::RULE.rule]),
-    trial: None,
-    mutants: &[
-        Mutant::connection(served::UNANSWERED, "tcp#9", |session| {
-            session.sends_raw(KILLER);
-            session.tries(&RULE.rule, "after a trial", json!({ "type": "SYS-PING" }));
-        }),
-        Mutant::connection(served::NO_CONNECTION, "tcp#9", |session| {
-            session.sends_raw(KILLER);
-            session.refused(&RULE.rule, "after a trial", "Connection refused");
-        }),
-        Mutant::connection("no connection over UDP", "udp#9", |session| {
-            session.sends_raw(KILLER);
-            session.refused(&RULE.rule, "after a trial", "no server listens");
-        }),
-    ],
-};
+    fix: "Handle the errors of each connection separately. An error must end at most the connection that \
+          caused it.",
+})
+.checks(&[Check::Session(|| Box::new(Suspects::default()))])
+.bug(
+    Bug::behaviour("After the message `{}`, no request is answered on any connection.")
+        .also(&[&env_22::RULE.rule]),
+)
+.mutants(&[
+    Mutant::connection(served::UNANSWERED, "tcp#9", |session| {
+        session.sends_raw(KILLER);
+        session.tries(&RULE.rule, "after a trial", json!({ "type": "SYS-PING" }));
+    }),
+    Mutant::connection(served::NO_CONNECTION, "tcp#9", |session| {
+        session.sends_raw(KILLER);
+        session.refused(&RULE.rule, "after a trial", "Connection refused");
+    }),
+    Mutant::connection("no connection over UDP", "udp#9", |session| {
+        session.sends_raw(KILLER);
+        session.refused(&RULE.rule, "after a trial", "no server listens");
+    }),
+]);
 
 /// Text that ends the service in the mutants.
 const KILLER: &str = "wind";

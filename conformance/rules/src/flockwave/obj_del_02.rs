@@ -5,32 +5,28 @@ use uavspec_flockwave::session::ids::Ids;
 use super::prelude::*;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-OBJ-DEL-02",
-        name: "Deleted objects stay deleted",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "Once OBJ-DEL has reported an object as deleted, no list contains the object until the server \
-                    reports its state again.",
-        source: source::DERIVED,
-        applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
-        why: "Clients remove the object after OBJ-DEL. If the object appears in the next list, the operator sees a UAV \
-              that does not exist.",
-        example: r#"← {"type":"OBJ-DEL","ids":["uav-2"]}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-OBJ-DEL-02",
+    name: "Deleted objects stay deleted",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "Once OBJ-DEL has reported an object as deleted, no list contains the object until the \
+                server reports its state again.",
+    source: source::DERIVED,
+    applies_to: "OBJ-DEL, OBJ-LIST and UAV-LIST over time",
+    why: "Clients remove the object after OBJ-DEL. If the object appears in the next list, the operator \
+          sees a UAV that does not exist.",
+    example: r#"← {"type":"OBJ-DEL","ids":["uav-2"]}
 → {"type":"OBJ-LIST"}
 ← {"type":"OBJ-LIST","ids":["uav-1","uav-2"]}"#,
-        fix: "Remove the object from the registry before you send OBJ-DEL, and build OBJ-LIST and UAV-LIST from the \
-              same registry.",
-    },
-    checks: &[Check::Session(|| Box::new(Gone::default()))],
-    covers: &[],
-    bug: Bug::behaviour("Deleted objects stay in the lists."),
-    trial: None,
-    mutants: &[Mutant::session("a deleted object is listed again", |session| {
-        session.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
-    })],
-};
+    fix: "Remove the object from the registry before you send OBJ-DEL, and build OBJ-LIST and UAV-LIST \
+          from the same registry.",
+})
+.checks(&[Check::Session(|| Box::new(Gone::default()))])
+.bug(Bug::behaviour("Deleted objects stay in the lists."))
+.mutants(&[Mutant::session("a deleted object is listed again", |session| {
+    session.exchange(json!({ "type": "OBJ-LIST" }), json!({ "ids": ["kite", "swift", "vane"] }));
+})]);
 
 /// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 1 << 20;

@@ -6,36 +6,31 @@ use super::prelude::*;
 use super::{obj_list_03, uav_list_02};
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-OBJ-LIST-02",
-        name: "Filter by type",
-        level: Level::Should,
-        status: Status::Advisory,
-        statement: "A filtered OBJ-LIST contains only objects of the requested types, so no object is listed under two \
-                    types.",
-        source: source::MESSAGES,
-        applies_to: "OBJ-LIST over time",
-        why: "Clients use the filter to find UAVs. If the server ignores the filter, clients treat beacons or docks as \
-              UAVs and send flight commands to them.",
-        example: r#"→ {"type":"OBJ-LIST","filter":["uav"]}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-OBJ-LIST-02",
+    name: "Filter by type",
+    level: Level::Should,
+    status: Status::Advisory,
+    statement: "A filtered OBJ-LIST contains only objects of the requested types, so no object is listed \
+                under two types.",
+    source: source::MESSAGES,
+    applies_to: "OBJ-LIST over time",
+    why: "Clients use the filter to find UAVs. If the server ignores the filter, clients treat beacons or \
+          docks as UAVs and send flight commands to them.",
+    example: r#"→ {"type":"OBJ-LIST","filter":["uav"]}
 ← {"type":"OBJ-LIST","ids":["uav-1","mast-1"]}
 → {"type":"OBJ-LIST","filter":["beacon"]}
 ← {"type":"OBJ-LIST","ids":["uav-1","mast-1"]}"#,
-        fix: "Apply `filter` to the type of each object. Give each object one type.",
-    },
-    checks: &[Check::Session(|| Box::new(Listed::default()))],
-    covers: &[],
-    bug: Bug::behaviour("OBJ-LIST ignores its filter.")
-        .with(&[&obj_list_03::RULE.rule, &uav_list_02::RULE.rule]),
-    trial: None,
-    mutants: &[Mutant::connection("an ignored filter", "tcp#9", |session| {
-        for kind in ["uav", "beacon"] {
-            let all = json!({ "ids": ["kite", "mast", "swift"] });
-            session.exchange(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
-        }
-    })],
-};
+    fix: "Apply `filter` to the type of each object. Give each object one type.",
+})
+.checks(&[Check::Session(|| Box::new(Listed::default()))])
+.bug(Bug::behaviour("OBJ-LIST ignores its filter.").also(&[&obj_list_03::RULE.rule, &uav_list_02::RULE.rule]))
+.mutants(&[Mutant::connection("an ignored filter", "tcp#9", |session| {
+    for kind in ["uav", "beacon"] {
+        let all = json!({ "ids": ["kite", "mast", "swift"] });
+        session.exchange(json!({ "type": "OBJ-LIST", "filter": [kind] }), all);
+    }
+})]);
 
 /// The maximum number of stored lists per connection.
 const MAX_KINDS: usize = 8;

@@ -11,37 +11,33 @@ use super::prelude::*;
 use super::reply::TimedList;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-OBJ-LIST-04",
-        name: "List without a filter",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "OBJ-LIST without a filter lists all objects.",
-        source: source::MESSAGES,
-        applies_to: "OBJ-LIST over time",
-        why: "Clients use this request to load the initial state of the fleet. They never show an object that is \
-              missing from the response.",
-        example: r#"→ {"type":"OBJ-LIST"}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-OBJ-LIST-04",
+    name: "List without a filter",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "OBJ-LIST without a filter lists all objects.",
+    source: source::MESSAGES,
+    applies_to: "OBJ-LIST over time",
+    why: "Clients use this request to load the initial state of the fleet. They never show an object that \
+          is missing from the response.",
+    example: r#"→ {"type":"OBJ-LIST"}
 ← {"type":"OBJ-LIST","ids":["uav-1"]}
 → {"type":"OBJ-LIST","filter":["beacon"]}
 ← {"type":"OBJ-LIST","ids":["mast-1"]}
 → {"type":"OBJ-LIST"}
 ← {"type":"OBJ-LIST","ids":["uav-1"]}"#,
-        fix: "Return the objects of all types if the request has no `filter`.",
-    },
-    checks: &[Check::Session(|| Box::new(Objects::default()))],
-    covers: &[],
-    bug: Bug::behaviour("OBJ-LIST without a filter lists UAVs only."),
-    trial: None,
-    mutants: &[Mutant::connection("the objects of one type are missing", "tcp#9", |session| {
-        let all = || json!({ "ids": ["kite", "swift"] });
-        let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
-        session.exchange(json!({ "type": "OBJ-LIST" }), all());
-        session.exchange(masts, json!({ "ids": ["mast"] }));
-        session.exchange(json!({ "type": "OBJ-LIST" }), all());
-    })],
-};
+    fix: "Return the objects of all types if the request has no `filter`.",
+})
+.checks(&[Check::Session(|| Box::new(Objects::default()))])
+.bug(Bug::behaviour("OBJ-LIST without a filter lists UAVs only."))
+.mutants(&[Mutant::connection("the objects of one type are missing", "tcp#9", |session| {
+    let all = || json!({ "ids": ["kite", "swift"] });
+    let masts = json!({ "type": "OBJ-LIST", "filter": ["beacon"] });
+    session.exchange(json!({ "type": "OBJ-LIST" }), all());
+    session.exchange(masts, json!({ "ids": ["mast"] }));
+    session.exchange(json!({ "type": "OBJ-LIST" }), all());
+})]);
 
 /// The maximum number of stored objects from filtered lists.
 const MAX_OBJECTS: usize = 10_000;

@@ -2,42 +2,38 @@
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-PRM-01",
-        name: "Success without failed parameters",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "If `success` is true, `failed` is empty or absent.",
-        source: source::MESSAGES,
-        applies_to: "results of PRM-SET-MANY",
-        why: "The client reports that all parameters were set, so the operator flies without noticing that some still \
-              have their old values.",
-        example: r#"{"type":"PRM-SET-MANY","result":{"uav-1":{"success":true,"failed":["CRUISE_SPEED"]}}}"#,
-        fix: "Set `success` to true only if all parameters were set. Otherwise, set it to false and list the \
-              parameters that were not set in `failed`.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[],
-    bug: Bug::message("PRM-SET-MANY reports success but lists failed parameters.", |out| {
-        let Some(body) = out.body_of("PRM-SET-MANY") else { return };
-        for outcome in body["result"].as_object_mut().into_iter().flat_map(|map| map.values_mut()) {
-            *outcome = json!({ "success": true, "failed": ["CRUISE_SPEED"] });
-        }
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-PRM-01",
+    name: "Success without failed parameters",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "If `success` is true, `failed` is empty or absent.",
+    source: source::MESSAGES,
+    applies_to: "results of PRM-SET-MANY",
+    why: "The client reports that all parameters were set, so the operator flies without noticing that \
+          some still have their old values.",
+    example: r#"{"type":"PRM-SET-MANY","result":{"uav-1":{"success":true,"failed":["CRUISE_SPEED"]}}}"#,
+    fix: "Set `success` to true only if all parameters were set. Otherwise, set it to false and list the \
+          parameters that were not set in `failed`.",
+})
+.checks(&[Check::Exchange(check)])
+.bug(Bug::message("PRM-SET-MANY reports success but lists failed parameters.", |out| {
+    let Some(body) = out.body_of("PRM-SET-MANY") else { return };
+    for outcome in body["result"].as_object_mut().into_iter().flat_map(|map| map.values_mut()) {
+        *outcome = json!({ "success": true, "failed": ["CRUISE_SPEED"] });
+    }
+}))
+.mutants(&[
+    Mutant::reply("success with a failed parameter", "PRM-SET-MANY", |body| {
+        body["result"]["kite"]["success"] = true.into();
     }),
-    trial: None,
-    mutants: &[
-        Mutant::reply("success with a failed parameter", "PRM-SET-MANY", |body| {
-            body["result"]["kite"]["success"] = true.into();
-        }),
-        Mutant::session("success with a failed parameter in ASYNC-RESP", |session| {
-            let request = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
-            let outcome = json!({ "success": true, "failed": ["GEAR"] });
-            session.exchange(request, json!({ "receipt": { "kite": "rcpt-8" } }));
-            session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
-        }),
-    ],
-};
+    Mutant::session("success with a failed parameter in ASYNC-RESP", |session| {
+        let request = json!({ "type": "PRM-SET-MANY", "ids": ["kite"], "parameters": { "GEAR": 1 } });
+        let outcome = json!({ "success": true, "failed": ["GEAR"] });
+        session.exchange(request, json!({ "receipt": { "kite": "rcpt-8" } }));
+        session.notify(json!({ "type": "ASYNC-RESP", "id": "rcpt-8", "result": outcome }));
+    }),
+]);
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let immediate =

@@ -7,36 +7,34 @@ use uavspec_flockwave::session::remembered::Remembered;
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-SYS-CLOSE-02",
-        name: "Nothing follows SYS-CLOSE",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "After SYS-CLOSE, the server sends only responses to earlier requests, and closes the connection.",
-        source: source::DERIVED,
-        applies_to: "SYS-CLOSE over time",
-        why: "Clients close the connection or stop reading when SYS-CLOSE arrives, so they lose all later messages.",
-        example: r#"← {"type":"SYS-CLOSE","reason":"Restart"}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-SYS-CLOSE-02",
+    name: "Nothing follows SYS-CLOSE",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "After SYS-CLOSE, the server sends only responses to earlier requests, and closes the \
+                connection.",
+    source: source::DERIVED,
+    applies_to: "SYS-CLOSE over time",
+    why: "Clients close the connection or stop reading when SYS-CLOSE arrives, so they lose all later \
+          messages.",
+    example: r#"← {"type":"SYS-CLOSE","reason":"Restart"}
 ← {"type":"OBJ-DEL","ids":["uav-1"]}"#,
-        fix: "Send SYS-CLOSE as the last message, then close the connection.",
-    },
-    checks: &[Check::Session(|| Box::new(Closing::default()))],
-    covers: &[],
-    bug: Bug::message("SYS-CLOSE follows each SYS-VER response, and the connection stays open.", |out| {
-        if out.kind() == "SYS-VER" {
-            out.follow(None, json!({ "type": "SYS-CLOSE" }));
-        }
-    }),
-    trial: None,
-    mutants: &[Mutant::new("a message after SYS-CLOSE", || {
-        let mut session = Session::new();
-        let closed = session.lines.pop()?;
-        session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
-        session.lines.push(closed);
-        Some(session.to_bytes())
-    })],
-};
+    fix: "Send SYS-CLOSE as the last message, then close the connection.",
+})
+.checks(&[Check::Session(|| Box::new(Closing::default()))])
+.bug(Bug::message("SYS-CLOSE follows each SYS-VER response, and the connection stays open.", |out| {
+    if out.kind() == "SYS-VER" {
+        out.follow(None, json!({ "type": "SYS-CLOSE" }));
+    }
+}))
+.mutants(&[Mutant::new("a message after SYS-CLOSE", || {
+    let mut session = Session::new();
+    let closed = session.lines.pop()?;
+    session.notify(json!({ "type": "SYS-MSG", "items": [{ "message": "One more thing" }] }));
+    session.lines.push(closed);
+    Some(session.to_bytes())
+})]);
 
 /// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 1 << 20;

@@ -6,37 +6,33 @@
 use super::prelude::*;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-SYS-PING-01",
-        name: "Response to SYS-PING",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "SYS-PING is answered with ACK-ACK.",
-        source: source::MESSAGES,
-        applies_to: "SYS-PING",
-        why: "Clients ping to check that the server is alive. After any other response, clients report the connection \
-              as lost and reconnect.",
-        example: r#"→ {"type":"SYS-PING"}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-SYS-PING-01",
+    name: "Response to SYS-PING",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "SYS-PING is answered with ACK-ACK.",
+    source: source::MESSAGES,
+    applies_to: "SYS-PING",
+    why: "Clients ping to check that the server is alive. After any other response, clients report the \
+          connection as lost and reconnect.",
+    example: r#"→ {"type":"SYS-PING"}
 ← {"type":"SYS-PONG"}"#,
-        fix: "Answer every SYS-PING with ACK-ACK, regardless of the server's state.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[],
-    bug: Bug::message("SYS-PING is answered with ACK-NAK.", |out| {
-        if out.request_type() == Some("SYS-PING") {
-            out.message()["body"] = json!({ "type": "ACK-NAK" });
-        }
+    fix: "Answer every SYS-PING with ACK-ACK, regardless of the server's state.",
+})
+.checks(&[Check::Exchange(check)])
+.bug(Bug::message("SYS-PING is answered with ACK-NAK.", |out| {
+    if out.request_type() == Some("SYS-PING") {
+        out.message()["body"] = json!({ "type": "ACK-NAK" });
+    }
+}))
+.mutants(&[
+    Mutant::refused("SYS-PING is refused", "tcp#9"),
+    Mutant::unanswered("SYS-PING is not answered", "tcp#9"),
+    Mutant::reply("SYS-PING is answered with a different type", "ACK-ACK", |body| {
+        *body = json!({ "type": "CONN-LIST", "ids": [] });
     }),
-    trial: None,
-    mutants: &[
-        Mutant::refused("SYS-PING is refused", "tcp#9"),
-        Mutant::unanswered("SYS-PING is not answered", "tcp#9"),
-        Mutant::reply("SYS-PING is answered with a different type", "ACK-ACK", |body| {
-            *body = json!({ "type": "CONN-LIST", "ids": [] });
-        }),
-    ],
-};
+]);
 
 fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
     let is_trial = exchange.tried(&RULE.rule).is_some();

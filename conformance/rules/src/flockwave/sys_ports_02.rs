@@ -4,38 +4,34 @@
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-SYS-PORTS-02",
-        name: "Port of this connection",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "If SYS-PORTS lists a port for the transport of the current connection, it is the port that this \
-                    connection uses.",
-        source: source::DERIVED,
-        applies_to: "SYS-PORTS on connections with a known URL",
-        why: "Clients use these ports for further connections. If a port is wrong, the connection fails or reaches a \
-              different service.",
-        example: r#"(connected to tcp://localhost:5001)
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-SYS-PORTS-02",
+    name: "Port of this connection",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "If SYS-PORTS lists a port for the transport of the current connection, it is the port \
+                that this connection uses.",
+    source: source::DERIVED,
+    applies_to: "SYS-PORTS on connections with a known URL",
+    why: "Clients use these ports for further connections. If a port is wrong, the connection fails or \
+          reaches a different service.",
+    example: r#"(connected to tcp://localhost:5001)
 → {"type":"SYS-PORTS"}
 ← {"type":"SYS-PORTS","ports":{"tcp":5000}}"#,
-        fix: "Read the port from the listening socket instead of the configuration. Ignore this finding if the port \
-              is forwarded.",
-    },
-    checks: &[Check::Session(|| Box::new(Used::default()))],
-    covers: &[],
-    bug: Bug::message("All port numbers are off by one.", |out| {
-        for port in out.ports() {
-            let number = port.as_u64().unwrap_or(1);
-            *port = json!(if number == 1 { 2 } else { number - 1 });
-        }
-    }),
-    trial: None,
-    mutants: &[Mutant::connection("a different port", "tcp#9", |session| {
-        let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
-        session.exchange(json!({ "type": "SYS-PORTS" }), ports);
-    })],
-};
+    fix: "Read the port from the listening socket instead of the configuration. Ignore this finding if \
+          the port is forwarded.",
+})
+.checks(&[Check::Session(|| Box::new(Used::default()))])
+.bug(Bug::message("All port numbers are off by one.", |out| {
+    for port in out.ports() {
+        let number = port.as_u64().unwrap_or(1);
+        *port = json!(if number == 1 { 2 } else { number - 1 });
+    }
+}))
+.mutants(&[Mutant::connection("a different port", "tcp#9", |session| {
+    let ports = json!({ "ports": { "tcp": 7004, "udp": 7002 } });
+    session.exchange(json!({ "type": "SYS-PORTS" }), ports);
+})]);
 
 /// The transport and the port in use, by connection.
 #[derive(Default)]

@@ -8,42 +8,40 @@ use uavspec_flockwave::session::ClockMove;
 use super::prelude::*;
 use super::{sys_time_03, uav_inf_09};
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-SYS-TIME-02",
-        name: "Steady server clock",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "From one SYS-TIME response to the next, the server clock advances by the time that has passed, \
-                    without jumping or stopping.",
-        source: source::DERIVED,
-        applies_to: "SYS-TIME over time",
-        why: "Clients use the offset to compare timestamps with their own clock. If the offset changes, the age of all \
-              UAV states is wrong.",
-        example: r#"→ {"type":"SYS-TIME"}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-SYS-TIME-02",
+    name: "Steady server clock",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "From one SYS-TIME response to the next, the server clock advances by the time that has \
+                passed, without jumping or stopping.",
+    source: source::DERIVED,
+    applies_to: "SYS-TIME over time",
+    why: "Clients use the offset to compare timestamps with their own clock. If the offset changes, the \
+          age of all UAV states is wrong.",
+    example: r#"→ {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}
 (10 s later)
 → {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}"#,
-        fix: "Read the system clock for every SYS-TIME request, and synchronize that clock without jumps, for \
-              example with NTP.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[],
-    bug: Bug::message("The server clock does not advance.", |out| {
+    fix: "Read the system clock for every SYS-TIME request, and synchronize that clock without jumps, for \
+          example with NTP.",
+})
+.checks(&[Check::Exchange(check)])
+.bug(
+    Bug::message("The server clock does not advance.", |out| {
         out.set("SYS-TIME", "timestamp", json!(1_700_000_000_000_u64));
     })
-    .with(&[&uav_inf_09::RULE.rule]),
-    trial: None,
-    mutants: &[
-        Mutant::session("a clock that jumps forward", |session| {
-            session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
-        }),
-        Mutant::session("a clock that jumps back", |session| {
-            session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
-        }),
-    ],
-};
+    .also(&[&uav_inf_09::RULE.rule]),
+)
+.mutants(&[
+    Mutant::session("a clock that jumps forward", |session| {
+        session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_800_000_000_000_u64 }));
+    }),
+    Mutant::session("a clock that jumps back", |session| {
+        session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1_780_000_000_000_u64 }));
+    }),
+]);
 
 /// The tolerance for inaccurate clocks, in seconds.
 pub(super) const TOLERANCE: f64 = 1.0;

@@ -10,34 +10,31 @@ use super::prelude::*;
 use super::sys_time_02;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-SYS-TIME-03",
-        name: "Adjustment by 0",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "An `adjustment` of 0 does not change the server clock.",
-        source: source::MESSAGES,
-        applies_to: "SYS-TIME over time",
-        why: "Clients send 0 just to ask whether the clock can be adjusted. If that query changes the clock, it \
-              corrupts the timestamps of a flight in progress.",
-        example: r#"→ {"type":"SYS-TIME"}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-SYS-TIME-03",
+    name: "Adjustment by 0",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "An `adjustment` of 0 does not change the server clock.",
+    source: source::MESSAGES,
+    applies_to: "SYS-TIME over time",
+    why: "Clients send 0 just to ask whether the clock can be adjusted. If that query changes the clock, \
+          it corrupts the timestamps of a flight in progress.",
+    example: r#"→ {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}
 → {"type":"SYS-TIME","adjustment":0}
 ← {"type":"SYS-TIME","timestamp":1790003600000}"#,
-        fix: "If the adjustment is 0, only check whether the client may set the clock, and return the current time.",
-    },
-    checks: &[Check::Exchange(check)],
-    covers: &[],
-    bug: Bug::behaviour("An adjustment of 0 sets the clock forward by an hour."),
-    trial: None,
-    mutants: &[
-        Mutant::connection("the response to the adjustment is an hour ahead", "tcp#9", |session| {
-            adjusts(session, 1);
-        }),
-        Mutant::connection("the next response is an hour ahead", "tcp#9", |session| adjusts(session, 2)),
-    ],
-};
+    fix: "If the adjustment is 0, only check whether the client may set the clock, and return the current \
+          time.",
+})
+.checks(&[Check::Exchange(check)])
+.bug(Bug::behaviour("An adjustment of 0 sets the clock forward by an hour."))
+.mutants(&[
+    Mutant::connection("the response to the adjustment is an hour ahead", "tcp#9", |session| {
+        adjusts(session, 1);
+    }),
+    Mutant::connection("the next response is an hour ahead", "tcp#9", |session| adjusts(session, 2)),
+]);
 
 /// Adds three responses. From response `first` on, the server clock is an hour ahead.
 fn adjusts(session: &mut Session, first: usize) {

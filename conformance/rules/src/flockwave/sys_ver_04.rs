@@ -2,38 +2,34 @@
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-SYS-VER-04",
-        name: "Constant server version",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "On a connection, SYS-VER always returns the same values.",
-        source: source::DERIVED,
-        applies_to: "SYS-VER over time",
-        why: "Clients query the version once and store it. If the version changes, clients use the wrong features for \
-              the rest of the connection.",
-        example: r#"→ {"type":"SYS-VER"}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-SYS-VER-04",
+    name: "Constant server version",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "On a connection, SYS-VER always returns the same values.",
+    source: source::DERIVED,
+    applies_to: "SYS-VER over time",
+    why: "Clients query the version once and store it. If the version changes, clients use the wrong \
+          features for the rest of the connection.",
+    example: r#"→ {"type":"SYS-VER"}
 ← {"type":"SYS-VER","software":"Example","version":"1.0","revision":"b7"}
 → {"type":"SYS-VER"}
 ← {"type":"SYS-VER","software":"Example","version":"1.0","revision":"b8"}"#,
-        fix: "Determine the name, version and revision once at startup. If a load balancer is in use, pin each \
-              connection to one server.",
-    },
-    checks: &[Check::Session(|| Box::new(Versions::default()))],
-    covers: &[],
-    bug: Bug::message("The `revision` of SYS-VER changes each time.", |out| {
-        let revision = format!("revision {}", out.number);
-        out.set("SYS-VER", "revision", json!(revision));
-    }),
-    trial: None,
-    mutants: &[Mutant::connection("a changed revision", "tcp#9", |session| {
-        for revision in ["b7", "b8"] {
-            let version = json!({ "software": "Windward", "version": "3.1", "revision": revision });
-            session.exchange(json!({ "type": "SYS-VER" }), version);
-        }
-    })],
-};
+    fix: "Determine the name, version and revision once at startup. If a load balancer is in use, pin \
+          each connection to one server.",
+})
+.checks(&[Check::Session(|| Box::new(Versions::default()))])
+.bug(Bug::message("The `revision` of SYS-VER changes each time.", |out| {
+    let revision = format!("revision {}", out.number);
+    out.set("SYS-VER", "revision", json!(revision));
+}))
+.mutants(&[Mutant::connection("a changed revision", "tcp#9", |session| {
+    for revision in ["b7", "b8"] {
+        let version = json!({ "software": "Windward", "version": "3.1", "revision": revision });
+        session.exchange(json!({ "type": "SYS-VER" }), version);
+    }
+})]);
 
 /// The compared fields.
 const FIELDS: [&str; 4] = ["software", "version", "name", "revision"];

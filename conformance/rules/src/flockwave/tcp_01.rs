@@ -7,46 +7,41 @@ use super::lines::Lines;
 use super::prelude::*;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-TCP-01",
-        name: "One message per line over TCP",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "Over TCP, each message is a single line: it ends with a line break and contains no other line \
-                    breaks.",
-        source: source::TRANSPORT,
-        applies_to: "messages from the server on connections whose name begins with `tcp`",
-        why: "Clients split the stream at line breaks. A message that spans several lines becomes several invalid \
-              messages. Two messages on one line become one invalid message.",
-        example: r#"← {"$fw.version":"1.0","id":"s1",
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-TCP-01",
+    name: "One message per line over TCP",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "Over TCP, each message is a single line: it ends with a line break and contains no other \
+                line breaks.",
+    source: source::TRANSPORT,
+    applies_to: "messages from the server on connections whose name begins with `tcp`",
+    why: "Clients split the stream at line breaks. A message that spans several lines becomes several \
+          invalid messages. Two messages on one line become one invalid message.",
+    example: r#"← {"$fw.version":"1.0","id":"s1",
 ←  "body":{"type":"OBJ-DEL","ids":["uav-1"]}}"#,
-        fix: "Serialize without indentation or line breaks, and write one `\\n` after each message.",
-    },
-    checks: &[Check::Session(|| Box::new(SplitMessages::default()))],
-    covers: &[],
-    bug: Bug::behaviour("Over TCP, notifications are split into several lines.").needs(Needs::Tcp),
-    trial: None,
-    mutants: &[
-        Mutant::connection("a message on several lines", "tcp#9", |session| {
-            for line in [
-                "{",
-                "\"$fw.version\": \"1.0\", \"id\": \"{\\\"\",",
-                "\"body\": { \"type\": \"OBJ-DEL\", \"ids\": [",
-                "\"vane\"",
-                "] } }",
-            ] {
-                session.send_raw(line);
-            }
-        }),
-        Mutant::connection("three messages on one line", "tcp#9", |session| {
-            let message = |id: &str| {
-                format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#)
-            };
-            session.send_raw(&["a", "b", "c"].map(message).join(" "));
-        }),
-    ],
-};
+    fix: "Serialize without indentation or line breaks, and write one `\\n` after each message.",
+})
+.checks(&[Check::Session(|| Box::new(SplitMessages::default()))])
+.bug(Bug::behaviour("Over TCP, notifications are split into several lines.").needs(Needs::Tcp))
+.mutants(&[
+    Mutant::connection("a message on several lines", "tcp#9", |session| {
+        for line in [
+            "{",
+            "\"$fw.version\": \"1.0\", \"id\": \"{\\\"\",",
+            "\"body\": { \"type\": \"OBJ-DEL\", \"ids\": [",
+            "\"vane\"",
+            "] } }",
+        ] {
+            session.send_raw(line);
+        }
+    }),
+    Mutant::connection("three messages on one line", "tcp#9", |session| {
+        let message =
+            |id: &str| format!(r#"{{"$fw.version":"1.0","id":"{id}","body":{{"type":"OBJ-DEL","ids":[]}}}}"#);
+        session.send_raw(&["a", "b", "c"].map(message).join(" "));
+    }),
+]);
 
 /// Messages that are split into lines.
 #[derive(Default)]

@@ -8,33 +8,29 @@ use uavspec_flockwave::session::ids::Ids;
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-UAV-INF-08",
-        name: "UAV timestamps do not decrease",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "The timestamp of a UAV does not decrease.",
-        source: source::DERIVED,
-        applies_to: "UAV-INF over time",
-        why: "Clients ignore states that are older than the current one. The UAV seems to stand still, or jumps \
-              back on the map.",
-        example: r#"← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000}}}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-UAV-INF-08",
+    name: "UAV timestamps do not decrease",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "The timestamp of a UAV does not decrease.",
+    source: source::DERIVED,
+    applies_to: "UAV-INF over time",
+    why: "Clients ignore states that are older than the current one. The UAV seems to stand still, or \
+          jumps back on the map.",
+    example: r#"← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000}}}
 ← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1789999990000}}}"#,
-        fix: "Keep the latest state of each UAV, and drop data that arrives out of order. Do not set the clock back \
-              during a flight.",
-    },
-    checks: &[Check::Session(|| Box::new(Latest::default()))],
-    covers: &[],
-    bug: Bug::message("Every other timestamp of a UAV is ten seconds too early.", |out| {
-        let is_odd = out.number % 2 == 1;
-        out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
-    }),
-    trial: None,
-    mutants: &[Mutant::state("a timestamp that goes back", |kite| {
-        kite["timestamp"] = 1_789_000_000_000_u64.into();
-    })],
-};
+    fix: "Keep the latest state of each UAV, and drop data that arrives out of order. Do not set the \
+          clock back during a flight.",
+})
+.checks(&[Check::Session(|| Box::new(Latest::default()))])
+.bug(Bug::message("Every other timestamp of a UAV is ten seconds too early.", |out| {
+    let is_odd = out.number % 2 == 1;
+    out.shift_timestamps(|time| if is_odd { time - 10_000 } else { time });
+}))
+.mutants(&[Mutant::state("a timestamp that goes back", |state| {
+    state["timestamp"] = 1_789_000_000_000_u64.into();
+})]);
 
 /// The memory limit, in bytes.
 const MEMORY_LIMIT: usize = 4 << 20;

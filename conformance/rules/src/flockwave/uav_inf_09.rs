@@ -9,32 +9,28 @@ use uavspec_flockwave::session::seconds;
 
 use super::prelude::*;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-UAV-INF-09",
-        name: "UAV timestamps are in the past",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "The timestamp of a UAV is not later than the server time.",
-        source: source::DERIVED,
-        applies_to: "UAV-INF over time",
-        why: "Clients compute the age of a state from its timestamp. A state from the future never looks outdated, so \
-              a lost UAV seems to be connected.",
-        example: r#"→ {"type":"SYS-TIME"}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-UAV-INF-09",
+    name: "UAV timestamps are in the past",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "The timestamp of a UAV is not later than the server time.",
+    source: source::DERIVED,
+    applies_to: "UAV-INF over time",
+    why: "Clients compute the age of a state from its timestamp. A state from the future never looks \
+          outdated, so a lost UAV seems to be connected.",
+    example: r#"→ {"type":"SYS-TIME"}
 ← {"type":"SYS-TIME","timestamp":1790000000000}
 ← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790003600000}}}"#,
-        fix: "Set the timestamp from the server clock when the state is received, not from the clock of the UAV.",
-    },
-    checks: &[Check::Exchange(check), Check::StatusReport(check_status_report)],
-    covers: &[],
-    bug: Bug::message("The timestamps of UAVs are an hour ahead.", |out| {
-        out.shift_timestamps(|time| time + 3_600_000);
-    }),
-    trial: None,
-    mutants: &[Mutant::state("a timestamp that is a day ahead", |kite| {
-        kite["timestamp"] = 1_790_086_400_000_u64.into();
-    })],
-};
+    fix: "Set the timestamp from the server clock when the state is received, not from the clock of the UAV.",
+})
+.checks(&[Check::Exchange(check), Check::StatusReport(check_status_report)])
+.bug(Bug::message("The timestamps of UAVs are an hour ahead.", |out| {
+    out.shift_timestamps(|time| time + 3_600_000);
+}))
+.mutants(&[Mutant::state("a timestamp that is a day ahead", |state| {
+    state["timestamp"] = 1_790_086_400_000_u64.into();
+})]);
 
 /// The tolerance for inaccurate clocks, in seconds.
 const TOLERANCE: f64 = 1.0;

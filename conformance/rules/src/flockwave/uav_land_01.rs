@@ -9,35 +9,32 @@ use std::collections::BTreeMap;
 use super::prelude::*;
 
 /// The rule.
-pub static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-UAV-LAND-01",
-        name: "UAVs that accept UAV-LAND descend",
-        level: Level::Should,
-        status: Status::Advisory,
-        statement: "A UAV in the air begins to descend within 3 s after the server accepts UAV-LAND for it.",
-        source: source::DERIVED,
-        applies_to: "UAV-LAND, UAV-INF over time",
-        why: "The operator believes that the UAV lands, but it keeps flying.",
-        example: r#"→ {"type":"UAV-LAND","ids":["uav-1"]}
+pub static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-UAV-LAND-01",
+    name: "UAVs that accept UAV-LAND descend",
+    level: Level::Should,
+    status: Status::Advisory,
+    statement: "A UAV in the air begins to descend within 3 s after the server accepts UAV-LAND for it.",
+    source: source::DERIVED,
+    applies_to: "UAV-LAND, UAV-INF over time",
+    why: "The operator believes that the UAV lands, but it keeps flying.",
+    example: r#"→ {"type":"UAV-LAND","ids":["uav-1"]}
 ← {"type":"UAV-LAND","result":{"uav-1":true}}
 ← {"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000000}}}
 (4 s later)
 → {"type":"UAV-INF","ids":["uav-1"]}
 ← {"type":"UAV-INF","status":{"uav-1":{"timestamp":1790000004000,"position":[0,0,null,9000]}}}"#,
-        fix: "Make UAV-LAND end the takeoff and each other activity, or refuse the command in `error` while the UAV can't \
-              land.",
-    },
-    checks: &[Check::Session(|| Box::new(Descents::default()))],
-    covers: &[],
-    bug: Bug::behaviour(
-        "A UAV ignores the first UAV-LAND of a flight, which the server accepts. After UAV-RTH, the UAV only hovers.",
-    ),
-    trial: None,
-    mutants: &[Mutant::connection("a UAV that keeps its height after UAV-LAND", "tcp#9", |session| {
-        session.lands(json!({ "result": { "kite": true } }), &[9_000, 10_000, 10_000, 10_000]);
-    })],
-};
+    fix: "Make UAV-LAND end the takeoff and each other activity, or refuse the command in `error` while \
+          the UAV can't land.",
+})
+.checks(&[Check::Session(|| Box::new(Descents::default()))])
+.bug(Bug::behaviour(
+    "A UAV ignores the first UAV-LAND of a flight, which the server accepts. After UAV-RTH, the UAV \
+     only hovers.",
+))
+.mutants(&[Mutant::connection("a UAV that keeps its height after UAV-LAND", "tcp#9", |session| {
+    session.lands(json!({ "result": { "kite": true } }), &[9_000, 10_000, 10_000, 10_000]);
+})]);
 
 /// The time for a UAV to begin to descend, in seconds.
 const REACTION: f64 = 3.0;

@@ -8,43 +8,39 @@ use std::collections::BTreeSet;
 use super::prelude::*;
 use super::reply::TimedList;
 
-pub(super) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-UAV-LIST-02",
-        name: "UAV-LIST agrees with OBJ-LIST",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "UAV-LIST contains the same objects as OBJ-LIST with the filter `uav`.",
-        source: source::MESSAGES,
-        applies_to: "UAV-LIST and OBJ-LIST over time",
-        why: "Some clients load the fleet with UAV-LIST, others with OBJ-LIST. If the lists differ, operators at two \
-              consoles see different fleets.",
-        example: r#"→ {"type":"UAV-LIST"}
+pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-UAV-LIST-02",
+    name: "UAV-LIST agrees with OBJ-LIST",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "UAV-LIST contains the same objects as OBJ-LIST with the filter `uav`.",
+    source: source::MESSAGES,
+    applies_to: "UAV-LIST and OBJ-LIST over time",
+    why: "Some clients load the fleet with UAV-LIST, others with OBJ-LIST. If the lists differ, operators \
+          at two consoles see different fleets.",
+    example: r#"→ {"type":"UAV-LIST"}
 ← {"type":"UAV-LIST","ids":["uav-1"]}
 → {"type":"OBJ-LIST","filter":["uav"]}
 ← {"type":"OBJ-LIST","ids":["uav-1","uav-2"]}
 → {"type":"UAV-LIST"}
 ← {"type":"UAV-LIST","ids":["uav-1"]}"#,
-        fix: "Answer both requests from the same registry, for example by handling UAV-LIST as OBJ-LIST with the \
-              filter `uav`.",
-    },
-    checks: &[Check::Session(|| Box::new(Uavs::default()))],
-    covers: &[],
-    bug: Bug::message("UAV-LIST omits its last UAV.", |out| {
-        if let Some(ids) = out.ids_of("UAV-LIST") {
-            ids.pop();
-        }
+    fix: "Answer both requests from the same registry, for example by handling UAV-LIST as OBJ-LIST with \
+          the filter `uav`.",
+})
+.checks(&[Check::Session(|| Box::new(Uavs::default()))])
+.bug(Bug::message("UAV-LIST omits its last UAV.", |out| {
+    if let Some(ids) = out.ids_of("UAV-LIST") {
+        ids.pop();
+    }
+}))
+.mutants(&[
+    Mutant::connection("UAV-LIST omits a UAV", "tcp#9", |session| {
+        lists(session, &["kite"], &["kite", "swift"]);
     }),
-    trial: None,
-    mutants: &[
-        Mutant::connection("UAV-LIST omits a UAV", "tcp#9", |session| {
-            lists(session, &["kite"], &["kite", "swift"]);
-        }),
-        Mutant::connection("UAV-LIST has an additional UAV", "tcp#9", |session| {
-            lists(session, &["kite", "owl"], &["kite"]);
-        }),
-    ],
-};
+    Mutant::connection("UAV-LIST has an additional UAV", "tcp#9", |session| {
+        lists(session, &["kite", "owl"], &["kite"]);
+    }),
+]);
 
 /// Adds responses with `uavs` in UAV-LIST, `objects` in OBJ-LIST, and `uavs` in UAV-LIST again.
 fn lists(session: &mut Session, uavs: &[&str], objects: &[&str]) {

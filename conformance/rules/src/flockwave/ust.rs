@@ -24,7 +24,7 @@ pub(super) fn check(message: &Message<'_>, context: &mut RuleContext<'_>, rule: 
         }
     }
     let Some(type_name) = message.type_name else { return };
-    for deviation in message.deviations.into_iter().flatten().filter(|found| rule.covers(type_name, found)) {
+    for deviation in message.deviations.into_iter().flatten().filter(|found| rule.reports(type_name, found)) {
         message.deviates(context, "", deviation);
     }
 }

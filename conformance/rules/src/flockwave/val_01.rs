@@ -6,49 +6,46 @@
 use super::prelude::*;
 use super::uav_inf_08;
 
-pub(crate) static RULE: FlockwaveRule = FlockwaveRule {
-    rule: Rule {
-        id: "FW-VAL-01",
-        name: "Plausible values",
-        level: Level::Should,
-        status: Status::Advisory,
-        statement: "Timestamps are from 2001 to 2099. In the state of a UAV, the battery voltage is at most 1 kV, \
-                    altitudes are from -20 km to 100 km, and velocities are at most 10 km/s in each direction.",
-        source: source::DERIVED,
-        applies_to: "messages from the server",
-        why: "An implausible value usually has the wrong unit. A timestamp in seconds, or in milliseconds since the \
-              server started, makes current data look decades old.",
-        example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000}}}"#,
-        fix: "Send timestamps in milliseconds since 1970, in UTC. Check the units of the other values.",
-    },
-    checks: &[
-        Check::Message(check_values),
-        Check::Exchange(check_timestamps),
-        Check::StatusReport(check_status_report),
-    ],
-    covers: &[],
-    bug: Bug::message("The battery voltage of a UAV is in microvolts.", |out| {
-        out.set_in_state("battery", json!([11_800_000, 84]));
+pub(crate) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
+    id: "FW-VAL-01",
+    name: "Plausible values",
+    level: Level::Should,
+    status: Status::Advisory,
+    statement: "Timestamps are from 2001 to 2099. In the state of a UAV, the battery voltage is at most 1 \
+                kV, altitudes are from -20 km to 100 km, and velocities are at most 10 km/s in each \
+                direction.",
+    source: source::DERIVED,
+    applies_to: "messages from the server",
+    why: "An implausible value usually has the wrong unit. A timestamp in seconds, or in milliseconds \
+          since the server started, makes current data look decades old.",
+    example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-1","timestamp":1790000000}}}"#,
+    fix: "Send timestamps in milliseconds since 1970, in UTC. Check the units of the other values.",
+})
+.checks(&[
+    Check::Message(check_values),
+    Check::Exchange(check_timestamps),
+    Check::StatusReport(check_status_report),
+])
+.bug(Bug::message("The battery voltage of a UAV is in microvolts.", |out| {
+    out.set_in_state("battery", json!([11_800_000, 84]));
+}))
+.mutants(&[
+    Mutant::state("a timestamp in seconds", |state| state["timestamp"] = json!(1_790_000_000))
+        .also(&[&uav_inf_08::RULE.rule]),
+    Mutant::connection("a server time since the start of the server", "tcp#9", |session| {
+        session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1 }));
     }),
-    trial: None,
-    mutants: &[
-        Mutant::state("a timestamp in seconds", |state| state["timestamp"] = json!(1_790_000_000))
-            .also(&[&uav_inf_08::RULE.rule]),
-        Mutant::connection("a server time since the start of the server", "tcp#9", |session| {
-            session.exchange(json!({ "type": "SYS-TIME" }), json!({ "timestamp": 1 }));
-        }),
-        Mutant::notice("a connection timestamp in seconds", "CONN-INF", |body| {
-            body["status"]["winch"]["timestamp"] = 1_790_000_000.into();
-        }),
-        Mutant::state("a voltage in microvolts", |state| state["battery"] = json!([11_800_000, 84])),
-        Mutant::state("an altitude in nanometres", |state| {
-            state["position"] = json!([465_410_000, 115_520_000, 812_000_000_000_i64]);
-        }),
-        Mutant::state("a velocity in micrometres per second", |state| {
-            state["velocity"] = json!([0, -20_000_000, 0]);
-        }),
-    ],
-};
+    Mutant::notice("a connection timestamp in seconds", "CONN-INF", |body| {
+        body["status"]["winch"]["timestamp"] = 1_790_000_000.into();
+    }),
+    Mutant::state("a voltage in microvolts", |state| state["battery"] = json!([11_800_000, 84])),
+    Mutant::state("an altitude in nanometres", |state| {
+        state["position"] = json!([465_410_000, 115_520_000, 812_000_000_000_i64]);
+    }),
+    Mutant::state("a velocity in micrometres per second", |state| {
+        state["velocity"] = json!([0, -20_000_000, 0]);
+    }),
+]);
 
 /// The range of plausible timestamps in milliseconds, from 2001-01-01 up to 2100-01-01.
 pub(super) const TIMES: (i64, i64) = (978_307_200_000, 4_102_444_800_000);

@@ -124,8 +124,8 @@ impl Bug {
         Self { side, description, needs: Needs::Qos, also: &[], change: Change::Reliable }
     }
 
-    /// Marks a bug that only some buses show.
-    pub(super) const fn needing(self, needs: Needs) -> Self {
+    /// Sets the property of a bus that makes the bug visible.
+    pub(super) const fn needs(self, needs: Needs) -> Self {
         Self { needs, ..self }
     }
 

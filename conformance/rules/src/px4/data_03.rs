@@ -5,29 +5,27 @@ use std::collections::HashMap;
 use super::prelude::*;
 use crate::sample::Entry;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-DATA-03",
-        name: "One subscription per topic instance",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "A log has at most one active subscription for each instance of a topic.",
-        source: "ULog file format, section on subscription messages",
-        applies_to: "logs",
-        why: "Readers identify a stream by topic and instance. If two subscriptions describe the same stream, readers \
-              merge their samples or drop some, so samples seem to be duplicated, out of order or missing.",
-        example: "subscription: id 0, battery_status, instance 0\n\
-            subscription: id 9, battery_status, instance 0",
-        fix: "Give each instance of a topic a unique number. Unsubscribe from an instance before you \
-            subscribe to it again.",
-    },
-    check: Check::State(|| Box::new(Instances::default())),
-    bug: None,
-    mutants: &[Mutant::ulog("a second subscription to an instance", |flight, mut log| {
-        log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
-        Some(log)
-    })],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-DATA-03",
+    name: "One subscription per topic instance",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "A log has at most one active subscription for each instance of a topic.",
+    source: "ULog file format, section on subscription messages",
+    applies_to: "logs",
+    why: "Readers identify a stream by topic and instance. If two subscriptions describe the same stream, \
+          readers merge their samples or drop some, so samples seem to be duplicated, out of order or \
+          missing.",
+    example: "subscription: id 0, battery_status, instance 0\n\
+              subscription: id 9, battery_status, instance 0",
+    fix: "Give each instance of a topic a unique number. Unsubscribe from an instance before you \
+          subscribe to it again.",
+})
+.check(Check::State(|| Box::new(Instances::default())))
+.mutants(&[Mutant::ulog("a second subscription to an instance", |flight, mut log| {
+    log.entries.push(Entry::Subscription(u16::MAX, 0, flight.topics.first()?.name.clone()));
+    Some(log)
+})]);
 
 /// The channel of each subscribed topic and instance.
 #[derive(Default)]

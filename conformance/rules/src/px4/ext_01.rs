@@ -11,36 +11,35 @@ use uavspec::px4::ArmingCheckReply;
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-EXT-01",
-        name: "Request id of an arming check reply",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "The `request_id` of an ArmingCheckReply is the id of one of the two latest ArmingCheckRequests.",
-        source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
-        applies_to: "message sequences",
-        why: "The flight controller matches replies to requests by this id. A reply with a different id is useless, so \
-              the flight controller may consider the component unresponsive.",
-        example: "→ ArmingCheckRequest {\"request_id\": 41, …}\n\
-            → ArmingCheckRequest {\"request_id\": 42, …}\n\
-            ← ArmingCheckReply   {\"request_id\": 35, \"registration_id\": 3, …}",
-        fix: "Copy `request_id` from the request that the reply answers. Send the reply before the \
-            next request arrives.",
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-EXT-01",
+    name: "Request id of an arming check reply",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "The `request_id` of an ArmingCheckReply is the id of one of the two latest \
+                ArmingCheckRequests.",
+    source: "`request_id` of ArmingCheckReply and ArmingCheckRequest",
+    applies_to: "message sequences",
+    why: "The flight controller matches replies to requests by this id. A reply with a different id is \
+          useless, so the flight controller may consider the component unresponsive.",
+    example: "→ ArmingCheckRequest {\"request_id\": 41, …}\n\
+              → ArmingCheckRequest {\"request_id\": 42, …}\n\
+              ← ArmingCheckReply   {\"request_id\": 35, \"registration_id\": 3, …}",
+    fix: "Copy `request_id` from the request that the reply answers. Send the reply before the next \
+          request arrives.",
+})
+.check(Check::State(|| Box::new(Talk::<Answers>::default())))
+.bug(Bug::message(
+    Side::Component,
+    "After every fifth ArmingCheckReply, the component answers the request seven before again.",
+    |out| {
+        out.follow(5, |reply: &mut ArmingCheckReply| reply.request_id = reply.request_id.wrapping_sub(7));
     },
-    check: Check::State(|| Box::new(Talk::<Answers>::default())),
-    bug: Some(Bug::message(
-        Side::Component,
-        "After every fifth ArmingCheckReply, the component answers the request seven before again.",
-        |out| {
-            out.follow(5, |reply: &mut ArmingCheckReply| reply.request_id = reply.request_id.wrapping_sub(7));
-        },
-    )),
-    mutants: &[
-        Mutant::flight("a reply to an old request", |flight| stray(flight, 7)),
-        Mutant::flight("a reply to a request that was never sent", |flight| stray(flight, 255)),
-    ],
-};
+))
+.mutants(&[
+    Mutant::flight("a reply to an old request", |flight| stray(flight, 7)),
+    Mutant::flight("a reply to a request that was never sent", |flight| stray(flight, 255)),
+]);
 
 #[derive(Default)]
 struct Answers {

@@ -17,39 +17,37 @@ use uavspec::px4::ArmingCheckReply;
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-EXT-02",
-        name: "Registered component",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "The `registration_id` of an ArmingCheckReply was assigned by a successful \
-            RegisterExtComponentReply and has not been unregistered since.",
-        source: "`registration_id` of ArmingCheckReply, `arming_check_id` of \
-            RegisterExtComponentReply and UnregisterExtComponent",
-        applies_to: "message sequences",
-        why: "The flight controller identifies the component by this id. If the id is wrong, the flight controller \
-              ignores the reply or attributes the reply to another component.",
-        example: "→ RegisterExtComponentReply {\"success\": true, \"arming_check_id\": 3, …}\n\
-            → ArmingCheckRequest        {\"request_id\": 42, …}\n\
-            ← ArmingCheckReply          {\"request_id\": 42, \"registration_id\": 9, …}",
-        fix: "Check `success` in the RegisterExtComponentReply, and copy its `arming_check_id`. Send no replies after \
-              UnregisterExtComponent.",
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-EXT-02",
+    name: "Registered component",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "The `registration_id` of an ArmingCheckReply was assigned by a successful \
+                RegisterExtComponentReply and has not been unregistered since.",
+    source: "`registration_id` of ArmingCheckReply, `arming_check_id` of RegisterExtComponentReply and \
+             UnregisterExtComponent",
+    applies_to: "message sequences",
+    why: "The flight controller identifies the component by this id. If the id is wrong, the flight \
+          controller ignores the reply or attributes the reply to another component.",
+    example: "→ RegisterExtComponentReply {\"success\": true, \"arming_check_id\": 3, …}\n\
+              → ArmingCheckRequest        {\"request_id\": 42, …}\n\
+              ← ArmingCheckReply          {\"request_id\": 42, \"registration_id\": 9, …}",
+    fix: "Check `success` in the RegisterExtComponentReply, and copy its `arming_check_id`. Send no \
+          replies after UnregisterExtComponent.",
+})
+.check(Check::State(|| Box::new(Talk::<Registrations>::default())))
+.bug(Bug::message(
+    Side::Component,
+    "After every fifth ArmingCheckReply, the component sends another with `registration_id` 255.",
+    |out| {
+        out.follow(5, |reply: &mut ArmingCheckReply| reply.registration_id = u8::MAX);
     },
-    check: Check::State(|| Box::new(Talk::<Registrations>::default())),
-    bug: Some(Bug::message(
-        Side::Component,
-        "After every fifth ArmingCheckReply, the component sends another with `registration_id` 255.",
-        |out| {
-            out.follow(5, |reply: &mut ArmingCheckReply| reply.registration_id = u8::MAX);
-        },
-    )),
-    mutants: &[
-        Mutant::flight("a reply with an id that was never assigned", |flight| stranger(flight, 9)),
-        Mutant::flight("a reply with an id that is never valid", |flight| stranger(flight, 255)),
-        Mutant::flight("a reply with a released id", ghost),
-    ],
-};
+))
+.mutants(&[
+    Mutant::flight("a reply with an id that was never assigned", |flight| stranger(flight, 9)),
+    Mutant::flight("a reply with an id that is never valid", |flight| stranger(flight, 255)),
+    Mutant::flight("a reply with a released id", ghost),
+]);
 
 /// The maximum id, since `arming_check_id` is an int8. A component whose registration failed has the id -1, but may
 /// send it as 255.

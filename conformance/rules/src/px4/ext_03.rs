@@ -18,33 +18,28 @@ use uavspec::px4::ArmingCheckReply;
 use super::ext::{Ids, Listener, Reply, Request, Requests, Talk, Waiting, is_later};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-EXT-03",
-        name: "Timely arming check replies",
-        level: Level::Should,
-        status: Status::Normative,
-        statement: "Each registered component replies to each ArmingCheckRequest before the next request arrives.",
-        source: "ArmingCheckRequest",
-        applies_to: "message sequences",
-        why: "The flight controller needs the replies to know which external modes can run. A component that does not \
-            reply is treated as unresponsive.",
-        example: "→ ArmingCheckRequest {\"request_id\": 42, \"valid_registrations_mask\": 8, …}\n\
-            \x20                    (no reply from registration 3)\n\
-            → ArmingCheckRequest {\"request_id\": 43, \"valid_registrations_mask\": 8, …}",
-        fix: "Reply to each request, even while the vehicle is armed. If the component can be busy for longer than the \
-              request interval, handle requests in a separate thread.",
-    },
-    check: Check::State(|| Box::new(Talk::<Silence>::default())),
-    bug: Some(Bug::message(
-        Side::Component,
-        "The component does not answer every sixth ArmingCheckRequest.",
-        |out| {
-            out.drop::<ArmingCheckReply>(6);
-        },
-    )),
-    mutants: &[Mutant::flight("a missing reply", silent)],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-EXT-03",
+    name: "Timely arming check replies",
+    level: Level::Should,
+    status: Status::Normative,
+    statement: "Each registered component replies to each ArmingCheckRequest before the next request \
+                arrives.",
+    source: "ArmingCheckRequest",
+    applies_to: "message sequences",
+    why: "The flight controller needs the replies to know which external modes can run. A component that \
+          does not reply is treated as unresponsive.",
+    example: "→ ArmingCheckRequest {\"request_id\": 42, \"valid_registrations_mask\": 8, …}\n\
+              \x20                    (no reply from registration 3)\n\
+              → ArmingCheckRequest {\"request_id\": 43, \"valid_registrations_mask\": 8, …}",
+    fix: "Reply to each request, even while the vehicle is armed. If the component can be busy for longer \
+          than the request interval, handle requests in a separate thread.",
+})
+.check(Check::State(|| Box::new(Talk::<Silence>::default())))
+.bug(Bug::message(Side::Component, "The component does not answer every sixth ArmingCheckRequest.", |out| {
+    out.drop::<ArmingCheckReply>(6);
+}))
+.mutants(&[Mutant::flight("a missing reply", silent)]);
 
 /// The number of consecutive replies after which a component is checked. Replies without a time count as late only if
 /// this many in a row follow the next request.

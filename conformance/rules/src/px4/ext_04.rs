@@ -6,28 +6,26 @@ use uavspec_dynamic::Value;
 use super::ext::{is_reply, number};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-EXT-04",
-        name: "Events of an arming check reply",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "In an ArmingCheckReply, the first `num_events` entries of `events` have an `id` other than 0. \
-                    Later entries are ignored.",
-        source: "`num_events` and `events` of ArmingCheckReply, `id` of Event",
-        applies_to: "message values",
-        why: "Ground stations look up the text of an event by its id, and 0 means no event. If the \
-            id is 0, the operator can't see why the vehicle doesn't arm.",
-        example: "{…, \"num_events\": 2, \"events\": [{\"id\": 1011, …}, {\"id\": 0, …}, …], …}",
-        fix: "Set `num_events` to the number of events that you write. Set the `id` of each event to an id from the \
-              event metadata.",
-    },
-    check: Check::State(|| Box::new(Reasons)),
-    bug: Some(Bug::message(Side::Component, "The events of ArmingCheckReply have `id` 0.", |out| {
-        out.edit(1, |reply: &mut ArmingCheckReply| reply.events.iter_mut().for_each(|event| event.id = 0));
-    })),
-    mutants: &[Mutant::flight("an event without an id", without_id)],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-EXT-04",
+    name: "Events of an arming check reply",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "In an ArmingCheckReply, the first `num_events` entries of `events` have an `id` other \
+                than 0. Later entries are ignored.",
+    source: "`num_events` and `events` of ArmingCheckReply, `id` of Event",
+    applies_to: "message values",
+    why: "Ground stations look up the text of an event by its id, and 0 means no event. If the id is 0, \
+          the operator can't see why the vehicle doesn't arm.",
+    example: "{…, \"num_events\": 2, \"events\": [{\"id\": 1011, …}, {\"id\": 0, …}, …], …}",
+    fix: "Set `num_events` to the number of events that you write. Set the `id` of each event to an id \
+          from the event metadata.",
+})
+.check(Check::State(|| Box::new(Reasons)))
+.bug(Bug::message(Side::Component, "The events of ArmingCheckReply have `id` 0.", |out| {
+    out.edit(1, |reply: &mut ArmingCheckReply| reply.events.iter_mut().for_each(|event| event.id = 0));
+}))
+.mutants(&[Mutant::flight("an event without an id", without_id)]);
 
 struct Reasons;
 

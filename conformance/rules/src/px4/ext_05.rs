@@ -5,27 +5,25 @@ use uavspec::px4::ArmingCheckReply;
 use super::ext::{is_reply, number};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-EXT-05",
-        name: "Reasons for refused arming",
-        level: Level::Should,
-        status: Status::Normative,
-        statement: "If `can_arm_and_run` of an ArmingCheckReply is false, the reply has at least one event that gives \
-                    the reason.",
-        source: "`can_arm_and_run` and `events` of ArmingCheckReply",
-        applies_to: "message values",
-        why: "The flight controller forwards the events to ground stations. Without an event, the \
-            operator sees that arming is refused, but not why.",
-        example: "{…, \"can_arm_and_run\": false, \"num_events\": 0, …}",
-        fix: "Add an event for each reason to `events`, and set `num_events`.",
-    },
-    check: Check::State(|| Box::new(Refusals)),
-    bug: Some(Bug::message(Side::Component, "The component refuses arming without an event.", |out| {
-        out.edit(1, |reply: &mut ArmingCheckReply| reply.num_events = 0);
-    })),
-    mutants: &[Mutant::flight("a refusal without a reason", without_reason)],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-EXT-05",
+    name: "Reasons for refused arming",
+    level: Level::Should,
+    status: Status::Normative,
+    statement: "If `can_arm_and_run` of an ArmingCheckReply is false, the reply has at least one event \
+                that gives the reason.",
+    source: "`can_arm_and_run` and `events` of ArmingCheckReply",
+    applies_to: "message values",
+    why: "The flight controller forwards the events to ground stations. Without an event, the operator \
+          sees that arming is refused, but not why.",
+    example: "{…, \"can_arm_and_run\": false, \"num_events\": 0, …}",
+    fix: "Add an event for each reason to `events`, and set `num_events`.",
+})
+.check(Check::State(|| Box::new(Refusals)))
+.bug(Bug::message(Side::Component, "The component refuses arming without an event.", |out| {
+    out.edit(1, |reply: &mut ArmingCheckReply| reply.num_events = 0);
+}))
+.mutants(&[Mutant::flight("a refusal without a reason", without_reason)]);
 
 struct Refusals;
 

@@ -16,36 +16,36 @@ use uavspec::px4::ArmingCheckReply;
 use super::ext::{Listener, Reply, Request, Requests, Talk};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-EXT-06",
-        name: "One reply to each request",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "A component replies to an ArmingCheckRequest at most once.",
-        source: "ArmingCheckRequest: each registered component answers with one ArmingCheckReply",
-        applies_to: "message sequences",
-        why: "The flight controller uses the last reply that it receives. If two replies differ, the result of the \
-              arming check depends on their order. The replies also fill the queue of the topic, so replies from other \
-              components may be lost.",
-        example: "→ ArmingCheckRequest {\"request_id\": 42, …}\n\
-            ← ArmingCheckReply   {\"request_id\": 42, \"registration_id\": 3, \"can_arm_and_run\": true, …}\n\
-            ← ArmingCheckReply   {\"request_id\": 42, \"registration_id\": 3, \"can_arm_and_run\": false, …}",
-        fix: "Send one reply when a request arrives. Report changes in the reply to the next request. Check that only \
-              one instance of the component runs.",
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-EXT-06",
+    name: "One reply to each request",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "A component replies to an ArmingCheckRequest at most once.",
+    source: "ArmingCheckRequest: each registered component answers with one ArmingCheckReply",
+    applies_to: "message sequences",
+    why: "The flight controller uses the last reply that it receives. If two replies differ, the result \
+          of the arming check depends on their order. The replies also fill the queue of the topic, so \
+          replies from other components may be lost.",
+    example: "→ ArmingCheckRequest {\"request_id\": 42, …}\n\
+              ← ArmingCheckReply   {\"request_id\": 42, \"registration_id\": 3, \
+              \"can_arm_and_run\": true, …}\n\
+              ← ArmingCheckReply   {\"request_id\": 42, \"registration_id\": 3, \
+              \"can_arm_and_run\": false, …}",
+    fix: "Send one reply when a request arrives. Report changes in the reply to the next request. Check \
+          that only one instance of the component runs.",
+})
+.check(Check::State(|| Box::new(Talk::<Repetitions>::default())))
+.bug(Bug::message(
+    Side::Component,
+    "The component changes every fifth ArmingCheckReply immediately.",
+    |out| {
+        out.follow(5, |reply: &mut ArmingCheckReply| reply.mode_req_mission = !reply.mode_req_mission);
     },
-    check: Check::State(|| Box::new(Talk::<Repetitions>::default())),
-    bug: Some(Bug::message(
-        Side::Component,
-        "The component changes every fifth ArmingCheckReply immediately.",
-        |out| {
-            out.follow(5, |reply: &mut ArmingCheckReply| reply.mode_req_mission = !reply.mode_req_mission);
-        },
-    )),
-    mutants: &[Mutant::flight("a second reply with other values", |flight| {
-        flight.with_reply(|reply| reply["can_arm_and_run"] = true.into())
-    })],
-};
+))
+.mutants(&[Mutant::flight("a second reply with other values", |flight| {
+    flight.with_reply(|reply| reply["can_arm_and_run"] = true.into())
+})]);
 
 /// The maximum time between two replies to the same request, in µs. Request ids repeat after a longer time.
 const MAX_DISTANCE: u64 = 10_000_000;

@@ -15,34 +15,32 @@ use uavspec_schema::MessageId;
 use super::ext::{number, px4_message};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-EXT-07",
-        name: "Reply to a registration",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "A RegisterExtComponentReply repeats the `request_id` and the `name` of a \
-                    RegisterExtComponentRequest.",
-        source: "`request_id` and `name` of RegisterExtComponentReply",
-        applies_to: "message sequences",
-        why: "All components receive all replies. A component recognizes the reply to its request by the id and the \
-              name. If the name differs, the component ignores the reply and never starts.",
-        example: "← RegisterExtComponentRequest {\"request_id\": 81, \"name\": \"Precision landing\", …}\n\
-            → RegisterExtComponentReply   {\"request_id\": 81, \"name\": \"Precision\", …}",
-        fix: "Copy `request_id` and all bytes of `name` from the request.",
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-EXT-07",
+    name: "Reply to a registration",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "A RegisterExtComponentReply repeats the `request_id` and the `name` of a \
+                RegisterExtComponentRequest.",
+    source: "`request_id` and `name` of RegisterExtComponentReply",
+    applies_to: "message sequences",
+    why: "All components receive all replies. A component recognizes the reply to its request by the id \
+          and the name. If the name differs, the component ignores the reply and never starts.",
+    example: "← RegisterExtComponentRequest {\"request_id\": 81, \"name\": \"Precision landing\", …}\n\
+              → RegisterExtComponentReply   {\"request_id\": 81, \"name\": \"Precision\", …}",
+    fix: "Copy `request_id` and all bytes of `name` from the request.",
+})
+.check(Check::State(|| Box::new(Registrations::default())))
+.bug(Bug::message(
+    Side::Autopilot,
+    "The `name` of each RegisterExtComponentReply except the first is empty.",
+    |out| {
+        if !out.is_first() {
+            out.edit(1, |reply: &mut RegisterExtComponentReply| reply.name = Text::default());
+        }
     },
-    check: Check::State(|| Box::new(Registrations::default())),
-    bug: Some(Bug::message(
-        Side::Autopilot,
-        "The `name` of each RegisterExtComponentReply except the first is empty.",
-        |out| {
-            if !out.is_first() {
-                out.edit(1, |reply: &mut RegisterExtComponentReply| reply.name = Text::default());
-            }
-        },
-    )),
-    mutants: &[Mutant::flight("a reply with another name", renamed)],
-};
+))
+.mutants(&[Mutant::flight("a reply with another name", renamed)]);
 
 /// The maximum number of stored requests. A flight controller registers far fewer components.
 const REQUESTS: usize = 256;

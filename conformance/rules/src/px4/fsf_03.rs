@@ -11,38 +11,32 @@ use uavspec_dynamic::{DynamicView, Value};
 use super::ext::px4_message;
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-FSF-03",
-        name: "Failsafe flags and mode requirements",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "If a flag of FailsafeFlags is set, at least one mode has a matching requirement: the `mode_req` \
-                    mask for the flag is not 0.",
-        source: "FailsafeFlags",
-        applies_to: "message values",
-        why: "A flag without a matching requirement doesn't prevent any mode from running. Either the flag is not \
-              meant to block any mode, or a mode lacks a requirement.",
-        example: "{…, \"mode_req_attitude\": 0, \"attitude_invalid\": true, …}",
-        fix: "Check which modes can't run while the flag is set, and set their bits in the mask. If all modes can \
-              run, no change is necessary.",
-    },
-    check: Check::State(|| Box::new(Flags::default())),
-    bug: Some(
-        Bug::message(
-            Side::Autopilot,
-            "`attitude_invalid` is set, but no mode requires an attitude.",
-            |out| {
-                out.edit(3, |flags: &mut FailsafeFlags| {
-                    (flags.attitude_invalid, flags.mode_req_attitude) = (true, 0);
-                });
-            },
-        )
-        // The flags of several releases have the same size.
-        .needing(Needs::TypeHashes),
-    ),
-    mutants: &[Mutant::flight("a flag that is set but has no matching requirement", not_required)],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-FSF-03",
+    name: "Failsafe flags and mode requirements",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "If a flag of FailsafeFlags is set, at least one mode has a matching requirement: the \
+                `mode_req` mask for the flag is not 0.",
+    source: "FailsafeFlags",
+    applies_to: "message values",
+    why: "A flag without a matching requirement doesn't prevent any mode from running. Either the flag is \
+          not meant to block any mode, or a mode lacks a requirement.",
+    example: "{…, \"mode_req_attitude\": 0, \"attitude_invalid\": true, …}",
+    fix: "Check which modes can't run while the flag is set, and set their bits in the mask. If all modes \
+          can run, no change is necessary.",
+})
+.check(Check::State(|| Box::new(Flags::default())))
+.bug(
+    Bug::message(Side::Autopilot, "`attitude_invalid` is set, but no mode requires an attitude.", |out| {
+        out.edit(3, |flags: &mut FailsafeFlags| {
+            (flags.attitude_invalid, flags.mode_req_attitude) = (true, 0);
+        });
+    })
+    // The flags of several releases have the same size.
+    .needs(Needs::TypeHashes),
+)
+.mutants(&[Mutant::flight("a flag that is set but has no matching requirement", not_required)]);
 
 /// The prefix of the fields that say what a mode requires.
 pub const REQUIREMENT: &str = "mode_req_";

@@ -17,36 +17,35 @@ use super::ext::{number, px4_message};
 use super::prelude::*;
 use crate::definitions::{ReleasedType, released_type, unversioned, versioned};
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-HASH-02",
-        name: "Definitions of an application",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "An application has the flight controller's definition of each topic: PX4's hash of the \
-                    application's definition is the `message_hash` of the MessageFormatResponse.",
-        source: "`message_hash` of MessageFormatResponse; px4_ros2 compares it before it registers a mode",
-        applies_to: "a vehicle and the application that the user names",
-        why: "PX4 doesn't send the definitions of its messages. An application with other definitions decodes garbage, \
-              and the flight controller decodes garbage from it.",
-        example: "→ MessageFormatRequest  {\"topic_name\": \"/fmu/out/vehicle_status\", …}\n\
-            ← MessageFormatResponse {\"topic_name\": \"/fmu/out/vehicle_status\", \"message_hash\": 2777220878, …}\n\
-            application: VehicleStatus has the hash 3050114935",
-        fix: "Build the application with the message definitions of the vehicle's release, or run PX4's message \
-              translation node.",
-    },
-    check: Check::State(|| Box::new(Application::default())),
-    bug: Some(Bug::message(
-        Side::Autopilot,
-        "The `message_hash` of each MessageFormatResponse is that of another definition.",
-        |out| out.edit(1, |response: &mut MessageFormatResponse| response.message_hash ^= 1),
-    )),
-    mutants: &[Mutant::mcap("an application with another definition", |flight, mut bag| {
-        flight.topic("MessageFormatResponse")?;
-        bag.application.first_mut()?.hash ^= 1;
-        Some(bag)
-    })],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-HASH-02",
+    name: "Definitions of an application",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "An application has the flight controller's definition of each topic: PX4's hash of the \
+                application's definition is the `message_hash` of the MessageFormatResponse.",
+    source: "`message_hash` of MessageFormatResponse; px4_ros2 compares it before it registers a mode",
+    applies_to: "a vehicle and the application that the user names",
+    why: "PX4 doesn't send the definitions of its messages. An application with other definitions decodes \
+          garbage, and the flight controller decodes garbage from it.",
+    example: "→ MessageFormatRequest  {\"topic_name\": \"/fmu/out/vehicle_status\", …}\n\
+              ← MessageFormatResponse {\"topic_name\": \"/fmu/out/vehicle_status\", \
+              \"message_hash\": 2777220878, …}\n\
+              application: VehicleStatus has the hash 3050114935",
+    fix: "Build the application with the message definitions of the vehicle's release, or run PX4's \
+          message translation node.",
+})
+.check(Check::State(|| Box::new(Application::default())))
+.bug(Bug::message(
+    Side::Autopilot,
+    "The `message_hash` of each MessageFormatResponse is that of another definition.",
+    |out| out.edit(1, |response: &mut MessageFormatResponse| response.message_hash ^= 1),
+))
+.mutants(&[Mutant::mcap("an application with another definition", |flight, mut bag| {
+    flight.topic("MessageFormatResponse")?;
+    bag.application.first_mut()?.hash ^= 1;
+    Some(bag)
+})]);
 
 /// The maximum number of types, of topics, and of differences.
 const MAX_ITEMS: usize = 10_000;

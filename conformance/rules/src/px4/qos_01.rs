@@ -7,42 +7,41 @@ use uavspec_model::{Durability, Endpoint, EndpointKind, Liveliness, Qos, Reliabi
 use super::endpoints::{Pairs, name};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-QOS-01",
-        name: "Compatible quality of service",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "Each publisher of a topic offers at least the quality of service that each subscriber requests.",
-        source: "DDS 1.4, 2.2.3: reliability, durability, deadline and liveliness",
-        applies_to: "publishers and subscribers in a DDS domain",
-        why: "If a publisher offers less than a subscriber requests, DDS doesn't connect them: the subscriber receives \
-              no messages, and usually no error either. PX4 offers best effort and transient local.",
-        example: "publisher  /fmu/out/vehicle_status: best effort, transient local\n\
-            subscriber /fmu/out/vehicle_status: reliable, volatile",
-        fix: "Request no more than the publisher offers. For the topics of PX4, subscribe with best effort \
-            (`rmw_qos_profile_sensor_data` in ROS 2).",
-    },
-    check: Check::State(|| Box::new(Pairs::new(violations))),
-    bug: Some(Bug::reliable_subscriber(
-        Side::Component,
-        "The component requests reliable delivery of arming_check_request, and receives none.",
-    )),
-    mutants: &[
-        Mutant::mcap("a subscriber that requests reliable delivery", |_, bag| {
-            Some(with_subscriber(bag, Qos { reliability: Reliability::Reliable, ..Qos::PX4 }))
-        }),
-        Mutant::mcap("a subscriber that requests a higher durability", |_, bag| {
-            Some(with_subscriber(bag, Qos { durability: Durability::Persistent, ..Qos::PX4 }))
-        }),
-        Mutant::mcap("a subscriber that requests a deadline", |_, bag| {
-            Some(with_subscriber(bag, Qos { deadline: Some(Duration::from_secs(1)), ..Qos::PX4 }))
-        }),
-        Mutant::mcap("a subscriber that requests manual liveliness", |_, bag| {
-            Some(with_subscriber(bag, Qos { liveliness: Liveliness::ManualByTopic, ..Qos::PX4 }))
-        }),
-    ],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-QOS-01",
+    name: "Compatible quality of service",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "Each publisher of a topic offers at least the quality of service that each subscriber \
+                requests.",
+    source: "DDS 1.4, 2.2.3: reliability, durability, deadline and liveliness",
+    applies_to: "publishers and subscribers in a DDS domain",
+    why: "If a publisher offers less than a subscriber requests, DDS doesn't connect them: the subscriber \
+          receives no messages, and usually no error either. PX4 offers best effort and transient local.",
+    example: "publisher  /fmu/out/vehicle_status: best effort, transient local\n\
+              subscriber /fmu/out/vehicle_status: reliable, volatile",
+    fix: "Request no more than the publisher offers. For the topics of PX4, subscribe with best effort \
+          (`rmw_qos_profile_sensor_data` in ROS 2).",
+})
+.check(Check::State(|| Box::new(Pairs::new(violations))))
+.bug(Bug::reliable_subscriber(
+    Side::Component,
+    "The component requests reliable delivery of arming_check_request, and receives none.",
+))
+.mutants(&[
+    Mutant::mcap("a subscriber that requests reliable delivery", |_, bag| {
+        Some(with_subscriber(bag, Qos { reliability: Reliability::Reliable, ..Qos::PX4 }))
+    }),
+    Mutant::mcap("a subscriber that requests a higher durability", |_, bag| {
+        Some(with_subscriber(bag, Qos { durability: Durability::Persistent, ..Qos::PX4 }))
+    }),
+    Mutant::mcap("a subscriber that requests a deadline", |_, bag| {
+        Some(with_subscriber(bag, Qos { deadline: Some(Duration::from_secs(1)), ..Qos::PX4 }))
+    }),
+    Mutant::mcap("a subscriber that requests manual liveliness", |_, bag| {
+        Some(with_subscriber(bag, Qos { liveliness: Liveliness::ManualByTopic, ..Qos::PX4 }))
+    }),
+]);
 
 /// The policies of which one endpoint offers less than the other requests.
 fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {

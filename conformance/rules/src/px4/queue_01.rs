@@ -4,34 +4,28 @@ use uavspec::px4::Event;
 
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-QUEUE-01",
-        name: "Queue length",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "All messages with the same timestamp on a topic fit into the topic's queue.",
-        source: "`ORB_QUEUE_LENGTH` in the definition",
-        applies_to: "message sequences",
-        why: "If the queue is full, a new message overwrites the oldest one. A subscriber that runs after the burst \
-              misses the overwritten messages.",
-        example: "definition: uint8 ORB_QUEUE_LENGTH = 4\n\
-            log:        5 messages on the topic, all with timestamp 1000000",
-        fix: "Increase `ORB_QUEUE_LENGTH` to a power of two that is large enough for the burst, or publish fewer \
-              messages at a time.",
-    },
-    check: Check::State(|| Box::new(Bursts::default())),
-    bug: Some(Bug::message(
-        Side::Autopilot,
-        "Every second Event is sent 20 times with the same `timestamp`.",
-        |out| {
-            for _ in 1..20 {
-                out.follow(2, |_: &mut Event| {});
-            }
-        },
-    )),
-    mutants: &[Mutant::flight("more messages with the same timestamp than fit into the queue", burst)],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-QUEUE-01",
+    name: "Queue length",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "All messages with the same timestamp on a topic fit into the topic's queue.",
+    source: "`ORB_QUEUE_LENGTH` in the definition",
+    applies_to: "message sequences",
+    why: "If the queue is full, a new message overwrites the oldest one. A subscriber that runs after the \
+          burst misses the overwritten messages.",
+    example: "definition: uint8 ORB_QUEUE_LENGTH = 4\n\
+              log:        5 messages on the topic, all with timestamp 1000000",
+    fix: "Increase `ORB_QUEUE_LENGTH` to a power of two that is large enough for the burst, or publish \
+          fewer messages at a time.",
+})
+.check(Check::State(|| Box::new(Bursts::default())))
+.bug(Bug::message(Side::Autopilot, "Every second Event is sent 20 times with the same `timestamp`.", |out| {
+    for _ in 1..20 {
+        out.follow(2, |_: &mut Event| {});
+    }
+}))
+.mutants(&[Mutant::flight("more messages with the same timestamp than fit into the queue", burst)]);
 
 /// PX4's default queue length.
 const DEFAULT: u32 = 1;

@@ -7,44 +7,38 @@ use super::prelude::*;
 use crate::definitions::FROM_PX4;
 use crate::sample::START;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-TIME-01",
-        name: "Timestamps do not decrease",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "The `timestamp` field does not decrease from one message of a subscription to the next. A \
-                    timestamp may repeat, and it may be 0. In bags and JSON, only the topics in `/fmu/out/` are \
-                    checked: other topics may have several instances or publishers. There, PX4 may set its clock. \
-                    Therefore, an earlier timestamp is a violation only if the step back is less than an hour, the \
-                    next message is not earlier than the message before the step, and the time from the early \
-                    timestamp to the next one is longer than the pause between the two messages. Messages of a bag \
-                    are compared only in the order of their log times.",
-        source: "uORB publishes in order; `timestamp` is the time since system start",
-        applies_to: "message sequences",
-        why: "Tools sort and interpolate samples by time. If the time steps back, the order, rates and derivatives are \
-              wrong.",
-        example: "battery_status {\"timestamp\": 2000000, …}\n\
-            battery_status {\"timestamp\": 1000000, …}",
-        fix: "Set `timestamp` from the monotonic system clock when you publish the message. Check \
-            that only one module publishes each topic instance.",
-    },
-    check: Check::State(|| Box::new(Times::default())),
-    bug: Some(Bug::message(
-        Side::Autopilot,
-        "The `timestamp` of every third BatteryStatus is 3 s too early.",
-        |out| {
-            out.edit(3, |battery: &mut BatteryStatus| {
-                battery.timestamp = battery.timestamp.saturating_sub(3_000_000);
-            });
-        },
-    )),
-    mutants: &[Mutant::flight_in(
-        "a message with an earlier timestamp than the ones before and after it",
-        &[Encoding::Ulog, Encoding::Mcap, Encoding::Rosbridge],
-        back,
-    )],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-TIME-01",
+    name: "Timestamps do not decrease",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "The `timestamp` field does not decrease from one message of a subscription to the next. A \
+                timestamp may repeat, and it may be 0. In bags and JSON, only the topics in `/fmu/out/` \
+                are checked: other topics may have several instances or publishers. There, PX4 may set \
+                its clock. Therefore, an earlier timestamp is a violation only if the step back is less \
+                than an hour, the next message is not earlier than the message before the step, and the \
+                time from the early timestamp to the next one is longer than the pause between the two \
+                messages. Messages of a bag are compared only in the order of their log times.",
+    source: "uORB publishes in order; `timestamp` is the time since system start",
+    applies_to: "message sequences",
+    why: "Tools sort and interpolate samples by time. If the time steps back, the order, rates and \
+          derivatives are wrong.",
+    example: "battery_status {\"timestamp\": 2000000, …}\n\
+              battery_status {\"timestamp\": 1000000, …}",
+    fix: "Set `timestamp` from the monotonic system clock when you publish the message. Check that only \
+          one module publishes each topic instance.",
+})
+.check(Check::State(|| Box::new(Times::default())))
+.bug(Bug::message(Side::Autopilot, "The `timestamp` of every third BatteryStatus is 3 s too early.", |out| {
+    out.edit(3, |battery: &mut BatteryStatus| {
+        battery.timestamp = battery.timestamp.saturating_sub(3_000_000);
+    });
+}))
+.mutants(&[Mutant::flight_in(
+    "a message with an earlier timestamp than the ones before and after it",
+    &[Encoding::Ulog, Encoding::Mcap, Encoding::Rosbridge],
+    back,
+)]);
 
 /// The greatest step back of a message whose time is wrong, in µs. PX4 sends the time since 1970 once its clock is
 /// synchronised with that of the computer, and the time since boot before that.

@@ -7,28 +7,25 @@ use uavspec_model::MAX_EXAMPLES;
 use super::ext::is_of_px4;
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-TIME-02",
-        name: "Pauses have a dropout record",
-        level: Level::Info,
-        status: Status::Advisory,
-        statement: "If a topic with a regular period pauses for more than ten periods, the capture contains a dropout \
-                    record near the pause. A topic of a bag is checked only if its messages are in the order of their \
-                    log times.",
-        source: "derived: PX4's logger records a dropout when it loses data",
-        applies_to: "message sequences",
-        why: "If there is no dropout record, either the publisher stopped or the loss was not recorded. Tools \
-              interpolate over the gap.",
-        example: "battery_status, every 20 ms: … 1.00 s, 1.02 s, 1.04 s, 2.51 s, 2.53 s …\n\
-            \x20                            (no dropout near 1.04 s)",
-        fix: "Check the publisher, and check the load of the logger during the pause. If the topic is meant to pause, \
-              no change is necessary.",
-    },
-    check: Check::State(|| Box::new(Gaps::default())),
-    bug: None,
-    mutants: &[Mutant::flight("a pause of a topic with a regular period", pause)],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-TIME-02",
+    name: "Pauses have a dropout record",
+    level: Level::Info,
+    status: Status::Advisory,
+    statement: "If a topic with a regular period pauses for more than ten periods, the capture contains a \
+                dropout record near the pause. A topic of a bag is checked only if its messages are in \
+                the order of their log times.",
+    source: "derived: PX4's logger records a dropout when it loses data",
+    applies_to: "message sequences",
+    why: "If there is no dropout record, either the publisher stopped or the loss was not recorded. Tools \
+          interpolate over the gap.",
+    example: "battery_status, every 20 ms: … 1.00 s, 1.02 s, 1.04 s, 2.51 s, 2.53 s …\n\
+              \x20                            (no dropout near 1.04 s)",
+    fix: "Check the publisher, and check the load of the logger during the pause. If the topic is meant \
+          to pause, no change is necessary.",
+})
+.check(Check::State(|| Box::new(Gaps::default())))
+.mutants(&[Mutant::flight("a pause of a topic with a regular period", pause)]);
 
 /// The number of pauses from which the period of a channel is learned.
 const LEARNING_PERIODS: usize = 32;

@@ -5,38 +5,36 @@ use uavspec_model::Endpoint;
 use super::endpoints::{Pairs, name};
 use super::prelude::*;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-TYPE-01",
-        name: "One type per topic",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "All publishers and subscribers of a topic have the same type: the same name, and the same type \
-                    hash.",
-        source: "DDS 1.4, 2.2.2.2; ROS 2 REP 2016 (RIHS01)",
-        applies_to: "publishers and subscribers of a live vehicle",
-        why: "Endpoints whose types have different names don't exchange messages. Endpoints with the same name and \
-              different definitions exchange messages, but decode wrong values. An application that was built for \
-              another PX4 release is the usual cause.",
-        example: "publisher  /fmu/out/vehicle_status: px4_msgs/msg/VehicleStatus, RIHS01_2f8a…\n\
-            subscriber /fmu/out/vehicle_status: px4_msgs/msg/VehicleStatus, RIHS01_77c1…",
-        fix: "Build the application with the message definitions of the vehicle's release, or run PX4's message \
-              translation node.",
-    },
-    check: Check::State(|| Box::new(Pairs::new(violations))),
-    bug: Some(Bug::announced_type(
-        Side::Autopilot,
-        "A second publisher of arming_check_request announces another type hash.",
-    )),
-    mutants: &[
-        Mutant::mcap("an endpoint with another type", |_, bag| {
-            with_other(bag, |endpoint| "other_msgs/msg/Other".clone_into(&mut endpoint.type_name))
-        }),
-        Mutant::mcap("an endpoint with another type hash", |_, bag| {
-            with_other(bag, |endpoint| endpoint.type_hash = Some(format!("RIHS01_{}", "0".repeat(64))))
-        }),
-    ],
-};
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-TYPE-01",
+    name: "One type per topic",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "All publishers and subscribers of a topic have the same type: the same name, and the same \
+                type hash.",
+    source: "DDS 1.4, 2.2.2.2; ROS 2 REP 2016 (RIHS01)",
+    applies_to: "publishers and subscribers of a live vehicle",
+    why: "Endpoints whose types have different names don't exchange messages. Endpoints with the same \
+          name and different definitions exchange messages, but decode wrong values. An application that \
+          was built for another PX4 release is the usual cause.",
+    example: "publisher  /fmu/out/vehicle_status: px4_msgs/msg/VehicleStatus, RIHS01_2f8a…\n\
+              subscriber /fmu/out/vehicle_status: px4_msgs/msg/VehicleStatus, RIHS01_77c1…",
+    fix: "Build the application with the message definitions of the vehicle's release, or run PX4's \
+          message translation node.",
+})
+.check(Check::State(|| Box::new(Pairs::new(violations))))
+.bug(Bug::announced_type(
+    Side::Autopilot,
+    "A second publisher of arming_check_request announces another type hash.",
+))
+.mutants(&[
+    Mutant::mcap("an endpoint with another type", |_, bag| {
+        with_other(bag, |endpoint| "other_msgs/msg/Other".clone_into(&mut endpoint.type_name))
+    }),
+    Mutant::mcap("an endpoint with another type hash", |_, bag| {
+        with_other(bag, |endpoint| endpoint.type_hash = Some(format!("RIHS01_{}", "0".repeat(64))))
+    }),
+]);
 
 /// The difference between the types of two endpoints. `None` if one of them states no type.
 fn violations(endpoint: &Endpoint, other: &Endpoint) -> Option<Vec<Detail>> {

@@ -4,36 +4,33 @@ use super::ext::px4_message;
 use super::prelude::*;
 use crate::definitions::is_exchanged;
 
-pub(super) static RULE: Px4Rule = Px4Rule {
-    rule: Rule {
-        id: "PX-VER-01",
-        name: "Version suffix of a topic",
-        level: Level::Must,
-        status: Status::Normative,
-        statement: "The version suffix (`_vN`) of a topic in `/fmu/in/` or `/fmu/out/` matches the version of the \
-                    topic's message type. Names of topics in logs have no suffix.",
-        source: "`MESSAGE_VERSION` in the capture's schema, or in the definition if the schema has none",
-        applies_to: "topic names",
-        why: "Subscribers select a message version by the topic name. If the suffix is wrong, subscribers decode the \
-              message with a different definition.",
-        example: "topic:      /fmu/out/arming_check_request_v2\n\
-            definition: uint32 MESSAGE_VERSION = 1",
-        fix: "Change the topic suffix to the version of the message, or build the publisher with the message version \
-              that the suffix states.",
+pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
+    id: "PX-VER-01",
+    name: "Version suffix of a topic",
+    level: Level::Must,
+    status: Status::Normative,
+    statement: "The version suffix (`_vN`) of a topic in `/fmu/in/` or `/fmu/out/` matches the version of \
+                the topic's message type. Names of topics in logs have no suffix.",
+    source: "`MESSAGE_VERSION` in the capture's schema, or in the definition if the schema has none",
+    applies_to: "topic names",
+    why: "Subscribers select a message version by the topic name. If the suffix is wrong, subscribers \
+          decode the message with a different definition.",
+    example: "topic:      /fmu/out/arming_check_request_v2\n\
+              definition: uint32 MESSAGE_VERSION = 1",
+    fix: "Change the topic suffix to the version of the message, or build the publisher with the message \
+          version that the suffix states.",
+})
+.check(Check::State(|| Box::new(Versions)))
+.mutants(&[Mutant::flight_in(
+    "a topic name with a different version",
+    &[Encoding::Mcap, Encoding::Rosbridge],
+    |flight| {
+        let topic = flight.regular(|message| message.version.is_some())?;
+        let mut flight = flight.clone();
+        flight.topics[topic].name += "_v9999";
+        Some(flight)
     },
-    check: Check::State(|| Box::new(Versions)),
-    bug: None,
-    mutants: &[Mutant::flight_in(
-        "a topic name with a different version",
-        &[Encoding::Mcap, Encoding::Rosbridge],
-        |flight| {
-            let topic = flight.regular(|message| message.version.is_some())?;
-            let mut flight = flight.clone();
-            flight.topics[topic].name += "_v9999";
-            Some(flight)
-        },
-    )],
-};
+)]);
 
 struct Versions;
 
