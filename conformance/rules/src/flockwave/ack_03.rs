@@ -17,11 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 })
 .checks(&[Check::Message(check)])
 .covers(&[Attribution::new(&["ACK-ACK"], "*", &[Fault::Additional])])
-.bug(Bug::message("ACK-ACK has a `reason`.", |out| {
-    if let Some(body) = out.body_of("ACK-ACK") {
-        body["reason"] = json!("why not");
-    }
-}))
+.bug(Bug::message("ACK-ACK has a `reason`.", |out| out.set("ACK-ACK", "reason", json!("why not"))))
 .mutants(&[Mutant::reply("an ACK-ACK with a reason", "ACK-ACK", |body| body["reason"] = "Fine".into())]);
 
 fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {

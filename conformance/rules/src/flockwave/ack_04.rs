@@ -21,9 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Attribution::new(&["ACK-NAK"], "reason", &[Fault::Kind]),
 ])
 .bug(Bug::message("The `reason` of ACK-NAK is an object.", |out| {
-    if let Some(body) = out.body_of("ACK-NAK") {
-        body["reason"] = json!({ "en": "no" });
-    }
+    out.set("ACK-NAK", "reason", json!({ "en": "no" }));
 }))
 .mutants(&[
     Mutant::reply("a reason that is a number", "ACK-NAK", |body| body["reason"] = 7.into()),

@@ -21,7 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Add one entry for every requested id: to `result` after success, to `error` after failure, or \
           to `receipt` while the operation is pending.",
 })
-.checks(&[Check::Exchange(check)])
+.checks(&[Check::Exchange(|exchange, context| reply::partition(exchange, context, &OPERATIONS))])
 .covers(&[Attribution::misplaced(&OPERATIONS)])
 .bug(
     Bug::message("The response omits the last object in the request.", |out| {
@@ -33,7 +33,3 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Mutant::reply("a missing UAV", "UAV-TAKEOFF", |body| mutant::remove(body, "result")),
     Mutant::reply("a UAV in two maps", "UAV-TAKEOFF", |body| body["result"]["owl"] = true.into()),
 ]);
-
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::partition(exchange, context, &OPERATIONS);
-}

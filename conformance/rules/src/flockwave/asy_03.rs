@@ -17,7 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 ← {"type":"UAV-LAND","result":{"uav-1":true,"uav-2":true}}"#,
     fix: "Build the maps in the response only from the ids in the request.",
 })
-.checks(&[Check::Exchange(check)])
+.checks(&[Check::Exchange(|exchange, context| reply::unrequested(exchange, context, &OPERATIONS))])
 .bug(Bug::message("The response contains an object that was not requested.", |out| {
     if OPERATIONS.contains(&out.kind()) {
         out.message()["body"]["error"]["ghost-1"] = json!("there is no such object");
@@ -26,7 +26,3 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 .mutants(&[Mutant::reply("an additional UAV", "UAV-TAKEOFF", |body| {
     body["error"]["hawk"] = "Asleep".into();
 })]);
-
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::unrequested(exchange, context, &OPERATIONS);
-}

@@ -16,7 +16,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 ← {"type":"ASYNC-CANCEL","success":["r1"]}"#,
     fix: "Add every receipt of the request to either `success` or `error`, including unknown receipts.",
 })
-.checks(&[Check::Exchange(check)])
+.checks(&[Check::Exchange(|exchange, context| {
+    reply::partition(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
+})])
 .bug(Bug::message("Receipts in `success` are also in `error`.", |out| {
     if !["ASYNC-CANCEL", "ASYNC-RESUME"].contains(&out.kind()) {
         return;
@@ -34,7 +36,3 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
         mutant::remove(body, "error");
     }),
 ]);
-
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::partition(exchange, context, &["ASYNC-CANCEL", "ASYNC-RESUME"]);
-}

@@ -14,22 +14,12 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     example: r#"{"type":"ASYNC-TIMEOUT","ids":"r2"}"#,
     fix: "Send the receipts as a list of strings in `ids`, even if there is only one receipt.",
 })
-.checks(&[Check::Message(check)])
+.checks(&[Check::Message(|message, context| body::id_list(message, context, "ASYNC-TIMEOUT"))])
 .covers(&[
     Attribution::new(&["ASYNC-TIMEOUT"], "ids", attribution::MISSING),
     Attribution::new(&["ASYNC-TIMEOUT"], "ids.*", attribution::MISSING),
 ])
-.bug(Bug::message("The `ids` of ASYNC-TIMEOUT is a string.", |out| {
-    if let Some(body) = out.body_of("ASYNC-TIMEOUT") {
-        body["ids"] = body["ids"][0].take();
-    }
-}))
+.bug(Bug::message("The `ids` of ASYNC-TIMEOUT is a string.", |out| out.replace_ids_by_first("ASYNC-TIMEOUT")))
 .mutants(&[Mutant::notice("a single id instead of a list", "ASYNC-TIMEOUT", |body| {
     body["ids"] = "rcpt-2".into();
 })]);
-
-fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    if message.body_of("ASYNC-TIMEOUT").is_some() {
-        body::field(message, context, "ids", true, &ExpectedValue::List(&ExpectedValue::Text));
-    }
-}

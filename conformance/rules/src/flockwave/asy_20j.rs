@@ -17,11 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 })
 .checks(&[Check::Message(check)])
 .covers(&[Attribution::new(&["ASYNC-TIMEOUT"], "ids", &[Fault::Value])])
-.bug(Bug::message("ASYNC-TIMEOUT lists its receipt twice.", |out| {
-    if let Some(ids) = out.ids_of("ASYNC-TIMEOUT") {
-        ids.extend_from_within(..1);
-    }
-}))
+.bug(Bug::message("ASYNC-TIMEOUT lists its receipt twice.", |out| out.repeat_first_id("ASYNC-TIMEOUT")))
 .mutants(&[Mutant::session("a duplicate id", |session| {
     session
         .exchange(json!({ "type": "UAV-RTH", "ids": ["kite"] }), json!({ "receipt": { "kite": "rcpt-8" } }));

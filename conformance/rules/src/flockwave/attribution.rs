@@ -45,6 +45,11 @@ impl Attribution {
         Self::new(types, "*", &[Fault::Misplaced])
     }
 
+    /// The field of UAV states that contains the path, such as `gps` of `status.*.gps.**`.
+    pub(super) fn state_field(&self) -> Option<&'static str> {
+        self.path.strip_prefix("status.*.")?.split('.').next()
+    }
+
     fn matches(&self, type_name: &str, deviation: &Deviation) -> bool {
         self.types.contains(&type_name)
             && deviation.fault.is_some_and(|fault| self.faults.contains(&fault))

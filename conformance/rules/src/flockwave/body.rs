@@ -80,6 +80,24 @@ pub(super) fn unique(message: &Message<'_>, context: &mut RuleContext<'_>, name:
     }
 }
 
+/// Checks that a body of this type has a list of strings in `ids`.
+pub(super) fn id_list(message: &Message<'_>, context: &mut RuleContext<'_>, type_name: &str) {
+    if message.body_of(type_name).is_some() {
+        field(message, context, "ids", true, &ExpectedValue::List(&ExpectedValue::Text));
+    }
+}
+
+/// Checks that the `ids` in a body of this type are unique, and that each has the form of an object id. Other rules report
+/// ids that are not strings.
+pub(super) fn object_ids(message: &Message<'_>, context: &mut RuleContext<'_>, type_name: &str) {
+    let Some(Tree::List(ids)) = message.body_of(type_name).and_then(|body| body.get("ids")) else { return };
+    unique(message, context, "ids");
+    let mut texts = ids.iter().filter(|id| id.as_str().is_some());
+    if let Some(found) = texts.find_map(|id| ExpectedValue::ObjectId.mismatch(id)) {
+        mismatched(message, context, Mismatch { path: "/body/ids".to_owned(), ..found });
+    }
+}
+
 /// Checks each list of error codes. `FW-UST-ERRORS` reports values that are not integers. Findings of disputed cases have
 /// a different subject, so that they form a separate group.
 pub(super) fn codes<V: Into<Detail>>(

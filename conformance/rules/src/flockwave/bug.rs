@@ -167,6 +167,13 @@ impl<'r> Outgoing<'r> {
         }
     }
 
+    /// Replaces a list of ids by its first id.
+    pub(super) fn replace_ids_by_first(&mut self, kind: &str) {
+        if let Some(body) = self.body_of(kind) {
+            body["ids"] = body["ids"][0].take();
+        }
+    }
+
     /// Appends a copy of the first id in a list.
     pub(super) fn repeat_first_id(&mut self, kind: &str) {
         if let Some(ids) = self.ids_of(kind) {

@@ -15,13 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 ← {"type":"CONN-INF","error":{"radio-1":"Unknown connection"}}"#,
     fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",
 })
-.checks(&[Check::Exchange(check)])
+.checks(&[Check::Exchange(|exchange, context| reply::partition(exchange, context, &["CONN-INF"]))])
 .covers(&[Attribution::misplaced(&["CONN-INF"])])
-.bug(Bug::message("CONN-INF omits the last connection in the request.", |out| {
-    out.drop_last(&["CONN-INF"]);
-}))
+.bug(Bug::message("CONN-INF omits the last connection in the request.", |out| out.drop_last(&["CONN-INF"])))
 .mutants(&[Mutant::reply("a missing connection", "CONN-INF", |body| body["error"] = json!({}))]);
-
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::partition(exchange, context, &["CONN-INF"]);
-}

@@ -16,14 +16,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
   "purpose":"uavRadioLink","status":"connected"}}}"#,
     fix: "Use the `id` of each state as its key in `status`.",
 })
-.checks(&[Check::Message(check)])
+.checks(&[Check::Message(|message, context| body::keyed(message, context, "CONN-INF"))])
 .bug(Bug::message("The `id` of each connection differs from its key.", |out| {
     out.each_status("CONN-INF", |status| status["id"] = json!("radio-7"));
 }))
 .mutants(&[Mutant::notice("an id that differs from its key", "CONN-INF", |body| {
     body["status"]["winch"]["id"] = "tow".into();
 })]);
-
-fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    body::keyed(message, context, "CONN-INF");
-}

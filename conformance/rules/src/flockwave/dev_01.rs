@@ -20,7 +20,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 ← {"type":"DEV-SUB","success":[]}"#,
     fix: "Add every requested object or path to `devices` or `success`, or to `error` with a reason.",
 })
-.checks(&[Check::Exchange(check)])
+.checks(&[Check::Exchange(|exchange, context| {
+    reply::partition(exchange, context, &["DEV-LIST", "DEV-SUB", "DEV-UNSUB"]);
+})])
 .covers(&[Attribution::misplaced(&["DEV-LIST", "DEV-SUB", "DEV-UNSUB"])])
 .bug(
     Bug::message("DEV-LIST and DEV-INF omit the last object or path in the request.", |out| {
@@ -34,7 +36,3 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
         body["error"]["/kite/vario"] = "Busy".into();
     }),
 ]);
-
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::partition(exchange, context, &["DEV-LIST", "DEV-SUB", "DEV-UNSUB"]);
-}

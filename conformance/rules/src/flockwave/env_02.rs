@@ -16,9 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Add `\"$fw.version\":\"1.0\"` to every message. Write the version as a string, not as a number.",
 })
 .checks(&[Check::Message(check)])
-.bug(Bug::message("The protocol version is a number.", |out| {
-    out.message()["$fw.version"] = json!(1);
-}))
+.bug(Bug::message("The protocol version is a number.", |out| out.message()["$fw.version"] = json!(1)))
 .mutants(&[
     Mutant::reply_message("a missing version", "SYS-VER", |message| {
         mutant::remove(message, "$fw.version");

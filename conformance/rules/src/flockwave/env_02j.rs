@@ -16,9 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Send a version such as `1.0`, without a prefix or suffix.",
 })
 .checks(&[Check::Message(check)])
-.bug(Bug::message("The protocol version is a word.", |out| {
-    out.message()["$fw.version"] = json!("newest");
-}))
+.bug(Bug::message("The protocol version is a word.", |out| out.message()["$fw.version"] = json!("newest")))
 .mutants(&[
     Mutant::reply_message("a version that is a word", "SYS-VER", |message| {
         message["$fw.version"] = "first".into();

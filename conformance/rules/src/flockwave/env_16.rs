@@ -25,9 +25,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 })
 .checks(&[Check::Exchange(check)])
 .bug(Bug::message("CONN-LIST is answered with OBJ-LIST.", |out| {
-    if let Some(body) = out.body_of("CONN-LIST") {
-        body["type"] = json!("OBJ-LIST");
-    }
+    out.set("CONN-LIST", "type", json!("OBJ-LIST"));
 }))
 .mutants(&[
     Mutant::reply("a response of a different type", "SYS-PORTS", |body| {

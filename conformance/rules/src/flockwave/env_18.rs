@@ -21,9 +21,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 })
 .checks(&[Check::Message(check)])
 .bug(Bug::message("RTK-LIST has a field that its definition does not allow.", |out| {
-    if let Some(body) = out.body_of("RTK-LIST") {
-        body["count"] = json!(2);
-    }
+    out.set("RTK-LIST", "count", json!(2));
 }))
 .mutants(&[
     Mutant::reply("a missing required field", "RTK-INF", |body| {

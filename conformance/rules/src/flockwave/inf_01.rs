@@ -16,7 +16,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 ← {"type":"WTH-INF","error":{"mast-1":"No data yet"}}"#,
     fix: "Add an entry for every requested id or path: its data, or a reason in `error`.",
 })
-.checks(&[Check::Exchange(check)])
+.checks(&[Check::Exchange(|exchange, context| reply::partition(exchange, context, &TYPES))])
 .covers(&[Attribution::misplaced(&TYPES)])
 .bug(Bug::message("BCN-INF and similar responses omit the last object in the request.", |out| {
     out.drop_last(&["BCN-INF", "CLK-INF", "WTH-INF", "RTK-INF", "EXT-INF", "UAV-PREFLT"]);
@@ -60,7 +60,3 @@ const TYPES: [&str; 9] = [
     "UAV-PREFLT",
     "WTH-INF",
 ];
-
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::partition(exchange, context, &TYPES);
-}

@@ -19,11 +19,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Attribution::new(&["OBJ-DEL"], "ids", attribution::MISSING),
     Attribution::new(&["OBJ-DEL"], "ids.*", attribution::MISSING),
 ])
-.bug(Bug::message("The `ids` field of OBJ-DEL is a string.", |out| {
-    if let Some(body) = out.body_of("OBJ-DEL") {
-        body["ids"] = body["ids"][0].take();
-    }
-}))
+.bug(Bug::message("The `ids` field of OBJ-DEL is a string.", |out| out.replace_ids_by_first("OBJ-DEL")))
 .mutants(&[
     Mutant::notice("missing `ids`", "OBJ-DEL", |body| *body = json!({ "type": "OBJ-DEL" })),
     Mutant::session("OBJ-DEL as a response", |session| {
@@ -40,5 +36,5 @@ fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
     if message.role != Role::Notification {
         message.violates(context, || Detail::new("a notification must not have `refs`"));
     }
-    body::field(message, context, "ids", true, &ExpectedValue::List(&ExpectedValue::Text));
+    body::id_list(message, context, "OBJ-DEL");
 }

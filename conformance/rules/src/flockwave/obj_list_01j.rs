@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     example: r#"{"type":"OBJ-LIST","ids":["fleet/uav-1"]}"#,
     fix: "Replace slashes in ids, shorten long ids, and remove duplicates.",
 })
-.checks(&[Check::Message(check)])
+.checks(&[Check::Message(|message, context| body::object_ids(message, context, "OBJ-LIST"))])
 .covers(&[
     Attribution::new(&["OBJ-LIST"], "ids", &[Fault::Value]),
     Attribution::new(&["OBJ-LIST"], "ids.*", &[Fault::Value]),
@@ -25,14 +25,3 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Mutant::reply("a duplicate id", "OBJ-LIST", |body| body["ids"][0] = "swift".into()),
     Mutant::reply("an id with a slash", "OBJ-LIST", |body| body["ids"][0] = "kite/2".into()),
 ]);
-
-fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    let Some(Tree::List(ids)) = message.body_of("OBJ-LIST").and_then(|body| body.get("ids")) else { return };
-    body::unique(message, context, "ids");
-    // FW-OBJ-LIST-01 reports ids that are not strings.
-    let wrong =
-        ids.iter().filter(|id| id.as_str().is_some()).find_map(|id| ExpectedValue::ObjectId.mismatch(id));
-    if let Some(found) = wrong {
-        body::mismatched(message, context, Mismatch { path: "/body/ids".to_owned(), ..found });
-    }
-}

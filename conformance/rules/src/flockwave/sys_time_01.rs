@@ -17,11 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 })
 .checks(&[Check::Message(check)])
 .covers(&[Attribution::new(&["SYS-TIME"], "timestamp", attribution::MISSING)])
-.bug(Bug::message("The server time is a string.", |out| {
-    if let Some(body) = out.body_of("SYS-TIME") {
-        body["timestamp"] = json!("noon");
-    }
-}))
+.bug(Bug::message("The server time is a string.", |out| out.set("SYS-TIME", "timestamp", json!("noon"))))
 .mutants(&[
     Mutant::reply("a missing timestamp", "SYS-TIME", |body| mutant::remove(body, "timestamp")),
     Mutant::reply("a string", "SYS-TIME", |body| body["timestamp"] = "noon".into()),

@@ -17,9 +17,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 })
 .checks(&[Check::Message(check)])
 .covers(&[Attribution::new(&["SYS-VER"], "software", attribution::MISSING)])
-.bug(Bug::message("The `software` of SYS-VER is a number.", |out| {
-    out.set("SYS-VER", "software", json!(7));
-}))
+.bug(Bug::message("The `software` of SYS-VER is a number.", |out| out.set("SYS-VER", "software", json!(7))))
 .mutants(&[
     Mutant::reply("`software` is a number", "SYS-VER", |body| body["software"] = 7.into()),
     Mutant::reply("missing `software`", "SYS-VER", |body| mutant::remove(body, "software")),

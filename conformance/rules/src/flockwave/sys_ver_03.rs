@@ -20,9 +20,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Attribution::new(&["SYS-VER"], "name", &[Fault::Kind]),
     Attribution::new(&["SYS-VER"], "revision", &[Fault::Kind]),
 ])
-.bug(Bug::message("The `name` of SYS-VER is a list.", |out| {
-    out.set("SYS-VER", "name", json!(["glider"]));
-}))
+.bug(Bug::message("The `name` of SYS-VER is a list.", |out| out.set("SYS-VER", "name", json!(["glider"]))))
 .mutants(&[
     Mutant::reply("a revision that is a number", "SYS-VER", |body| body["revision"] = 7.into()),
     Mutant::reply("a name that is a list", "SYS-VER", |body| body["name"] = json!([])),

@@ -16,16 +16,10 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 ← {"type":"UAV-INF","error":{"uav-1":"Unknown UAV"}}"#,
     fix: "Add an entry for every requested id: its state in `status`, or a reason in `error`.",
 })
-.checks(&[Check::Exchange(check)])
+.checks(&[Check::Exchange(|exchange, context| reply::partition(exchange, context, &["UAV-INF"]))])
 .covers(&[Attribution::misplaced(&["UAV-INF"])])
-.bug(Bug::message("UAV-INF omits the last UAV in the request.", |out| {
-    out.drop_last(&["UAV-INF"]);
-}))
+.bug(Bug::message("UAV-INF omits the last UAV in the request.", |out| out.drop_last(&["UAV-INF"])))
 .mutants(&[
     Mutant::reply("a missing UAV", "UAV-INF", |body| mutant::remove(body, "error")),
     Mutant::reply("a UAV in both maps", "UAV-INF", |body| body["error"]["kite"] = "Asleep".into()),
 ]);
-
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::partition(exchange, context, &["UAV-INF"]);
-}

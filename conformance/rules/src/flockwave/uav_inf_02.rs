@@ -15,7 +15,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
 ← {"type":"UAV-INF","error":{"uav-9":"Unknown UAV","uav-8":"Unknown UAV"}}"#,
     fix: "Build the maps in the response only from the ids in the request.",
 })
-.checks(&[Check::Exchange(check)])
+.checks(&[Check::Exchange(|exchange, context| reply::unrequested(exchange, context, &["UAV-INF"]))])
 .bug(Bug::message("UAV-INF contains a UAV that was not requested.", |out| {
     if !out.is_notification()
         && let Some(mut state) = out.state().cloned()
@@ -25,7 +25,3 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     }
 }))
 .mutants(&[Mutant::reply("an additional UAV", "UAV-INF", |body| body["error"]["hawk"] = "Asleep".into())]);
-
-fn check(exchange: &Exchange<'_>, context: &mut RuleContext<'_>) {
-    reply::unrequested(exchange, context, &["UAV-INF"]);
-}

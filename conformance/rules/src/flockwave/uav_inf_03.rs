@@ -15,12 +15,6 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     example: r#"{"type":"UAV-INF","status":{"uav-1":{"id":"uav-2","timestamp":1790000000000}}}"#,
     fix: "Use the `id` of each state as its key in `status`.",
 })
-.checks(&[Check::Message(check)])
-.bug(Bug::message("The `id` of a UAV differs from its key.", |out| {
-    out.set_in_state("id", json!("ghost-1"));
-}))
+.checks(&[Check::Message(|message, context| body::keyed(message, context, "UAV-INF"))])
+.bug(Bug::message("The `id` of a UAV differs from its key.", |out| out.set_in_state("id", json!("ghost-1"))))
 .mutants(&[Mutant::state("an id that differs from its key", |state| state["id"] = "hawk".into())]);
-
-fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    body::keyed(message, context, "UAV-INF");
-}

@@ -14,7 +14,7 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     example: r#"{"type":"UAV-LIST","ids":["uav-1",2]}"#,
     fix: "Convert all ids to strings, and send `ids` even if the list is empty.",
 })
-.checks(&[Check::Message(check)])
+.checks(&[Check::Message(|message, context| body::id_list(message, context, "UAV-LIST"))])
 .covers(&[
     Attribution::new(&["UAV-LIST"], "ids", attribution::MISSING),
     Attribution::new(&["UAV-LIST"], "ids.*", attribution::MISSING),
@@ -24,9 +24,3 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     Mutant::reply("missing `ids`", "UAV-LIST", |body| mutant::remove(body, "ids")),
     Mutant::reply("an id that is a number", "UAV-LIST", |body| body["ids"][0] = 7.into()),
 ]);
-
-fn check(message: &Message<'_>, context: &mut RuleContext<'_>) {
-    if message.body_of("UAV-LIST").is_some() {
-        body::field(message, context, "ids", true, &ExpectedValue::List(&ExpectedValue::Text));
-    }
-}

@@ -15,11 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
           to the range -1800 to 1799.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(message, context, &RULE, "attitude"))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.attitude.**", attribution::ALL)])
-.bug(Bug::message("The roll of a UAV is 1800.", |out| {
-    out.set_in_state("attitude", json!([1800, 0, 0]));
-}))
+.bug(Bug::message("The roll of a UAV is 1800.", |out| out.set_in_state("attitude", json!([1800, 0, 0]))))
 .mutants(&[
     Mutant::state("a yaw of 3600", |state| state["attitude"] = json!([0, 0, 3600])),
     Mutant::state("a missing yaw", |state| state["attitude"] = json!([0, 0])),

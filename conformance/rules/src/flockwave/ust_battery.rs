@@ -15,11 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
           most 100, or -1 if it is unknown.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(message, context, &RULE, "battery"))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.battery.**", attribution::ALL)])
-.bug(Bug::message("The battery percentage is 101.", |out| {
-    out.set_in_state("battery", json!([126, 101]));
-}))
+.bug(Bug::message("The battery percentage is 101.", |out| out.set_in_state("battery", json!([126, 101]))))
 .mutants(&[
     Mutant::state("a fractional voltage", |state| state["battery"] = json!([11.8, 84])),
     Mutant::state("101 percent", |state| state["battery"] = json!([118, 101])),

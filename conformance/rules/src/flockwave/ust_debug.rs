@@ -15,11 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
     fix: "Encode the data with standard Base64 (RFC 4648), including the padding.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(message, context, &RULE, "debug"))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.debug.**", attribution::ALL)])
-.bug(Bug::message("The `debug` field is not Base64.", |out| {
-    out.set_in_state("debug", json!("all is well!"));
-}))
+.bug(Bug::message("The `debug` field is not Base64.", |out| out.set_in_state("debug", json!("all is well!"))))
 .mutants(&[
     Mutant::state("a string that is not Base64", |state| state["debug"] = json!("glide!")),
     Mutant::state("a number", |state| state["debug"] = json!(7)),

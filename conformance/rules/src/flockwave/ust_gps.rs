@@ -15,11 +15,9 @@ pub(super) static RULE: FlockwaveRule = FlockwaveRule::new(Rule {
           values.",
     ..ust::RULE
 })
-.checks(&[Check::Message(|message, context| ust::check(message, context, &RULE, "gps"))])
+.checks(&[Check::Message(ust::check)])
 .covers(&[Attribution::new(&["UAV-INF"], "status.*.gps.**", attribution::ALL)])
-.bug(Bug::message("The GPS fix type is 8.", |out| {
-    out.set_in_state("gps", json!([8, 12]));
-}))
+.bug(Bug::message("The GPS fix type is 8.", |out| out.set_in_state("gps", json!([8, 12]))))
 .mutants(&[
     Mutant::state("a fix type of 8", |state| state["gps"] = json!([8])),
     Mutant::state("an empty list", |state| state["gps"] = json!([])),
