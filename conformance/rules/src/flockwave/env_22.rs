@@ -3,8 +3,7 @@
 //! The probe sends a malformed request and then a valid one. The server may ignore the malformed request. Any response to
 //! either request is accepted.
 
-use super::malformed;
-use super::malformed::Malformed;
+use super::malformed::{self, Malformed};
 use super::prelude::*;
 
 /// The rule.
