@@ -14,13 +14,14 @@ use std::thread;
 use std::time::Duration;
 
 use serde_json::Value;
-use uavspec_dynamic::{PlacedElement, Types};
+use uavspec_dynamic::Types;
 use uavspec_model::clock::Clock;
 use uavspec_probe::testee::{
     Case, ExpectedResponse, Format, Op, Options, Outcome, Target, Verdict, cases, run,
 };
 use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::Scalar;
+use uavspec_schema::Element;
 use uavspec_test_support::{cargo, extent, wait_for};
 
 /// Definitions of a few messages with all kinds of fields. A testee reads them in a fraction of the time that the built-in
@@ -193,15 +194,15 @@ fn fails_on_swapped_bytes_that_are_observable() {
         }
         let (package, name) = case.type_name.split_once('/').expect("a package");
         let message = suite.types.find(package, name).expect("a type");
-        message.layout().any(|field| {
+        message.fields().iter().any(|field| {
             let differs = |value: &Value| {
                 value
                     .as_u64()
                     .and_then(|value| u16::try_from(value).ok())
                     .is_some_and(|it| it != it.swap_bytes())
             };
-            let value = &wanted[field.name];
-            matches!(field.element, PlacedElement::Scalar(Scalar::UInt16))
+            let value = &wanted[&*field.name];
+            field.element == Element::Scalar(Scalar::UInt16)
                 && (differs(value) || value.as_array().is_some_and(|items| items.iter().any(differs)))
         })
     };

@@ -8,7 +8,7 @@ use super::error::{Error, Reason};
 use super::json::{self, Builder, MessageSeed};
 use super::message::DynamicMessage;
 use super::types::MessageType;
-use super::validate::{self, Violation};
+use super::validate::{self, ViolationAt};
 use super::view::DynamicView;
 use super::{cdr, initial, uorb};
 
@@ -127,7 +127,7 @@ impl DynamicMessage<'_> {
     }
 
     /// All violations of the definition.
-    pub fn validate(&self) -> Vec<Violation<'_>> {
+    pub fn validate(&self) -> Vec<ViolationAt<'_>> {
         self.view().validate()
     }
 }
@@ -159,14 +159,14 @@ impl<'v> DynamicView<'v> {
     }
 
     /// All violations of the definition.
-    pub fn validate(self) -> Vec<Violation<'v>> {
+    pub fn validate(self) -> Vec<ViolationAt<'v>> {
         let mut violations = Vec::new();
         self.validate_with(&mut |violation| violations.push(violation));
         violations
     }
 
     /// Calls `report` for each violation of the definition.
-    pub fn validate_with(self, report: &mut dyn FnMut(Violation<'v>)) {
+    pub fn validate_with(self, report: &mut dyn FnMut(ViolationAt<'v>)) {
         validate::each(self, report);
     }
 }

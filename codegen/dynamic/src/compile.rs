@@ -3,13 +3,13 @@
 use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::{self, Member, Size};
 use uavspec_schema::layout::MAX_MESSAGE_SIZE;
-use uavspec_schema::msg::Dialect;
+use uavspec_schema::source::Span;
 use uavspec_schema::value::Value;
-use uavspec_schema::{Form, Message, Schema, Shape};
+use uavspec_schema::{Element, Message, Schema, Shape};
 
 use super::error::Defect;
 use super::packed::{Move, Packed};
-use super::plan::{Element, Field, GROWTH, Plan, SLOT};
+use super::plan::{Field, GROWTH, Plan, SLOT};
 use super::step::{Bounds, Run, Sequence, Step, Width};
 use super::types::Types;
 
@@ -32,6 +32,7 @@ const MAX_SIZE: usize = 1 << 16;
 pub(super) struct Draft {
     pub(super) package: Box<str>,
     pub(super) name: Box<str>,
+    pub(super) span: Span,
     /// Fields in declaration order, without offsets and strides.
     pub(super) fields: Vec<Field>,
     pub(super) placement: Placement,
@@ -69,28 +70,24 @@ fn draft(schema: &Schema, message: &Message) -> Draft {
     Draft {
         package: schema.package_of(message).name.as_str().into(),
         name: message.name.as_str().into(),
-        fields: message.fields.iter().map(|field| field_of(schema, message, field)).collect(),
+        span: message.span,
+        fields: (0..message.fields.len()).map(|index| field_of(schema, message, index)).collect(),
         placement: Placement::Uorb,
         limit: MAX_MESSAGE_SIZE * GROWTH as u64,
         defect: is_too_large.then_some(Defect::TooLarge(MAX_MESSAGE_SIZE)),
     }
 }
 
-fn field_of(schema: &Schema, message: &Message, field: &uavspec_schema::Field) -> Field {
-    let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
-    let dialect = if is_px4 { Dialect::Px4 } else { Dialect::Ros2 };
-    let (element, shape) = match (field.ty.element, field.ty.shape) {
-        (_, Shape::Array(length)) if field.is_text(dialect) => (Element::Text(length), Shape::Single),
-        (uavspec_schema::Element::Scalar(scalar), shape) => (Element::Scalar(scalar), shape),
-        (uavspec_schema::Element::String { wide, bound }, shape) => {
-            (Element::String(Bounds { is_wide: wide, bound }), shape)
-        }
-        (uavspec_schema::Element::Message(id), shape) => (Element::Message(id.0 as usize), shape),
-    };
+fn field_of(schema: &Schema, message: &Message, index: usize) -> Field {
+    let field = &message.fields[index];
     Field {
         default: field.default.clone(),
         restriction: schema.restriction(message, field),
-        ..Field::new(&field.name, element, shape)
+        special: field.special_values(),
+        counts: field.counts,
+        counted_by: message.fields.iter().position(|other| other.counts == Some(index)),
+        span: field.span,
+        ..Field::new(&field.name, field.ty.element, field.ty.shape)
     }
 }
 
@@ -102,8 +99,12 @@ impl Field {
             shape,
             offset: 0,
             stride: 0,
-            default: None,
             restriction: None,
+            special: Vec::new(),
+            counts: None,
+            counted_by: None,
+            span: Span::default(),
+            default: None,
             is_restricted: false,
         }
     }
@@ -157,8 +158,8 @@ fn depths(drafts: &[Draft]) -> Vec<Option<usize>> {
 
 fn nested(fields: &[Field]) -> impl Iterator<Item = usize> {
     fields.iter().filter_map(|field| match field.element {
-        Element::Message(plan) => Some(plan),
-        Element::Scalar(_) | Element::Text(_) | Element::String(_) => None,
+        Element::Message(id) => Some(id.0 as usize),
+        Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
     })
 }
 
@@ -173,6 +174,7 @@ fn unusable(draft: &Draft, defect: Defect) -> Plan {
     Plan {
         package: draft.package.clone(),
         name: draft.name.clone(),
+        span: draft.span,
         fields: Box::default(),
         size: Size { padded: 0, no_padding: 0 },
         is_fixed: true,
@@ -200,7 +202,7 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
         fields.iter().any(in_field) || nested(fields).any(|nested| in_plan(&plans[nested]))
     };
     let steps = steps(fields, plans);
-    let varies = |field: &Field| field.is_sequence() || matches!(field.element, Element::String(_));
+    let varies = |field: &Field| field.is_sequence() || matches!(field.element, Element::String { .. });
     Plan {
         size,
         is_fixed: !any(varies, |plan| !plan.is_fixed),
@@ -208,11 +210,12 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
         packed: packed(&steps, size.padded, plans),
         steps: steps.into(),
         has_defaults: any(|field| field.default.as_ref().is_some_and(is_nonzero), |plan| plan.has_defaults),
-        has_bools: any(|field| field.element.is_bool(), |plan| plan.has_bools),
+        has_bools: any(|field| field.element == Element::Scalar(Scalar::Bool), |plan| plan.has_bools),
         is_restricted: fields.iter().any(|field| field.is_restricted),
         defect: None,
         package: draft.package,
         name: draft.name,
+        span: draft.span,
         fields: draft.fields.into(),
     }
 }
@@ -239,9 +242,9 @@ fn place(draft: &mut Draft, plans: &[Plan]) -> Size {
     for ((field, member), offset) in draft.fields.iter_mut().zip(&members).zip(offsets) {
         field.offset = offset;
         field.stride = match field.element {
-            Element::Message(plan) => plans[plan].size.padded,
+            Element::Message(id) => plans[id.0 as usize].size.padded,
             Element::Scalar(scalar) => scalar.size(),
-            Element::String(_) => SLOT,
+            Element::String { .. } => SLOT,
             Element::Text(_) => member.size(),
         };
     }
@@ -255,13 +258,13 @@ fn member(field: &Field, plans: &[Plan]) -> Member {
     let slot = |count| Member { element_size: SLOT, count, is_nested: false };
     match field.element {
         _ if field.is_sequence() => slot(1),
-        Element::String(_) => slot(field.count()),
+        Element::String { .. } => slot(field.count()),
         Element::Text(length) => Member { element_size: 1, count: length as usize, is_nested: false },
         Element::Scalar(scalar) => {
             Member { element_size: scalar.size(), count: field.count(), is_nested: false }
         }
-        Element::Message(plan) => {
-            Member { element_size: plans[plan].size.padded, count: field.count(), is_nested: true }
+        Element::Message(id) => {
+            Member { element_size: plans[id.0 as usize].size.padded, count: field.count(), is_nested: true }
         }
     }
 }
@@ -282,10 +285,10 @@ fn min_size(field: &Field, plans: &[Plan]) -> usize {
     const COUNT: usize = 4;
     match field.element {
         _ if field.is_sequence() => COUNT,
-        Element::String(_) => COUNT * field.count(),
+        Element::String { .. } => COUNT * field.count(),
         Element::Text(length) => length as usize,
         Element::Scalar(scalar) => scalar.size() * field.count(),
-        Element::Message(plan) => plans[plan].min.saturating_mul(field.count()),
+        Element::Message(id) => plans[id.0 as usize].min.saturating_mul(field.count()),
     }
 }
 
@@ -294,8 +297,8 @@ fn is_restricted(field: &Field, plans: &[Plan]) -> bool {
     field.bound().is_some()
         || match field.element {
             Element::Scalar(_) => field.restriction.is_some(),
-            Element::Text(_) | Element::String(_) => true,
-            Element::Message(plan) => plans[plan].is_restricted,
+            Element::Text(_) | Element::String { .. } => true,
+            Element::Message(id) => plans[id.0 as usize].is_restricted,
         }
 }
 
@@ -312,14 +315,17 @@ fn steps(fields: &[Field], plans: &[Plan]) -> Vec<Step> {
             }
             Element::Scalar(scalar) => add(&mut steps, run(scalar, offset, field.count())),
             Element::Text(length) => add(&mut steps, run(Scalar::Char, offset, length as usize)),
-            Element::String(bounds) => steps.push(Step::Strings { offset, count: field.count(), bounds }),
-            Element::Message(plan) => match &*plans[plan].steps {
+            Element::String { wide, bound } => {
+                let bounds = Bounds { is_wide: wide, bound };
+                steps.push(Step::Strings { offset, count: field.count(), bounds });
+            }
+            Element::Message(id) => match &*plans[id.0 as usize].steps {
                 nested if field.count() == 1 && nested.len() <= MAX_COPIED_STEPS => {
                     for step in nested {
                         add(&mut steps, step.moved(offset));
                     }
                 }
-                _ => steps.push(Step::Messages { offset, count: field.count(), plan }),
+                _ => steps.push(Step::Messages { offset, count: field.count(), plan: id.0 as usize }),
             },
         }
     }
@@ -337,8 +343,8 @@ fn sequence(element: Element) -> Sequence {
             Sequence::Numbers { width: Width::of(scalar), is_bool: scalar == Scalar::Bool }
         }
         Element::Text(_) => Sequence::Numbers { width: Width::One, is_bool: false },
-        Element::String(bounds) => Sequence::Strings(bounds),
-        Element::Message(plan) => Sequence::Messages(plan),
+        Element::String { wide, bound } => Sequence::Strings(Bounds { is_wide: wide, bound }),
+        Element::Message(id) => Sequence::Messages(id.0 as usize),
     }
 }
 

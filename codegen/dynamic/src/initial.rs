@@ -2,12 +2,12 @@
 
 use serde::de::value::Error;
 use uavspec_runtime::Scalar;
-use uavspec_schema::Shape;
 use uavspec_schema::value::Value;
+use uavspec_schema::{Element, Shape};
 
 use super::json::Builder;
 use super::message::DynamicMessage;
-use super::plan::{Element, Field, Plan};
+use super::plan::{Field, Plan};
 use super::types::MessageType;
 
 /// Creates the initial message of a type.
@@ -26,7 +26,7 @@ fn fill<'t>(builder: &mut Builder<'t>, ty: MessageType<'t>, plan: &Plan, base: u
         match (field.element, &field.default) {
             (Element::Message(nested), _) => {
                 for index in 0..field.count() {
-                    fill(builder, ty, &ty.types.plans[nested], at + index * field.stride);
+                    fill(builder, ty, ty.nested(nested).plan, at + index * field.stride);
                 }
             }
             (_, Some(default)) => write_field(builder, field, at, default),
@@ -58,7 +58,7 @@ fn write_field(builder: &mut Builder<'_>, field: &Field, at: usize, default: &Va
 fn write_element(builder: &mut Builder<'_>, element: Element, at: usize, value: &Value) {
     match (element, value) {
         (Element::Scalar(scalar), value) => builder.write(at, &number(scalar, value)[..scalar.size()]),
-        (Element::String(_), Value::Text(text)) => {
+        (Element::String { .. }, Value::Text(text)) => {
             // See above.
             let _ = builder.string::<Error>(at, text);
         }

@@ -44,6 +44,7 @@
 pub mod breaking;
 mod bytes;
 mod cdr;
+mod check;
 mod codec;
 mod compile;
 pub mod conversion;
@@ -66,11 +67,13 @@ mod walk;
 
 pub use self::bytes::sequence;
 pub(crate) use self::bytes::{copy_short, part};
+pub use self::check::{Leaf, ValueType, Violation, number, whole};
 pub use self::error::{Defect, Error, Reason};
 pub use self::message::DynamicMessage;
+pub use self::plan::Field;
 pub(crate) use self::plan::SLOT;
 pub(crate) use self::text::characters;
-pub use self::types::{MessageType, Placed, PlacedElement, Types};
+pub use self::types::{MessageType, Types};
 pub use self::ulog::{FormatError, FormatProblem, ULOG_PACKAGE};
-pub use self::validate::Violation;
+pub use self::validate::ViolationAt;
 pub use self::view::{DynamicView, Elements, Value};

@@ -1,14 +1,15 @@
 //! The compiled form of a type, for codecs and checks.
 
-use uavspec_runtime::Scalar;
+use uavspec_runtime::Number;
 use uavspec_runtime::layout::Size;
+use uavspec_schema::source::Span;
 use uavspec_schema::value::Value;
-use uavspec_schema::{Restriction, Shape};
+use uavspec_schema::{Element, Restriction, Shape, Type};
 
 use super::error::Defect;
 use super::members::Named;
 use super::packed::Packed;
-use super::step::{Bounds, Step};
+use super::step::Step;
 
 /// A compiled message type.
 #[derive(Debug)]
@@ -16,6 +17,7 @@ use super::step::{Bounds, Step};
 pub(super) struct Plan {
     pub(super) package: Box<str>,
     pub(super) name: Box<str>,
+    pub(super) span: Span,
     /// Fields in declaration order.
     pub(super) fields: Box<[Field]>,
     /// Size of the fixed part, which is the whole message if `is_fixed`.
@@ -38,17 +40,32 @@ pub(super) struct Plan {
     pub(super) defect: Option<Defect>,
 }
 
+/// A field with its position in memory.
 #[derive(Debug)]
-pub(super) struct Field {
-    pub(super) name: Box<str>,
-    pub(super) element: Element,
-    pub(super) shape: Shape,
-    /// Byte offset in the message.
-    pub(super) offset: usize,
-    /// Distance between elements in bytes.
-    pub(super) stride: usize,
+pub struct Field {
+    /// The name.
+    pub name: Box<str>,
+    /// The type of the field or its elements. The id of a nested message is one of [`MessageType::nested`].
+    ///
+    /// [`MessageType::nested`]: super::MessageType::nested
+    pub element: Element,
+    /// The number of elements. A text is a single element.
+    pub shape: Shape,
+    /// The offset in the message, in bytes.
+    pub offset: usize,
+    /// The distance between elements, in bytes.
+    pub stride: usize,
+    /// The constraints on numbers, if the definition has any.
+    pub restriction: Option<Restriction>,
+    /// The values with a special meaning, including values that the restriction allows.
+    pub special: Vec<Number>,
+    /// The index of the array whose used entries this field counts, if there is one.
+    pub counts: Option<usize>,
+    /// The index of the field that contains the number of used entries, if there is one.
+    pub counted_by: Option<usize>,
+    /// The declaration; empty for a field without a definition.
+    pub span: Span,
     pub(super) default: Option<Value>,
-    pub(super) restriction: Option<Restriction>,
     pub(super) is_restricted: bool,
 }
 
@@ -59,9 +76,14 @@ impl Named for Field {
 }
 
 impl Field {
+    /// The type.
+    pub fn ty(&self) -> Type {
+        Type { element: self.element, shape: self.shape }
+    }
+
     /// The number of elements stored among the fields. This is 0 for a sequence, because its elements follow the
     /// fields.
-    pub(super) fn count(&self) -> usize {
+    pub fn count(&self) -> usize {
         match self.shape {
             Shape::Single => 1,
             Shape::Array(length) => length as usize,
@@ -70,7 +92,7 @@ impl Field {
     }
 
     /// True if the number of elements varies.
-    pub(super) fn is_sequence(&self) -> bool {
+    pub fn is_sequence(&self) -> bool {
         matches!(self.shape, Shape::Bounded(_) | Shape::Sequence)
     }
 
@@ -80,22 +102,6 @@ impl Field {
             Shape::Bounded(bound) => Some(bound),
             Shape::Single | Shape::Array(_) | Shape::Sequence => None,
         }
-    }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Element {
-    Scalar(Scalar),
-    /// PX4's `char[N]`, treated as one text of `N` bytes.
-    Text(u32),
-    String(Bounds),
-    /// A message; the value is the index of its plan.
-    Message(usize),
-}
-
-impl Element {
-    pub(super) fn is_bool(self) -> bool {
-        self == Self::Scalar(Scalar::Bool)
     }
 }
 

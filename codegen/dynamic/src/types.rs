@@ -1,11 +1,11 @@
 //! Message types that are known only at run time.
 
-use uavspec_runtime::Scalar;
 use uavspec_runtime::layout::Size;
-use uavspec_schema::{MessageId, Shape};
+use uavspec_schema::MessageId;
+use uavspec_schema::source::Span;
 
 use super::error::{Defect, Error, Reason};
-use super::plan::{Element, Plan};
+use super::plan::{Field, Plan};
 
 /// All message types in a schema or a log.
 #[derive(Debug)]
@@ -22,11 +22,11 @@ impl Types {
         Self { plans, by_name }
     }
 
-    /// The type of a message in the schema from which these types were created.
+    /// The type of a message in the schema or the log from which these types were created.
     ///
     /// # Panics
     ///
-    /// Panics if `id` is not an id of that schema.
+    /// Panics if `id` is not one of its ids.
     pub fn get(&self, id: MessageId) -> MessageType<'_> {
         MessageType { types: self, plan: &self.plans[id.0 as usize] }
     }
@@ -62,29 +62,29 @@ impl<'t> MessageType<'t> {
         &self.plan.name
     }
 
-    /// Field names in declaration order.
-    pub fn field_names(self) -> impl ExactSizeIterator<Item = &'t str> {
-        self.plan.fields.iter().map(|field| &*field.name)
+    /// The declaration; empty for a type without a definition.
+    pub fn span(self) -> Span {
+        self.plan.span
     }
 
-    /// The uORB layout of the fields, in declaration order.
-    pub fn layout(self) -> impl ExactSizeIterator<Item = Placed<'t>> {
-        self.plan.fields.iter().map(move |field| Placed {
-            name: &field.name,
-            element: match field.element {
-                Element::Scalar(scalar) => PlacedElement::Scalar(scalar),
-                Element::Text(length) => PlacedElement::Text(length),
-                Element::String(bounds) => {
-                    PlacedElement::String { is_wide: bounds.is_wide, bound: bounds.bound }
-                }
-                Element::Message(index) => {
-                    PlacedElement::Message(MessageType { types: self.types, plan: &self.types.plans[index] })
-                }
-            },
-            shape: field.shape,
-            offset: field.offset,
-            stride: field.stride,
-        })
+    /// The fields in declaration order.
+    pub fn fields(self) -> &'t [Field] {
+        &self.plan.fields
+    }
+
+    /// The field with this name.
+    pub fn field(self, name: &str) -> Option<&'t Field> {
+        self.plan.fields.iter().find(|field| *field.name == *name)
+    }
+
+    /// The type of a nested message.
+    ///
+    /// # Panics
+    ///
+    /// Panics if `id` is not the id of a message in the same set of types.
+    #[must_use]
+    pub fn nested(self, id: MessageId) -> Self {
+        self.types.get(id)
     }
 
     /// Size of a uORB payload, or `None` if it varies.
@@ -112,37 +112,4 @@ impl<'t> MessageType<'t> {
     pub(super) fn error(self, reason: Reason) -> Error {
         Error { reason, path: self.plan.name.to_string(), offset: None }
     }
-}
-
-/// A field with its position in memory.
-#[derive(Clone, Copy, Debug)]
-pub struct Placed<'t> {
-    /// Name of the field.
-    pub name: &'t str,
-    /// Type of the field or its elements.
-    pub element: PlacedElement<'t>,
-    /// Number of elements.
-    pub shape: Shape,
-    /// Byte offset in the message.
-    pub offset: usize,
-    /// Distance between elements in bytes.
-    pub stride: usize,
-}
-
-/// The type of a field or its elements.
-#[derive(Clone, Copy, Debug)]
-pub enum PlacedElement<'t> {
-    /// A number or a `bool`.
-    Scalar(Scalar),
-    /// PX4's `char[N]`, treated as one text of `N` bytes.
-    Text(u32),
-    /// A string. The layout contains only its slot.
-    String {
-        /// True for a `wstring`.
-        is_wide: bool,
-        /// Maximum number of characters.
-        bound: Option<u32>,
-    },
-    /// A nested message.
-    Message(MessageType<'t>),
 }

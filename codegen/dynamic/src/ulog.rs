@@ -7,11 +7,12 @@ use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use uavspec_runtime::Scalar;
-use uavspec_schema::Shape;
+use uavspec_schema::source::Span;
+use uavspec_schema::{Element, MessageId, Shape};
 
 use super::compile::{Draft, Placement, compile};
 use super::error::Defect;
-use super::plan::{Element, Field};
+use super::plan::Field;
 use super::types::Types;
 
 /// Name of the package that contains all types of a log.
@@ -126,7 +127,7 @@ impl Types {
             if plans.contains_key(name) {
                 refuse(index, name, FormatProblem::Repeated);
             } else {
-                plans.insert(name, unique.len());
+                plans.insert(name, MessageId(u32::try_from(unique.len()).unwrap_or(u32::MAX)));
                 unique.push((index, name, fields));
             }
         }
@@ -155,6 +156,7 @@ fn draft(name: &str, fields: Vec<Field>) -> Draft {
     Draft {
         package: ULOG_PACKAGE.into(),
         name: name.into(),
+        span: Span::default(),
         // A type without fields takes no space, so arrays of any length would otherwise be accepted.
         defect: fields.is_empty().then_some(Defect::Unreadable),
         fields,
@@ -163,7 +165,7 @@ fn draft(name: &str, fields: Vec<Field>) -> Draft {
     }
 }
 
-fn read_fields(text: &str, plans: &HashMap<&str, usize>) -> Result<Vec<Field>, FormatProblem> {
+fn read_fields(text: &str, plans: &HashMap<&str, MessageId>) -> Result<Vec<Field>, FormatProblem> {
     let mut names = HashSet::new();
     let mut fields = Vec::new();
     for part in text.split(';').map(str::trim).filter(|part| !part.is_empty()) {
@@ -179,7 +181,7 @@ fn read_fields(text: &str, plans: &HashMap<&str, usize>) -> Result<Vec<Field>, F
 /// Parses a field: its name, element type and shape.
 fn read_field<'t>(
     part: &'t str,
-    plans: &HashMap<&str, usize>,
+    plans: &HashMap<&str, MessageId>,
 ) -> Result<(&'t str, Element, Shape), FormatProblem> {
     let not_a_field = || FormatProblem::NotAField(part.to_owned());
     let (ty, name) = part.split_once(' ').ok_or_else(not_a_field)?;

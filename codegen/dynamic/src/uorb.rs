@@ -4,10 +4,11 @@ use std::ops::ControlFlow;
 
 use uavspec_runtime::layout::Size;
 use uavspec_runtime::{Fault, Scalar};
+use uavspec_schema::Element;
 
 use super::bytes::{make_bools, part};
 use super::error::{Error, Reason};
-use super::plan::{Element, Field, Plan};
+use super::plan::{Field, Plan};
 use super::step::{Run, Step};
 use super::trail::Trail;
 use super::types::{MessageType, Types};
@@ -55,8 +56,8 @@ struct OddBool<'v> {
 impl<'v> Walk<'v> for OddBool<'v> {
     fn enters(&self, plans: &[Plan], field: &Field) -> bool {
         match field.element {
-            Element::Message(plan) => plans[plan].has_bools,
-            element => element.is_bool(),
+            Element::Message(id) => plans[id.0 as usize].has_bools,
+            element => element == Element::Scalar(Scalar::Bool),
         }
     }
 

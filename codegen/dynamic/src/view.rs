@@ -4,9 +4,10 @@ use std::fmt;
 
 use uavspec_runtime::record::Primitive;
 use uavspec_runtime::{Number, Scalar};
+use uavspec_schema::Element;
 
 use super::bytes::{part, slot, until_nul};
-use super::plan::{Element, Field, Plan};
+use super::plan::{Field, Plan};
 use super::types::{MessageType, Types};
 
 /// A message inside a payload or a [`DynamicMessage`](super::DynamicMessage). Fields are read on access.
@@ -129,7 +130,7 @@ impl<'v> Elements<'v> {
         match self.element {
             Element::Scalar(scalar) => scalar_value(scalar, self.element_bytes(index)),
             Element::Text(_) => Value::Text(until_nul(self.element_bytes(index))),
-            Element::String(_) => Value::String(self.string(index)),
+            Element::String { .. } => Value::String(self.string(index)),
             Element::Message(_) => Value::Message(self.message(index)),
         }
     }
@@ -161,8 +162,8 @@ impl<'v> Elements<'v> {
     #[inline]
     pub(super) fn message(self, index: usize) -> DynamicView<'v> {
         let plan = match self.element {
-            Element::Message(plan) => &self.view.types.plans[plan],
-            Element::Scalar(_) | Element::Text(_) | Element::String(_) => self.view.plan,
+            Element::Message(id) => self.view.types.get(id).plan,
+            Element::Scalar(_) | Element::Text(_) | Element::String { .. } => self.view.plan,
         };
         DynamicView { plan, base: self.at(index), ..self.view }
     }

@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 
 use uavspec_runtime::Scalar;
+use uavspec_schema::{Element, Shape};
 
 use super::bytes::until_nul;
-use super::plan::{Element, Field, Plan};
+use super::plan::{Field, Plan};
 use super::trail::Trail;
 use super::view::DynamicView;
 
@@ -57,7 +58,7 @@ fn walk_field<'v>(
     if field.is_sequence() {
         walker.stop(trail, field, Stop::Length(elements.len()))?;
     }
-    let is_single = field.shape == uavspec_schema::Shape::Single;
+    let is_single = field.shape == Shape::Single;
     for index in 0..elements.len() {
         if !is_single {
             trail.select(Some(index));
@@ -67,7 +68,7 @@ fn walk_field<'v>(
                 Stop::Number(scalar, elements.element_bytes(index), elements.at(index))
             }
             Element::Text(_) => Stop::Text(until_nul(elements.element_bytes(index))),
-            Element::String(_) => Stop::String(elements.string(index)),
+            Element::String { .. } => Stop::String(elements.string(index)),
             Element::Message(_) => {
                 walk(elements.message(index), trail, walker)?;
                 continue;

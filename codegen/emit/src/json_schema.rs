@@ -230,7 +230,7 @@ impl<'s> Emitter<'s> {
     fn nested(&self, id: MessageId) -> impl Iterator<Item = Target> {
         self.schema.message(id).fields.iter().filter_map(|field| match field.ty.element {
             Element::Message(id) => Some(Target::Message(id)),
-            Element::Scalar(_) | Element::String { .. } => None,
+            Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
         })
     }
 }

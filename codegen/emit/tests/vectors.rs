@@ -243,7 +243,7 @@ fn check_case(ty: MessageType<'_>, case: &Json, expected: &BTreeSet<String>, nam
 fn violated(read: &Result<DynamicMessage<'_>, uavspec_dynamic::Error>) -> BTreeSet<String> {
     let rule = match read {
         Ok(message) => {
-            return message.validate().iter().map(|violation| violation.rule.id().to_owned()).collect();
+            return message.validate().iter().map(|violation| violation.kind.id().to_owned()).collect();
         }
         Err(error) => match &error.reason {
             Reason::Fault(Fault::Size { .. }) => "PX-DATA-01",

@@ -45,7 +45,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
         return;
     }
     let fields = &subject.message.fields;
-    let mut arrays = fields.iter().filter(|field| is_list(field, subject));
+    let mut arrays = fields.iter().filter(|field| is_list(field));
     let only = arrays.next().filter(|_| arrays.next().is_none());
     let has_count = fields.iter().any(|field| field.counts.is_some());
     for (field, line) in subject.fields() {
@@ -67,8 +67,8 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
 }
 
 /// True for an array that may be partly used. Text, vectors and quaternions are always used completely.
-fn is_list(field: &Field, subject: &Subject<'_>) -> bool {
-    !field.is_text(subject.dialect) && matches!(field.ty.shape, Shape::Array(length) if length > 4)
+fn is_list(field: &Field) -> bool {
+    matches!(field.ty.shape, Shape::Array(length) if length > 4)
 }
 
 fn looks_like_count(field: &Field, array: &Field) -> bool {

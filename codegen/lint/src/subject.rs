@@ -116,7 +116,7 @@ pub(super) fn subjects<'a>(
         .flat_map(|message| &message.fields)
         .filter_map(|field| match field.ty.element {
             Element::Message(id) => Some(id),
-            Element::Scalar(_) | Element::String { .. } => None,
+            Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
         })
         .collect();
     let subject = |(id, message): (u32, &'a Message)| {

@@ -69,7 +69,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     for (field, _) in subject.fields() {
         let is_integer =
             matches!(field.ty.element, Element::Scalar(scalar) if scalar.integer_bounds().is_some());
-        if is_integer && is_quantity(field, subject) && unit_missing::lacks_unit(field, &groups) {
+        if is_integer && is_quantity(field) && unit_missing::lacks_unit(field, &groups) {
             let help = quantity::advice(field, "mV");
             sink.report(field.span, format!("`{}` has no unit", field.name), help);
         }
@@ -83,13 +83,13 @@ fn no_quantities() -> &'static HashSet<&'static str> {
     &WORDS
 }
 
-fn is_quantity(field: &Field, subject: &Subject<'_>) -> bool {
+fn is_quantity(field: &Field) -> bool {
     // Timestamps are microseconds in all messages.
     let is_timestamp = field.name.starts_with("timestamp");
     let mut words = quantity::name_words(field);
     !is_timestamp
         && field.enum_prefixes.is_empty()
         && field.counts.is_none()
-        && !field.is_text(subject.dialect)
+        && !field.is_text()
         && !words.any(|word| no_quantities().contains(word) || ENDS.iter().any(|end| word.ends_with(end)))
 }

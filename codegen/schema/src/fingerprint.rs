@@ -75,7 +75,7 @@ fn write_fields(schema: &Schema, message: &Message, output: &mut impl fmt::Write
                 open.push(nested.fields.iter());
             }
             Element::Scalar(scalar) => output.write_str(scalar.name())?,
-            Element::String { .. } => {
+            Element::Text(_) | Element::String { .. } => {
                 let single = Type { shape: Shape::Single, ..field.ty };
                 output.write_str(&schema.type_text(message, single))?;
             }
@@ -179,8 +179,10 @@ fn described_fields(schema: &Schema, message: &Message) -> Vec<DescribedField> {
         .fields
         .iter()
         .map(|field| {
-            let described = match field.ty.element {
+            let ty = field.ty.written();
+            let described = match ty.element {
                 Element::Scalar(scalar) => DescribedField::scalar(&field.name, scalar),
+                Element::Text(_) => DescribedField::scalar(&field.name, Scalar::Char),
                 Element::String { wide, bound } => DescribedField {
                     type_id: match (wide, bound) {
                         (false, None) => type_id::STRING,
@@ -195,7 +197,7 @@ fn described_fields(schema: &Schema, message: &Message) -> Vec<DescribedField> {
                     DescribedField::nested(&field.name, ros_name(schema, schema.message(id)))
                 }
             };
-            described.shaped(field.ty.shape)
+            described.shaped(ty.shape)
         })
         .collect()
 }

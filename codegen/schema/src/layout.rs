@@ -30,6 +30,9 @@ pub(crate) fn uorb(schema: &Schema, message: &Message) -> Option<UorbLayout> {
                 Element::Scalar(scalar) => {
                     Some(Member { element_size: scalar.size(), count, is_nested: false })
                 }
+                Element::Text(length) => {
+                    Some(Member { element_size: 1, count: length as usize, is_nested: false })
+                }
                 Element::String { .. } => None,
                 Element::Message(id) => {
                     let element_size = schema.message(id).uorb.as_ref()?.size;
@@ -121,6 +124,7 @@ pub(crate) fn cdr(schema: &Schema, order: &[MessageId]) -> Vec<CdrSize> {
         for field in &schema.message(*id).fields {
             let (element, element_is_fixed) = match field.ty.element {
                 Element::Scalar(scalar) => (CdrLength::scalar(scalar.size() as u64), true),
+                Element::Text(length) => (CdrLength::scalar(1).repeat(length), true),
                 // The shortest string consists of a length prefix and, unless it is a wide string, a NUL.
                 Element::String { wide: true, .. } => (count, false),
                 Element::String { wide: false, .. } => (count.then(CdrLength::scalar(1)), false),

@@ -54,6 +54,7 @@ impl Schema {
     pub fn type_text(&self, message: &Message, ty: Type) -> String {
         let element = match ty.element {
             Element::Scalar(scalar) => scalar.name().to_owned(),
+            Element::Text(length) => format!("char[{length}]"),
             Element::String { wide, bound } => {
                 let name = if wide { "wstring" } else { "string" };
                 bound.map_or_else(|| name.to_owned(), |bound| format!("{name}<={bound}"))
@@ -254,6 +255,8 @@ pub struct Type {
 pub enum Element {
     /// A number, a `bool`, a `byte` or a `char`.
     Scalar(Scalar),
+    /// PX4's `char[N]`: one text of at most `N` bytes. In ROS 2, `char` is a number.
+    Text(u32),
     /// A string.
     String {
         /// True for a `wstring`.
@@ -265,7 +268,37 @@ pub enum Element {
     Message(MessageId),
 }
 
+impl Type {
+    /// The type as a definition writes it, where a text is an array of `char`.
+    #[must_use]
+    pub fn written(self) -> Self {
+        match self.element {
+            Element::Text(length) => {
+                Self { element: Element::Scalar(Scalar::Char), shape: Shape::Array(length) }
+            }
+            _ => self,
+        }
+    }
+
+    /// The maximum number of elements of an array, or of bytes of a text.
+    pub fn max_length(self) -> Option<u32> {
+        match self.written().shape {
+            Shape::Array(length) | Shape::Bounded(length) => Some(length),
+            Shape::Single | Shape::Sequence => None,
+        }
+    }
+}
+
 impl Element {
+    /// The type of a number or a character.
+    pub fn scalar(self) -> Option<Scalar> {
+        match self {
+            Self::Scalar(scalar) => Some(scalar),
+            Self::Text(_) => Some(Scalar::Char),
+            Self::String { .. } | Self::Message(_) => None,
+        }
+    }
+
     /// True for a float.
     pub fn is_float(self) -> bool {
         matches!(self, Self::Scalar(scalar) if scalar.is_float())
@@ -343,11 +376,9 @@ impl Field {
         ATTRIBUTES.iter().filter_map(|attribute| Some((*attribute, self.attribute(attribute)?)))
     }
 
-    /// True if PX4 treats the field as text: `char[N]`.
-    pub fn is_text(&self, dialect: Dialect) -> bool {
-        dialect == Dialect::Px4
-            && self.ty.element == Element::Scalar(Scalar::Char)
-            && matches!(self.ty.shape, Shape::Array(_))
+    /// True if the field is one text: `char[N]` of PX4.
+    pub fn is_text(&self) -> bool {
+        matches!(self.ty.element, Element::Text(_))
     }
 }
 

@@ -6,7 +6,6 @@ use super::bits;
 use super::enumeration::Enum;
 use super::model::{Element, Field, Form, Message, Schema};
 use crate::msg::Dialect;
-use crate::msg::ast::Shape;
 use crate::msg::constraint::number::stored;
 use crate::value::Value;
 
@@ -51,17 +50,14 @@ impl Schema {
     pub fn restriction(&self, message: &Message, field: &Field) -> Option<Restriction> {
         let Form::Msg(dialect) = self.package_of(message).form else { return None };
         let Element::Scalar(scalar) = field.ty.element else { return None };
-        if field.is_text(dialect) || scalar == Scalar::Bool {
+        if scalar == Scalar::Bool {
             return None;
         }
         let counted = field.counts.and_then(|array| message.fields.get(array));
         let enumeration = self.enforced_enum(field);
         let mut restriction = Restriction {
             limits: Constraint {
-                count: counted.and_then(|array| match array.ty.shape {
-                    Shape::Array(length) | Shape::Bounded(length) => Some(length),
-                    Shape::Single | Shape::Sequence => None,
-                }),
+                count: counted.and_then(|array| array.ty.max_length()),
                 is_flags: enumeration.is_some_and(|found| found.is_flags),
                 forbids_nan: scalar.is_float() && forbids_nan(message, field, dialect),
                 ..Constraint::NONE

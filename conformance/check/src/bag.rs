@@ -157,7 +157,7 @@ struct Channels<'d> {
     /// The number of fields in the types of the channels that are checked.
     fields: usize,
     /// Created when the first JSON channel is opened.
-    plans: Option<Plans>,
+    plans: Option<Plans<'d>>,
     dialects: Dialects,
     /// The publishers and subscribers of a live vehicle.
     network: Network,
@@ -274,7 +274,8 @@ impl<'d> Channels<'d> {
         (open.status, open.identity.version) = (CheckStatus::Checked(basis), version);
         self.run.opened(&open.identity.channel());
         if is_json {
-            self.plans.get_or_insert_with(|| Plans::new(&definitions.schema, &px4::VALUES));
+            self.plans
+                .get_or_insert_with(|| Plans::new(&definitions.schema, definitions.types(), &px4::VALUES));
             let num_fields = definitions.schema.message(message_id).fields.len();
             let (checked, all) = match (&shared, open.differences()) {
                 (Some(shared), Some(differences)) => {
@@ -537,7 +538,7 @@ impl<'d> Channels<'d> {
 /// Checks a JSON message. Stores the field values in `values`, or clears `values` if there are findings. Fails if the
 /// payload isn't JSON.
 fn check_message(
-    plans: &Plans,
+    plans: &Plans<'_>,
     origin: MessageOrigin<'_>,
     payload: &[u8],
     values: &mut Vec<u8>,

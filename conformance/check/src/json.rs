@@ -215,7 +215,7 @@ impl<'d> AnyChecker<'d> {
 
 struct JsonChecker<'d> {
     run: CheckRun<'d>,
-    plans: Plans,
+    plans: Plans<'d>,
     channels: Channels,
     templates: Templates,
     /// The topics with a stated type, each with the type's definition if it exists.
@@ -232,7 +232,7 @@ impl<'d> JsonChecker<'d> {
         let definitions = run.definitions;
         let mut checker = Self {
             run,
-            plans: Plans::new(&definitions.schema, &px4::VALUES),
+            plans: Plans::new(&definitions.schema, definitions.types(), &px4::VALUES),
             channels: Channels {
                 only: None,
                 open: Vec::new(),

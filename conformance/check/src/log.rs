@@ -386,8 +386,8 @@ impl<'d> LogChecker<'d> {
             empty => {
                 let definitions = self.run.definitions;
                 let compile = |has_values| {
-                    let (format, definition) = (record.message_type, open.definition);
-                    FormatPlan::new(format, definition, &definitions.schema, &px4::VALUES, has_values)
+                    let defined = open.definition.map(|id| definitions.types().get(id));
+                    FormatPlan::new(record.message_type, defined, &px4::VALUES, has_values)
                 };
                 let plans = match &mut self.plans {
                     Some((formats, plans)) if Arc::ptr_eq(formats, record.formats) => plans,

@@ -1,5 +1,7 @@
 //! Tests that both readers of a message agree on any text, and that the checks of JSON and memory agree.
 
+use std::sync::LazyLock;
+
 use proptest::prelude::*;
 use serde_json::json;
 use uavspec_dynamic::Types;
@@ -11,6 +13,11 @@ use uavspec_rules::definitions::Definitions;
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Form, MessageId, PackageInput, SourceMap, read};
 use uavspec_test_support::extent;
+
+static DEFINITIONS: LazyLock<Definitions> = LazyLock::new(Definitions::built_in);
+
+static PLANS: LazyLock<Plans<'static>> =
+    LazyLock::new(|| Plans::new(&DEFINITIONS.schema, DEFINITIONS.types(), &uavspec_rules::px4::VALUES));
 
 /// The texts that replace random pieces of a message.
 const PIECES: [&str; 28] = [
@@ -44,7 +51,7 @@ const PIECES: [&str; 28] = [
     "\"timestamp\":0,",
 ];
 
-fn agrees(plans: &Plans, id: MessageId, text: &str) -> Result<bool, TestCaseError> {
+fn agrees(plans: &Plans<'_>, id: MessageId, text: &str) -> Result<bool, TestCaseError> {
     let mut was_clean = false;
     for is_rosbridge in [false, true] {
         let is_clean = plans.read_text(id, text, is_rosbridge, &mut []).is_ok();
@@ -92,7 +99,8 @@ fn checks_bounds_of_sequences_and_strings() {
     let (schema, mistakes) =
         read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Ros2), vec![file])]);
     assert!(mistakes.is_empty(), "{mistakes:?}");
-    let plans = Plans::new(&schema, &uavspec_rules::px4::VALUES);
+    let types = Types::new(&schema);
+    let plans = Plans::new(&schema, &types, &uavspec_rules::px4::VALUES);
     let violated = |text: &str| {
         let id = MessageId(0);
         agrees(&plans, id, text).expect("both agree");
@@ -142,11 +150,11 @@ fn found_in_both(tow: &str, text: &str) -> Vec<(&'static str, String, u64)> {
     let (mut in_json, mut in_memory) = (Findings::default(), Findings::default());
     let location = Location::Line(1);
     let origin = MessageOrigin { id, name: "m", location, key: None, is_rosbridge: false, shared: None };
-    let plans = Plans::new(&schema, &uavspec_rules::px4::VALUES);
-    plans.explain(origin, &Tree::read(text).expect("JSON"), &mut in_json);
     let types = Types::new(&schema);
+    let plans = Plans::new(&schema, &types, &uavspec_rules::px4::VALUES);
+    plans.explain(origin, &Tree::read(text).expect("JSON"), &mut in_json);
     let message = types.get(id).from_json_text(text).expect("a message");
-    let plan = Plan::new(types.get(id), Some(id), &schema, &uavspec_rules::px4::VALUES);
+    let plan = Plan::new(types.get(id), Some(types.get(id)), &uavspec_rules::px4::VALUES);
     plan.check(message.memory(), "m".into(), location, &mut in_memory);
 
     let found = listed(&in_json);
@@ -227,8 +235,8 @@ fn a_template_reads_values_like_json() {
     let text = "uint64 timestamp\nint64 number\nfloat64 ratio\nfloat32 small\nbool flag\nchar[8] name\nuint8[2] raw\n";
     let file = sources.add("Any.msg", text.into()).expect("a file");
     let (schema, _) = read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Px4), vec![file])]);
-    let (plans, types, id) =
-        (Plans::new(&schema, &uavspec_rules::px4::VALUES), Types::new(&schema), MessageId(0));
+    let (types, id) = (Types::new(&schema), MessageId(0));
+    let plans = Plans::new(&schema, &types, &uavspec_rules::px4::VALUES);
     let size = types.get(id).size().expect("a size").padded;
     let good =
         "{ \"stamp\": 3, \"m\": {\"raw\":[1,\t5], \"number\":5,\"ratio\" : 5,\"small\":5,\"flag\":true,\
@@ -339,7 +347,8 @@ fn integers_may_be_written_with_a_fraction_of_zero() {
     let package = PackageInput::new("demo", Form::Msg(Dialect::Px4), vec![file]);
     let (schema, mistakes) = read(&sources, &[package]);
     assert!(mistakes.is_empty(), "{mistakes:?}");
-    let plans = Plans::new(&schema, &uavspec_rules::px4::VALUES);
+    let types = Types::new(&schema);
+    let plans = Plans::new(&schema, &types, &uavspec_rules::px4::VALUES);
     let id = MessageId(0);
     let written = |numbers: [&str; 5]| {
         let [timestamp, small, count, first, second] = numbers;
@@ -375,15 +384,9 @@ proptest! {
         ),
         typo in prop::option::weighted(0.3, (any::<prop::sample::Index>(), any::<char>())),
     ) {
-        thread_local! {
-            static DEFINITIONS: (Definitions, Types, Plans) = {
-                let definitions = Definitions::built_in();
-                let (types, plans) = (Types::new(&definitions.schema), Plans::new(&definitions.schema, &uavspec_rules::px4::VALUES));
-                (definitions, types, plans)
-            };
-        }
-        DEFINITIONS.with(|(definitions, types, plans)| {
-            let at = which.index(definitions.schema.messages.len());
+        let (plans, types) = (&*PLANS, DEFINITIONS.types());
+        {
+            let at = which.index(DEFINITIONS.schema.messages.len());
             let id = MessageId(u32::try_from(at).unwrap_or_default());
             let mut text = types.get(id).default().view().to_json_text().unwrap_or_default();
             let size = types.get(id).size().map_or(0, |size| size.padded);
@@ -422,22 +425,18 @@ proptest! {
             let mut values = vec![0; size];
             let clean = plans.read_text(id, &first, false, &mut values);
             prop_assert!(clean.is_ok() && template.values() == values, "{}", text);
-            Ok::<(), TestCaseError>(())
-        })?;
+        }
     }
 }
 
 #[test]
 fn most_default_messages_have_no_findings() {
-    let definitions = Definitions::built_in();
-    let (types, plans) =
-        (Types::new(&definitions.schema), Plans::new(&definitions.schema, &uavspec_rules::px4::VALUES));
     let mut clean = 0;
-    let count = definitions.schema.messages.len();
+    let count = DEFINITIONS.schema.messages.len();
     for at in 0..count {
         let id = MessageId(u32::try_from(at).expect("few"));
-        let text = types.get(id).default().view().to_json_text().expect("JSON");
-        clean += usize::from(agrees(&plans, id, &text).expect("both agree"));
+        let text = DEFINITIONS.types().get(id).default().view().to_json_text().expect("JSON");
+        clean += usize::from(agrees(&PLANS, id, &text).expect("both agree"));
     }
     assert!(clean * 2 > count, "{clean} of {count}");
 }

@@ -6,8 +6,9 @@ use std::time::Duration;
 use std::{process, thread};
 
 use serde_json::{Value, json};
-use uavspec_dynamic::{PlacedElement, Types};
+use uavspec_dynamic::Types;
 use uavspec_runtime::Scalar;
+use uavspec_schema::Element;
 
 /// The size of a flood in bytes, larger than a pipe's buffer.
 const FLOOD: usize = 200 << 10;
@@ -92,11 +93,11 @@ impl RequestFault {
         if request["op"] != "decode" {
             return;
         }
-        for field in message.layout() {
-            let Some(value) = answer.get_mut("ok").and_then(|ok| ok.get_mut(field.name)) else { continue };
+        for field in message.fields() {
+            let Some(value) = answer.get_mut("ok").and_then(|ok| ok.get_mut(&*field.name)) else { continue };
             match field.element {
-                PlacedElement::Scalar(Scalar::UInt16) if self.is("swap-uint16") => each(value, &swap),
-                PlacedElement::Scalar(scalar) if scalar.is_float() && self.is("drop-nan") => {
+                Element::Scalar(Scalar::UInt16) if self.is("swap-uint16") => each(value, &swap),
+                Element::Scalar(scalar) if scalar.is_float() && self.is("drop-nan") => {
                     each(value, &drop_nan);
                 }
                 _ => {}

@@ -23,4 +23,4 @@ pub use self::error::SyntaxError;
 pub use self::frame::Frame;
 pub use self::pointer::pointer;
 pub use self::tokens::{TRUNCATED, Token, Tokens, Unclear, leading_integer};
-pub use self::tree::{Tree, shortened, whole};
+pub use self::tree::{Tree, shortened};

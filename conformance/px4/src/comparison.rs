@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use uavspec_dynamic::{MessageType, Placed, PlacedElement};
+use uavspec_dynamic::{Field, MessageType};
 use uavspec_model::Detail;
-use uavspec_schema::shape_text;
+use uavspec_schema::{Element, shape_text};
 
 /// The result of comparing a format with its definition.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -151,8 +151,8 @@ fn compare_in(order: Order, format: MessageType<'_>, defined: MessageType<'_>) -
 impl Order {
     /// The fields of a message type in this order. The formats in logs list fields in memory order, but definitions
     /// list them in any order.
-    fn fields(self, message_type: MessageType<'_>) -> Vec<Placed<'_>> {
-        let mut fields: Vec<Placed<'_>> = message_type.layout().collect();
+    fn fields(self, message_type: MessageType<'_>) -> Vec<&Field> {
+        let mut fields: Vec<&Field> = message_type.fields().iter().collect();
         if self == Self::Memory {
             fields.sort_unstable_by_key(|field| field.offset);
         }
@@ -161,11 +161,11 @@ impl Order {
 
     /// True if there are no differences.
     fn is_equal(self, format: MessageType<'_>, defined: MessageType<'_>) -> bool {
-        let is_same = |(left, right): (&Placed<'_>, &Placed<'_>)| {
+        let is_same = |(left, right): (&&Field, &&Field)| {
             left.name == right.name
                 && (self == Self::Declared || left.offset == right.offset)
-                && self.is_same_type(*left, *right)
-                && self.is_same_content(*left, *right)
+                && self.is_same_type(left, right)
+                && self.is_same_content((format, left), (defined, right))
         };
         let (found, expected) = (self.fields(format), self.fields(defined));
         (self == Self::Declared || format.size() == defined.size())
@@ -174,9 +174,9 @@ impl Order {
     }
 
     /// True if two fields have the same type. Nested messages aren't compared.
-    fn is_same_type(self, left: Placed<'_>, right: Placed<'_>) -> bool {
+    fn is_same_type(self, left: &Field, right: &Field) -> bool {
         match (left.element, right.element) {
-            (PlacedElement::Message(_), PlacedElement::Message(_)) => left.shape == right.shape,
+            (Element::Message(_), Element::Message(_)) => left.shape == right.shape,
             _ => match self {
                 Self::Memory => type_text(left) == type_text(right),
                 Self::Declared => in_ros(&type_text(left)) == in_ros(&type_text(right)),
@@ -185,29 +185,36 @@ impl Order {
     }
 
     /// True if two fields of the same type have equal nested messages, if any.
-    fn is_same_content(self, left: Placed<'_>, right: Placed<'_>) -> bool {
+    fn is_same_content(
+        self,
+        (format, left): (MessageType<'_>, &Field),
+        (defined, right): (MessageType<'_>, &Field),
+    ) -> bool {
         match (left.element, right.element) {
-            (PlacedElement::Message(left), PlacedElement::Message(right)) => self.is_equal(left, right),
+            (Element::Message(left), Element::Message(right)) => {
+                self.is_equal(format.nested(left), defined.nested(right))
+            }
             _ => true,
         }
     }
 
     /// The differences between two unequal types.
     fn differences(self, format: MessageType<'_>, defined: MessageType<'_>) -> Differences {
-        let by_name = |message_type| -> BTreeMap<&str, Placed<'_>> {
-            MessageType::layout(message_type).map(|field| (field.name, field)).collect()
-        };
-        let relation = |found: Placed<'_>, defined: Placed<'_>| {
-            if !self.is_same_type(found, defined) {
+        let relation = |left: &Field, right: &Field| {
+            if !self.is_same_type(left, right) {
                 Relation::OtherType
-            } else if self.is_same_content(found, defined) {
+            } else if self.is_same_content((format, left), (defined, right)) {
                 Relation::Equal
             } else {
                 Relation::OtherContent
             }
         };
-        differences(&by_name(format), &by_name(defined), type_text, relation)
+        differences(&fields_by_name(format), &fields_by_name(defined), type_text, relation)
     }
+}
+
+fn fields_by_name(message_type: MessageType<'_>) -> BTreeMap<&str, &Field> {
+    message_type.fields().iter().map(|field| (&*field.name, field)).collect()
 }
 
 /// The equivalent type in ROS 2.
@@ -220,15 +227,15 @@ fn in_ros(ty: &str) -> String {
 
 /// The type in the notation of definitions. Logs name messages differently, so all nested messages are called
 /// `message`.
-fn type_text(field: Placed<'_>) -> String {
+fn type_text(field: &Field) -> String {
     let element = match field.element {
-        PlacedElement::Scalar(scalar) => scalar.name().to_owned(),
-        PlacedElement::Text(length) => return format!("char[{length}]"),
-        PlacedElement::String { is_wide, bound } => {
+        Element::Scalar(scalar) => scalar.name().to_owned(),
+        Element::Text(length) => return format!("char[{length}]"),
+        Element::String { wide, bound } => {
             let bound = bound.map(|bound| format!("<={bound}")).unwrap_or_default();
-            format!("{}{bound}", if is_wide { "wstring" } else { "string" })
+            format!("{}{bound}", if wide { "wstring" } else { "string" })
         }
-        PlacedElement::Message(_) => "message".to_owned(),
+        Element::Message(_) => "message".to_owned(),
     };
     element + &shape_text(field.shape)
 }

@@ -2,14 +2,14 @@
 
 use std::fmt::Write as _;
 
-use uavspec_dynamic::{MessageType, Placed, PlacedElement};
+use uavspec_dynamic::{Field, MessageType};
 use uavspec_runtime::Scalar;
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, shape_text};
 
 /// The fields of a type's format, with the padding of the memory layout.
 pub fn fields(ty: MessageType<'_>) -> String {
-    let mut placed: Vec<Placed<'_>> = ty.layout().collect();
-    placed.sort_by_key(|field| field.offset);
+    let mut fields: Vec<&Field> = ty.fields().iter().collect();
+    fields.sort_by_key(|field| field.offset);
     let (mut text, mut end, mut paddings) = (String::new(), 0, 0);
     // Writing to a string can't fail.
     let mut pad = |text: &mut String, from: usize, to: usize| {
@@ -18,16 +18,11 @@ pub fn fields(ty: MessageType<'_>) -> String {
             paddings += 1;
         }
     };
-    for field in placed {
+    for field in fields {
         pad(&mut text, end, field.offset);
-        let (length, elements) = match (field.element, field.shape) {
-            (PlacedElement::Text(length), _) => (Some(length), 1),
-            (_, Shape::Array(length)) => (Some(length), length as usize),
-            _ => (None, 1),
-        };
-        let array = length.map(|length| format!("[{length}]")).unwrap_or_default();
-        let _ = write!(text, "{}{array} {};", name_of(field.element), field.name);
-        end = field.offset + field.stride * elements;
+        let array = shape_text(field.ty().written().shape);
+        let _ = write!(text, "{}{array} {};", name_of(ty, field), field.name);
+        end = field.offset + field.stride * field.count();
     }
     pad(&mut text, end, ty.size().map_or(end, |size| size.padded));
     text
@@ -38,10 +33,10 @@ pub fn nested(ty: MessageType<'_>) -> Vec<MessageType<'_>> {
     let mut found: Vec<MessageType<'_>> = Vec::new();
     let mut waiting = vec![ty];
     while let Some(ty) = waiting.pop() {
-        for field in ty.layout() {
-            if let PlacedElement::Message(nested) = field.element
-                && !found.iter().any(|known| known.name() == nested.name())
-            {
+        for field in ty.fields() {
+            let Element::Message(id) = field.element else { continue };
+            let nested = ty.nested(id);
+            if !found.iter().any(|known| known.name() == nested.name()) {
                 found.push(nested);
                 waiting.push(nested);
             }
@@ -63,17 +58,17 @@ pub fn format_name(message: &str) -> String {
 }
 
 /// The name of a field's type.
-fn name_of(element: PlacedElement<'_>) -> String {
-    match element {
-        PlacedElement::Scalar(scalar) => match scalar {
+fn name_of(ty: MessageType<'_>, field: &Field) -> String {
+    match field.element {
+        Element::Scalar(scalar) => match scalar {
             Scalar::Float32 => "float".to_owned(),
             Scalar::Float64 => "double".to_owned(),
             Scalar::Bool | Scalar::Char => scalar.name().to_owned(),
             _ => format!("{}_t", scalar.name()),
         },
-        PlacedElement::Text(_) => "char".to_owned(),
+        Element::Text(_) => "char".to_owned(),
         // Messages of a fixed size have no strings.
-        PlacedElement::String { .. } => String::new(),
-        PlacedElement::Message(nested) => format_name(nested.name()),
+        Element::String { .. } => String::new(),
+        Element::Message(id) => format_name(ty.nested(id).name()),
     }
 }

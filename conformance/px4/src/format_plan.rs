@@ -5,7 +5,6 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use uavspec_capture::ulog::FormatSet;
 use uavspec_dynamic::MessageType;
-use uavspec_schema::{MessageId, Schema};
 
 use super::ValueRules;
 use super::comparison::Comparison;
@@ -31,14 +30,13 @@ impl FormatPlan {
     /// Compiles the plan for a format and its definition, with or without the checks of the values.
     pub fn new(
         format: MessageType<'_>,
-        definition: Option<MessageId>,
-        schema: &Schema,
+        defined: Option<MessageType<'_>>,
         rules: &'static ValueRules,
         has_values: bool,
     ) -> Self {
-        let (shared, all) = shared_fields(format, definition, schema);
+        let (shared, all) = shared_fields(format, defined);
         Self {
-            values: has_values.then(|| Plan::new(format, definition, schema, rules)),
+            values: has_values.then(|| Plan::new(format, defined, rules)),
             shared_fields: (if has_values { shared } else { 0 }, all),
             timestamp: time_offset(format, "timestamp"),
             utc: time_offset(format, "time_utc_usec"),

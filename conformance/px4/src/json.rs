@@ -18,9 +18,10 @@ mod template;
 mod value;
 
 pub use self::clean::Clean;
-pub use self::decode::{decode, is_bytes};
+pub use self::decode::decode;
 pub use self::dialect::{Dialect, Dialects};
 pub use self::differences::count_differences;
 pub use self::explain::MessageOrigin;
 pub use self::template::Template;
+pub use self::value::is_byte;
 pub use super::values::{Plans, SharedFields};

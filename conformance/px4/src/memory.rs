@@ -8,21 +8,18 @@ mod accepted;
 mod prefilter;
 
 use std::collections::HashMap;
-use std::rc::Rc;
 
-use uavspec_dynamic::{MessageType, Placed, PlacedElement, sequence};
+use uavspec_dynamic::{Field, MessageType, ValueType, number, sequence};
 use uavspec_model::text::start_of;
 use uavspec_model::{Findings, Location, Rule, SubjectName, hexadecimal};
 use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::source::Span;
-use uavspec_schema::{MessageId, Restriction, Schema, Shape};
+use uavspec_schema::{Element, MessageId, Restriction, Shape};
 
 use self::accepted::Accepted;
 use self::prefilter::Prefilter;
 use super::ValueRules;
-use super::values::{
-    Constraint, Coverage, Element, Encoding, FieldPlan, MessagePlan, entries_in_use, number,
-};
+use super::values::{Coverage, Encoding, detail, entries_in_use, rules_on};
 
 /// The maximum length of a path or subject in a plan, in characters. There is one of each for each field of each entry,
 /// and names in captures have any length.
@@ -106,32 +103,24 @@ struct Within<'w> {
 }
 
 /// Compiles the steps of a format.
-struct Compiler<'c> {
-    schema: &'c Schema,
+struct Compiler {
     rules: &'static ValueRules,
-    /// The constraints of all messages compiled so far.
-    messages: HashMap<MessageId, Rc<MessagePlan>>,
     coverage: Coverage,
 }
 
 impl Plan {
-    /// Compiles a plan for payloads with the layout of `message_type`. The payloads are messages of the `message`
-    /// definition. Without a definition, only the constraints imposed by types apply. Time and memory are proportional to the number of [nested fields](FieldCounts), which the caller limits.
+    /// Compiles a plan for payloads with the layout of `format`. The payloads are messages of the type `defined`.
+    /// Without a definition, only the constraints imposed by types apply. Time and memory are proportional to the number
+    /// of [nested fields](FieldCounts), which the caller limits.
     pub fn new(
-        message_type: MessageType<'_>,
-        message: Option<MessageId>,
-        schema: &Schema,
+        format: MessageType<'_>,
+        defined: Option<MessageType<'_>>,
         rules: &'static ValueRules,
     ) -> Self {
-        let (messages, coverage) = (HashMap::new(), Coverage::default());
-        let mut compiler = Compiler { schema, rules, messages, coverage };
+        let mut compiler = Compiler { rules, coverage: Coverage::default() };
         let mut steps = Vec::new();
-        compiler.add(
-            message_type,
-            message,
-            Within { base: 0, path: "", subject: "", entries: &[] },
-            &mut steps,
-        );
+        let within = Within { base: 0, path: "", subject: "", entries: &[] };
+        compiler.add(format, defined, within, &mut steps);
         let (fixed, varying): (Vec<Step>, Vec<Step>) = steps.into_iter().partition(Step::is_fixed);
         Self { rules, prefilter: Prefilter::new(&fixed), fixed, varying, coverage: compiler.coverage }
     }
@@ -164,8 +153,8 @@ impl<'t> FieldCounts<'t> {
         if let Some(known) = self.0.get(&key) {
             return *known;
         }
-        let fields = message_type.layout().map(|placed| match placed.element {
-            PlacedElement::Message(nested) => count(placed.shape).max(1).saturating_mul(self.of(nested)),
+        let fields = message_type.fields().iter().map(|field| match field.element {
+            Element::Message(id) => field.count().max(1).saturating_mul(self.of(message_type.nested(id))),
             _ => 1,
         });
         let all = fields.fold(0, usize::saturating_add);
@@ -174,60 +163,61 @@ impl<'t> FieldCounts<'t> {
     }
 }
 
-/// The fields of a format that the definition has with the same type, and all fields. Without a definition, no fields
-/// are shared.
-pub fn shared_fields(
-    message_type: MessageType<'_>,
-    message: Option<MessageId>,
-    schema: &Schema,
-) -> (u64, u64) {
-    let plan = message.map(|id| MessagePlan::new(schema.message(id), schema));
-    let is_shared = |placed: &Placed<'_>| {
-        plan.as_ref().is_some_and(|plan| {
-            let field = plan.fields.iter().find(|field| field.name == placed.name);
-            field.is_some_and(|field| is_same(*placed, field, plan))
-        })
+/// The number of fields of a format that the definition has with the same type, and of all fields. Without a definition,
+/// no fields are shared.
+pub fn shared_fields(format: MessageType<'_>, defined: Option<MessageType<'_>>) -> (u64, u64) {
+    let is_shared = |field: &&Field| {
+        let defined = defined.and_then(|defined| defined.field(&field.name));
+        defined.is_some_and(|defined| is_same(field, defined))
     };
-    (message_type.layout().filter(is_shared).count() as u64, message_type.layout().len() as u64)
+    (format.fields().iter().filter(is_shared).count() as u64, format.fields().len() as u64)
 }
 
 /// The offset of a field of type `uint64_t` in messages of a type, in bytes.
 pub fn time_offset(message_type: MessageType<'_>, name: &str) -> Option<usize> {
-    let is_time = |field: &Placed<'_>| {
-        field.name == name
-            && matches!(field.element, PlacedElement::Scalar(Scalar::UInt64))
-            && field.shape == Shape::Single
-    };
-    message_type.layout().find(is_time).map(|field| field.offset)
+    let is_time =
+        |field: &&Field| field.element == Element::Scalar(Scalar::UInt64) && field.shape == Shape::Single;
+    message_type.field(name).filter(is_time).map(|field| field.offset)
 }
 
-impl Compiler<'_> {
+/// A field of a format with its definition.
+#[derive(Clone, Copy)]
+struct Source<'s> {
+    format: MessageType<'s>,
+    field: &'s Field,
+    /// The definition, if it has the same type.
+    defined: Option<(MessageType<'s>, &'s Field)>,
+}
+
+impl<'s> Source<'s> {
+    /// The type of a nested message, and its definition.
+    fn nested(self, id: MessageId) -> (MessageType<'s>, Option<MessageType<'s>>) {
+        let defined = self.defined.and_then(|(message, field)| match field.element {
+            Element::Message(id) => Some(message.nested(id)),
+            Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
+        });
+        (self.format.nested(id), defined)
+    }
+}
+
+impl Compiler {
     fn add(
         &mut self,
-        message_type: MessageType<'_>,
-        message: Option<MessageId>,
+        format: MessageType<'_>,
+        defined: Option<MessageType<'_>>,
         within: Within<'_>,
         steps: &mut Vec<Step>,
     ) {
-        let defined = message.map(|id| {
-            let plan = || Rc::new(MessagePlan::new(self.schema.message(id), self.schema));
-            Rc::clone(self.messages.entry(id).or_insert_with(plan))
-        });
-        let defined = defined.as_deref();
-        for placed in message_type.layout() {
-            let index =
-                defined.and_then(|message| message.fields.iter().position(|field| field.name == placed.name));
-            let field = defined.zip(index).map(|(message, index)| (message, &message.fields[index]));
+        for field in format.fields() {
+            let found = defined.and_then(|message| Some((message, message.field(&field.name)?)));
             let counter =
-                field.and_then(|(message, field)| Counter::new(field, message, message_type, within.base));
-            let field = field.filter(|(message, field)| is_same(placed, field, message));
-            match placed.shape {
-                Shape::Bounded(_) | Shape::Sequence => {
-                    self.sequence(placed, message_type, field, counter, within, steps);
-                }
-                Shape::Single | Shape::Array(_) => {
-                    self.field(placed, message_type, field, counter, within, steps);
-                }
+                found.and_then(|(message, array)| Counter::new(array, message, format, within.base));
+            let source =
+                Source { format, field, defined: found.filter(|(_, defined)| is_same(field, defined)) };
+            if field.is_sequence() {
+                self.sequence(source, counter, within, steps);
+            } else {
+                self.field(source, counter, within, steps);
             }
         }
     }
@@ -235,21 +225,20 @@ impl Compiler<'_> {
     /// Adds a field of fixed size.
     fn field(
         &mut self,
-        placed: Placed<'_>,
-        message_type: MessageType<'_>,
-        field: Option<(&MessagePlan, &FieldPlan)>,
+        source: Source<'_>,
         counter: Option<Counter>,
         within: Within<'_>,
         steps: &mut Vec<Step>,
     ) {
-        let offset = within.base + placed.offset;
-        let PlacedElement::Message(nested) = placed.element else {
-            let Some(values) = Values::new(placed, message_type, field) else { return };
-            let (path, subject) = within.names(placed.name);
-            let count = if matches!(values.element, Element::Text(_)) { 1 } else { count(placed.shape) };
+        let field = source.field;
+        let offset = within.base + field.offset;
+        let (path, subject) = within.names(&field.name);
+        let Element::Message(id) = field.element else {
+            let Some(values) = Values::new(source) else { return };
+            let count = if matches!(values.element, Element::Text(_)) { 1 } else { field.count() };
             // A message may use fewer entries of a counted array, or none.
             if counter.is_none() && within.entries.is_empty() {
-                for rule in values.constraint().rules(Encoding::Memory, self.rules) {
+                for rule in rules_on(values.value_type(), Encoding::Memory, self.rules) {
                     self.coverage.add(rule, count as u64);
                 }
             }
@@ -258,22 +247,22 @@ impl Compiler<'_> {
                 subject,
                 offset,
                 count,
-                stride: placed.stride,
+                stride: field.stride,
                 content: Content::Values(values),
                 count_of_values: counter,
                 entries: within.entries.to_vec(),
             });
             return;
         };
-        let (path, subject) = within.names(placed.name);
-        for index in 0..count(placed.shape) {
-            let path = if placed.shape == Shape::Single { path.clone() } else { format!("{path}[{index}]") };
+        let (nested, defined) = source.nested(id);
+        for index in 0..field.count() {
+            let path = if field.shape == Shape::Single { path.clone() } else { format!("{path}[{index}]") };
             let before = steps.len();
             let entry = counter.clone().map(|counter| Entry { counter, index });
             let entries: Vec<Entry> = within.entries.iter().cloned().chain(entry).collect();
-            let base = offset + index * placed.stride;
+            let base = offset + index * field.stride;
             let within = Within { base, path: &path, subject: &subject, entries: &entries };
-            self.add(nested, nested_id(field), within, steps);
+            self.add(nested, defined, within, steps);
             // If one element needs no steps, the other elements need none either. There can be millions of elements.
             if steps.len() == before {
                 break;
@@ -285,28 +274,29 @@ impl Compiler<'_> {
     /// the coverage.
     fn sequence(
         &mut self,
-        placed: Placed<'_>,
-        message_type: MessageType<'_>,
-        field: Option<(&MessagePlan, &FieldPlan)>,
+        source: Source<'_>,
         counter: Option<Counter>,
         within: Within<'_>,
         steps: &mut Vec<Step>,
     ) {
-        let (path, subject) = within.names(placed.name);
+        let field = source.field;
+        let (path, subject) = within.names(&field.name);
         let (mut inner, covered) = (Vec::new(), std::mem::take(&mut self.coverage));
-        let element = Within { base: 0, path: "", subject: &subject, entries: &[] };
-        match placed.element {
-            PlacedElement::Message(nested) => self.add(nested, nested_id(field), element, &mut inner),
-            _ => inner.extend(Values::new(placed, message_type, field).map(|values| Step {
+        if let Element::Message(id) = field.element {
+            let (nested, defined) = source.nested(id);
+            let element = Within { base: 0, path: "", subject: &subject, entries: &[] };
+            self.add(nested, defined, element, &mut inner);
+        } else {
+            inner.extend(Values::new(source).map(|values| Step {
                 path: String::new(),
                 subject: subject.clone(),
                 offset: 0,
                 count: 1,
-                stride: placed.stride,
+                stride: field.stride,
                 content: Content::Values(values),
                 count_of_values: None,
                 entries: Vec::new(),
-            })),
+            }));
         }
         self.coverage = covered;
         if inner.is_empty() {
@@ -315,9 +305,9 @@ impl Compiler<'_> {
         steps.push(Step {
             path,
             subject,
-            offset: within.base + placed.offset,
+            offset: within.base + field.offset,
             count: 1,
-            stride: placed.stride,
+            stride: field.stride,
             content: Content::Sequence(inner),
             count_of_values: counter,
             entries: within.entries.to_vec(),
@@ -336,57 +326,28 @@ impl Within<'_> {
     }
 }
 
-fn nested_id(field: Option<(&MessagePlan, &FieldPlan)>) -> Option<MessageId> {
-    match field?.1.element {
-        Element::Message(id) => Some(id),
-        Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
-    }
-}
-
-/// True if a field of a format matches this field of the definition.
-fn is_same(placed: Placed<'_>, field: &FieldPlan, message: &MessagePlan) -> bool {
-    match (placed.element, field.element) {
-        (PlacedElement::Scalar(left), Element::Scalar(right)) => left == right && placed.shape == field.shape,
+/// True if a field of a format has the type of its definition.
+fn is_same(field: &Field, defined: &Field) -> bool {
+    match (field.element, defined.element) {
         // A ROS 2 schema doesn't distinguish text from numbers.
-        (PlacedElement::Scalar(Scalar::Char), Element::Text(length)) => {
-            message.has_text && placed.shape == Shape::Array(length)
-        }
-        (PlacedElement::Text(length), Element::Text(room)) => length == room,
-        (PlacedElement::Text(length), Element::Scalar(Scalar::Char)) => field.shape == Shape::Array(length),
+        (Element::Scalar(Scalar::Char), Element::Text(length)) => field.shape == Shape::Array(length),
+        (Element::Text(length), Element::Scalar(Scalar::Char)) => defined.shape == Shape::Array(length),
+        (Element::Message(_), Element::Message(_)) => field.shape == defined.shape,
         // The decoder checks only the bound of the format.
-        (PlacedElement::String { is_wide, bound }, Element::String { is_wide: wide, bound: defined }) => {
-            is_wide == wide && bound == defined && placed.shape == field.shape
-        }
-        (PlacedElement::Message(_), Element::Message(_)) => placed.shape == field.shape,
-        _ => false,
-    }
-}
-
-fn count(shape: Shape) -> usize {
-    match shape {
-        Shape::Single => 1,
-        Shape::Array(length) => length as usize,
-        Shape::Bounded(_) | Shape::Sequence => 0,
+        (element, other) => element == other && field.shape == defined.shape,
     }
 }
 
 impl Counter {
-    /// The field that counts the entries of an array, in a message of type `message_type` at offset `base`.
-    fn new(
-        array: &FieldPlan,
-        message: &MessagePlan,
-        message_type: MessageType<'_>,
-        base: usize,
-    ) -> Option<Self> {
-        let field = &message.fields[array.counted_by?];
-        let placed = message_type
-            .layout()
-            .find(|placed| placed.name == field.name && placed.shape == Shape::Single)?;
-        match placed.element {
-            PlacedElement::Scalar(scalar) => {
-                Some(Self { offset: base + placed.offset, scalar, special: field.special.as_slice().into() })
+    /// The field that counts the entries of an array, in a message of type `format` at offset `base`.
+    fn new(array: &Field, defined: MessageType<'_>, format: MessageType<'_>, base: usize) -> Option<Self> {
+        let defined = &defined.fields()[array.counted_by?];
+        let field = format.field(&defined.name).filter(|field| field.shape == Shape::Single)?;
+        match field.element {
+            Element::Scalar(scalar) => {
+                Some(Self { offset: base + field.offset, scalar, special: defined.special.as_slice().into() })
             }
-            PlacedElement::Text(_) | PlacedElement::String { .. } | PlacedElement::Message(_) => None,
+            Element::Text(_) | Element::String { .. } | Element::Message(_) => None,
         }
     }
 
@@ -403,49 +364,31 @@ impl Counter {
 }
 
 impl Values {
-    /// The constraints on a field of `message_type` with this definition.
-    fn new(
-        placed: Placed<'_>,
-        message_type: MessageType<'_>,
-        field: Option<(&MessagePlan, &FieldPlan)>,
-    ) -> Option<Self> {
-        let definition = field.map(|(_, field)| field.span);
-        let (element, restriction) = match placed.element {
-            // A single `char` is a number.
-            PlacedElement::Scalar(Scalar::Char)
-                if placed.shape != Shape::Single && field.is_some_and(|(message, _)| message.has_text) =>
-            {
-                (Element::Text(u32::try_from(count(placed.shape)).ok()?), None)
-            }
-            PlacedElement::Scalar(Scalar::Bool) => (Element::Scalar(Scalar::Bool), None),
-            PlacedElement::Text(length) => (Element::Text(length), None),
+    /// The constraints on the values of a field.
+    fn new(source: Source<'_>) -> Option<Self> {
+        let (field, defined) = (source.field, source.defined.map(|(_, defined)| defined));
+        let (element, restriction) = match (field.element, defined.map(|defined| defined.element)) {
+            (Element::Scalar(Scalar::Char), Some(text @ Element::Text(_))) => (text, None),
+            (Element::Scalar(Scalar::Bool) | Element::Text(_), _) => (field.element, None),
             // The decoder has checked the bound.
-            PlacedElement::String { is_wide, .. } => (Element::String { is_wide, bound: None }, None),
-            PlacedElement::Scalar(scalar) => {
-                let (message, field) = field?;
-                let mut restriction = Box::new(field.restriction.clone()?);
-                let counted = field.counts.map(|array| &message.fields[array]);
-                // The array has the length that the format states, even if the definition states a different one.
-                restriction.limits.count = counted.and_then(|array| max_length(&array.name, message_type));
-                // If that array is shorter, the limit may exclude special values that the definition's array allows.
-                restriction.special.clone_from(&field.special);
-                (Element::Scalar(scalar), Some(restriction))
-            }
-            PlacedElement::Message(_) => return None,
+            (Element::String { wide, .. }, _) => (Element::String { wide, bound: None }, None),
+            (Element::Scalar(_), _) => (field.element, Some(restriction(source)?)),
+            (Element::Message(_), _) => return None,
         };
         let width = match element {
             Element::Scalar(scalar) => scalar.size(),
             Element::Text(room) => room as usize,
-            Element::String { .. } => placed.stride,
+            Element::String { .. } => field.stride,
             Element::Message(_) => return None,
         };
+        let definition = defined.map(|defined| defined.span);
         let mut values = Self { element, width, restriction, accepted: Accepted::Unknown, definition };
-        values.accepted = Accepted::new(values.constraint())?;
+        values.accepted = Accepted::new(values.value_type())?;
         Some(values)
     }
 
-    fn constraint(&self) -> Constraint<'_> {
-        Constraint { element: self.element, shape: Shape::Single, restriction: self.restriction.as_deref() }
+    fn value_type(&self) -> ValueType<'_> {
+        ValueType { element: self.element, shape: Shape::Single, restriction: self.restriction.as_deref() }
     }
 
     /// The bytes of the value at `start`, if the payload contains all of them.
@@ -459,13 +402,17 @@ impl Values {
     }
 }
 
-/// The maximum number of entries that an array has in a format.
-fn max_length(array: &str, message_type: MessageType<'_>) -> Option<u32> {
-    let placed = message_type.layout().find(|placed| placed.name == array)?;
-    match (placed.element, placed.shape) {
-        (PlacedElement::Text(length), _) | (_, Shape::Array(length) | Shape::Bounded(length)) => Some(length),
-        (_, Shape::Single | Shape::Sequence) => None,
-    }
+/// The restriction of a number with a definition.
+fn restriction(source: Source<'_>) -> Option<Box<Restriction>> {
+    let (message, defined) = source.defined?;
+    let mut restriction = Box::new(defined.restriction.clone()?);
+    let counted = defined.counts.map(|array| &message.fields()[array]);
+    // The array has the length that the format states, even if the definition states a different one.
+    restriction.limits.count =
+        counted.and_then(|array| source.format.field(&array.name)).and_then(|array| array.ty().max_length());
+    // If that array is shorter, the limit may exclude special values that the definition's array allows.
+    restriction.special.clone_from(&defined.special);
+    Some(restriction)
 }
 
 /// The number of findings in a payload that are reported separately. A small compressed payload can contain millions.
@@ -533,8 +480,8 @@ impl<'r> Run<'r> {
         index: usize,
         trail: Option<&Trail<'_>>,
     ) {
-        let Err(violation) = values.constraint().check_bytes(bytes) else { return };
-        let rule = violation.rule(self.rules);
+        let Err(violation) = values.value_type().check_bytes(bytes) else { return };
+        let rule = self.rules.violated_by(&violation);
         let mut settled = self.settled.iter_mut();
         let same = settled.find(|(known, at, ..)| std::ptr::eq(*known, rule) && std::ptr::eq(*at, step));
         if let Some((.., more)) = same {
@@ -546,7 +493,7 @@ impl<'r> Run<'r> {
         self.findings.report(rule, subject, self.location, values.definition, || {
             let path = joined(&trail.map(Trail::path).unwrap_or_default(), &step.path);
             let path = if step.count > 1 { format!("{path}[{index}]") } else { path };
-            let detail = violation.detail(&"", "");
+            let detail = detail(&violation, &"", "");
             // Without an index, the subject contains the whole path.
             let detail = if path.contains('[') { detail.at(path) } else { detail.located(path) };
             detail.excerpt(hexadecimal(bytes))

@@ -13,7 +13,7 @@ mod log;
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use uavspec_dynamic::{DynamicMessage, MessageType, Placed};
+use uavspec_dynamic::{DynamicMessage, MessageType};
 use uavspec_emit::vectors;
 use uavspec_runtime::{Constraint, ConstraintKind, Number};
 use uavspec_schema::{Element, Field, Message, MessageId, Restriction, Shape};
@@ -167,8 +167,12 @@ impl<'d> Flight<'d> {
     }
 
     /// Finds the first topic with a matching field, and the offset of the field in a payload.
-    pub(crate) fn find_field(&self, matches: impl Fn(&Placed<'_>) -> bool) -> Option<(usize, usize)> {
-        let find = |topic| Some((topic, self.type_of(topic).layout().find(&matches)?.offset));
+    pub(crate) fn find_field(
+        &self,
+        matches: impl Fn(&uavspec_dynamic::Field) -> bool,
+    ) -> Option<(usize, usize)> {
+        let find =
+            |topic| Some((topic, self.type_of(topic).fields().iter().find(|field| matches(field))?.offset));
         (0..self.topics.len()).find_map(find)
     }
 

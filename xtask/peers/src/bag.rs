@@ -7,10 +7,10 @@ use std::path::Path;
 
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
-use uavspec_dynamic::{MessageType, Placed, PlacedElement, Types, ULOG_PACKAGE};
+use uavspec_dynamic::{Field, MessageType, Types, ULOG_PACKAGE};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::msg::Dialect;
-use uavspec_schema::{Form, PackageInput, SourceMap, read};
+use uavspec_schema::{Element, Form, PackageInput, SourceMap, read};
 
 use crate::Result;
 
@@ -113,15 +113,10 @@ fn messages(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
 
 /// True if two types have the same fields in memory. Types that contain others are never the same.
 fn is_same(left: MessageType<'_>, right: MessageType<'_>) -> bool {
-    let is_same = |(left, right): (Placed<'_>, Placed<'_>)| {
-        let element = match (left.element, right.element) {
-            (PlacedElement::Scalar(left), PlacedElement::Scalar(right)) => left == right,
-            (PlacedElement::Text(left), PlacedElement::Text(right)) => left == right,
-            _ => false,
-        };
-        element && (left.name, left.offset, left.shape) == (right.name, right.offset, right.shape)
-    };
-    left.layout().len() == right.layout().len() && left.layout().zip(right.layout()).all(is_same)
+    let place = |field: &Field| (field.name.clone(), field.element, field.shape, field.offset);
+    let has_nested = |field: &Field| matches!(field.element, Element::Message(_));
+    !left.fields().iter().any(has_nested)
+        && left.fields().iter().map(place).eq(right.fields().iter().map(place))
 }
 
 /// The name of the topic of a message.

@@ -2,7 +2,7 @@
 
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::example::Example;
-use uavspec_schema::{Element, Field, Shape};
+use uavspec_schema::{Element, Field, Shape, Type};
 
 use super::field_added::uorb;
 use super::message::{Pair, both};
@@ -38,20 +38,21 @@ pub(super) const RULE: Rule = Rule {
 };
 
 fn check(pair: &Pair<'_>, old: &Field, new: &Field, sink: &mut Sink<'_>) {
-    let (before, now) = if old.ty.shape == new.ty.shape {
-        let (before, now) = (characters(old.ty.element), characters(new.ty.element));
+    let (old_type, new_type) = (old.ty.written(), new.ty.written());
+    let (before, now) = if old_type.shape == new_type.shape {
+        let (before, now) = (characters(old_type.element), characters(new_type.element));
         if before == now || before.is_none() || now.is_none() {
             return;
         }
         (before.unwrap_or_default(), now.unwrap_or_default())
     } else {
-        (elements(old.ty.shape), elements(new.ty.shape))
+        (elements(old_type.shape), elements(new_type.shape))
     };
     let message = format!("`{}.{}` has {now} instead of {before}", pair.name(), new.name);
-    let is_counted = |field: &Field| !matches!(field.ty.shape, Shape::Single | Shape::Array(_));
-    let is_string = matches!(new.ty.element, Element::String { .. }) && old.ty.shape == new.ty.shape;
+    let is_counted = |ty: Type| !matches!(ty.shape, Shape::Single | Shape::Array(_));
+    let is_string = matches!(new_type.element, Element::String { .. }) && old_type.shape == new_type.shape;
     // Sequences and strings have a length prefix, so only values that are too long are misread.
-    let cdr = if is_string || is_counted(old) && is_counted(new) {
+    let cdr = if is_string || is_counted(old_type) && is_counted(new_type) {
         "existing readers reject longer values, and the type hash changes"
     } else {
         "all later fields move, so existing readers decode the wrong bytes for them"
@@ -81,6 +82,6 @@ fn characters(element: Element) -> Option<String> {
     match element {
         Element::String { bound: Some(bound), .. } => Some(format!("up to {bound} characters")),
         Element::String { bound: None, .. } => Some("any number of characters".to_owned()),
-        Element::Scalar(_) | Element::Message(_) => None,
+        Element::Scalar(_) | Element::Text(_) | Element::Message(_) => None,
     }
 }

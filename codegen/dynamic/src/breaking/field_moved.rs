@@ -69,6 +69,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
 fn size(pair: &Pair<'_>, kept: &Kept) -> (usize, bool) {
     match pair.new.fields[kept.new].ty.element {
         Element::Scalar(scalar) => (scalar.size(), false),
+        Element::Text(_) => (1, false),
         Element::String { .. } | Element::Message(_) => (0, true),
     }
 }

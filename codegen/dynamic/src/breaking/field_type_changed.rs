@@ -63,7 +63,7 @@ fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {
 fn is_same_string(old: Element, new: Element) -> bool {
     let wide = |element| match element {
         Element::String { wide, .. } => Some(wide),
-        Element::Scalar(_) | Element::Message(_) => None,
+        Element::Scalar(_) | Element::Text(_) | Element::Message(_) => None,
     };
     wide(old).is_some() && wide(old) == wide(new)
 }

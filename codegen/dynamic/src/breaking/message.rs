@@ -134,7 +134,7 @@ impl<'a> Pair<'a> {
                 let (old, new) = (&self.old.fields[kept.old], &self.new.fields[kept.new]);
                 old.name != new.name
                     || kept.held == Held::Other
-                    || old.ty.shape != new.ty.shape
+                    || old.ty.written().shape != new.ty.written().shape
                     || old.default != new.default
                     || kept.is_moved
             }
@@ -208,11 +208,12 @@ impl<'a> Matching<'a, '_> {
             let field = |at: usize| &old.fields[removed[at]];
             let can_match = |left: usize, right: usize| {
                 let (before, after) = (field(left), &new.fields[added[right]]);
+                let (old_type, new_type) = (before.ty.written(), after.ty.written());
                 // A field with a different unit is a different field, even if it has the same type.
                 let is_other_unit =
                     before.unit.is_some() && after.unit.is_some() && before.unit != after.unit;
-                before.ty.shape == after.ty.shape
-                    && self.is_same((old, before.ty.element), (new, after.ty.element))
+                old_type.shape == new_type.shape
+                    && self.is_same((old, old_type.element), (new, new_type.element))
                     && !is_other_unit
             };
             let similarity =
@@ -287,7 +288,7 @@ impl<'a> PairOf<'a, '_> {
     }
 
     fn kept(&self, old: &Message, new: &Message, (before, after): (usize, usize), is_moved: bool) -> Kept {
-        let elements = (old.fields[before].ty.element, new.fields[after].ty.element);
+        let elements = (old.fields[before].ty.written().element, new.fields[after].ty.written().element);
         let held = match elements {
             _ if !self.matching.is_same((old, elements.0), (new, elements.1)) => Held::Other,
             (Element::Message(old), Element::Message(new)) => {

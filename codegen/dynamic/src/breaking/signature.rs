@@ -60,9 +60,10 @@ impl<'a> Signatures<'a> {
                 Member::Name(names.map_or(message.fields[index].name.as_str(), |names| names[index]))
             };
             let member = |index: usize, nested: &[u32]| {
-                let ty = message.fields[index].ty;
+                let ty = message.fields[index].ty.written();
                 match plain(schema, message, ty.element) {
                     Element::Scalar(scalar) => Member::Scalar(scalar, ty.shape),
+                    Element::Text(length) => Member::Scalar(Scalar::Char, Shape::Array(length)),
                     Element::String { wide, bound } => Member::String(wide, bound, ty.shape),
                     Element::Message(nested_id) => Member::Message(nested[nested_id.0 as usize], ty.shape),
                 }

@@ -2,13 +2,13 @@
 //!
 //! This slow pass reads field by field, like the typed codec, and reports the same errors.
 
-use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding};
 use uavspec_runtime::record::Primitive as _;
-use uavspec_schema::Shape;
+use uavspec_runtime::{Fault, Scalar};
+use uavspec_schema::{Element, Shape};
 
 use crate::error::{Error, Reason};
-use crate::plan::{Element, Field, Plan};
+use crate::plan::{Field, Plan};
 use crate::step::Bounds;
 use crate::text::{read_narrow, read_wide};
 use crate::trail::Trail;
@@ -81,16 +81,16 @@ impl<'b> Reader<'b> {
         let count = if field.is_sequence() { self.sequence(field)? } else { field.count() };
         match field.element {
             Element::Scalar(scalar) => {
-                self.numbers(count, scalar.size(), field.element.is_bool(), field.shape == Shape::Single)
+                self.numbers(count, scalar.size(), scalar == Scalar::Bool, field.shape == Shape::Single)
             }
             Element::Text(length) => self.numbers(length as usize, 1, false, false),
-            Element::String(_) | Element::Message(_) => (0..count).try_for_each(|index| {
+            Element::String { .. } | Element::Message(_) => (0..count).try_for_each(|index| {
                 if field.shape != Shape::Single {
                     self.trail.select(Some(index));
                 }
                 match field.element {
-                    Element::String(bounds) => self.string(bounds),
-                    Element::Message(plan) => self.message(&self.types.plans[plan]),
+                    Element::String { wide, bound } => self.string(Bounds { is_wide: wide, bound }),
+                    Element::Message(id) => self.message(self.types.get(id).plan),
                     Element::Scalar(_) | Element::Text(_) => Ok(()),
                 }
             }),
@@ -118,7 +118,7 @@ impl<'b> Reader<'b> {
     fn sequence(&mut self, field: &Field) -> Result<usize, FaultAt> {
         let min = match field.element {
             Element::Scalar(scalar) => scalar.size(),
-            Element::String(_) => 4,
+            Element::String { .. } => 4,
             Element::Text(_) | Element::Message(_) => 1,
         };
         self.length(field.bound(), min)

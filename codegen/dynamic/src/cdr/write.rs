@@ -4,10 +4,11 @@ use std::ops::ControlFlow;
 
 use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
+use uavspec_schema::Element;
 
 use crate::bytes::{copy, part, slot};
 use crate::error::{Error, Reason};
-use crate::plan::{Element, Field, Plan, SLOT};
+use crate::plan::{Field, Plan, SLOT};
 use crate::step::{Bounds, Run, Sequence, Step, Width};
 use crate::text::code_units;
 use crate::trail::Trail;
@@ -176,7 +177,9 @@ impl<'v> Walk<'v> for Search<'v> {
 
     fn stop(&mut self, trail: &Trail<'v>, field: &'v Field, stop: Stop<'v>) -> ControlFlow<()> {
         let fault = match (stop, field.element) {
-            (Stop::String(text), Element::String(bounds)) => fault(text, bounds),
+            (Stop::String(text), Element::String { wide, bound }) => {
+                fault(text, Bounds { is_wide: wide, bound })
+            }
             (Stop::Length(found), _) => {
                 let exceeded = field.bound().filter(|bound| found > *bound as usize);
                 exceeded.map(|bound| Fault::TooLong { bound, found })

@@ -123,7 +123,7 @@ impl Copier<'_> {
 
     /// The number of elements of a target array, or `otherwise`.
     fn length(&self, otherwise: usize) -> usize {
-        match self.target.ty.shape {
+        match self.target.ty.written().shape {
             Shape::Array(length) => length as usize,
             Shape::Single | Shape::Bounded(_) | Shape::Sequence => otherwise,
         }

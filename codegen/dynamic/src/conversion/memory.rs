@@ -83,13 +83,13 @@ struct Span {
 struct Transfer {
     from: Place,
     to: Place,
-    element: Element,
+    element: ElementCopy,
     /// The value of elements that the source lacks; `None` keeps the initial value.
     rest: Option<[u8; 8]>,
 }
 
 #[derive(Debug)]
-enum Element {
+enum ElementCopy {
     /// Bytes that stay the same.
     Bytes,
     /// A `char[N]` of PX4.
@@ -208,7 +208,7 @@ impl Run<'_> {
             }
         };
         let copied = count.min(length);
-        if matches!(element, Element::Bytes) {
+        if matches!(element, ElementCopy::Bytes) {
             self.copy(start, end, copied * target.stride);
         } else {
             for at in 0..copied {
@@ -225,10 +225,10 @@ impl Run<'_> {
     }
 
     /// Appends the elements of a sequence with their initial values, and returns the location of the first.
-    fn open(&mut self, slot: usize, length: usize, stride: usize, element: &Element) -> Option<usize> {
+    fn open(&mut self, slot: usize, length: usize, stride: usize, element: &ElementCopy) -> Option<usize> {
         let start = self.append(length.checked_mul(stride)?)?;
         self.point(slot, start, length)?;
-        if let Element::Message(program) = element {
+        if let ElementCopy::Message(program) = element {
             for at in 0..length {
                 self.initialize(program, start + at * stride)?;
             }
@@ -269,30 +269,35 @@ impl Run<'_> {
         Some(())
     }
 
-    fn element(&mut self, element: &Element, transfer: &Transfer, (from, to): (usize, usize)) -> Option<()> {
+    fn element(
+        &mut self,
+        element: &ElementCopy,
+        transfer: &Transfer,
+        (from, to): (usize, usize),
+    ) -> Option<()> {
         match element {
-            Element::Bytes => self.copy(from, to, transfer.to.stride),
-            Element::Text => {
+            ElementCopy::Bytes => self.copy(from, to, transfer.to.stride),
+            ElementCopy::Text => {
                 let text = number::text(part(self.source, from, transfer.from.stride), transfer.to.stride);
                 let target = self.target.get_mut(to..to + transfer.to.stride)?;
                 target.fill(0);
                 target[..text.len()].copy_from_slice(text);
             }
-            Element::String(bound) => {
+            ElementCopy::String(bound) => {
                 let (start, length) = sequence(self.source, from);
                 let text = number::characters(part(self.source, start, length), *bound);
                 let start = self.append(text.len())?;
                 self.put(start, text);
                 self.point(to, start, text.len())?;
             }
-            Element::Number(number) => {
+            ElementCopy::Number(number) => {
                 let value = read(number.from, part(self.source, from, transfer.from.stride));
                 let converted = number.converted(value);
                 let bytes =
                     converted.map_or(transfer.rest.unwrap_or_default(), |value| write(number.to, value));
                 self.put(to, bytes.get(..transfer.to.stride)?);
             }
-            Element::Message(program) => self.program(program, from, to)?,
+            ElementCopy::Message(program) => self.program(program, from, to)?,
         }
         Some(())
     }

@@ -4,12 +4,12 @@ use std::fmt;
 
 use serde::Deserializer;
 use serde::de::{DeserializeSeed, Error as _, IgnoredAny, MapAccess, SeqAccess, Visitor};
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, Shape};
 
 use super::number::NumberSeed;
 use crate::members::{KeySeed, Seen};
 use crate::message::DynamicMessage;
-use crate::plan::{Element, Field, Plan, SLOT};
+use crate::plan::{Field, Plan, SLOT};
 use crate::trail::Trail;
 use crate::types::MessageType;
 
@@ -225,9 +225,9 @@ impl<'de> DeserializeSeed<'de> for ElementSeed<'_, '_> {
                 self.builder.write(self.at, &bytes[..scalar.size()]);
                 Ok(())
             }
-            Element::Text(_) | Element::String(_) => deserializer.deserialize_str(self),
-            Element::Message(plan) => {
-                let plan = &self.builder.ty.types.plans[plan];
+            Element::Text(_) | Element::String { .. } => deserializer.deserialize_str(self),
+            Element::Message(id) => {
+                let plan = self.builder.ty.nested(id).plan;
                 MessageSeed { builder: self.builder, plan, base: self.at }.deserialize(deserializer)
             }
         }

@@ -6,12 +6,12 @@ use serde::ser::{Error as _, SerializeMap as _, SerializeSeq as _};
 use serde::{Serialize, Serializer};
 use uavspec_runtime::record::Primitive;
 use uavspec_runtime::{Number, Scalar};
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, Shape};
 
 use crate::bytes::until_nul;
 use crate::error::{Error, Reason};
 use crate::message::DynamicMessage;
-use crate::plan::{Element, Field, Plan};
+use crate::plan::{Field, Plan};
 use crate::trail::Trail;
 use crate::view::{DynamicView, Elements, scalar_value};
 use crate::walk::{Stop, Walk, walk};
@@ -48,8 +48,8 @@ impl Serialize for Member<'_> {
             Element::Scalar(scalar) if is_single => number(field, scalar, elements.bytes(), serializer),
             Element::Scalar(scalar) => numbers(field, scalar, elements.bytes(), serializer),
             Element::Text(_) => text(field, until_nul(elements.bytes()), serializer),
-            Element::String(_) if is_single => text(field, elements.string(0), serializer),
-            Element::String(_) => {
+            Element::String { .. } if is_single => text(field, elements.string(0), serializer),
+            Element::String { .. } => {
                 let string = |index| StringOf { field, bytes: elements.string(index) };
                 serializer.collect_seq((0..elements.len()).map(string))
             }
@@ -207,7 +207,7 @@ impl<'v> Walk<'v> for Search<'v> {
     fn enters(&self, _: &[Plan], field: &Field) -> bool {
         match field.element {
             Element::Scalar(scalar) => scalar.is_float(),
-            Element::Text(_) | Element::String(_) | Element::Message(_) => true,
+            Element::Text(_) | Element::String { .. } | Element::Message(_) => true,
         }
     }
 

@@ -110,7 +110,7 @@ fn strings_that_are_not_unicode_are_kept() {
         assert!(matches!(message.get("wides[0]"), Some(Value::String(b"\xed\xa3\xa9"))), "{message:?}");
         assert_eq!(message.to_cdr(order).as_deref(), Ok(&*payload));
         let violations: Vec<String> = message.validate().iter().map(ToString::to_string).collect();
-        assert_eq!(violations, ["wides[0]: invalid UTF-8 at byte 0 (PX-STR-01)"]);
+        assert_eq!(violations, ["wides[0]: unpaired surrogate at code unit 0 (PX-STR-01)"]);
         assert!(message.to_json().is_err() && ty.decode_cdr_strict(&payload).is_err());
     }
 }

@@ -2,8 +2,7 @@
 
 use serde_json::{Map, Value as Json};
 use uavspec_runtime::Scalar;
-use uavspec_schema::msg::Dialect;
-use uavspec_schema::{Element, Field, Form, Message, Schema, Shape};
+use uavspec_schema::{Element, Field, Message, Schema, Shape};
 
 /// A sequence of pseudorandom numbers (splitmix64).
 pub(crate) struct Draw(pub(crate) u64);
@@ -26,21 +25,16 @@ impl Draw {
 
     /// A message as JSON in canonical form: fields in declaration order, and floats with the digits of 64-bit floats.
     pub(crate) fn message(&mut self, schema: &Schema, message: &Message) -> Json {
-        let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
-        let dialect = if is_px4 { Dialect::Px4 } else { Dialect::Ros2 };
         let mut object = Map::new();
         for field in &message.fields {
-            object.insert(field.name.clone(), self.field(schema, field, dialect));
+            object.insert(field.name.clone(), self.field(schema, field));
         }
         Json::Object(object)
     }
 
-    fn field(&mut self, schema: &Schema, field: &Field, dialect: Dialect) -> Json {
+    fn field(&mut self, schema: &Schema, field: &Field) -> Json {
         let count = match field.ty.shape {
             Shape::Single => return self.element(schema, field.ty.element),
-            Shape::Array(length) if field.is_text(dialect) => {
-                return Json::from(self.text(length as usize, str::len));
-            }
             Shape::Array(length) => length as usize,
             Shape::Bounded(bound) => self.below(bound.min(5) as usize + 1),
             Shape::Sequence => self.below(5),
@@ -51,6 +45,7 @@ impl Draw {
     fn element(&mut self, schema: &Schema, element: Element) -> Json {
         match element {
             Element::Scalar(scalar) => self.scalar(scalar),
+            Element::Text(length) => Json::from(self.text(length as usize, str::len)),
             Element::String { bound, .. } => {
                 let bound = bound.unwrap_or(9).min(9);
                 Json::from(self.text(bound as usize, |text| text.chars().count()))

@@ -1,7 +1,7 @@
 //! Declarations of messages from `.msg` files, with their enums and constants.
 
 use uavspec_schema::value::Value;
-use uavspec_schema::{Element, Enum, Field, Form, Message, MessageId, Shape};
+use uavspec_schema::{Element, Enum, Field, Message, MessageId, Shape};
 
 use super::declaration::{Declaration, Kind, Named, Property, Type};
 use super::declarer::Declarer;
@@ -40,10 +40,6 @@ pub(super) fn declare(declarer: &mut Declarer<'_>, id: MessageId) -> Vec<Declara
 }
 
 fn field_type(declarer: &mut Declarer<'_>, message: &Message, field: &Field) -> Type {
-    let Form::Msg(dialect) = declarer.schema.package_of(message).form else { return Type::Any };
-    if field.is_text(dialect) {
-        return Type::String;
-    }
     let element = match field.ty.element {
         Element::Scalar(scalar) if scalar.is_float() => Type::Either(vec![Type::Number, Type::Null]),
         Element::Scalar(scalar) if scalar.integer_bounds().is_none() => Type::Boolean,
@@ -51,7 +47,7 @@ fn field_type(declarer: &mut Declarer<'_>, message: &Message, field: &Field) -> 
             Some(reference) => declarer.enumeration(message.package, reference),
             None => Type::Integer,
         },
-        Element::String { .. } => Type::String,
+        Element::Text(_) | Element::String { .. } => Type::String,
         Element::Message(nested) => declarer.message(message.package, nested),
     };
     if field.ty.shape == Shape::Single { element } else { Type::List(Box::new(element)) }

@@ -4,7 +4,7 @@
 use serde_json::{Map, Value as Json, json};
 use uavspec_schema::prose::{gist, visible, xml};
 use uavspec_schema::translation::MessageText;
-use uavspec_schema::{Dialect, Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout, unit};
+use uavspec_schema::{Element, EnumRef, Field, Message, MessageId, Shape, UorbLayout, unit};
 
 use super::language::heading;
 use super::markdown::Page;
@@ -121,11 +121,11 @@ fn field(site: &Site<'_>, id: MessageId, index: usize, offset: Option<usize>) ->
     // The script shows plain text, not Markdown.
     put("unit", field.unit.as_deref().filter(|symbol| *symbol != unit::NONE).into());
     put("offset", offset.into());
-    if let Shape::Array(count) = field.ty.shape {
+    if let Shape::Array(count) = field.ty.written().shape {
         put("count", count.into());
     }
     match field.ty.element {
-        Element::Scalar(_) if field.is_text(Dialect::Px4) => put("type", "text".into()),
+        Element::Text(_) => put("type", "text".into()),
         Element::Scalar(scalar) => {
             put("type", scalar.name().into());
             if let Some(reference) = field.enumeration {

@@ -2,7 +2,7 @@
 
 use uavspec_schema::translation::MessageText;
 use uavspec_schema::value::Value;
-use uavspec_schema::{Element, Form, Message, MessageId, Shape, Type};
+use uavspec_schema::{Element, Message, MessageId, Type};
 
 use super::cell::{self, field_link, unit};
 use super::enums;
@@ -74,7 +74,7 @@ fn type_cell(scope: Scope<'_, '_>, message: &Message, ty: Type) -> String {
     let text = code(&scope.site.schema.type_text(message, ty));
     match ty.element {
         Element::Message(nested) => link(&text, &href(scope.from, scope.site.path(nested), "")),
-        Element::Scalar(_) | Element::String { .. } => text,
+        Element::Scalar(_) | Element::Text(_) | Element::String { .. } => text,
     }
 }
 
@@ -101,7 +101,7 @@ fn values(scope: Scope<'_, '_>, id: MessageId, index: usize, counter: Option<usi
     let first =
         |counter| words.fill(words::FIRST_IN_USE, &[("counter", &field_link(scope, id, (id, counter)))]);
     lines.extend(counter.map(first));
-    if matches!(scope.site.schema.package_of(message).form, Form::Msg(dialect) if field.is_text(dialect)) {
+    if field.is_text() {
         lines.push(words.get(words::TEXT).to_owned());
     }
     lines
@@ -122,10 +122,8 @@ fn counters(message: &Message) -> Vec<Option<usize>> {
 fn count(scope: Scope<'_, '_>, id: MessageId, array: usize) -> String {
     let words = scope.site.words;
     let link = field_link(scope, id, (id, array));
-    match scope.site.schema.message(id).fields[array].ty.shape {
-        Shape::Array(max) | Shape::Bounded(max) => {
-            words.fill(words::IN_USE_AT_MOST, &[("array", &link), ("most", &max.to_string())])
-        }
-        Shape::Single | Shape::Sequence => words.fill(words::IN_USE, &[("array", &link)]),
+    match scope.site.schema.message(id).fields[array].ty.max_length() {
+        Some(max) => words.fill(words::IN_USE_AT_MOST, &[("array", &link), ("most", &max.to_string())]),
+        None => words.fill(words::IN_USE, &[("array", &link)]),
     }
 }

@@ -36,6 +36,7 @@ fn member<'s>(schema: &Schema, message: &'s Message, slot: &'s Slot) -> Member<'
         Some(Element::Message(id)) => {
             (Tint::Nested, schema.message(id).uorb.as_ref().map_or(0, |layout| layout.size))
         }
+        Some(Element::Text(_)) => (Tint::of_scalar(1), 1),
         Some(Element::String { .. }) => (Tint::Padding, 0),
     };
     let unit =

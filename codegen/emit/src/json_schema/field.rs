@@ -5,7 +5,7 @@ use std::iter::once;
 use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::msg::constraint::Effect;
 use uavspec_schema::value::Value;
-use uavspec_schema::{Element, Enum, EnumRef, Field, Form, Message, Schema, Shape};
+use uavspec_schema::{Element, Enum, EnumRef, Field, Message, Schema, Shape};
 
 use super::address::Target;
 use super::annotation::{annotation, annotations, filled, prefixes, stated, unit};
@@ -36,9 +36,6 @@ impl<'s> FieldSchema<'s> {
 
     fn assertions(self) -> Vec<Member<'s>> {
         let (min, max) = match self.field.ty.shape {
-            Shape::Array(length) if self.is_text() => {
-                return vec![member("type", "string"), member("maxLength", length)];
-            }
             Shape::Single => return self.element(),
             Shape::Array(length) => (Some(length), Some(length)),
             Shape::Bounded(bound) => (None, Some(bound)),
@@ -54,6 +51,7 @@ impl<'s> FieldSchema<'s> {
     fn element(self) -> Vec<Member<'s>> {
         match self.field.ty.element {
             Element::Scalar(scalar) => self.scalar(scalar),
+            Element::Text(length) => vec![member("type", "string"), member("maxLength", length)],
             Element::String { bound, .. } => {
                 let mut members = vec![member("type", "string")];
                 members.extend(annotation("maxLength", bound));
@@ -153,8 +151,7 @@ impl<'s> FieldSchema<'s> {
     fn special(self, value: Option<&'s Value>) -> Option<Node<'s>> {
         match (value, self.field.ty.shape, self.field.ty.element) {
             (Some(value), ..) => self.instance(value),
-            (None, ..) if self.is_text() => Some(Node::from("")),
-            (None, Shape::Single, Element::String { .. }) => Some(Node::from("")),
+            (None, Shape::Single, Element::Text(_) | Element::String { .. }) => Some(Node::from("")),
             (None, Shape::Bounded(_) | Shape::Sequence, _) => Some(Node::List(Vec::new())),
             // An array of fixed length is never empty.
             (None, ..) => None,
@@ -180,12 +177,8 @@ impl<'s> FieldSchema<'s> {
     /// The enum of the field, and the message that declares its constants. Text fields have no enum, even though `char`
     /// is a number.
     fn enumeration(self) -> Option<(&'s Message, &'s Enum)> {
-        let reference: EnumRef = self.field.enumeration.filter(|_| !self.is_text())?;
+        let reference: EnumRef = self.field.enumeration.filter(|_| !self.field.is_text())?;
         Some((self.schema.message(reference.message), self.schema.enforced_enum(self.field)?))
-    }
-
-    fn is_text(self) -> bool {
-        matches!(self.schema.package_of(self.message).form, Form::Msg(dialect) if self.field.is_text(dialect))
     }
 }
 

@@ -79,7 +79,7 @@ impl Parts<'_> {
     }
 
     fn derives_default(&self) -> bool {
-        self.message.fields.iter().all(|field| types::derives_default(self.context, self.id, field))
+        self.message.fields.iter().all(types::derives_default)
     }
 
     fn default(&self) -> Option<TokenStream> {
@@ -177,9 +177,11 @@ impl Parts<'_> {
         let field = &message.fields[index];
         let name = &field.name;
         let offset = types::integer(self.offsets.get(&index).copied().unwrap_or(0) as i128);
-        let is_text = field.is_text(types::dialect(context, *id));
         let element = match field.ty.element {
-            Element::Scalar(_) if is_text => quote!(text(#name, #offset)),
+            Element::Text(length) => {
+                let length = types::integer(length.into());
+                quote!(text(#name, #offset).array(#length))
+            }
             Element::Scalar(scalar) => {
                 let maker = ident(scalar.name());
                 quote!(#maker(#name, #offset))
@@ -237,13 +239,12 @@ impl Parts<'_> {
 
     /// The defmt format string. Because the string is a single literal, it is stored only on the host.
     fn format(&self) -> TokenStream {
-        let Self { context, id, message, name, fields, .. } = self;
-        let dialect = types::dialect(context, *id);
+        let Self { message, name, fields, .. } = self;
         let mut words = vec![message.name.clone()];
         for (index, field) in message.fields.iter().enumerate() {
             let start = if index == 0 { "{{ " } else { "" };
             let end = if index + 1 == message.fields.len() { " }}" } else { "," };
-            words.push(format!("{start}{}: {}{end}", field.name, placeholder(field, dialect)));
+            words.push(format!("{start}{}: {}{end}", field.name, placeholder(field)));
         }
         let text = wrapped(&words);
         quote!(::uavspec_runtime::format_record! { #name #text; #(#fields)*; })
@@ -379,17 +380,16 @@ fn wrapped(words: &[String]) -> proc_macro2::Literal {
 
 /// The defmt placeholder of a field. If defmt supports the field's type, the placeholder names it, so the device
 /// doesn't need to send it.
-fn placeholder(field: &Field, dialect: Dialect) -> String {
+fn placeholder(field: &Field) -> String {
     let primitive = match field.ty.element {
         Element::Scalar(scalar) if field.enumeration.is_none() => types::primitive(scalar).to_string(),
         Element::String { .. } => "str".to_owned(),
-        Element::Scalar(_) | Element::Message(_) => "?".to_owned(),
+        Element::Scalar(_) | Element::Text(_) | Element::Message(_) => "?".to_owned(),
     };
     // Byte arrays are the only arrays with a defmt type.
     let element = if primitive == "u8" { "u8" } else { "?" };
     match field.ty.shape {
         Shape::Single => format!("{{={primitive}}}"),
-        Shape::Array(_) if field.is_text(dialect) => "{=?}".to_owned(),
         Shape::Array(length) => format!("{{=[{element}; {length}]}}"),
         Shape::Bounded(_) | Shape::Sequence => format!("{{=[{element}]}}"),
     }

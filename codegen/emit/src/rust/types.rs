@@ -35,12 +35,6 @@ pub(super) fn dialect(context: &Context<'_>, id: MessageId) -> Dialect {
 
 /// The type of a field.
 pub(super) fn field(context: &Context<'_>, id: MessageId, field: &Field) -> TokenStream {
-    if field.is_text(dialect(context, id))
-        && let Shape::Array(length) = field.ty.shape
-    {
-        let length = Literal::u32_unsuffixed(length);
-        return quote!(::uavspec_runtime::Text<#length>);
-    }
     let element = element(context, id, field);
     match field.ty.shape {
         Shape::Single => element,
@@ -62,7 +56,7 @@ pub(super) fn view(context: &Context<'_>, id: MessageId, viewed: &Field) -> Toke
         _ => element(context, id, viewed),
     };
     match viewed.ty.shape {
-        Shape::Array(length) if !viewed.is_text(dialect(context, id)) => {
+        Shape::Array(length) => {
             let length = Literal::u32_unsuffixed(length);
             quote!(::uavspec_runtime::view::Elements<'b, #element, #length>)
         }
@@ -72,13 +66,15 @@ pub(super) fn view(context: &Context<'_>, id: MessageId, viewed: &Field) -> Toke
 }
 
 fn element(context: &Context<'_>, id: MessageId, field: &Field) -> TokenStream {
-    if let Some(reference) = field.enumeration {
-        return enumeration(context, id, reference);
-    }
-    match field.ty.element {
-        Element::Scalar(scalar) => primitive(scalar),
-        Element::String { .. } => quote!(::uavspec_runtime::alloc::string::String),
-        Element::Message(nested) => context.path(id, nested),
+    match (field.ty.element, field.enumeration) {
+        (Element::Text(length), _) => {
+            let length = Literal::u32_unsuffixed(length);
+            quote!(::uavspec_runtime::Text<#length>)
+        }
+        (_, Some(reference)) => enumeration(context, id, reference),
+        (Element::Scalar(scalar), None) => primitive(scalar),
+        (Element::String { .. }, None) => quote!(::uavspec_runtime::alloc::string::String),
+        (Element::Message(nested), None) => context.path(id, nested),
     }
 }
 
@@ -89,10 +85,10 @@ pub(super) fn enumeration(context: &Context<'_>, id: MessageId, reference: EnumR
 }
 
 /// True if `Default` can be derived for a field. Arrays implement `Default` only up to 32 elements.
-pub(super) fn derives_default(context: &Context<'_>, id: MessageId, field: &Field) -> bool {
+pub(super) fn derives_default(field: &Field) -> bool {
     field.default.is_none()
         && match field.ty.shape {
-            Shape::Array(length) => length <= 32 || field.is_text(dialect(context, id)),
+            Shape::Array(length) => length <= 32,
             Shape::Single | Shape::Bounded(_) | Shape::Sequence => true,
         }
 }
@@ -102,7 +98,7 @@ pub(super) fn default(context: &Context<'_>, id: MessageId, field: &Field) -> To
     if let Some(default) = &field.default {
         return default_value(context, id, field, default);
     }
-    if derives_default(context, id, field) {
+    if derives_default(field) {
         return quote!(::core::default::Default::default());
     }
     quote!(::core::array::from_fn(|_| ::core::default::Default::default()))
@@ -141,7 +137,7 @@ fn default_value(context: &Context<'_>, id: MessageId, field: &Field, value: &Va
 pub(super) fn constant(ty: Element) -> TokenStream {
     match ty {
         Element::Scalar(scalar) => primitive(scalar),
-        Element::String { .. } | Element::Message(_) => quote!(&'static str),
+        Element::Text(_) | Element::String { .. } | Element::Message(_) => quote!(&'static str),
     }
 }
 

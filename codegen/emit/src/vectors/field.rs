@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use uavspec_runtime::cdr::{HEADER, WIDE_UNIT};
 use uavspec_runtime::{ConstraintKind, Scalar};
-use uavspec_schema::{Element, Field, Form, Message, Schema, Shape};
+use uavspec_schema::{Element, Field, Message, Schema, Shape};
 
 use super::case::{Change, Sample, Verdict, rule};
 use super::number::{NumberSamples, booleans};
@@ -30,9 +30,6 @@ pub(super) struct FieldSamples<'s> {
 impl<'s> FieldSamples<'s> {
     /// The valid value nearest to zero, as JSON. `None` if there is no valid value.
     pub(super) fn zero(self) -> Option<String> {
-        if self.is_text() {
-            return Some("\"\"".to_owned());
-        }
         match self.field.ty.shape {
             Shape::Single => self.element_zero(),
             Shape::Array(length) => Some(list(&self.element_zero()?, length, None)),
@@ -43,7 +40,6 @@ impl<'s> FieldSamples<'s> {
     /// A typical valid value as JSON. Adjacent bytes differ where possible.
     pub(super) fn typical(self, typical: &mut Typical) -> Option<String> {
         let length = match self.field.ty.shape {
-            Shape::Array(length) if self.is_text() => return Some(typical.text(length)),
             Shape::Single => return self.element_typical(typical),
             Shape::Array(length) => length,
             Shape::Bounded(bound) => typical.sequence().min(bound),
@@ -56,7 +52,6 @@ impl<'s> FieldSamples<'s> {
     /// All distinct sample values.
     pub(super) fn samples(self) -> Vec<Sample> {
         let mut samples = match self.field.ty.shape {
-            Shape::Array(length) if self.is_text() => text(length),
             Shape::Single => self.elements(),
             Shape::Array(length) => self.array(length),
             Shape::Bounded(bound) => self.sequence(Some(bound)),
@@ -72,7 +67,7 @@ impl<'s> FieldSamples<'s> {
         match self.field.ty.element {
             Element::Scalar(Scalar::Bool) => Some("false".to_owned()),
             Element::Scalar(scalar) => self.numbers(scalar).zero(),
-            Element::String { .. } => Some("\"\"".to_owned()),
+            Element::Text(_) | Element::String { .. } => Some("\"\"".to_owned()),
             Element::Message(id) => self.parts.get(id).map(|part| part.zero.clone()),
         }
     }
@@ -81,6 +76,7 @@ impl<'s> FieldSamples<'s> {
         match self.field.ty.element {
             Element::Scalar(Scalar::Bool) => Some(typical.boolean().to_string()),
             Element::Scalar(scalar) => self.numbers(scalar).typical(typical.bytes(scalar)),
+            Element::Text(length) => Some(typical.text(length)),
             Element::String { bound, .. } => Some(typical.string(bound)),
             Element::Message(id) => {
                 let message = self.schema.message(id);
@@ -96,6 +92,7 @@ impl<'s> FieldSamples<'s> {
         match self.field.ty.element {
             Element::Scalar(Scalar::Bool) => booleans(),
             Element::Scalar(scalar) => self.numbers(scalar).samples(),
+            Element::Text(length) => text(length),
             Element::String { wide, bound } => strings(wide, bound),
             Element::Message(id) => self.parts.get(id).map(|part| part.samples.clone()).unwrap_or_default(),
         }
@@ -167,16 +164,13 @@ impl<'s> FieldSamples<'s> {
     fn cdr_size(self) -> usize {
         match self.field.ty.element {
             Element::Scalar(scalar) => scalar.size(),
+            Element::Text(length) => length as usize,
             Element::String { .. } => 4,
             Element::Message(id) => {
                 let min = usize::try_from(self.schema.message(id).cdr.min).unwrap_or(0);
                 min.saturating_sub(HEADER)
             }
         }
-    }
-
-    fn is_text(self) -> bool {
-        matches!(self.schema.package_of(self.message).form, Form::Msg(dialect) if self.field.is_text(dialect))
     }
 }
 

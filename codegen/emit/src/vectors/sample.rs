@@ -44,7 +44,7 @@ fn levels(schema: &Schema) -> Vec<Vec<MessageId>> {
         let is_ready = |id: &MessageId| {
             schema.message(*id).fields.iter().all(|field| match field.ty.element {
                 Element::Message(nested) => is_done[nested.0 as usize],
-                Element::Scalar(_) | Element::String { .. } => true,
+                Element::Scalar(_) | Element::Text(_) | Element::String { .. } => true,
             })
         };
         let (ready, rest): (Vec<MessageId>, Vec<MessageId>) = open.iter().partition(|id| is_ready(id));

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 
 use serde_json::{Value as Json, json};
 use uavspec_runtime::Scalar;
-use uavspec_schema::msg::Dialect;
 use uavspec_schema::msg::constraint::{INVALID, RANGE, UNCONTROLLED};
 use uavspec_schema::value::Value;
 use uavspec_schema::{Element, Field, Kind, Message, Shape, Stated};
@@ -64,8 +63,8 @@ fn covers_every_rule_with_a_violation_and_an_adjacent_valid_value() {
             for field in &message.fields {
                 let name = format!("{} {}", message.name, field.name);
                 let tried = FieldCases::new(&field.name, &isolated);
-                check_shape(field, &tried, &cases, form == PX4, &name);
-                check_values(emitted, message, field, &tried, form == PX4, &name);
+                check_shape(field, &tried, &cases, &name);
+                check_values(emitted, message, field, &tried, &name);
             }
             check_payloads(message, &cases, form == PX4 && message.kind == Kind::Message);
         }
@@ -77,7 +76,7 @@ fn has_id(cases: &[Json], rule: Option<&str>, is: impl Fn(&Json) -> bool) -> boo
 }
 
 /// Checks presence, type and length.
-fn check_shape(field: &Field, tried: &FieldCases, cases: &[Json], is_px4: bool, name: &str) {
+fn check_shape(field: &Field, tried: &FieldCases, cases: &[Json], name: &str) {
     let lacks = |case: &Json| {
         case["json"].as_object().is_some_and(|json| !json.is_empty() && !json.contains_key(&field.name))
     };
@@ -91,7 +90,7 @@ fn check_shape(field: &Field, tried: &FieldCases, cases: &[Json], is_px4: bool, 
         })
     };
     match field.ty.shape {
-        Shape::Array(room) if is_px4 && field.ty.element == Element::Scalar(Scalar::Char) => {
+        _ if let Element::Text(room) = field.ty.element => {
             let bytes = |rule, length: usize| {
                 tried.has(rule, |value| value.as_str().is_some_and(|text| text.len() == length))
             };
@@ -133,18 +132,8 @@ fn check_shape(field: &Field, tried: &FieldCases, cases: &[Json], is_px4: bool, 
 }
 
 /// Checks numbers and booleans.
-fn check_values(
-    emitted: &Emitted,
-    message: &Message,
-    field: &Field,
-    tried: &FieldCases,
-    is_px4: bool,
-    name: &str,
-) {
+fn check_values(emitted: &Emitted, message: &Message, field: &Field, tried: &FieldCases, name: &str) {
     let Element::Scalar(scalar) = field.ty.element else { return };
-    if field.is_text(Dialect::Px4) && is_px4 {
-        return;
-    }
     if scalar == Scalar::Bool {
         assert!(
             tried.has(None, |value| value == true) && tried.has(Some("PX-JSON-02"), Json::is_number),
@@ -211,7 +200,7 @@ fn check_meanings(emitted: &Emitted, message: &Message, field: &Field, tried: &F
         }
     }
     if let Some(array) = field.counts.and_then(|index| message.fields.get(index))
-        && let Shape::Array(length) | Shape::Bounded(length) = array.ty.shape
+        && let Some(length) = array.ty.max_length()
     {
         assert!(tried.has(None, |value| *value == json!(length)), "{name}: all entries");
         assert!(

@@ -3,10 +3,10 @@
 use std::collections::{BTreeSet, HashMap};
 
 use sha2::{Digest as _, Sha256};
-use uavspec_dynamic::{MessageType, PlacedElement, Types};
+use uavspec_dynamic::{MessageType, Types};
 use uavspec_schema::fingerprint::{interface_name, ros_name};
 use uavspec_schema::msg::Kind;
-use uavspec_schema::{Form, Schema, shape_text};
+use uavspec_schema::{Element, Form, Schema, shape_text};
 
 /// The fingerprints of a definition. Comments, units and constants, other than the version, don't change them.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -103,15 +103,15 @@ impl<'t> LayoutHashes<'t> {
             return *known;
         }
         let size = message_type.size().filter(|_| depth < MAX_DEPTH)?;
-        let mut fields: Vec<_> = message_type.layout().collect();
+        let mut fields: Vec<_> = message_type.fields().iter().collect();
         fields.sort_by_key(|field| field.offset);
         let mut hasher = Sha256::new();
         for field in fields {
             let element = match field.element {
-                PlacedElement::Scalar(scalar) => scalar.name().to_owned(),
-                PlacedElement::Text(length) => format!("char[{length}]"),
-                PlacedElement::String { .. } => return None,
-                PlacedElement::Message(nested) => format!("{:016x}", self.nested(nested, depth + 1)?),
+                Element::Scalar(scalar) => scalar.name().to_owned(),
+                Element::Text(length) => format!("char[{length}]"),
+                Element::String { .. } => return None,
+                Element::Message(id) => format!("{:016x}", self.nested(message_type.nested(id), depth + 1)?),
             };
             hasher.update(format!("{element}{} {} {}\n", shape_text(field.shape), field.name, field.offset));
         }

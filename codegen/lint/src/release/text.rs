@@ -91,8 +91,8 @@ fn declared_constant(constant: &Constant) -> String {
     let ty = match constant.ty {
         Element::Scalar(scalar) => scalar.name(),
         Element::String { wide: true, .. } => "wstring",
-        // A constant can't be a message.
-        Element::String { .. } | Element::Message(_) => "string",
+        // A constant can't be a text or a message.
+        Element::Text(_) | Element::String { .. } | Element::Message(_) => "string",
     };
     format!("{ty} {}={}", constant.name, constant.value)
 }

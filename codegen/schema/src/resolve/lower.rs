@@ -108,6 +108,9 @@ impl<'s> Resolver<'s> {
 
     fn field_type(&mut self, index: usize, ty: &ast::Type<'s>) -> Option<Type> {
         let element = match ty.element {
+            ast::Element::Scalar(Scalar::Char) if let Some(length) = self.text_length(index, ty.shape) => {
+                return Some(Type { element: Element::Text(length), shape: ast::Shape::Single });
+            }
             ast::Element::Scalar(scalar) => Element::Scalar(scalar),
             ast::Element::String { wide, bound } => Element::String { wide, bound },
             ast::Element::Message { package, name } => {
@@ -115,6 +118,15 @@ impl<'s> Resolver<'s> {
             }
         };
         Some(Type { element, shape: ty.shape })
+    }
+
+    /// The length of an array of `char`, if the array is a text: in PX4's dialect.
+    fn text_length(&self, index: usize, shape: ast::Shape) -> Option<u32> {
+        let package = self.schema.package_of(&self.schema.messages[index]);
+        match shape {
+            ast::Shape::Array(length) if package.form == Form::Msg(Dialect::Px4) => Some(length),
+            _ => None,
+        }
     }
 
     fn annotate(&mut self, index: usize, field: &mut Field, note: &Note<'s>) {
@@ -186,7 +198,7 @@ impl<'s> Resolver<'s> {
 
     /// Reports a value that doesn't fit the type.
     fn check_value(&mut self, value: &Value, ty: Type, span: Span) {
-        if let Element::Scalar(scalar) = ty.element
+        if let Some(scalar) = ty.element.scalar()
             && !can_hold(scalar, value)
         {
             let problem =
@@ -295,7 +307,7 @@ impl<'s> Resolver<'s> {
         let arrays: HashMap<String, usize> = fields
             .iter()
             .enumerate()
-            .filter(|(_, field)| field.ty.shape != ast::Shape::Single)
+            .filter(|(_, field)| field.ty.shape != ast::Shape::Single || field.is_text())
             .map(|(at, field)| (field.name.clone(), at))
             .collect();
         for line in &part.lines {

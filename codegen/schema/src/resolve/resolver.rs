@@ -75,6 +75,6 @@ pub(super) fn offset(index: usize) -> u32 {
 pub(super) fn nested_ids(message: &Message) -> impl Iterator<Item = MessageId> {
     message.fields.iter().filter_map(|field| match field.ty.element {
         Element::Message(id) => Some(id),
-        Element::Scalar(_) | Element::String { .. } => None,
+        Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
     })
 }

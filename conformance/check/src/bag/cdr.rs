@@ -87,7 +87,8 @@ pub(super) struct CdrChecker {
 impl CdrChecker {
     pub(super) fn new(source: TypeSource, definitions: &Definitions) -> Self {
         let ty = source.message_type(definitions);
-        let plan = Plan::new(ty, source.definition(), &definitions.schema, &px4::VALUES);
+        let defined = source.definition().map(|id| definitions.types().get(id));
+        let plan = Plan::new(ty, defined, &px4::VALUES);
         Self {
             plan,
             timestamp: time_offset(ty, "timestamp"),
@@ -104,9 +105,9 @@ impl CdrChecker {
     pub(super) fn fields(&self, definitions: &Definitions) -> (u64, u64) {
         let message_type = self.source.message_type(definitions);
         match self.source {
-            TypeSource::Differing(_, id) => shared_fields(message_type, Some(id), &definitions.schema),
+            TypeSource::Differing(_, id) => shared_fields(message_type, Some(definitions.types().get(id))),
             TypeSource::Definition(_) | TypeSource::Own(_) => {
-                let num_fields = message_type.layout().len() as u64;
+                let num_fields = message_type.fields().len() as u64;
                 (num_fields, num_fields)
             }
         }

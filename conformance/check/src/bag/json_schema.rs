@@ -6,9 +6,9 @@
 
 use serde_json::Value;
 use uavspec_px4::comparison::Differences;
-use uavspec_px4::json::SharedFields;
+use uavspec_px4::json::{SharedFields, is_byte};
 use uavspec_runtime::Scalar;
-use uavspec_schema::{Dialect, Element, Field, Form, MessageId, Schema, Shape};
+use uavspec_schema::{Element, Field, MessageId, Schema, Shape};
 
 /// The maximum depth of compared objects. Definitions don't nest more deeply than this.
 const MAX_DEPTH: usize = 32;
@@ -47,7 +47,7 @@ impl<'s> Comparing<'s> {
         let message = self.schema.message(defined);
         let (mut differences, mut shared) = (Differences::default(), SharedFields::new());
         for field in &message.fields {
-            let types = self.types_of(message, field);
+            let types = types_of(field);
             let Some(property) = properties.get(&field.name) else {
                 differences.missing.push(format!("{} ({})", field.name, types.join(" or ")));
                 continue;
@@ -99,7 +99,7 @@ impl<'s> Comparing<'s> {
         if let Some(lengths) = self.other_length(property, field) {
             return Some(lengths);
         }
-        let Element::Scalar(scalar) = field.ty.element else { return None };
+        let scalar = field.ty.element.scalar()?;
         if let Some(items) = self.items(property) {
             let ty = element_type(field);
             let stated = self.contradicted(items, &[ty]).map(|stated| (stated, ty.to_owned()));
@@ -115,7 +115,7 @@ impl<'s> Comparing<'s> {
         let stated = |key: &str| found.get(key).and_then(Value::as_u64);
         // Each array has at least 0 elements.
         let (min, max) = (stated("minItems").filter(|min| *min > 0), stated("maxItems"));
-        let (differs, defined) = match field.ty.shape {
+        let (differs, defined) = match field.ty.written().shape {
             Shape::Array(length) => {
                 let is_other = |stated: u64| stated != u64::from(length);
                 (min.is_some_and(is_other) || max.is_some_and(is_other), format!("array of {length}"))
@@ -151,7 +151,7 @@ impl<'s> Comparing<'s> {
 
     /// The schema of a single element of a field.
     fn element(&self, property: &'s Value, field: &Field) -> Option<&'s Value> {
-        if field.ty.shape == Shape::Single { Some(property) } else { self.items(property) }
+        if field.ty.written().shape == Shape::Single { Some(property) } else { self.items(property) }
     }
 
     fn items(&self, property: &'s Value) -> Option<&'s Value> {
@@ -181,19 +181,15 @@ impl<'s> Comparing<'s> {
         };
         if is_ordered { None } else { stated(found) }
     }
+}
 
-    /// The JSON types of a field. Bytes may be base64, and text may be an array of byte values.
-    fn types_of(&self, message: &uavspec_schema::Message, field: &Field) -> Vec<&'static str> {
-        let is_px4 = self.schema.package_of(message).form == Form::Msg(Dialect::Px4);
-        let is_text = is_px4 && field.is_text(Dialect::Px4);
-        let is_bytes =
-            matches!(field.ty.element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char));
-        match field.ty.shape {
-            Shape::Single => vec![element_type(field)],
-            _ if is_text => vec!["string", "array"],
-            _ if is_bytes => vec!["array", "string"],
-            _ => vec!["array"],
-        }
+/// The JSON types of a field. Bytes may be base64, and text may be an array of byte values.
+fn types_of(field: &Field) -> Vec<&'static str> {
+    match (field.ty.element, field.ty.shape) {
+        (Element::Text(_), _) => vec!["string", "array"],
+        (_, Shape::Single) => vec![element_type(field)],
+        (element, _) if is_byte(element) => vec!["array", "string"],
+        _ => vec!["array"],
     }
 }
 
@@ -202,7 +198,8 @@ fn element_type(field: &Field) -> &'static str {
     match field.ty.element {
         Element::Scalar(Scalar::Bool) => "boolean",
         Element::Scalar(scalar) if scalar.is_float() => "number",
-        Element::Scalar(_) => "integer",
+        // The elements of a text that is written as an array.
+        Element::Scalar(_) | Element::Text(_) => "integer",
         Element::String { .. } => "string",
         Element::Message(_) => "object",
     }

@@ -228,7 +228,7 @@ impl Open {
     /// Adds the coverage of rules, and returns the summary.
     pub(super) fn close(
         self,
-        plans: Option<&Plans>,
+        plans: Option<&Plans<'_>>,
         definitions: &Definitions,
         findings: &mut Findings,
         parts: &mut Parts,

@@ -242,7 +242,10 @@ mod tests {
         let stated = Stated::read("sky_msgs/msg/Glider", text.as_bytes()).expect("a type");
         let root = stated.root();
         assert_eq!((root.package(), root.name()), ("sky_msgs", "Glider"));
-        assert_eq!(root.field_names().collect::<Vec<_>>(), ["timestamp", "marks", "wind"]);
+        assert_eq!(
+            root.fields().iter().map(|field| &*field.name).collect::<Vec<_>>(),
+            ["timestamp", "marks", "wind"]
+        );
         let alone = Stated::read("Wind", WIND.as_bytes()).expect("a type");
         assert_eq!(alone.root().name(), "Wind");
     }

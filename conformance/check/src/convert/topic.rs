@@ -106,9 +106,9 @@ impl<'p> Topic<'p> {
                 messages: converted.converter.is_counted(at).then_some(count),
             });
             report.losses = losses.collect();
-            let fields: Vec<_> = converted.converter.target().layout().collect();
+            let fields = converted.converter.target().fields();
             let unchecked = converted.conversion.unchecked.iter().filter_map(|at| fields.get(*at));
-            report.unchecked = unchecked.map(|field| field.name.to_owned()).collect();
+            report.unchecked = unchecked.map(|field| field.name.to_string()).collect();
         }
         report
     }

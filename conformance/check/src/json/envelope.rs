@@ -154,7 +154,7 @@ pub(super) enum Fast {
 }
 
 /// Reads a value without building a tree. Stores the field values in `values` if the channel needs them.
-pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut Vec<u8>) -> Fast {
+pub(super) fn read(text: &str, channels: &Channels, plans: &Plans<'_>, values: &mut Vec<u8>) -> Fast {
     values.clear();
     let mut tokens = Tokens::new(text);
     let only = channels.only.and_then(|at| Some((at, channels.open[at].defined?)));
@@ -172,7 +172,7 @@ pub(super) fn read(text: &str, channels: &Channels, plans: &Plans, values: &mut 
 /// A partially read record. The type must precede the message, as it usually does. [`form`] accepts any order.
 struct Envelope<'c> {
     channels: &'c Channels,
-    plans: &'c Plans,
+    plans: &'c Plans<'c>,
     values: &'c mut Vec<u8>,
     is_published: bool,
     channel: Option<usize>,

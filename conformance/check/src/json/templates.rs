@@ -40,7 +40,12 @@ impl Templates {
 
     /// Matches a message against the templates. Returns the channel and the message's contribution to the result.
     /// Stores the field values in `values` if the channel needs them.
-    pub(super) fn read(&mut self, text: &str, plans: &Plans, values: &mut Vec<u8>) -> Option<(usize, Clean)> {
+    pub(super) fn read(
+        &mut self,
+        text: &str,
+        plans: &Plans<'_>,
+        values: &mut Vec<u8>,
+    ) -> Option<(usize, Clean)> {
         // Messages on topics with fixed rates arrive in a repeating order.
         let guess = self.known.get(self.last)?.next;
         let others = (0..self.known.len()).filter(|at| *at != guess);
@@ -60,7 +65,7 @@ impl Templates {
     }
 
     /// Learns the form of a message without findings.
-    pub(super) fn learn(&mut self, text: &str, open: &Open, channel: usize, plans: &Plans) {
+    pub(super) fn learn(&mut self, text: &str, open: &Open, channel: usize, plans: &Plans<'_>) {
         if self.known.len() == MAX_TEMPLATES || text.len() > MAX_TEXT || self.misses > MAX_MISSES {
             return;
         }

@@ -76,7 +76,7 @@ fn strings_with_another_bound_are_not_shared() {
     let shared = |text: &str| {
         let other = definitions(text);
         let format = other.types().find("club_msgs", "Rope").expect("a type");
-        shared_fields(format, Some(id), &DEFINITIONS.schema)
+        shared_fields(format, Some(DEFINITIONS.types().get(id)))
     };
     assert_eq!(shared(ROPE), (7, 7));
     for ty in ["string", "string<=5"] {

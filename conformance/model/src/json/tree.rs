@@ -5,6 +5,8 @@ use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 use std::ops::Range;
 
+use uavspec_dynamic::whole;
+
 use super::error::SyntaxError;
 use super::tokens::{Token, Tokens};
 use crate::text::start_of;
@@ -137,12 +139,6 @@ impl<'t> Tree<'t> {
     pub fn as_str(&self) -> Option<&str> {
         if let Self::Text(text) = self { Some(text) } else { None }
     }
-}
-
-/// The value of a number without a fraction.
-pub fn whole(value: f64) -> Option<i128> {
-    #[allow(clippy::cast_possible_truncation)] // within bounds
-    (value.fract() == 0.0 && value.abs() < 1e30).then_some(value as i128)
 }
 
 /// Displays the shortened text. Arrays and objects are only described.

@@ -1,13 +1,13 @@
 //! The test cases for testees: requests and expected responses, made from the test vectors of the definitions.
 
 use serde_json::{Map, Value, json};
-use uavspec_dynamic::{DynamicMessage, MessageType, Placed, PlacedElement, Types};
+use uavspec_dynamic::{DynamicMessage, Field, MessageType, Types};
 use uavspec_emit::vectors;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::{self, Px4Rule};
 use uavspec_runtime::Scalar;
 use uavspec_runtime::cdr::ByteOrder;
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, Shape};
 
 use super::protocol::{Format, Hello, Op};
 use super::wire::{FLOAT, to_base64, to_wire};
@@ -186,7 +186,7 @@ impl CaseBuilder<'_, '_> {
             self.message.and_then(|it| Some((it, it.size()?))).filter(|_| self.has_uorb)
         {
             let offsets: Map<String, Value> =
-                message.layout().map(|field| (field.name.to_owned(), field.offset.into())).collect();
+                message.fields().iter().map(|field| (field.name.to_string(), field.offset.into())).collect();
             let layout =
                 json!({ "size": size.padded, "size_no_padding": size.no_padding, "offsets": offsets });
             cases.push(fact(Op::Layout, Format::Uorb, layout));
@@ -247,18 +247,16 @@ impl CaseBuilder<'_, '_> {
         let zero = vectors.find(|vector| vector["id"] == "zero").and_then(|zero| zero["json"].as_object());
         let (Some(message), Some(zero)) = (self.message, zero) else { return };
         for scalar in [Scalar::Float32, Scalar::Float64] {
-            let is_float = |field: &Placed<'_>| {
-                field.shape == Shape::Single
-                    && matches!(field.element, PlacedElement::Scalar(found) if found == scalar)
-            };
-            let Some(field) = message.layout().find(is_float) else { continue };
+            let is_float =
+                |field: &&Field| field.shape == Shape::Single && field.element == Element::Scalar(scalar);
+            let Some(field) = message.fields().iter().find(is_float) else { continue };
             for number in [f32::INFINITY, f32::NEG_INFINITY] {
                 let bytes = match scalar {
                     Scalar::Float32 => number.to_le_bytes().to_vec(),
                     _ => f64::from(number).to_le_bytes().to_vec(),
                 };
                 let text = number.to_string();
-                self.add_infinity(message, (zero, field.name), (text.as_str(), bytes.as_slice()), cases);
+                self.add_infinity(message, (zero, &*field.name), (text.as_str(), bytes.as_slice()), cases);
             }
         }
     }
@@ -281,7 +279,7 @@ impl CaseBuilder<'_, '_> {
         for format in Format::ALL.into_iter().filter(|format| self.supports(*format)) {
             let Some(payload) = with_float(message, format, (&nan, &other), bytes) else { continue };
             let violated = decode(message, format, &payload)
-                .and_then(|decoded| decoded.validate().first().map(|found| found.rule.id()));
+                .and_then(|decoded| decoded.validate().first().map(|found| found.kind.id()));
             let head = json!({
                 "id": format!("{field}-{}", text.replace('-', "minus-")),
                 "description": format!("{field}: {text}"),

@@ -7,9 +7,9 @@
 use std::fmt;
 
 use serde_json::Value;
-use uavspec_dynamic::{MessageType, PlacedElement, Types};
+use uavspec_dynamic::{MessageType, Types};
 use uavspec_runtime::Scalar;
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, Shape};
 
 use super::case::{Case, ExpectedResponse, Input, UNLIKE_NAN, decode, encode};
 use super::protocol::{Op, Response};
@@ -149,17 +149,17 @@ fn compare_message(
     path: &str,
 ) -> Result<(), Difference> {
     compare_members(wanted, actual, path, |name, wanted, actual, path| {
-        let field = message_type.layout().find(|field| field.name == name);
+        let field = message_type.field(name);
         field.map_or_else(
             || compare_json(wanted, actual, path),
-            |field| compare_shaped(field.element, field.shape, wanted, actual, path),
+            |field| compare_shaped((message_type, field.element), field.shape, wanted, actual, path),
         )
     })
 }
 
 /// Compares the values of a field.
 fn compare_shaped(
-    element: PlacedElement<'_>,
+    (message_type, element): (MessageType<'_>, Element),
     shape: Shape,
     wanted: &Value,
     actual: &Value,
@@ -167,12 +167,12 @@ fn compare_shaped(
 ) -> Result<(), Difference> {
     if shape != Shape::Single && wanted.is_array() {
         return compare_items(wanted, actual, path, |wanted, actual, path| {
-            compare_shaped(element, Shape::Single, wanted, actual, path)
+            compare_shaped((message_type, element), Shape::Single, wanted, actual, path)
         });
     }
     match element {
-        PlacedElement::Message(nested) => compare_message(nested, wanted, actual, path),
-        PlacedElement::Scalar(scalar) if scalar.is_float() => compare_float(scalar, wanted, actual, path),
+        Element::Message(id) => compare_message(message_type.nested(id), wanted, actual, path),
+        Element::Scalar(scalar) if scalar.is_float() => compare_float(scalar, wanted, actual, path),
         _ => compare_json(wanted, actual, path),
     }
 }

@@ -5,9 +5,9 @@
 //! "NaN"}`, `{"$f": "inf"}` and `{"$f": "-inf"}`. Bytes are base64 (RFC 4648, section 4, with padding).
 
 use serde_json::{Map, Number, Value, json};
-use uavspec_dynamic::{MessageType, PlacedElement};
+use uavspec_dynamic::MessageType;
 pub use uavspec_model::json::base64::{decode as from_base64, encode as to_base64};
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, Shape};
 
 /// The limit up to which 64-bit floats represent every integer exactly.
 const EXACT: u64 = 1 << 53;
@@ -36,10 +36,10 @@ pub fn to_wire(value: &Value, message: Option<MessageType<'_>>) -> Value {
 }
 
 fn member_to_wire(name: &str, value: &Value, message: Option<MessageType<'_>>) -> Value {
-    let field = message.and_then(|message| message.layout().find(|field| field.name == name));
-    match field.map(|field| (field.element, field.shape)) {
-        Some((PlacedElement::Message(nested), _)) => to_wire(value, Some(nested)),
-        Some((PlacedElement::Scalar(scalar), shape)) if scalar.is_float() => float_to_wire(value, shape),
+    let field = message.and_then(|message| Some((message, message.field(name)?)));
+    match field.map(|(message, field)| (message, field.element, field.shape)) {
+        Some((message, Element::Message(id), _)) => to_wire(value, Some(message.nested(id))),
+        Some((_, Element::Scalar(scalar), shape)) if scalar.is_float() => float_to_wire(value, shape),
         _ => to_wire(value, None),
     }
 }

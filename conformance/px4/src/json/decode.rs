@@ -1,12 +1,12 @@
 //! Decodes JSON messages in the forms that programs write: with the deviations that `check` accepts.
 
 use serde_json::{Number, Value};
-use uavspec_dynamic::{DynamicMessage, MessageType, Placed, PlacedElement};
+use uavspec_dynamic::{DynamicMessage, Field, MessageType};
 use uavspec_model::json::{Tree, base64};
-use uavspec_runtime::Scalar;
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, Shape};
 
 use super::dialect::{Dialect, Dialects};
+use super::value::is_byte;
 
 /// Decodes a message. Returns the message, and the deviations that it uses. Values may violate their definitions.
 pub fn decode<'t>(
@@ -32,13 +32,13 @@ struct Reading {
 impl Reading {
     fn message(&mut self, tree: &Tree<'_>, ty: MessageType<'_>) -> Result<Value, String> {
         let Tree::Object(members) = tree else { return Err(format!("expected an object, found {tree}")) };
-        let fields: Vec<Placed<'_>> = ty.layout().collect();
+        let fields = ty.fields();
         let converted = members.iter().enumerate().map(|(at, (key, value))| {
             // Most messages list their fields in the order of the definition.
-            let guess = fields.get(at).filter(|field| field.name == key);
-            let value = match guess.or_else(|| fields.iter().find(|field| field.name == key)) {
+            let guess = fields.get(at).filter(|field| *field.name == **key);
+            let value = match guess.or_else(|| ty.field(key)) {
                 Some(field) => self
-                    .field(value, field)
+                    .field(value, ty, field)
                     .map_err(|error| format!("{}.{}: {error}", ty.name(), field.name))?,
                 // The decoder reports the unknown field.
                 None => Value::Null,
@@ -48,33 +48,33 @@ impl Reading {
         converted.collect::<Result<serde_json::Map<_, _>, String>>().map(Value::Object)
     }
 
-    fn field(&mut self, tree: &Tree<'_>, field: &Placed<'_>) -> Result<Value, String> {
+    fn field(&mut self, tree: &Tree<'_>, ty: MessageType<'_>, field: &Field) -> Result<Value, String> {
         match (tree, field.element) {
-            (_, PlacedElement::Text(room)) if field.shape == Shape::Single => self.text(tree, room),
-            (Tree::Text(text), element) if is_bytes(element) && field.shape != Shape::Single => {
+            (_, Element::Text(room)) if field.shape == Shape::Single => self.text(tree, room),
+            (Tree::Text(text), element) if is_byte(element) && field.shape != Shape::Single => {
                 let bytes = self.base64(text).ok_or("expected an array or base64")?;
                 Ok(bytes.into())
             }
             (Tree::List(values), element) if field.shape != Shape::Single => values
                 .iter()
-                .map(|value| self.element(value, element))
+                .map(|value| self.element(value, ty, element))
                 .collect::<Result<_, _>>()
                 .map(Value::Array),
-            (_, element) => self.element(tree, element),
+            (_, element) => self.element(tree, ty, element),
         }
     }
 
-    fn element(&mut self, tree: &Tree<'_>, element: PlacedElement<'_>) -> Result<Value, String> {
+    fn element(&mut self, tree: &Tree<'_>, ty: MessageType<'_>, element: Element) -> Result<Value, String> {
         Ok(match (tree, element) {
-            (Tree::Object(_), PlacedElement::Message(ty)) => return self.message(tree, ty),
-            (_, PlacedElement::Text(room)) => return self.text(tree, room),
+            (Tree::Object(_), Element::Message(id)) => return self.message(tree, ty.nested(id)),
+            (_, Element::Text(room)) => return self.text(tree, room),
             (Tree::Null, _) => Value::Null,
             (Tree::Token("NaN"), _) => {
                 self.dialects.insert(Dialect::BareNan);
                 Value::Null
             }
             (Tree::Bool(value), _) => (*value).into(),
-            (Tree::Float(value, _), PlacedElement::Scalar(scalar)) if scalar.is_float() => (*value).into(),
+            (Tree::Float(value, _), Element::Scalar(scalar)) if scalar.is_float() => (*value).into(),
             (Tree::Int(_) | Tree::Float(..), _) => {
                 let value = tree.as_integer().ok_or_else(|| format!("expected an integer, found {tree}"))?;
                 Number::from_i128(value).map_or(Value::Null, Value::Number)
@@ -112,9 +112,4 @@ impl Reading {
         self.dialects.insert(Dialect::Base64);
         Some(bytes)
     }
-}
-
-/// True if rosbridge writes an array with these elements as base64.
-pub fn is_bytes(element: PlacedElement<'_>) -> bool {
-    matches!(element, PlacedElement::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char))
 }

@@ -1,32 +1,31 @@
 //! Counts the differences between a JSON message and a type, to find the type of a message among similar ones.
 
-use uavspec_dynamic::{MessageType, Placed, PlacedElement};
+use uavspec_dynamic::{Field, MessageType};
 use uavspec_model::json::{Tree, base64};
 use uavspec_runtime::Scalar;
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, Shape};
 
-use super::decode::is_bytes;
+use super::value::is_byte;
 
 /// The number of fields in a message that differ from a type: by their keys, by the length of an array, or by the type of
 /// a single value. Of the messages in an array, only the first one counts.
 pub fn count_differences(message: &Tree<'_>, ty: MessageType<'_>) -> usize {
     let Tree::Object(members) = message else { return 1 };
-    let is_field = |key: &str| ty.field_names().any(|name| name == key);
-    let unknown = members.iter().filter(|(key, _)| !is_field(key)).count();
-    let of_field = |field: Placed<'_>| message.get(field.name).map_or(1, |value| in_value(value, field));
-    unknown + ty.layout().map(of_field).sum::<usize>()
+    let unknown = members.iter().filter(|(key, _)| ty.field(key).is_none()).count();
+    let of_field = |field: &Field| message.get(&field.name).map_or(1, |value| in_value(value, ty, field));
+    unknown + ty.fields().iter().map(of_field).sum::<usize>()
 }
 
 /// The number of differences between a value and the type of its field.
-fn in_value(value: &Tree<'_>, field: Placed<'_>) -> usize {
+fn in_value(value: &Tree<'_>, ty: MessageType<'_>, field: &Field) -> usize {
     let shape = match field.element {
         // ROS 2 writes text as an array.
-        PlacedElement::Text(room) if matches!(value, Tree::List(_)) => Shape::Array(room),
+        Element::Text(room) if matches!(value, Tree::List(_)) => Shape::Array(room),
         _ => field.shape,
     };
     let length = match value {
         Tree::List(values) => Some(values.len()),
-        Tree::Text(text) if is_bytes(field.element) => base64::decode(text).map(|bytes| bytes.len()),
+        Tree::Text(text) if is_byte(field.element) => base64::decode(text).map(|bytes| bytes.len()),
         _ => None,
     };
     let has_other_length = length.is_some_and(|length| match shape {
@@ -35,11 +34,11 @@ fn in_value(value: &Tree<'_>, field: Placed<'_>) -> usize {
         Shape::Single | Shape::Sequence => false,
     });
     let within = match (value, field.element) {
-        (Tree::Object(_), PlacedElement::Message(nested)) => count_differences(value, nested),
-        (Tree::List(values), PlacedElement::Message(nested)) => {
-            values.first().map_or(0, |first| count_differences(first, nested))
+        (Tree::Object(_), Element::Message(id)) => count_differences(value, ty.nested(id)),
+        (Tree::List(values), Element::Message(id)) => {
+            values.first().map_or(0, |first| count_differences(first, ty.nested(id)))
         }
-        (_, PlacedElement::Scalar(scalar)) => usize::from(!may_be(value, scalar)),
+        (_, Element::Scalar(scalar)) => usize::from(!may_be(value, scalar)),
         _ => 0,
     };
     usize::from(has_other_length) + within

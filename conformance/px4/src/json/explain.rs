@@ -3,14 +3,16 @@
 use std::borrow::Cow;
 use std::fmt::Write as _;
 
+use uavspec_dynamic::{Field, Leaf, MessageType, Violation};
 use uavspec_model::json::{Tree, pointer, shortened};
 use uavspec_model::{Detail, Findings, Location, Rule};
 use uavspec_schema::source::Span;
-use uavspec_schema::{MessageId, Shape};
+use uavspec_schema::{Element, MessageId, Shape};
 
 use super::dialect::{Dialect, Dialects};
-use super::value::Leaf;
-use crate::values::{Element, FieldPlan, MessagePlan, Plans, SharedFields, Violation, entries_in_use};
+use super::value::{Expected, as_base64, is_timestamp};
+use crate::ValueRules;
+use crate::values::{Plans, SharedFields, detail, entries_in_use, is_of_value};
 
 /// The maximum number of missing fields that a finding names.
 const MAX_MISSING: usize = 8;
@@ -35,7 +37,7 @@ pub struct MessageOrigin<'m> {
     pub shared: Option<&'m SharedFields>,
 }
 
-impl Plans {
+impl Plans<'_> {
     /// Reports all findings in a message. Returns the dialects that the message uses.
     pub fn explain(&self, origin: MessageOrigin<'_>, tree: &Tree<'_>, findings: &mut Findings) -> Dialects {
         self.explain_with_ignored(origin, tree, findings).0
@@ -50,7 +52,7 @@ impl Plans {
         findings: &mut Findings,
     ) -> (Dialects, bool) {
         let mut explaining = Explaining {
-            plans: self,
+            rules: self.rules,
             origin,
             findings,
             dialects: Dialects::default(),
@@ -61,13 +63,13 @@ impl Plans {
             has_ignored: false,
             subject: origin.name.to_owned(),
         };
-        let plan = self.get(origin.id);
+        let message_type = self.types.get(origin.id);
         match tree {
-            Tree::Object(members) => explaining.members(tree, members, plan),
+            Tree::Object(members) => explaining.members(tree, members, message_type),
             other => {
-                let expected = format!("an object with the fields of {}", plan.name);
+                let expected = format!("an object with the fields of {}", message_type.name());
                 let detail = Detail::differs(expected, other).excerpt(other.excerpt());
-                explaining.report(explaining.plans.rules.json_type, plan.span, detail);
+                explaining.report(self.rules.json_type, message_type.span(), detail);
             }
         }
         (explaining.dialects, explaining.has_ignored)
@@ -75,13 +77,13 @@ impl Plans {
 
     /// The `timestamp` field of a message, if it has one.
     pub fn timestamp(&self, id: MessageId, tree: &Tree<'_>) -> Option<u64> {
-        self.get(id).fields.iter().find(|field| field.is_timestamp())?;
+        self.types.get(id).fields().iter().find(|field| is_timestamp(field))?;
         u64::try_from(tree.get("timestamp")?.as_integer()?).ok()
     }
 }
 
-struct Explaining<'p, 'm> {
-    plans: &'p Plans,
+struct Explaining<'m> {
+    rules: &'static ValueRules,
     origin: MessageOrigin<'m>,
     findings: &'m mut Findings,
     dialects: Dialects,
@@ -99,7 +101,7 @@ struct Explaining<'p, 'm> {
     subject: String,
 }
 
-impl<'p> Explaining<'p, '_> {
+impl Explaining<'_> {
     fn report(&mut self, rule: &'static Rule, definition: Span, detail: Detail) {
         // Without an index, the subject contains the whole path.
         let detail = if self.elements > 0 { detail.at(self.path.as_str()) } else { detail };
@@ -107,20 +109,14 @@ impl<'p> Explaining<'p, '_> {
         self.findings.report(rule, &self.subject, self.origin.location, Some(definition), || detail);
     }
 
-    fn violation(
-        &mut self,
-        violation: &Violation<'_>,
-        tree: &Tree<'_>,
-        field: &'p FieldPlan,
-        is_element: bool,
-    ) {
-        if self.is_unused && violation.is_of_value() {
+    fn violation(&mut self, violation: &Violation<'_>, tree: &Tree<'_>, field: &Field, is_element: bool) {
+        if self.is_unused && is_of_value(violation) {
             self.has_ignored = true;
             return;
         }
         let found = tree.to_string();
-        let detail = violation.detail(&field.expected(is_element), &found).excerpt(field.excerpt(tree));
-        self.report(violation.rule(self.plans.rules), field.span, detail);
+        let detail = detail(violation, &expected(field, is_element), &found).excerpt(excerpt(field, tree));
+        self.report(self.rules.violated_by(violation), field.span, detail);
     }
 
     /// Runs `work` within a member. Findings call the member `name`.
@@ -140,53 +136,59 @@ impl<'p> Explaining<'p, '_> {
     }
 
     /// Checks the members of an object.
-    fn members(&mut self, object: &Tree<'_>, members: &[(Cow<'_, str>, Tree<'_>)], plan: &'p MessagePlan) {
+    fn members(
+        &mut self,
+        object: &Tree<'_>,
+        members: &[(Cow<'_, str>, Tree<'_>)],
+        message_type: MessageType<'_>,
+    ) {
         // A nested message is checked only if its schema equals the definition.
         let shared = self.origin.shared.filter(|_| self.path.is_empty());
-        let mut times = vec![0_u32; plan.fields.len()];
+        let mut times = vec![0_u32; message_type.fields().len()];
         let mut unknown = 0;
         for (key, value) in members {
-            let Some(index) = plan.fields.iter().position(|field| field.name == *key) else {
+            let Some(index) = message_type.fields().iter().position(|field| *field.name == **key) else {
                 if shared.is_some() {
                     continue;
                 }
                 unknown += 1;
                 if unknown <= MAX_UNKNOWN {
                     let name = shortened(key).escape_debug().to_string();
-                    let detail = Detail::new(format!("{} has no such field; found {value}", plan.name))
-                        .excerpt(format!("\"{name}\": {}", value.excerpt()));
+                    let detail =
+                        Detail::new(format!("{} has no such field; found {value}", message_type.name()))
+                            .excerpt(format!("\"{name}\": {}", value.excerpt()));
                     self.within(key, &name, |within| {
-                        within.report(within.plans.rules.members, plan.span, detail);
+                        within.report(within.rules.members, message_type.span(), detail);
                     });
                 }
                 continue;
             };
             times[index] = times[index].saturating_add(1);
-            let field = &plan.fields[index];
-            if shared.is_some_and(|shared| !shared.contains_key(&field.name)) {
+            let field = &message_type.fields()[index];
+            if shared.is_some_and(|shared| !shared.contains_key(&*field.name)) {
                 continue;
             }
             // If an array is repeated, the count applies only to the first value. The repetition is a separate finding.
             let count = field.counted_by.filter(|_| times[index] == 1);
-            let used = count.and_then(|count| in_use(object, &plan.fields[count]));
-            self.within(key, &field.name, |within| within.field(value, field, used));
+            let used = count.and_then(|count| in_use(object, &message_type.fields()[count]));
+            self.within(key, &field.name, |within| within.field(value, message_type, field, used));
         }
         if unknown > MAX_UNKNOWN {
             let text = format!("{} more unknown fields", unknown - MAX_UNKNOWN);
-            self.report(self.plans.rules.members, plan.span, Detail::new(text).excerpt(object.excerpt()));
+            self.report(self.rules.members, message_type.span(), Detail::new(text).excerpt(object.excerpt()));
         }
-        for (field, times) in plan.fields.iter().zip(&times).filter(|(_, times)| **times > 1) {
+        for (field, times) in message_type.fields().iter().zip(&times).filter(|(_, times)| **times > 1) {
             let detail = Detail::new(format!("the field appears {times} times")).expected("once");
             self.report_member(field, detail.excerpt(object.excerpt()));
         }
-        let is_required =
-            |field: &FieldPlan| shared.is_none_or(|shared| shared.get(&field.name) == Some(&true));
-        let absent = plan.fields.iter().zip(times).filter(|(_, times)| *times == 0).map(|(field, _)| field);
-        let missing: Vec<&FieldPlan> = absent.filter(|field| is_required(field)).collect();
+        let is_required = |field: &Field| shared.is_none_or(|shared| shared.get(&*field.name) == Some(&true));
+        let absent =
+            message_type.fields().iter().zip(times).filter(|(_, times)| *times == 0).map(|(field, _)| field);
+        let missing: Vec<&Field> = absent.filter(|field| is_required(field)).collect();
         match missing[..] {
             [] => {}
             [field] => {
-                let expected = field.expected(false).to_string();
+                let expected = expected(field, false).to_string();
                 let detail = Detail::new(format!("the field is missing; expected {expected}"));
                 self.report_member(field, detail.expected(expected).excerpt(object.excerpt()));
             }
@@ -197,35 +199,35 @@ impl<'p> Explaining<'p, '_> {
                 let more = if more > 0 { format!(" and {more} more") } else { String::new() };
                 let text = format!("{} fields are missing: {}{more}", missing.len(), names.join(", "));
                 let detail = Detail::new(text).excerpt(object.excerpt());
-                self.report(self.plans.rules.members, plan.span, detail);
+                self.report(self.rules.members, message_type.span(), detail);
             }
         }
     }
 
     /// Reports a field that is missing or repeated.
-    fn report_member(&mut self, field: &FieldPlan, detail: Detail) {
+    fn report_member(&mut self, field: &Field, detail: Detail) {
         self.within(&field.name, &field.name, |within| {
-            within.report(within.plans.rules.members, field.span, detail);
+            within.report(within.rules.members, field.span, detail);
         });
     }
 
     /// Checks the value of a field with all its elements. `used` is the number of elements in use.
-    fn field(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, used: Option<usize>) {
+    fn field(&mut self, tree: &Tree<'_>, message_type: MessageType<'_>, field: &Field, used: Option<usize>) {
         if field.shape == Shape::Single {
-            return self.element(tree, field, false);
+            return self.element(tree, message_type, field, false);
         }
         let is_rosbridge = self.origin.is_rosbridge;
         match tree {
             Tree::List(values) => {
                 self.length(values.len(), tree, field);
-                self.elements(values, field, used);
+                self.elements(values, message_type, field, used);
             }
-            Tree::Text(text) => match field.as_base64(text, is_rosbridge, false) {
+            Tree::Text(text) => match as_base64(field, text, is_rosbridge, false) {
                 Some(bytes) => {
                     self.dialects.insert(Dialect::Base64);
                     self.length(bytes.len(), tree, field);
                     let values: Vec<Tree<'_>> = bytes.iter().map(|byte| Tree::Int((*byte).into())).collect();
-                    self.elements(&values, field, used);
+                    self.elements(&values, message_type, field, used);
                 }
                 None => self.mistyped(tree, field, false),
             },
@@ -233,13 +235,19 @@ impl<'p> Explaining<'p, '_> {
         }
     }
 
-    fn length(&mut self, found: usize, tree: &Tree<'_>, field: &'p FieldPlan) {
-        if let Err(violation) = field.check_length(found) {
+    fn length(&mut self, found: usize, tree: &Tree<'_>, field: &Field) {
+        if let Err(violation) = field.value_type().check_length(found) {
             self.violation(&violation, tree, field, false);
         }
     }
 
-    fn elements(&mut self, values: &[Tree<'_>], field: &'p FieldPlan, used: Option<usize>) {
+    fn elements(
+        &mut self,
+        values: &[Tree<'_>],
+        message_type: MessageType<'_>,
+        field: &Field,
+        used: Option<usize>,
+    ) {
         let is_unused = self.is_unused;
         let (length, location) = (self.path.len(), self.pointer.len());
         self.elements += 1;
@@ -248,7 +256,7 @@ impl<'p> Explaining<'p, '_> {
             let _ = write!(self.path, "[{index}]");
             let _ = write!(self.pointer, "/{index}");
             self.is_unused = is_unused || used.is_some_and(|used| index >= used);
-            self.element(value, field, true);
+            self.element(value, message_type, field, true);
             self.path.truncate(length);
             self.pointer.truncate(location);
         }
@@ -257,7 +265,7 @@ impl<'p> Explaining<'p, '_> {
     }
 
     /// Checks a single value, or an element of an array.
-    fn element(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+    fn element(&mut self, tree: &Tree<'_>, message_type: MessageType<'_>, field: &Field, is_element: bool) {
         let leaf = match tree {
             Tree::Null => Leaf::Null,
             Tree::Bool(value) => Leaf::Bool(*value),
@@ -268,29 +276,21 @@ impl<'p> Explaining<'p, '_> {
                     Element::Scalar(scalar) if scalar.is_float() => scalar.name(),
                     _ => "any number",
                 };
-                let (expected, found) = (field.expected(is_element).to_string(), shortened(text));
+                let (expected, found) = (expected(field, is_element).to_string(), shortened(text));
                 let text = format!("expected {expected}, found {found}, which is too large for {which}");
                 let detail = Detail::new(text).expected(expected).actual(found);
-                return self.report(
-                    self.plans.rules.json_type,
-                    field.span,
-                    detail.excerpt(field.excerpt(tree)),
-                );
+                return self.report(self.rules.json_type, field.span, detail.excerpt(excerpt(field, tree)));
             }
             Tree::Token(_) => {
                 self.dialects.insert(Dialect::BareNan);
-                let expected = field.expected(is_element).to_string();
+                let expected = expected(field, is_element).to_string();
                 let text = format!(
                     "expected {expected}, found {tree}, which isn't JSON (Python's json module writes it)"
                 );
                 let detail = Detail::new(text).expected(expected).actual(tree.to_string());
-                return self.report(
-                    self.plans.rules.json_type,
-                    field.span,
-                    detail.excerpt(field.excerpt(tree)),
-                );
+                return self.report(self.rules.json_type, field.span, detail.excerpt(excerpt(field, tree)));
             }
-            Tree::Text(text) => match field.as_base64(text, self.origin.is_rosbridge, is_element) {
+            Tree::Text(text) => match as_base64(field, text, self.origin.is_rosbridge, is_element) {
                 Some(bytes) => {
                     self.dialects.insert(Dialect::Base64);
                     return self.bytes(&bytes, tree, field);
@@ -299,20 +299,17 @@ impl<'p> Explaining<'p, '_> {
             },
             Tree::List(values) => return self.list(values, tree, field, is_element),
             Tree::Object(members) => match field.element {
-                Element::Message(id) => {
-                    let plan = self.plans.get(id);
-                    return self.members(tree, members, plan);
-                }
+                Element::Message(id) => return self.members(tree, members, message_type.nested(id)),
                 _ => return self.mistyped(tree, field, is_element),
             },
         };
-        if let Err(violation) = field.check(leaf) {
+        if let Err(violation) = field.value_type().check_leaf(leaf) {
             self.violation(&violation, tree, field, is_element);
         }
     }
 
     /// Checks an array that appears in place of a single value. ROS 2 writes text in this form.
-    fn list(&mut self, values: &[Tree<'_>], tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
+    fn list(&mut self, values: &[Tree<'_>], tree: &Tree<'_>, field: &Field, is_element: bool) {
         let byte = |value: &Tree<'_>| u8::try_from(value.as_integer()?).ok();
         if !matches!(field.element, Element::Text(_)) || !self.origin.is_rosbridge {
             return self.mistyped(tree, field, is_element);
@@ -324,30 +321,33 @@ impl<'p> Explaining<'p, '_> {
         }
         let found = values.iter().find(|value| byte(value).is_none()).unwrap_or(tree);
         let detail = Detail::differs("integers from 0 to 255", found);
-        self.report(self.plans.rules.json_type, field.span, detail.excerpt(field.excerpt(tree)));
+        self.report(self.rules.json_type, field.span, detail.excerpt(excerpt(field, tree)));
     }
 
     /// Checks bytes that represent text.
-    fn bytes(&mut self, bytes: &[u8], tree: &Tree<'_>, field: &'p FieldPlan) {
-        if let Err(violation) = field.check_text(bytes) {
+    fn bytes(&mut self, bytes: &[u8], tree: &Tree<'_>, field: &Field) {
+        if let Err(violation) = field.value_type().check_array(bytes) {
             self.violation(&violation, tree, field, false);
         }
     }
 
-    fn mistyped(&mut self, tree: &Tree<'_>, field: &'p FieldPlan, is_element: bool) {
-        let detail = Detail::differs(field.expected(is_element), tree).excerpt(field.excerpt(tree));
-        self.report(self.plans.rules.json_type, field.span, detail);
+    fn mistyped(&mut self, tree: &Tree<'_>, field: &Field, is_element: bool) {
+        let detail = Detail::differs(expected(field, is_element), tree).excerpt(excerpt(field, tree));
+        self.report(self.rules.json_type, field.span, detail);
     }
 }
 
 /// The number of entries in use according to the field that counts them. `None` if that field is not an integer.
-fn in_use(object: &Tree<'_>, field: &FieldPlan) -> Option<usize> {
+fn in_use(object: &Tree<'_>, field: &Field) -> Option<usize> {
     Some(entries_in_use(object.get(&field.name)?.as_integer()?, &field.special))
 }
 
-impl FieldPlan {
-    /// The excerpt of a value or element for findings.
-    fn excerpt(&self, tree: &Tree<'_>) -> String {
-        format!("\"{}\": {}", self.name, tree.excerpt())
-    }
+/// The expected JSON type of a value or element, as text.
+fn expected(field: &Field, is_element: bool) -> Expected<'_> {
+    Expected { field, is_element }
+}
+
+/// The excerpt of a value or element for findings.
+fn excerpt(field: &Field, tree: &Tree<'_>) -> String {
+    format!("\"{}\": {}", field.name, tree.excerpt())
 }

@@ -5,13 +5,14 @@
 //! byte. Everything between the values, including keys, must be equal, and only values that differ are read. The
 //! comparison takes a fraction of the time needed to parse JSON. All other text takes the usual path.
 
+use uavspec_dynamic::{Field, Leaf};
 use uavspec_model::json::{Tokens, Unclear};
-use uavspec_schema::{MessageId, Shape};
+use uavspec_schema::{Element, MessageId, Shape};
 
 use super::clean::Clean;
 use super::dialect::Dialects;
-use super::value::{Leaf, keep_bytes};
-use crate::values::{Element, FieldPlan, Plans};
+use super::value::{is_timestamp, keep, keep_bytes, leaf_of};
+use crate::values::Plans;
 
 /// The maximum number of values in a template. Larger templates cost too much memory for the time they save.
 const MAX_STEPS: usize = 8_192;
@@ -54,7 +55,7 @@ struct Change {
 impl Template {
     /// Creates a template from text without findings. The message is the whole text, or the value of `key`. `size` is
     /// the size of the message's values in memory. Returns `None` if the form isn't supported.
-    pub fn new(plans: &Plans, id: MessageId, text: &str, key: Option<&str>, size: usize) -> Option<Self> {
+    pub fn new(plans: &Plans<'_>, id: MessageId, text: &str, key: Option<&str>, size: usize) -> Option<Self> {
         let template = Self {
             text: text.into(),
             steps: Vec::new(),
@@ -73,7 +74,7 @@ impl Template {
 
     /// Compares a text with the template. If only values differ and all of them are valid, stores the text as the
     /// template's new text, and returns its results.
-    pub fn read(&mut self, plans: &Plans, text: &str) -> Option<Clean> {
+    pub fn read(&mut self, plans: &Plans<'_>, text: &str) -> Option<Clean> {
         self.compare(plans, text)?;
         self.advance(plans, text);
         Some(Clean { timestamp: self.timestamp, dialects: Dialects::default() })
@@ -85,7 +86,7 @@ impl Template {
     }
 
     /// Finds the values that differ. Returns `None` if anything else differs, or if a value is invalid.
-    fn compare(&mut self, plans: &Plans, text: &str) -> Option<()> {
+    fn compare(&mut self, plans: &Plans<'_>, text: &str) -> Option<()> {
         self.changes.clear();
         let (mut old, mut new, mut next) = (0, 0, 0);
         loop {
@@ -103,13 +104,13 @@ impl Template {
             let start = new - old.checked_sub(step.start)?;
             let mut tokens = Tokens::new(text.get(start..)?);
             let token = tokens.token().ok()?;
-            let leaf = Leaf::from_token(&token)?;
+            let leaf = leaf_of(&token)?;
             let bytes = match step.slot {
                 None => [0; 8],
                 Some(slot) => {
                     let field = slot.field(plans);
-                    field.check(leaf).ok()?;
-                    field.bytes(leaf)
+                    field.value_type().check_leaf(leaf).ok()?;
+                    bytes_of(field, leaf)
                 }
             };
             let length = tokens.at();
@@ -119,7 +120,7 @@ impl Template {
     }
 
     /// Updates the template to match a text that has the recorded changes.
-    fn advance(&mut self, plans: &Plans, text: &str) {
+    fn advance(&mut self, plans: &Plans<'_>, text: &str) {
         let Some(first) = self.changes.first() else { return };
         // If the lengths differ, later values move.
         if self.text.len() != text.len()
@@ -149,11 +150,15 @@ impl Template {
                 Element::Text(_) => {
                     let step = self.steps[change.step];
                     let token = Tokens::new(&self.text[step.start..step.end]).token();
-                    if let Some(leaf) = token.as_ref().ok().and_then(Leaf::from_token) {
-                        field.keep(&mut self.values, slot.at, leaf);
+                    if let Some(leaf) = token.as_ref().ok().and_then(leaf_of) {
+                        keep(field, &mut self.values, slot.at, leaf);
                     }
                 }
-                _ => field.put(&mut self.values, slot.at, change.bytes),
+                Element::Scalar(scalar) => {
+                    let size = scalar.size();
+                    keep_bytes(&mut self.values, slot.at..slot.at + size, &change.bytes[..size]);
+                }
+                Element::String { .. } | Element::Message(_) => {}
             }
         }
     }
@@ -166,38 +171,16 @@ impl Step {
 }
 
 impl Slot {
-    fn field(self, plans: &Plans) -> &FieldPlan {
-        &plans.get(self.id).fields[self.index]
+    fn field<'d>(self, plans: &Plans<'d>) -> &'d Field {
+        &plans.types.get(self.id).fields()[self.index]
     }
 }
 
-impl FieldPlan {
-    /// The bytes of a valid value in memory; zeros for text.
-    fn bytes(&self, leaf: Leaf<'_>) -> [u8; 8] {
-        match self.element {
-            Element::Scalar(scalar) => leaf.bytes(scalar),
-            Element::Text(_) | Element::String { .. } | Element::Message(_) => [0; 8],
-        }
-    }
-
-    /// Stores a number or a boolean at its offset in memory, if `values` isn't empty.
-    fn put(&self, values: &mut [u8], at: usize, bytes: [u8; 8]) {
-        if let Element::Scalar(scalar) = self.element
-            && let Some(slot) = values.get_mut(at..at + scalar.size())
-        {
-            slot.copy_from_slice(&bytes[..scalar.size()]);
-        }
-    }
-
-    /// Stores a value or an element at its offset in memory, if `values` isn't empty.
-    pub(super) fn keep(&self, values: &mut [u8], at: usize, leaf: Leaf<'_>) {
-        match (self.element, leaf) {
-            _ if values.is_empty() => {}
-            (Element::Text(room), Leaf::Text(text)) => {
-                keep_bytes(values, at..at + room as usize, text.as_bytes());
-            }
-            _ => self.put(values, at, self.bytes(leaf)),
-        }
+/// The bytes of a valid value in memory; zeros for text.
+fn bytes_of(field: &Field, leaf: Leaf<'_>) -> [u8; 8] {
+    match field.element {
+        Element::Scalar(scalar) => leaf.bytes(scalar),
+        Element::Text(_) | Element::String { .. } | Element::Message(_) => [0; 8],
     }
 }
 
@@ -221,7 +204,7 @@ fn common(left: &[u8], right: &[u8]) -> usize {
 
 /// Creates a template from a message.
 struct Learner<'p> {
-    plans: &'p Plans,
+    plans: &'p Plans<'p>,
     template: Template,
 }
 
@@ -247,13 +230,12 @@ impl Learner<'_> {
         base: usize,
         is_top: bool,
     ) -> Result<(), Unclear> {
-        let plans = self.plans;
-        let fields = &plans.get(id).fields;
+        let fields = self.plans.types.get(id).fields();
         tokens.members(|tokens, key| {
-            let index = fields.iter().position(|field| field.name == key).ok_or(Unclear)?;
+            let index = fields.iter().position(|field| *field.name == *key).ok_or(Unclear)?;
             let field = &fields[index];
             let mut slot =
-                Slot { id, index, at: base + field.offset, is_timestamp: is_top && field.is_timestamp() };
+                Slot { id, index, at: base + field.offset, is_timestamp: is_top && is_timestamp(field) };
             if field.shape == Shape::Single {
                 return self.value(tokens, field, slot);
             }
@@ -265,7 +247,7 @@ impl Learner<'_> {
         })
     }
 
-    fn value(&mut self, tokens: &mut Tokens<'_>, field: &FieldPlan, slot: Slot) -> Result<(), Unclear> {
+    fn value(&mut self, tokens: &mut Tokens<'_>, field: &Field, slot: Slot) -> Result<(), Unclear> {
         match field.element {
             Element::Message(nested) => self.message(tokens, nested, slot.at, false),
             _ => self.step(tokens, Some(slot)),
@@ -276,7 +258,7 @@ impl Learner<'_> {
         tokens.peek();
         let start = tokens.at();
         let token = tokens.token()?;
-        let leaf = Leaf::from_token(&token).ok_or(Unclear)?;
+        let leaf = leaf_of(&token).ok_or(Unclear)?;
         let template = &mut self.template;
         if template.steps.len() == MAX_STEPS {
             return Err(Unclear);
@@ -284,9 +266,9 @@ impl Learner<'_> {
         template.steps.push(Step { start, end: tokens.at(), slot });
         if let Some(slot) = slot {
             let field = slot.field(self.plans);
-            field.keep(&mut template.values, slot.at, leaf);
+            keep(field, &mut template.values, slot.at, leaf);
             if slot.is_timestamp {
-                template.timestamp = Some(u64::from_le_bytes(field.bytes(leaf)));
+                template.timestamp = Some(u64::from_le_bytes(bytes_of(field, leaf)));
             }
         }
         Ok(())

@@ -1,56 +1,12 @@
-//! The checks of JSON values against the types of their fields.
+//! The JSON values of fields: their types as text, and their bytes in memory.
 
 use std::fmt;
 use std::ops::Range;
 
-use uavspec_model::json::whole;
-use uavspec_runtime::{Number, Scalar};
-use uavspec_schema::Shape;
-
-use crate::values::{Element, FieldPlan, Violation, check_text};
-
-/// A scalar value.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Leaf<'t> {
-    Null,
-    Bool(bool),
-    Int(i128),
-    Float(f64),
-    Text(&'t str),
-}
-
-impl Leaf<'_> {
-    /// The little-endian bytes of the value in memory. The value must fit into this type.
-    pub(super) fn bytes(self, scalar: Scalar) -> [u8; 8] {
-        let float = |value: f64| match scalar {
-            #[allow(clippy::cast_possible_truncation)] // rounded like any float32
-            Scalar::Float32 => u64::from((value as f32).to_bits()),
-            _ => value.to_bits(),
-        };
-        let bits = match self {
-            Self::Null => float(f64::NAN),
-            Self::Bool(value) => value.into(),
-            #[allow(clippy::cast_precision_loss)] // rounded like any float
-            Self::Int(value) if scalar.is_float() => float(value as f64),
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
-            Self::Int(value) => value as u64,
-            Self::Float(value) if scalar.is_float() => float(value),
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
-            Self::Float(value) => whole(value).unwrap_or_default() as u64,
-            Self::Text(_) => 0,
-        };
-        bits.to_le_bytes()
-    }
-
-    /// The value of an integer in any notation: JSON Schema accepts `5.0` as an integer.
-    pub(super) fn integer(self) -> Option<i128> {
-        match self {
-            Self::Int(value) => Some(value),
-            Self::Float(value) => whole(value),
-            _ => None,
-        }
-    }
-}
+use uavspec_dynamic::{Field, Leaf};
+use uavspec_model::json::{Token, base64};
+use uavspec_runtime::Scalar;
+use uavspec_schema::{Element, Shape};
 
 /// Stores bytes in a part of the memory, and fills the rest of the part with zeros. The bytes must fit.
 pub(super) fn keep_bytes(values: &mut [u8], part: Range<usize>, bytes: &[u8]) {
@@ -62,86 +18,61 @@ pub(super) fn keep_bytes(values: &mut [u8], part: Range<usize>, bytes: &[u8]) {
     }
 }
 
-impl FieldPlan {
-    /// Checks a value: the field itself, or one of its elements.
-    pub(super) fn check(&self, leaf: Leaf<'_>) -> Result<(), Violation<'_>> {
-        match (self.element, leaf) {
-            (Element::Scalar(Scalar::Bool), Leaf::Bool(_)) => Ok(()),
-            (Element::Scalar(scalar @ (Scalar::Float32 | Scalar::Float64)), leaf) => {
-                self.constraint().check_number(float(scalar, leaf)?)
-            }
-            (Element::Scalar(scalar), leaf) => match (scalar.integer_bounds(), leaf.integer()) {
-                (Some((low, high)), Some(value)) if (low..=high).contains(&value) => {
-                    self.constraint().check_number(Number::Int(value))
-                }
-                _ => Err(Violation::Type),
-            },
-            (Element::Text(room), Leaf::Text(text)) => {
-                if let Some(at) = memchr::memchr(0, text.as_bytes()) {
-                    return Err(Violation::Nul(at));
-                }
-                at_most(text.len(), room, "bytes")
-            }
-            (Element::String { bound, .. }, Leaf::Text(text)) => match bound {
-                // A string never has more characters than bytes.
-                Some(bound) if text.len() > bound as usize => {
-                    at_most(text.chars().count(), bound, "characters")
-                }
-                _ => Ok(()),
-            },
-            _ => Err(Violation::Type),
-        }
-    }
-
-    /// Checks the number of elements of an array or a sequence.
-    pub(super) fn check_length(&self, found: usize) -> Result<(), Violation<'_>> {
-        let is_right = match self.shape {
-            Shape::Single | Shape::Sequence => true,
-            Shape::Array(length) => found == length as usize,
-            Shape::Bounded(bound) => found <= bound as usize,
-        };
-        if is_right { Ok(()) } else { Err(Violation::Length { found, unit: "elements", shape: self.shape }) }
-    }
-
-    /// Checks the bytes of a text array.
-    pub(super) fn check_text(&self, bytes: &[u8]) -> Result<(), Violation<'_>> {
-        if let Element::Text(room) = self.element
-            && bytes.len() != room as usize
-        {
-            return Err(Violation::Length { found: bytes.len(), unit: "bytes", shape: Shape::Array(room) });
-        }
-        check_text(bytes)
-    }
-
-    /// The expected JSON type of a value or element, as text.
-    pub(super) fn expected(&self, is_element: bool) -> Expected<'_> {
-        Expected { field: self, is_element }
-    }
+/// The value of a token. `None` for numbers that are too large and for tokens that aren't JSON.
+pub(super) fn leaf_of<'t>(token: &'t Token<'_>) -> Option<Leaf<'t>> {
+    Some(match token {
+        Token::Null => Leaf::Null,
+        Token::Bool(value) => Leaf::Bool(*value),
+        Token::Int(value) => Leaf::Int(*value),
+        Token::Float(value, _) => Leaf::Float(*value),
+        Token::Text(text) => Leaf::Text(text),
+        Token::Huge(_) | Token::NotJson(_) => return None,
+    })
 }
 
-/// The value of a float. The value is rounded first, since ranges and special values apply to the rounded value.
-fn float<'p>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Violation<'p>> {
-    let value = match leaf {
-        Leaf::Null => f64::NAN,
-        #[allow(clippy::cast_precision_loss)] // rounded like any float
-        Leaf::Int(value) => value as f64,
-        Leaf::Float(value) => value,
-        Leaf::Bool(_) | Leaf::Text(_) => return Err(Violation::Type),
+/// True if the field is the timestamp of a message. The timestamp's definition has no restriction, so the field needs no
+/// check.
+pub(super) fn is_timestamp(field: &Field) -> bool {
+    *field.name == *"timestamp"
+        && field.element == Element::Scalar(Scalar::UInt64)
+        && field.shape == Shape::Single
+        && field.restriction.is_none()
+}
+
+/// The decoded bytes of an array that rosbridge wrote as base64.
+///
+/// The base64 of an array is longer than any text that fits into the array, so there is no ambiguity.
+pub(super) fn as_base64(field: &Field, text: &str, is_rosbridge: bool, is_element: bool) -> Option<Vec<u8>> {
+    let is_bytes = match field.element {
+        Element::Text(room) => text.len() > room as usize,
+        element => is_byte(element) && field.shape != Shape::Single && !is_element,
     };
-    #[allow(clippy::cast_possible_truncation)] // rounded like any float32
-    let value = if scalar == Scalar::Float32 { f64::from(value as f32) } else { value };
-    if value.is_infinite() { Err(Violation::TooLarge(scalar)) } else { Ok(Number::Float(value)) }
+    if is_rosbridge && is_bytes { base64::decode(text) } else { None }
 }
 
-fn at_most<'p>(found: usize, bound: u32, unit: &'static str) -> Result<(), Violation<'p>> {
-    let is_over = found > bound as usize;
-    if is_over { Err(Violation::Length { found, unit, shape: Shape::Bounded(bound) }) } else { Ok(()) }
+/// True if rosbridge writes an array with these elements as base64.
+pub fn is_byte(element: Element) -> bool {
+    matches!(element, Element::Scalar(Scalar::UInt8 | Scalar::Byte | Scalar::Char))
+}
+
+/// Stores a value or an element at its offset in memory, if `values` isn't empty.
+pub(super) fn keep(field: &Field, values: &mut [u8], at: usize, leaf: Leaf<'_>) {
+    match (field.element, leaf) {
+        _ if values.is_empty() => {}
+        (Element::Text(room), Leaf::Text(text)) => {
+            keep_bytes(values, at..at + room as usize, text.as_bytes());
+        }
+        (Element::Scalar(scalar), leaf) => {
+            keep_bytes(values, at..at + scalar.size(), &leaf.bytes(scalar)[..scalar.size()]);
+        }
+        _ => {}
+    }
 }
 
 /// The JSON type of a field, as text.
 pub(super) struct Expected<'p> {
-    field: &'p FieldPlan,
-    is_element: bool,
+    pub(super) field: &'p Field,
+    pub(super) is_element: bool,
 }
 
 impl fmt::Display for Expected<'_> {

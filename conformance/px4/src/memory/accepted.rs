@@ -1,9 +1,8 @@
 //! A fast check of values in memory. Most values pass, and only the others are examined further.
 
+use uavspec_dynamic::{ValueType, number};
 use uavspec_runtime::{Number, Scalar};
-use uavspec_schema::Restriction;
-
-use crate::values::{Constraint, Element, number};
+use uavspec_schema::{Element, Restriction};
 
 /// A fast check that only accepts values without findings. Most values need at most two comparisons.
 #[derive(Clone, Copy, Debug)]
@@ -27,27 +26,27 @@ pub(super) enum Accepted {
 impl Accepted {
     /// Derives the fast check from a constraint. To verify the derived ranges, their ends are checked against the
     /// constraint. `None` if nothing is constrained.
-    pub(super) fn new(constraint: Constraint<'_>) -> Option<Self> {
-        let scalar = match constraint.element {
+    pub(super) fn new(value: ValueType<'_>) -> Option<Self> {
+        let scalar = match value.element {
             Element::Scalar(Scalar::Bool) => return Some(Self::Bool),
             Element::Text(_) => return Some(Self::Text),
             Element::String { .. } => return Some(Self::String),
             Element::Scalar(scalar) => scalar,
             Element::Message(_) => return None,
         };
-        let restriction = constraint.restriction?;
+        let restriction = value.restriction?;
         if restriction.constraint() == uavspec_runtime::Constraint::NONE {
             return None;
         }
         if let Scalar::UInt8 | Scalar::Byte | Scalar::Char | Scalar::Int8 = scalar {
             let is_accepted =
-                |byte: usize| u8::try_from(byte).is_ok_and(|byte| constraint.check_bytes(&[byte]).is_ok());
+                |byte: usize| u8::try_from(byte).is_ok_and(|byte| value.check_bytes(&[byte]).is_ok());
             let bits = |word| {
                 (0..64).filter(|bit| is_accepted(64 * word + bit)).fold(0, |bits, bit| bits | 1 << bit)
             };
             return Some(Self::Among(std::array::from_fn(bits)));
         }
-        let is_accepted = |number: Number| constraint.check_number(number).is_ok();
+        let is_accepted = |number: Number| value.check_number(number).is_ok();
         let accepted = if !restriction.constraint().is_interval() {
             None
         } else if scalar.is_float() {

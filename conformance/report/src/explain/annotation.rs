@@ -3,7 +3,7 @@
 use uavspec_rules::definitions::ReleaseId;
 use uavspec_runtime::Scalar;
 use uavspec_schema::fingerprint::ros_name;
-use uavspec_schema::{Element, Message, Schema};
+use uavspec_schema::{Message, Schema};
 
 use super::catalogue::Catalogue;
 use super::target::declared_name;
@@ -107,7 +107,7 @@ fn documented(catalogue: &Catalogue<'_>, texts: &Texts<'_>, definition: &str, na
     let schema: &Schema = &catalogue.library().base().schema;
     let message: &Message = catalogue.documented(definition)?;
     let field = message.fields.iter().find(|field| field.name == name)?;
-    let Element::Scalar(_) = field.ty.element else { return None };
+    field.ty.element.scalar()?;
     let reference = field.enumeration?;
     let (owner, found) = (schema.message(reference.message), schema.enumeration(reference));
     let full_name = ros_name(schema, owner);

@@ -127,7 +127,7 @@ fn item(definition: &Definition, first: &str, path: &str) -> Option<Target> {
         let nested = steps.iter().try_fold(part, |message, step| {
             match message.fields.iter().find(|field| field.name == *step)?.ty.element {
                 Element::Message(id) => Some(schema.message(id)),
-                Element::Scalar(_) | Element::String { .. } => None,
+                Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
             }
         });
         let Some(message) = nested else { continue };

@@ -42,7 +42,7 @@ pub(super) fn explain(
         (Element::Scalar(_), None) => {
             named(field, text).map(|member| integer(&member.value).unwrap_or_default())
         }
-        (Element::String { .. } | Element::Message(_), _) => {
+        (Element::Text(_) | Element::String { .. } | Element::Message(_), _) => {
             return Err(suggestion::no_value(place, text, "a field that is a number"));
         }
     };

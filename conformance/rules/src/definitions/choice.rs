@@ -307,8 +307,7 @@ fn nearest(set: ReleaseSet, release: ReleaseId) -> Option<ReleaseId> {
 
 #[cfg(test)]
 mod tests {
-    use uavspec_dynamic::PlacedElement;
-    use uavspec_schema::Shape;
+    use uavspec_schema::{Element, Shape};
 
     use super::*;
 
@@ -552,11 +551,11 @@ mod tests {
                 if count(&message) > 0 {
                     continue;
                 }
-                for field in old.layout().filter(|field| field.shape == Shape::Single) {
-                    if let PlacedElement::Scalar(scalar) = field.element
+                for field in old.fields().iter().filter(|field| field.shape == Shape::Single) {
+                    if let Element::Scalar(scalar) = field.element
                         && let Some((_, high)) = scalar.integer_bounds()
                     {
-                        message[field.name] = u64::try_from(high).expect("a number").into();
+                        message[&*field.name] = u64::try_from(high).expect("a number").into();
                     }
                 }
                 assert_eq!(count(&message), 0, "{}: {message}", older.name);

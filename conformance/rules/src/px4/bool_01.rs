@@ -1,7 +1,8 @@
 //! `PX-BOOL-01`.
 
-use uavspec_dynamic::{Placed, PlacedElement};
+use uavspec_dynamic::Field;
 use uavspec_runtime::Scalar;
+use uavspec_schema::Element;
 
 use super::prelude::*;
 
@@ -22,7 +23,7 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
 })
 .check(Check::Value)
 .mutants(&[Mutant::ulog("a bool whose byte is 153", |flight, log| {
-    let is_bool = |field: &Placed<'_>| matches!(field.element, PlacedElement::Scalar(Scalar::Bool));
+    let is_bool = |field: &Field| field.element == Element::Scalar(Scalar::Bool);
     let (topic, at) = flight.find_field(is_bool)?;
     log.with_payload(topic, |payload| payload[at] = 153)
 })]);

@@ -39,5 +39,5 @@ pub static RULE: Px4Rule = Px4Rule::new(Rule {
 /// Finds a topic and the name of its second field.
 fn second_field<'d>(flight: &Flight<'d>) -> Option<(usize, &'d str)> {
     let topic = flight.regular(|message| message.fields.get(1).is_some())?;
-    Some((topic, flight.type_of(topic).field_names().nth(1)?))
+    Some((topic, &*flight.type_of(topic).fields().get(1)?.name))
 }

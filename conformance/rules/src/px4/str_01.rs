@@ -1,7 +1,8 @@
 //! `PX-STR-01`.
 
 use uavspec::px4::RegisterExtComponentRequest;
-use uavspec_dynamic::{Placed, PlacedElement};
+use uavspec_dynamic::Field;
+use uavspec_schema::Element;
 
 use super::prelude::*;
 
@@ -38,11 +39,11 @@ pub(super) static RULE: Px4Rule = Px4Rule::new(Rule {
     }),
     Mutant::flight("text with a NUL", |flight| {
         let (topic, _) = flight.find_field(is_text)?;
-        let name = flight.type_of(topic).layout().find(is_text)?.name;
+        let name = &*flight.type_of(topic).fields().iter().find(|field| is_text(field))?.name;
         flight.with_last(topic, |message| message[name] = "D\0".into())
     }),
 ]);
 
-fn is_text(field: &Placed<'_>) -> bool {
-    matches!(field.element, PlacedElement::Text(_))
+fn is_text(field: &Field) -> bool {
+    matches!(field.element, Element::Text(_))
 }

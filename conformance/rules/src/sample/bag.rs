@@ -180,13 +180,15 @@ fn text_of(schema: &Schema, root: MessageId) -> String {
 fn fields(schema: &Schema, message: &Message) -> String {
     let mut text = String::new();
     for field in &message.fields {
-        let ty = match field.ty.element {
+        let declared = field.ty.written();
+        let ty = match declared.element {
             Element::Scalar(scalar) => scalar.name().to_owned(),
+            Element::Text(_) => "char".to_owned(),
             Element::String { wide: false, .. } => "string".to_owned(),
             Element::String { wide: true, .. } => "wstring".to_owned(),
             Element::Message(id) => ros_name(schema, schema.message(id)).replace("/msg/", "/"),
         };
-        let _ = writeln!(text, "{ty}{} {}", shape_text(field.ty.shape), field.name);
+        let _ = writeln!(text, "{ty}{} {}", shape_text(declared.shape), field.name);
     }
     text
 }

@@ -11,7 +11,7 @@ use arrow_array::types::{
 use arrow_array::{Array as _, ArrayRef, FixedSizeListArray, ListArray, StructArray};
 use arrow_schema::{ArrowError, DataType, Field, FieldRef, Fields};
 use serde_json::Number;
-use uavspec_dynamic::{MessageType, Placed, PlacedElement, Value};
+use uavspec_dynamic::{Field as Placed, MessageType, Value};
 use uavspec_runtime::Scalar;
 use uavspec_schema::{Element, Field as Defined, Message, Schema, Shape};
 
@@ -95,15 +95,15 @@ impl Plain for StringBuilder {
 
 /// The fields of a message type, with the facts of the definition.
 pub(super) fn fields(message: MessageType<'_>, definition: Option<&Message>, schema: &Schema) -> Vec<Field> {
-    let field = |placed: Placed<'_>| {
-        let known = field_of(definition, placed.name);
-        let field = Field::new(placed.name, data_type(placed, known, schema), true);
+    let field = |placed: &Placed| {
+        let known = field_of(definition, &placed.name);
+        let field = Field::new(&*placed.name, data_type(message, placed, known, schema), true);
         match known {
             Some(known) => defined(field, known, schema),
             None => field,
         }
     };
-    message.layout().map(field).collect()
+    message.fields().iter().map(field).collect()
 }
 
 /// The empty columns for the fields of a message type.
@@ -112,8 +112,8 @@ pub(super) fn columns(
     definition: Option<&Message>,
     schema: &Schema,
 ) -> Vec<Column> {
-    let column = |placed: Placed<'_>| column(placed, field_of(definition, placed.name), schema);
-    message.layout().map(column).collect()
+    let column = |placed: &Placed| column(message, placed, field_of(definition, &placed.name), schema);
+    message.fields().iter().map(column).collect()
 }
 
 /// The field of a definition with this name.
@@ -150,38 +150,46 @@ fn defined(field: Field, known: &Defined, schema: &Schema) -> Field {
     described(field, unit, &known.description, values.as_deref())
 }
 
-fn data_type(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> DataType {
+fn data_type(
+    message: MessageType<'_>,
+    placed: &Placed,
+    known: Option<&Defined>,
+    schema: &Schema,
+) -> DataType {
     match (placed.shape, size(placed.shape)) {
-        (Shape::Single, _) => element_type(placed, known, schema),
-        (_, Some(size)) => DataType::FixedSizeList(item(placed, known, schema), size),
-        (_, None) => DataType::List(item(placed, known, schema)),
+        (Shape::Single, _) => element_type(message, placed, known, schema),
+        (_, Some(size)) => DataType::FixedSizeList(item(message, placed, known, schema), size),
+        (_, None) => DataType::List(item(message, placed, known, schema)),
     }
 }
 
 /// The elements of an array.
-fn item(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> FieldRef {
-    Arc::new(Field::new(ITEM, element_type(placed, known, schema), true))
+fn item(message: MessageType<'_>, placed: &Placed, known: Option<&Defined>, schema: &Schema) -> FieldRef {
+    Arc::new(Field::new(ITEM, element_type(message, placed, known, schema), true))
 }
 
 /// The type of a field or its elements.
-fn element_type(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> DataType {
+fn element_type(
+    message: MessageType<'_>,
+    placed: &Placed,
+    known: Option<&Defined>,
+    schema: &Schema,
+) -> DataType {
     match placed.element {
-        PlacedElement::Scalar(scalar) => scalar_type(scalar),
-        PlacedElement::Text(_) | PlacedElement::String { .. } => DataType::Utf8,
-        PlacedElement::Message(message) => {
-            DataType::Struct(fields(message, nested(known, schema), schema).into())
+        Element::Scalar(scalar) => scalar_type(scalar),
+        Element::Text(_) | Element::String { .. } => DataType::Utf8,
+        Element::Message(id) => {
+            DataType::Struct(fields(message.nested(id), nested(known, schema), schema).into())
         }
     }
 }
 
-fn column(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> Column {
+fn column(message: MessageType<'_>, placed: &Placed, known: Option<&Defined>, schema: &Schema) -> Column {
     let column = match placed.element {
-        PlacedElement::Scalar(scalar) => plain(scalar),
-        PlacedElement::Text(_) | PlacedElement::String { .. } => {
-            Column::Plain(Box::new(StringBuilder::new()))
-        }
-        PlacedElement::Message(message) => {
-            let definition = nested(known, schema);
+        Element::Scalar(scalar) => plain(scalar),
+        Element::Text(_) | Element::String { .. } => Column::Plain(Box::new(StringBuilder::new())),
+        Element::Message(id) => {
+            let (message, definition) = (message.nested(id), nested(known, schema));
             let fields = Fields::from(fields(message, definition, schema));
             Column::Message { fields, columns: columns(message, definition, schema), rows: 0 }
         }
@@ -189,7 +197,7 @@ fn column(placed: Placed<'_>, known: Option<&Defined>, schema: &Schema) -> Colum
     if placed.shape == Shape::Single {
         return column;
     }
-    let (item, elements) = (item(placed, known, schema), Box::new(column));
+    let (item, elements) = (item(message, placed, known, schema), Box::new(column));
     Column::List { item, shape: placed.shape, lengths: Vec::new(), elements }
 }
 

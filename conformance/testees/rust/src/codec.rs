@@ -169,7 +169,8 @@ fn answer(
         "layout" if is_cdr()? => Err(CodecError::Unknown),
         "layout" => {
             let size = message_type.size().ok_or_else(|| CodecError::Input("the size varies".to_owned()))?;
-            let offsets = message_type.layout().map(|field| (field.name.to_owned(), field.offset.into()));
+            let offsets =
+                message_type.fields().iter().map(|field| (field.name.to_string(), field.offset.into()));
             let offsets: serde_json::Map<String, Value> = offsets.collect();
             Ok(json!({ "size": size.padded, "size_no_padding": size.no_padding, "offsets": offsets }))
         }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeSet, HashMap};
 
 use uavspec_schema::enumeration::{is_sentinel, is_sentinel_among};
-use uavspec_schema::{Constant, Field, Shape};
+use uavspec_schema::{Constant, Field};
 
 use super::direction::{Direction, Side};
 use crate::breaking::ConstantChange;
@@ -208,10 +208,7 @@ fn undecided(
 
 /// True if a constant is the length of an array in both definitions.
 fn is_length(direction: &Direction<'_>, old: &Constant, new: &Constant) -> bool {
-    let length = |field: &Field| match field.ty.shape {
-        Shape::Array(length) | Shape::Bounded(length) => Some(i128::from(length)),
-        Shape::Single | Shape::Sequence => None,
-    };
+    let length = |field: &Field| field.ty.max_length().map(i128::from);
     let values = (old.value.as_int(), new.value.as_int());
     direction.sources.iter().any(|(target, source)| {
         let source = length(&direction.from.message.fields[*source]);

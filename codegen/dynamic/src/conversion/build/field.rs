@@ -10,7 +10,7 @@ use uavspec_schema::{Element, Field, Shape};
 
 use super::constants;
 use super::direction::{self, Direction};
-use super::neutral::{is_text, neutral};
+use super::neutral::neutral;
 use crate::conversion::expression::{Expression, Name, Names, Node, NodeKind, Side, ValueKind, typed};
 use crate::conversion::hints::{Decisions, HintValue, Key, Mistake, constant};
 use crate::conversion::plan::{
@@ -262,14 +262,11 @@ impl<'a> FieldBuilder<'_, 'a> {
 
     fn compare_types(&self, source: &Field, target: &Field) -> Compared {
         let is_single = |field: &Field| field.ty.shape == Shape::Single;
-        let (from, to) = (self.direction.from, self.direction.to);
-        let is_text = |side: direction::Side<'_>, field| is_text(side.schema, side.message, field);
-        match (is_text(from, source), is_text(to, target)) {
-            (true, true) => return Compared::Elements(Elements::Text),
-            (false, false) if is_single(source) == is_single(target) => {}
-            _ => return Compared::Other,
+        if is_single(source) != is_single(target) {
+            return Compared::Other;
         }
         match (source.ty.element, target.ty.element) {
+            (Element::Text(_), Element::Text(_)) => Compared::Elements(Elements::Text),
             (Element::Scalar(from), Element::Scalar(to)) => scalars(from, to),
             (Element::String { wide, .. }, Element::String { wide: other, bound }) if wide == other => {
                 Compared::Elements(Elements::String(bound))
@@ -292,24 +289,25 @@ impl<'a> FieldBuilder<'_, 'a> {
             Shape::Array(length) | Shape::Bounded(length) => length,
             Shape::Sequence => u32::MAX,
         };
-        let (before, after) = (max(source.ty.shape), max(target.ty.shape));
+        let (from, to) = (source.ty.written().shape, target.ty.written().shape);
+        let (before, after) = (max(from), max(to));
         if before > after {
             self.lose(at, LossKind::Cut, format!("`{}` is cut to {after} elements", source.name));
         }
         let string_bound = |field: &Field| match field.ty.element {
             Element::String { bound, .. } => Some(bound.unwrap_or(u32::MAX)),
-            Element::Scalar(_) | Element::Message(_) => None,
+            Element::Scalar(_) | Element::Text(_) | Element::Message(_) => None,
         };
         if let (Some(before), Some(after)) = (string_bound(source), string_bound(target))
             && before > after
         {
             self.lose(at, LossKind::Cut, format!("`{}` is cut to {after} characters", source.name));
         }
-        let is_array = |field: &Field| matches!(field.ty.shape, Shape::Array(_));
-        if is_array(target) && !is_array(source) && target.ty.shape != source.ty.shape {
+        let is_array = |shape| matches!(shape, Shape::Array(_));
+        if is_array(to) && !is_array(from) && to != from {
             self.lose(at, LossKind::Cut, format!("the number of elements of `{}` is lost", source.name));
         }
-        let is_filled = is_array(target) && (after > before || !is_array(source));
+        let is_filled = is_array(to) && (after > before || !is_array(from));
         match self.neutral() {
             Ok(value) => value,
             Err(reason) if is_filled => {
@@ -332,11 +330,14 @@ impl<'a> FieldBuilder<'_, 'a> {
         }
         let target = self.field();
         let Element::Scalar(scalar) = target.ty.element else {
-            return self.mistaken(key, "only numbers and truth values can be computed");
+            let is_text = target.is_text();
+            let problem = if is_text {
+                "a text can't be computed"
+            } else {
+                "only numbers and truth values can be computed"
+            };
+            return self.mistaken(key, problem);
         };
-        if is_text(self.direction.to.schema, self.direction.to.message, target) {
-            return self.mistaken(key, "a text can't be computed");
-        }
         if matches!(target.ty.shape, Shape::Bounded(_) | Shape::Sequence) {
             return self.mistaken(key, "a sequence can't be computed");
         }

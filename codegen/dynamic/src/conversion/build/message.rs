@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use uavspec_runtime::Number;
-use uavspec_schema::{Element, Field, Shape};
+use uavspec_schema::{Element, Field};
 
 use super::constants::changed;
 use super::direction::{Direction, Side};
@@ -57,7 +57,7 @@ impl<'a> Builder<'_, 'a> {
             let Step::Copy(copy) = step else { continue };
             let element = |fields: &[Field], at: usize| match fields[at].ty.element {
                 Element::Message(id) => Some(id),
-                Element::Scalar(_) | Element::String { .. } => None,
+                Element::Scalar(_) | Element::Text(_) | Element::String { .. } => None,
             };
             let source = element(&direction.from.message.fields, copy.source);
             let (Some(from), Some(to)) = (source, element(&direction.to.message.fields, target)) else {
@@ -81,13 +81,7 @@ fn limit_counts(direction: &Direction<'_>, conversion: &mut Conversion) {
         if matches!(copy.elements, Elements::Flags(_)) {
             continue;
         }
-        let counted = |fields: &[Field], field: usize| {
-            let array = fields.get(fields[field].counts?)?;
-            match array.ty.shape {
-                Shape::Array(length) | Shape::Bounded(length) => Some(length),
-                Shape::Single | Shape::Sequence => None,
-            }
-        };
+        let counted = |fields: &[Field], field: usize| fields.get(fields[field].counts?)?.ty.max_length();
         let fields = &direction.to.message.fields;
         let Some(max) = counted(fields, target) else { continue };
         let before = counted(&direction.from.message.fields, copy.source);
@@ -115,7 +109,7 @@ fn special_counts(
         Element::Scalar(scalar) => {
             scalar.integer_bounds().is_some_and(|(low, high)| (low..=high).contains(&value))
         }
-        Element::String { .. } | Element::Message(_) => false,
+        Element::Text(_) | Element::String { .. } | Element::Message(_) => false,
     };
     let neutral = match copy.rest {
         Neutral::Int(value) => value,

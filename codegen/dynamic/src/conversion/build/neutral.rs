@@ -3,14 +3,9 @@
 use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::msg::constraint::INVALID;
 use uavspec_schema::value::Value;
-use uavspec_schema::{Element, Field, Form, Message, Schema};
+use uavspec_schema::{Element, Field, Message, Schema};
 
 use crate::conversion::plan::Neutral;
-
-/// True if the field is a text: `char[N]` in PX4.
-pub(super) fn is_text(schema: &Schema, message: &Message, field: &Field) -> bool {
-    matches!(schema.package_of(message).form, Form::Msg(dialect) if field.is_text(dialect))
-}
 
 /// The neutral value of a field, or the reason why the definition has none.
 ///
@@ -21,9 +16,6 @@ pub(super) fn neutral(schema: &Schema, message: &Message, field: &Field) -> Resu
         return Ok(Neutral::Default);
     }
     let Element::Scalar(scalar) = field.ty.element else { return Ok(Neutral::Default) };
-    if is_text(schema, message, field) {
-        return Ok(Neutral::Default);
-    }
     let invalid = field.constraint(&INVALID).and_then(|found| found.stated.value());
     match invalid {
         Some(Value::Int(value)) if scalar.is_float() => {

@@ -1,28 +1,29 @@
 //! Compilation of conversions.
 
 use uavspec_runtime::Scalar;
+use uavspec_schema::Element;
 
 use super::number::{Number, write};
 use super::place::{Place, Room};
-use super::{Compute, Element, Operation, Program, Span, Transfer};
+use super::{Compute, ElementCopy, Operation, Program, Span, Transfer};
 use crate::conversion::expression::{Computed, Expression};
 use crate::conversion::plan::{Conversion, Copy, Elements, Neutral, Step};
-use crate::{MessageType, Placed, PlacedElement, sequence};
+use crate::{Field, MessageType, sequence};
 
 /// The operations of an array of messages are listed for each element if there are at most this number.
 const MAX_LISTED: usize = 256;
 
 /// Compiles a conversion.
 pub(super) fn program(conversion: &Conversion, source: MessageType<'_>, target: MessageType<'_>) -> Program {
-    let sources: Vec<Placed<'_>> = source.layout().collect();
+    let sources = source.fields();
     let mut operations = Vec::new();
-    for (field, step) in target.layout().zip(&conversion.steps) {
+    for (field, step) in target.fields().iter().zip(&conversion.steps) {
         match step {
-            Step::Fill(neutral) => fill(&field, *neutral, &mut operations),
-            Step::Compute(expression) => operations.extend(compute(expression, &sources, &field)),
+            Step::Fill(neutral) => fill(field, *neutral, &mut operations),
+            Step::Compute(expression) => operations.extend(compute(expression, sources, field)),
             Step::Copy(copy) => {
-                if let Some(source) = sources.get(copy.source) {
-                    transfer(copy, source, &field, &mut operations);
+                if let Some(origin) = sources.get(copy.source) {
+                    transfer(copy, (source, origin), (target, field), &mut operations);
                 }
             }
         }
@@ -38,9 +39,9 @@ pub(super) fn program(conversion: &Conversion, source: MessageType<'_>, target: 
 
 /// Lists the strings and sequences of a message.
 fn slots(ty: MessageType<'_>, memory: &[u8], base: usize, found: &mut Vec<usize>) {
-    for field in ty.layout() {
+    for field in ty.fields() {
         let at = base + field.offset;
-        let (start, count) = match Place::of(&field).room {
+        let (start, count) = match Place::of(field).room {
             Room::Fixed(count) => (at, count),
             Room::Varying(_) => {
                 found.push(at);
@@ -49,17 +50,17 @@ fn slots(ty: MessageType<'_>, memory: &[u8], base: usize, found: &mut Vec<usize>
         };
         for place in (0..count).map(|index| start + index * field.stride) {
             match field.element {
-                PlacedElement::String { .. } => found.push(place),
-                PlacedElement::Message(nested) => slots(nested, memory, place, found),
-                PlacedElement::Scalar(_) | PlacedElement::Text(_) => {}
+                Element::String { .. } => found.push(place),
+                Element::Message(nested) => slots(ty.nested(nested), memory, place, found),
+                Element::Scalar(_) | Element::Text(_) => {}
             }
         }
     }
 }
 
 /// The bytes of a neutral value; `None` for the initial value.
-fn neutral(element: PlacedElement<'_>, value: Neutral) -> Option<[u8; 8]> {
-    let PlacedElement::Scalar(scalar) = element else { return None };
+fn neutral(element: Element, value: Neutral) -> Option<[u8; 8]> {
+    let Element::Scalar(scalar) = element else { return None };
     match value {
         Neutral::Default => None,
         Neutral::Int(value) => Some(write(scalar, Computed::Int(value))),
@@ -67,7 +68,7 @@ fn neutral(element: PlacedElement<'_>, value: Neutral) -> Option<[u8; 8]> {
     }
 }
 
-fn fill(field: &Placed<'_>, value: Neutral, operations: &mut Vec<Operation>) {
+fn fill(field: &Field, value: Neutral, operations: &mut Vec<Operation>) {
     let Some(bytes) = neutral(field.element, value) else { return };
     match Place::of(field).room {
         Room::Varying(_) => operations.push(Operation::Clear(field.offset)),
@@ -76,7 +77,7 @@ fn fill(field: &Placed<'_>, value: Neutral, operations: &mut Vec<Operation>) {
             if count == 1 {
                 operations.push(Operation::Put { to: field.offset, bytes, size: field.stride });
             } else {
-                let element = Element::Bytes;
+                let element = ElementCopy::Bytes;
                 let transfer = Transfer { from, to: Place::of(field), element, rest: Some(bytes) };
                 operations.push(Operation::Transfer(Box::new(transfer)));
             }
@@ -84,11 +85,11 @@ fn fill(field: &Placed<'_>, value: Neutral, operations: &mut Vec<Operation>) {
     }
 }
 
-fn compute(expression: &Expression, sources: &[Placed<'_>], field: &Placed<'_>) -> Option<Operation> {
-    let PlacedElement::Scalar(scalar) = field.element else { return None };
+fn compute(expression: &Expression, sources: &[Field], field: &Field) -> Option<Operation> {
+    let Element::Scalar(scalar) = field.element else { return None };
     let Room::Fixed(count) = Place::of(field).room else { return Some(Operation::Clear(field.offset)) };
-    let place = |source: &Placed<'_>| match source.element {
-        PlacedElement::Scalar(scalar) => Some((source.offset, scalar)),
+    let place = |source: &Field| match source.element {
+        Element::Scalar(scalar) => Some((source.offset, scalar)),
         _ => None,
     };
     let fields = sources.iter().map(place).collect();
@@ -96,8 +97,14 @@ fn compute(expression: &Expression, sources: &[Placed<'_>], field: &Placed<'_>) 
     Some(Operation::Compute(Box::new(compute)))
 }
 
-fn transfer(copy: &Copy, source: &Placed<'_>, target: &Placed<'_>, operations: &mut Vec<Operation>) {
-    let Some(element) = element(copy, source.element, target.element) else { return };
+fn transfer(
+    copy: &Copy,
+    (source_type, source): (MessageType<'_>, &Field),
+    (target_type, target): (MessageType<'_>, &Field),
+    operations: &mut Vec<Operation>,
+) {
+    let copied = element(copy, (source_type, source.element), (target_type, target.element));
+    let Some(element) = copied else { return };
     let rest = neutral(target.element, copy.rest);
     let (from, to) = (Place::of(source), Place::of(target));
     if let (Room::Fixed(count), Room::Fixed(length)) = (from.room, to.room)
@@ -105,11 +112,11 @@ fn transfer(copy: &Copy, source: &Placed<'_>, target: &Placed<'_>, operations: &
     {
         let copied = count.min(length);
         match &element {
-            Element::Bytes => {
+            ElementCopy::Bytes => {
                 let size = copied * to.stride;
                 return operations.push(Operation::Copy(Span { from: from.at, to: to.at, size }));
             }
-            Element::Message(program) if program.operations.len() * copied <= MAX_LISTED => {
+            ElementCopy::Message(program) if program.operations.len() * copied <= MAX_LISTED => {
                 if let Some(spans) = spans(program) {
                     for at in 0..copied {
                         let base = (from.at + at * from.stride, to.at + at * to.stride);
@@ -139,30 +146,32 @@ impl Span {
     }
 }
 
-fn element(copy: &Copy, source: PlacedElement<'_>, target: PlacedElement<'_>) -> Option<Element> {
+fn element(
+    copy: &Copy,
+    (source_type, source): (MessageType<'_>, Element),
+    (target_type, target): (MessageType<'_>, Element),
+) -> Option<ElementCopy> {
     Some(match (source, target) {
-        (PlacedElement::Message(source), PlacedElement::Message(target)) => {
+        (Element::Message(source), Element::Message(target)) => {
             let Elements::Message(nested) = &copy.elements else { return None };
-            Element::Message(program(nested, source, target))
+            ElementCopy::Message(program(nested, source_type.nested(source), target_type.nested(target)))
         }
-        (PlacedElement::Text(length), PlacedElement::Text(other)) if length == other => Element::Bytes,
-        (PlacedElement::Text(_), PlacedElement::Text(_)) => Element::Text,
-        (PlacedElement::String { .. }, PlacedElement::String { .. }) => {
-            Element::String(match copy.elements {
-                Elements::String(bound) => bound,
-                _ => None,
-            })
-        }
-        (PlacedElement::Scalar(from), PlacedElement::Scalar(to)) => scalar(copy, from, to),
+        (Element::Text(length), Element::Text(other)) if length == other => ElementCopy::Bytes,
+        (Element::Text(_), Element::Text(_)) => ElementCopy::Text,
+        (Element::String { .. }, Element::String { .. }) => ElementCopy::String(match copy.elements {
+            Elements::String(bound) => bound,
+            _ => None,
+        }),
+        (Element::Scalar(from), Element::Scalar(to)) => scalar(copy, from, to),
         _ => return None,
     })
 }
 
-fn scalar(copy: &Copy, from: Scalar, to: Scalar) -> Element {
+fn scalar(copy: &Copy, from: Scalar, to: Scalar) -> ElementCopy {
     match (&copy.elements, &copy.limit) {
-        (Elements::Same, None) => Element::Bytes,
+        (Elements::Same, None) => ElementCopy::Bytes,
         (elements, limit) => {
-            Element::Number(Number { from, to, elements: elements.clone(), limit: limit.clone() })
+            ElementCopy::Number(Number { from, to, elements: elements.clone(), limit: limit.clone() })
         }
     }
 }
@@ -192,25 +201,25 @@ fn merged(operations: Vec<Operation>) -> Vec<Operation> {
 
 /// True if a message has the same CDR payload in both types.
 pub(super) fn keeps_cdr(conversion: &Conversion, source: MessageType<'_>, target: MessageType<'_>) -> bool {
-    let sources: Vec<Placed<'_>> = source.layout().collect();
-    let keeps = |(at, (step, target)): (usize, (&Step, Placed<'_>))| {
+    let sources = source.fields();
+    let keeps = |(at, (step, field)): (usize, (&Step, &Field))| {
         let Step::Copy(Copy { source: from, elements, limit: None, .. }) = step else { return false };
-        let Some(source) = sources.get(at).filter(|_| *from == at) else { return false };
-        let is_same_length = match (Place::of(source).room, Place::of(&target).room) {
+        let Some(origin) = sources.get(at).filter(|_| *from == at) else { return false };
+        let is_same_length = match (Place::of(origin).room, Place::of(field).room) {
             (Room::Varying(_), Room::Varying(_)) => true,
             (one, other) => one == other,
         };
         is_same_length
-            && match (elements, source.element, target.element) {
-                (Elements::Message(nested), PlacedElement::Message(from), PlacedElement::Message(to)) => {
-                    keeps_cdr(nested, from, to)
+            && match (elements, origin.element, field.element) {
+                (Elements::Message(nested), Element::Message(from), Element::Message(to)) => {
+                    keeps_cdr(nested, source.nested(from), target.nested(to))
                 }
-                (Elements::Text, PlacedElement::Text(from), PlacedElement::Text(to)) => from == to,
+                (Elements::Text, Element::Text(from), Element::Text(to)) => from == to,
                 (Elements::Same | Elements::String(_), ..) => true,
                 _ => false,
             }
     };
     conversion.losses.is_empty()
         && sources.len() == conversion.steps.len()
-        && conversion.steps.iter().zip(target.layout()).enumerate().all(keeps)
+        && conversion.steps.iter().zip(target.fields()).enumerate().all(keeps)
 }

@@ -1,13 +1,13 @@
 //! Finds out if a message contains the data that a conversion loses.
 
 use uavspec_runtime::Scalar;
-use uavspec_schema::Shape;
+use uavspec_schema::{Element, Shape};
 
 use super::number::{characters, read, text, write};
 use super::place::{Place, Room};
 use crate::conversion::expression::Computed;
 use crate::conversion::plan::{Conversion, Copy, Elements, LossKind, Step};
-use crate::{MessageType, Placed, PlacedElement, part, sequence};
+use crate::{Field, MessageType, part, sequence};
 
 /// Tests if a message contains the data of a loss.
 #[derive(Debug)]
@@ -48,33 +48,34 @@ pub(super) fn tests(
     source: MessageType<'_>,
     target: MessageType<'_>,
 ) -> Vec<Option<Test>> {
-    let (sources, targets): (Vec<_>, Vec<_>) = (source.layout().collect(), target.layout().collect());
     let test = |(kind, at): (LossKind, Option<usize>)| {
-        let field = sources.get(at?)?;
-        let step = conversion.steps.iter().zip(&targets).find_map(|(step, target)| match step {
+        let field = source.fields().get(at?)?;
+        let step = conversion.steps.iter().zip(target.fields()).find_map(|(step, target)| match step {
             Step::Copy(copy) if Some(copy.source) == at => Some((copy, target)),
             _ => None,
         });
-        Some(Test { place: Place::of(field), leaves: leaves(field), kind: kind_of(kind, field, step)? })
+        Some(Test {
+            place: Place::of(field),
+            leaves: leaves(source, field),
+            kind: kind_of(kind, field, step)?,
+        })
     };
     conversion.losses.iter().map(|loss| test((loss.kind, loss.source))).collect()
 }
 
-fn kind_of(kind: LossKind, source: &Placed<'_>, step: Option<(&Copy, &Placed<'_>)>) -> Option<TestKind> {
+fn kind_of(kind: LossKind, source: &Field, step: Option<(&Copy, &Field)>) -> Option<TestKind> {
     match (kind, step) {
         (LossKind::Dropped, _) => Some(TestKind::Dropped),
         (LossKind::Cut, Some((copy, target))) => {
             match (source.element, target.element, &copy.elements) {
-                (PlacedElement::Text(_), PlacedElement::Text(length), _) => {
-                    Some(TestKind::Bytes(length as usize))
-                }
+                (Element::Text(_), Element::Text(length), _) => Some(TestKind::Bytes(length as usize)),
                 // Two losses may concern the same field: its elements and their characters.
-                (PlacedElement::String { .. }, _, Elements::String(Some(bound)))
+                (Element::String { .. }, _, Elements::String(Some(bound)))
                     if source.shape == target.shape =>
                 {
                     Some(TestKind::Characters(*bound))
                 }
-                (PlacedElement::String { .. }, ..) => None,
+                (Element::String { .. }, ..) => None,
                 _ => match (Place::of(source).room, target.shape) {
                     (Room::Fixed(_), Shape::Array(length)) | (_, Shape::Bounded(length)) => {
                         Some(TestKind::Elements(length as usize))
@@ -84,7 +85,7 @@ fn kind_of(kind: LossKind, source: &Placed<'_>, step: Option<(&Copy, &Placed<'_>
             }
         }
         (LossKind::Narrowed, Some((_, target))) => match (source.element, target.element) {
-            (PlacedElement::Scalar(from), PlacedElement::Scalar(to)) => Some(TestKind::Narrowed(from, to)),
+            (Element::Scalar(from), Element::Scalar(to)) => Some(TestKind::Narrowed(from, to)),
             _ => None,
         },
         _ => None,
@@ -92,32 +93,35 @@ fn kind_of(kind: LossKind, source: &Placed<'_>, step: Option<(&Copy, &Placed<'_>
 }
 
 /// The values in an element of a field.
-fn leaves(field: &Placed<'_>) -> Vec<(Place, Leaf)> {
+fn leaves(message_type: MessageType<'_>, field: &Field) -> Vec<(Place, Leaf)> {
     let whole = |leaf| vec![(Place { at: 0, stride: 0, room: Room::Fixed(1) }, leaf)];
     match field.element {
-        PlacedElement::Scalar(scalar) => whole(Leaf::Scalar(scalar)),
-        PlacedElement::Text(length) => whole(Leaf::Text(length as usize)),
-        PlacedElement::String { .. } => whole(Leaf::String),
-        PlacedElement::Message(ty) => ty.layout().flat_map(|field| nested(&field)).collect(),
+        Element::Scalar(scalar) => whole(Leaf::Scalar(scalar)),
+        Element::Text(length) => whole(Leaf::Text(length as usize)),
+        Element::String { .. } => whole(Leaf::String),
+        Element::Message(id) => {
+            let inner = message_type.nested(id);
+            inner.fields().iter().flat_map(|field| nested(inner, field)).collect()
+        }
     }
 }
 
 /// The values of a field in a nested message.
-fn nested(field: &Placed<'_>) -> Vec<(Place, Leaf)> {
+fn nested(message_type: MessageType<'_>, field: &Field) -> Vec<(Place, Leaf)> {
     let place = Place::of(field);
     let Room::Fixed(count) = place.room else {
         return vec![(Place { room: Room::Fixed(1), ..place }, Leaf::Sequence)];
     };
     match field.element {
-        PlacedElement::Message(_) => {
-            let inner = leaves(field);
+        Element::Message(_) => {
+            let inner = leaves(message_type, field);
             let moved = |at: usize| {
                 let base = place.at + at * place.stride;
                 inner.iter().map(move |(place, leaf)| (Place { at: base + place.at, ..*place }, *leaf))
             };
             (0..count).flat_map(moved).collect()
         }
-        _ => leaves(field).into_iter().map(|(_, leaf)| (place, leaf)).collect(),
+        _ => leaves(message_type, field).into_iter().map(|(_, leaf)| (place, leaf)).collect(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use uavspec_schema::Shape;
 
-use crate::Placed;
+use crate::Field;
 
 /// The location of a field in a message.
 #[derive(Clone, Copy, Debug)]
@@ -21,7 +21,7 @@ pub(super) enum Room {
 }
 
 impl Place {
-    pub(super) fn of(field: &Placed<'_>) -> Self {
+    pub(super) fn of(field: &Field) -> Self {
         let room = match field.shape {
             Shape::Single => Room::Fixed(1),
             Shape::Array(length) => Room::Fixed(length as usize),

@@ -146,7 +146,7 @@ impl Copied<'_> {
     fn value(&self, place: &TokenStream) -> TokenStream {
         let (before, after) = (self.source.ty.shape, self.target.ty.shape);
         if matches!(self.copy.elements, Elements::Text) {
-            return if before == after { quote!(#place) } else { quote!(#place.resized()) };
+            return if self.source.ty == self.target.ty { quote!(#place) } else { quote!(#place.resized()) };
         }
         if after == Shape::Single {
             return self.element(&Origin::Place(place.clone()));
@@ -212,7 +212,7 @@ impl Copied<'_> {
     fn cuts_strings(&self) -> bool {
         let bound = |field: &Field| match field.ty.element {
             Element::String { bound, .. } => bound.unwrap_or(u32::MAX),
-            Element::Scalar(_) | Element::Message(_) => u32::MAX,
+            Element::Scalar(_) | Element::Text(_) | Element::Message(_) => u32::MAX,
         };
         bound(self.source) > bound(self.target)
     }

@@ -1,9 +1,10 @@
 //! Writes JSON messages in the forms that programs use: with the deviations that `check` accepts.
 
 use serde_json::Value;
-use uavspec_dynamic::{DynamicMessage, MessageType, PlacedElement};
+use uavspec_dynamic::{DynamicMessage, MessageType};
 use uavspec_model::json::base64;
-use uavspec_px4::json::{Dialect, Dialects, is_bytes};
+use uavspec_px4::json::{Dialect, Dialects, is_byte};
+use uavspec_schema::Element;
 
 /// Writes a message with these deviations. `NaN` becomes `null`, because the token isn't JSON.
 pub(super) fn write(message: &DynamicMessage<'_>, dialects: Dialects) -> Result<String, String> {
@@ -20,11 +21,11 @@ pub(super) fn write(message: &DynamicMessage<'_>, dialects: Dialects) -> Result<
 
 /// True if two types have the same JSON messages, provided that they have the same CDR payloads.
 pub(super) fn has_same_names(source: MessageType<'_>, target: MessageType<'_>) -> bool {
-    source.layout().zip(target.layout()).all(|(source, target)| {
-        source.name == target.name
-            && match (source.element, target.element) {
-                (PlacedElement::Message(source), PlacedElement::Message(target)) => {
-                    has_same_names(source, target)
+    source.fields().iter().zip(target.fields()).all(|(old, new)| {
+        old.name == new.name
+            && match (old.element, new.element) {
+                (Element::Message(old), Element::Message(new)) => {
+                    has_same_names(source.nested(old), target.nested(new))
                 }
                 _ => true,
             }
@@ -42,21 +43,21 @@ struct Notation {
 
 impl Notation {
     fn apply(self, message: &mut Value, ty: MessageType<'_>) {
-        for field in ty.layout() {
-            let Some(value) = message.get_mut(field.name) else { continue };
+        for field in ty.fields() {
+            let Some(value) = message.get_mut(&*field.name) else { continue };
             match (field.element, value) {
-                (PlacedElement::Message(ty), Value::Array(elements)) => {
+                (Element::Message(id), Value::Array(elements)) => {
                     for element in elements {
-                        self.apply(element, ty);
+                        self.apply(element, ty.nested(id));
                     }
                 }
-                (PlacedElement::Message(ty), value) => self.apply(value, ty),
-                (PlacedElement::Text(room), value) => {
+                (Element::Message(id), value) => self.apply(value, ty.nested(id)),
+                (Element::Text(room), value) => {
                     let mut bytes = value.as_str().unwrap_or_default().as_bytes().to_vec();
                     bytes.resize(room as usize, 0);
                     *value = if self.has_numbers { bytes.into() } else { base64::encode(&bytes).into() };
                 }
-                (element, value @ Value::Array(_)) if self.is_base64 && is_bytes(element) => {
+                (element, value @ Value::Array(_)) if self.is_base64 && is_byte(element) => {
                     let byte = |value: &Value| value.as_u64().and_then(|value| u8::try_from(value).ok());
                     let bytes: Option<Vec<u8>> =
                         value.as_array().and_then(|all| all.iter().map(byte).collect());

@@ -5,7 +5,7 @@
 
 use serde_json::{Map, Value, json};
 use uavspec_runtime::Scalar;
-use uavspec_schema::{Dialect, Element, Field, Form, Message, MessageId, Schema, Shape};
+use uavspec_schema::{Element, Field, MessageId, Schema, Shape};
 
 /// The schema of a message as text.
 pub(super) fn text(schema: &Schema, id: MessageId) -> Vec<u8> {
@@ -14,7 +14,7 @@ pub(super) fn text(schema: &Schema, id: MessageId) -> Vec<u8> {
 
 fn message(schema: &Schema, id: MessageId) -> Value {
     let message = schema.message(id);
-    let properties = message.fields.iter().map(|one| (one.name.clone(), field(schema, message, one)));
+    let properties = message.fields.iter().map(|one| (one.name.clone(), field(schema, one)));
     let names: Vec<&str> = message.fields.iter().map(|field| field.name.as_str()).collect();
     json!({
         "title": message.name,
@@ -24,11 +24,7 @@ fn message(schema: &Schema, id: MessageId) -> Value {
     })
 }
 
-fn field(schema: &Schema, message: &Message, field: &Field) -> Value {
-    let is_px4 = schema.package_of(message).form == Form::Msg(Dialect::Px4);
-    if is_px4 && field.is_text(Dialect::Px4) {
-        return json!({ "type": "string" });
-    }
+fn field(schema: &Schema, field: &Field) -> Value {
     let element = element(schema, field);
     match field.ty.shape {
         Shape::Single => element,
@@ -46,7 +42,7 @@ fn element(schema: &Schema, field: &Field) -> Value {
         Element::Scalar(Scalar::Bool) => "boolean",
         Element::Scalar(scalar) if scalar.is_float() => "number",
         Element::Scalar(_) => "integer",
-        Element::String { .. } => "string",
+        Element::Text(_) | Element::String { .. } => "string",
     };
     json!({ "type": ty })
 }
