@@ -7,12 +7,12 @@ use std::sync::LazyLock;
 use divan::counter::BytesCount;
 use divan::{Bencher, black_box};
 use serde::Serialize;
-use uavspec::px4::{ArmingCheckReply, BatteryStatus, FailsafeFlags};
 use uavspec_dynamic::{DynamicView, MessageType, Types};
 use uavspec_runtime::UorbMessage;
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Form, PackageInput, SourceMap, read};
+use uavspec_types::px4::{ArmingCheckReply, BatteryStatus, FailsafeFlags};
 
 fn main() {
     divan::main();

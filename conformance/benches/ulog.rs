@@ -1,7 +1,7 @@
 //! Measures how fast three logs from the corpus are read, with their messages repeated, and how fast invalid bytes are
 //! searched.
 //!
-//! `cargo bench -p uavspec-conformance --bench ulog`
+//! `cargo bench -p uavspec --bench ulog`
 
 use std::fs;
 use std::io::Read;

@@ -13,7 +13,7 @@
 //! If several statuses apply, the exit status is the first that applies in the order 2, 3, 1, 6, 4, 5.
 //!
 //! ```no_run
-//! let status: std::process::ExitCode = uavspec_conformance::app::main();
+//! let status: std::process::ExitCode = uavspec::app::main();
 //! ```
 
 mod access;

@@ -29,7 +29,7 @@ fn install(python: &Path) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     // The module must share the library that these tests use, so the features of its dependencies must be the same: those
     // that tests require, too.
-    let packages = ["--package", "uavspec-conformance", "--package", "uavspec-python"];
+    let packages = ["--package", "uavspec", "--package", "uavspec-python"];
     let mut build = cargo();
     build.args(["build", "--quiet", "--all-features", "--lib", "--test", "all"]).args(packages);
     run(build.current_dir(root));

@@ -1,6 +1,6 @@
 //! Benchmarks of the codecs, compared with a plain copy of the bytes and with other crates.
 //!
-//! Run with `cargo bench --package uavspec --bench codec`. Prints nanoseconds and ratios, and never fails.
+//! Run with `cargo bench --package uavspec-types --bench codec`. Prints nanoseconds and ratios, and never fails.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -8,9 +8,9 @@ use std::time::Instant;
 use byteorder::LittleEndian;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use uavspec::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{Message, UorbMessage};
+use uavspec_types::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags};
 
 /// Samples of each function. The functions take turns, so a slow moment of the machine affects all of them.
 const SAMPLES: usize = 41;

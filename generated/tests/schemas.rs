@@ -15,12 +15,12 @@ use schemars::JsonSchema;
 use serde_json::{Value as Json, json};
 use support::every::Every;
 use support::{check, extent, for_each_message, published_validator};
-use uavspec::flockwave::ErrorCode;
-use uavspec::px4::battery_status::BatteryWarning;
-use uavspec::px4::{ArmingCheckReply, BatteryStatus};
 use uavspec_runtime::Message;
 use uavspec_runtime::serde::Serialize;
 use uavspec_runtime::strategy::{invalid, undocumented};
+use uavspec_types::flockwave::ErrorCode;
+use uavspec_types::px4::battery_status::BatteryWarning;
+use uavspec_types::px4::{ArmingCheckReply, BatteryStatus};
 
 const CASES: u32 = 2000;
 

@@ -1,14 +1,14 @@
 //! Checks the generated types against facts from other sources.
 
-use uavspec::flockwave::ErrorCode;
-use uavspec::px4::battery_status::{BatteryFault, BatteryWarning};
-use uavspec::px4::{
-    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
-    RegisterExtComponentRequest, UnregisterExtComponent,
-};
 use uavspec_runtime::descriptor::{Element, Shape};
 use uavspec_runtime::record::Record as _;
 use uavspec_runtime::{ErrorClass, Severity, UorbMessage};
+use uavspec_types::flockwave::ErrorCode;
+use uavspec_types::px4::battery_status::{BatteryFault, BatteryWarning};
+use uavspec_types::px4::{
+    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
+    RegisterExtComponentRequest, UnregisterExtComponent,
+};
 
 /// The expected size, size without padding and hash come from PX4's own generator. The values for `FailsafeFlags` and
 /// `BatteryStatus` are from release 1.15. The other values are from releases in which the message has the same fields.

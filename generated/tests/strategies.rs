@@ -13,14 +13,14 @@ use proptest::prop_assert_eq;
 use proptest::test_runner::TestCaseError;
 use support::every::{Bits, Every, Free, Inner, Mode};
 use support::{check, draw, extent, for_each_message, published_validator, simplest, values};
-use uavspec::flockwave::ErrorCode;
-use uavspec::px4::battery_status::{BatteryFault, BatteryWarning};
-use uavspec::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::serde::Serialize;
 use uavspec_runtime::serde::de::DeserializeOwned;
 use uavspec_runtime::strategy::{invalid, undocumented};
 use uavspec_runtime::{ConstraintKind, Message, UorbMessage};
+use uavspec_types::flockwave::ErrorCode;
+use uavspec_types::px4::battery_status::{BatteryFault, BatteryWarning};
+use uavspec_types::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply};
 
 const CASES: u32 = 1000;
 
@@ -71,8 +71,8 @@ fn invalid_values_violate_only_the_stated_rule() {
     violates::<ArmingCheckReply>();
     violates::<BatteryStatus>();
     violates::<RegisterExtComponentReply>();
-    violates::<uavspec::px4::RegisterExtComponentRequest>();
-    violates::<uavspec::px4::UnregisterExtComponent>();
+    violates::<uavspec_types::px4::RegisterExtComponentRequest>();
+    violates::<uavspec_types::px4::UnregisterExtComponent>();
     violates::<Every>();
     violates::<Inner>();
     assert!(invalid::<Event>().is_none(), "numbers without constraints");

@@ -4,15 +4,15 @@
 use std::collections::BTreeSet;
 
 use serde_json::{Value as Json, json};
-use uavspec::flockwave::ErrorCode;
-use uavspec::px4::{
-    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
-    RegisterExtComponentRequest, UnregisterExtComponent,
-};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::serde::Serialize;
 use uavspec_runtime::serde::de::DeserializeOwned;
 use uavspec_runtime::{DecodeError, ErrorClass, Fault, UorbMessage};
+use uavspec_types::flockwave::ErrorCode;
+use uavspec_types::px4::{
+    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
+    RegisterExtComponentRequest, UnregisterExtComponent,
+};
 
 fn cases(name: &str) -> Vec<Json> {
     let path = format!("{}/vectors/{name}.vectors.json", env!("CARGO_MANIFEST_DIR"));

@@ -40,11 +40,11 @@ pub(crate) fn run(benchmark: Benchmark) -> Result<bool, String> {
     match benchmark {
         Benchmark::Codegen => benches(&[("uavspec-codegen", "codegen")]),
         Benchmark::Compile => compile::run(),
-        Benchmark::Codec => benches(&[("uavspec", "codec"), ("uavspec-codegen", "dynamic")]),
+        Benchmark::Codec => benches(&[("uavspec-types", "codec"), ("uavspec-codegen", "dynamic")]),
         Benchmark::Fleet => fleet::run(),
         Benchmark::Live => live::run(),
         Benchmark::Peers => peers::run(),
-        Benchmark::Conformance => benches(&["ulog", "checking"].map(|bench| ("uavspec-conformance", bench))),
+        Benchmark::Conformance => benches(&["ulog", "checking"].map(|bench| ("uavspec", bench))),
     }
     .map(|()| true)
 }
@@ -62,7 +62,7 @@ fn program(features: &str) -> Result<OsString, String> {
     if let Some(program) = env::var_os(PROGRAM) {
         return Ok(program);
     }
-    let build = ["build", "--release", "--package", "uavspec-conformance", "--features", features];
+    let build = ["build", "--release", "--package", "uavspec", "--features", features];
     cargo(Path::new("."), &build)?;
     Ok("target/release/uavspec".into())
 }

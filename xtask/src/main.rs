@@ -152,7 +152,7 @@ fn message_of(failure: &Failure) -> String {
 /// Runs `uavspec` in a separate process, because this program must work even if generated code doesn't compile.
 fn conformance(arguments: Vec<OsString>) -> ExitCode {
     let is_self_test = arguments.is_empty();
-    let built = build("uavspec-conformance")
+    let built = build("uavspec")
         .and_then(|program| Ok((program, if is_self_test { Some(build("uavspec-testee")?) } else { None })));
     let (program, testee) = match built {
         Ok(built) => built,

@@ -104,7 +104,7 @@ fn messages_of_fixed_size_require_no_allocator() {
     let generated = repository().join("generated");
     let manifest = format!(
         "[package]\nname = \"bare-metal\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[lib]\npath = \"lib.rs\"\n\
-         crate-type = [\"staticlib\"]\n\n[dependencies]\nuavspec = {{ path = {generated:?}, default-features = false, features = [\"views\"] }}\n\
+         crate-type = [\"staticlib\"]\n\n[dependencies]\nuavspec-types = {{ path = {generated:?}, default-features = false, features = [\"views\"] }}\n\
          uavspec-runtime = {{ path = {:?}, default-features = false }}\n\n[profile.dev]\npanic = \"abort\"\n\n[workspace]\n",
         generated.join("runtime")
     );

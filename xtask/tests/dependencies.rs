@@ -29,7 +29,7 @@ fn no_dependency_requires_a_newer_rust() {
     let packages = packages();
     assert!(packages.len() > 300, "{}", packages.len());
     let required = |package: &Value| package["rust_version"].as_str().map(version);
-    let own = packages.iter().find(|package| package["name"] == "uavspec-conformance").expect("our crate");
+    let own = packages.iter().find(|package| package["name"] == "uavspec").expect("our crate");
     let minimum = required(own).expect("a minimum version");
     let newer = packages.iter().filter(|package| required(package) > Some(minimum));
     let names: Vec<&Value> = newer.map(|package| &package["id"]).collect();

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use uavspec::flockwave::ErrorCode;
+use uavspec_types::flockwave::ErrorCode;
 
 use super::commanded::has_code;
 

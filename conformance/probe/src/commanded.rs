@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
-use uavspec::flockwave::ErrorCode;
 use uavspec_rules::flockwave::trial::UNKNOWN_ID;
+use uavspec_types::flockwave::ErrorCode;
 
 /// A state of a UAV that the probe must undo. The order is the order in which states are undone: a sleeping UAV obeys
 /// no command, and stopped motors would make a flying UAV fall.

@@ -4,7 +4,7 @@
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
-use uavspec::flockwave::ErrorCode;
+use uavspec_types::flockwave::ErrorCode;
 
 use super::altitude::{AIRBORNE, Descent, Flight, Touchdown, height};
 use super::commanded::{Effect, Reply, has_code, is_at_rest};

@@ -1,7 +1,7 @@
 //! UAV error codes: the codes that clients can set, and mutually exclusive codes.
 
-use uavspec::flockwave::ErrorCode;
 use uavspec_runtime::ErrorClass;
+use uavspec_types::flockwave::ErrorCode;
 
 /// The battery codes, each with the charge in percent below which it applies.
 pub(super) const BATTERY: [(f64, ErrorCode); 3] =

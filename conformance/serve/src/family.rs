@@ -16,8 +16,8 @@ mod system;
 mod uav;
 mod weather;
 
-use uavspec::flockwave::json::Request;
 use uavspec_rules::flockwave::env_24;
+use uavspec_types::flockwave::json::Request;
 
 use super::hub::{Answer, Hub, RequestHandler, SessionId};
 

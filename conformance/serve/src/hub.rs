@@ -7,12 +7,12 @@ use std::time::Duration;
 
 use serde::Serialize;
 use serde_json::Value;
-use uavspec::flockwave::json::{
-    LogMessage, LogSeverity, Notification, ObjectId, Request, Response, Timestamp, dev_inf, obj_del,
-    sys_close, sys_msg, uav_inf,
-};
 use uavspec_rules::flockwave::{
     FlockwaveRule, Outgoing, ack_06, asy_04, asy_04i, asy_14, env_05i, env_19, env_22, env_27, obj_del_02,
+};
+use uavspec_types::flockwave::json::{
+    LogMessage, LogSeverity, Notification, ObjectId, Request, Response, Timestamp, dev_inf, obj_del,
+    sys_close, sys_msg, uav_inf,
 };
 
 use super::message::{envelope, enveloped, refusal, text, value};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use serde_json::Value;
-use uavspec::flockwave::json::{Envelope, MessageId, ReceiptId, Response, ack_ack, ack_nak};
+use uavspec_types::flockwave::json::{Envelope, MessageId, ReceiptId, Response, ack_ack, ack_nak};
 
 use super::request::each_once;
 

@@ -1,7 +1,7 @@
 //! Operations that continue after the response to their request.
 
 use serde_json::Value;
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     Notification, Percentage, Progress, ReceiptId, async_resp, async_st, async_timeout,
 };
 

@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use serde::Deserialize;
 use serde_json::Value;
-use uavspec::flockwave::json::Request;
+use uavspec_types::flockwave::json::Request;
 
 /// The maximum length of lists in requests. Lists are limited because answers are much longer than the requested ids.
 const LIST_LIMIT: usize = 10_000;

@@ -1,6 +1,6 @@
 //! The state of the drone show.
 
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     DroneLightsConfiguration, DroneShowConfiguration, LightEffect, StartConditions, StartMethod,
 };
 

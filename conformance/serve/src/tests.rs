@@ -8,13 +8,13 @@ use std::time::Duration;
 
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use uavspec::flockwave::json::Request;
 use uavspec_model::Rule;
 use uavspec_rules::flockwave::{
     FlockwaveRule, RULES, ack_06, env_25, env_27, sio_01, sio_02, sio_03, tcp_01, tcp_02, tcp_03, tcp_04,
     udp_01, udp_02, udp_03,
 };
 use uavspec_test_support::{extent, wait_for};
+use uavspec_types::flockwave::json::Request;
 
 use super::hub::{ConnectionKind, Hub, SessionId, Sink};
 use super::{Options, Server, Transport, family};

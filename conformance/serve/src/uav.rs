@@ -2,8 +2,8 @@
 
 mod state;
 
-use uavspec::flockwave::ErrorCode;
 use uavspec_runtime::ErrorClass;
+use uavspec_types::flockwave::ErrorCode;
 
 use super::error_code::normalize;
 use super::random::Random;
@@ -307,7 +307,7 @@ impl Uav {
 
 #[cfg(test)]
 mod tests {
-    use uavspec::flockwave::json::FlightMode;
+    use uavspec_types::flockwave::json::FlightMode;
 
     use super::*;
     use crate::error_code::BATTERY;

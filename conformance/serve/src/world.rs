@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use uavspec::flockwave::ErrorCode;
-use uavspec::flockwave::json::{
+use uavspec_runtime::Severity;
+use uavspec_types::flockwave::ErrorCode;
+use uavspec_types::flockwave::json::{
     LogMessage, LogSeverity, ObjectType, RTKMessageFormat, RTKSurveySettings, Timestamp,
 };
-use uavspec_runtime::Severity;
 
 use super::Options;
 use super::show::Show;

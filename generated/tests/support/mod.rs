@@ -21,7 +21,7 @@ macro_rules! for_each_message {
             RegisterExtComponentReply RegisterExtComponentRequest UnregisterExtComponent);
     };
     ($call:ident $($type:ident)*) => {
-        $($call::<uavspec::px4::$type>();)*
+        $($call::<uavspec_types::px4::$type>();)*
     };
 }
 pub(crate) use for_each_message;

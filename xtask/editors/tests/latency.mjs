@@ -1,6 +1,6 @@
 // Measures the time from a change of a document to the publication of its diagnostics.
 //
-//     cargo build --release -p uavspec-conformance
+//     cargo build --release -p uavspec
 //     UAVSPEC=target/release/uavspec node xtask/editors/tests/latency.mjs FOLDER FILE [EDITS]
 //
 // FILE is the path of a definition in FOLDER. Each edit adds or removes a finding.

@@ -1,6 +1,6 @@
 // Tests of the language server over the protocol.
 //
-//     cargo build -p uavspec-conformance && npm ci --prefix xtask/editors && npm test --prefix xtask/editors
+//     cargo build -p uavspec && npm ci --prefix xtask/editors && npm test --prefix xtask/editors
 //
 // UAVSPEC is the path of the program (default: target/debug/uavspec).
 

@@ -1,6 +1,6 @@
 //! Targets for the codecs of generated types. The first byte of the input selects the message type.
 
-use uavspec::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply};
+use uavspec_types::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::serde::Serialize;
 use uavspec_runtime::serde::de::DeserializeOwned;

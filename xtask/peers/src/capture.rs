@@ -3,7 +3,7 @@
 use std::io::{Result, Write};
 
 use serde_json::{Map, json};
-use uavspec::px4::FailsafeFlags;
+use uavspec_types::px4::FailsafeFlags;
 
 /// The number of UAVs in a fleet.
 const FLEET: usize = 1_000;

@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use byteorder::LittleEndian;
 use serde::Deserialize;
-use uavspec::px4::Event;
+use uavspec_types::px4::Event;
 use uavspec_runtime::Message as _;
 use uavspec_runtime::cdr::ByteOrder;
 

@@ -10,7 +10,7 @@ use crate::chapters::{GENERATED, by_hand, repeated_titles, summary};
 use crate::links::Links;
 use crate::{schemas, sections};
 
-/// The files that the site adds to a book. A test of `uavspec-conformance` writes the report, which the start page shows.
+/// The files that the site adds to a book. A test of the crate `uavspec` writes the report, which the start page shows.
 const ADDITIONS: [(&str, &str); 3] = [
     ("site.css", include_str!("../site.css")),
     ("site.js", include_str!("../site.js")),

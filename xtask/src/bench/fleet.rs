@@ -33,7 +33,8 @@ const PYTHON: &str = "target/python-peers/bin";
 /// Makes the captures, and prints the results and times of each engine.
 pub(super) fn run() -> Result<(), String> {
     if !Path::new(PYTHON).exists() {
-        let help = "cargo test -p uavspec-conformance -p uavspec-python --all-features --test all -- python:: --include-ignored";
+        let help =
+            "cargo test -p uavspec -p uavspec-python --all-features --test all -- python:: --include-ignored";
         return Err(format!("{PYTHON} doesn't exist\n  help: run {help}"));
     }
     let program = super::program("stores,tables")?;

@@ -63,7 +63,7 @@ const PYTHON: &str = "target/live-peers/bin/python";
 /// Prints the losses, the processor time and the memory of a probe.
 pub(super) fn run() -> Result<(), String> {
     if !Path::new(PYTHON).exists() {
-        let help = "cargo test -p uavspec-conformance --features live --test live";
+        let help = "cargo test -p uavspec --features live --test live";
         return Err(format!("{PYTHON} doesn't exist\n  help: run {help}"));
     }
     let program = super::program("live")?;

@@ -9,7 +9,7 @@ use crate::command::{cargo, found, output, run};
 use crate::platform::{FEATURES, Platform};
 
 /// The crate of the program.
-const CRATE: &str = "uavspec-conformance";
+const CRATE: &str = "uavspec";
 
 /// The profile in the workspace's `Cargo.toml`.
 const PROFILE: &str = "dist";

@@ -60,7 +60,7 @@ impl Documents {
 
 fn development_build(root: &Path) -> Command {
     let mut command = Command::new(cargo());
-    command.args(["run", "--quiet", "--locked", "--package", "uavspec-conformance", "--manifest-path"]);
+    command.args(["run", "--quiet", "--locked", "--package", "uavspec", "--manifest-path"]);
     command.arg(root.join("Cargo.toml")).arg("--");
     command
 }

@@ -11,7 +11,7 @@ use crate::command::cargo;
 use crate::platform::FEATURES;
 
 /// The crate of the program.
-const PROGRAM: &str = "uavspec-conformance";
+const PROGRAM: &str = "uavspec";
 
 /// The parts of a line of `cargo tree`: the depth and the crate, the licence, and the repository.
 const FORMAT: &str = "{p}\t{l}\t{r}";

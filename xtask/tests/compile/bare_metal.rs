@@ -4,7 +4,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-use uavspec::px4::{FailsafeFlags, FailsafeFlagsView};
+use uavspec_types::px4::{FailsafeFlags, FailsafeFlagsView};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{Message, UorbMessage};
 

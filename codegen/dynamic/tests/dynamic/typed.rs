@@ -5,16 +5,16 @@ use std::sync::LazyLock;
 use proptest::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use uavspec::px4::{
-    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
-    RegisterExtComponentRequest, UnregisterExtComponent,
-};
 use uavspec_dynamic::{DynamicView, MessageType, Types};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::{Definition, Fault, Message, UorbMessage, record};
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Form, Schema};
 use uavspec_test_definitions as support;
+use uavspec_types::px4::{
+    ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply,
+    RegisterExtComponentRequest, UnregisterExtComponent,
+};
 
 use super::values::Draw;
 

@@ -3,13 +3,13 @@
 use std::sync::Arc;
 
 use serde_json::{Value, json};
-use uavspec::px4::battery_status::BatteryWarning;
-use uavspec::px4::{
+use uavspec_rules::px4::Sent;
+use uavspec_runtime::Message as _;
+use uavspec_types::px4::battery_status::BatteryWarning;
+use uavspec_types::px4::{
     ArmingCheckReply, ArmingCheckRequest, BatteryStatus, Event, FailsafeFlags, MessageFormatRequest,
     MessageFormatResponse, RegisterExtComponentReply, RegisterExtComponentRequest, UnregisterExtComponent,
 };
-use uavspec_rules::px4::Sent;
-use uavspec_runtime::Message as _;
 
 use super::release::Release;
 use super::role::{Purpose, Role};

@@ -1,11 +1,11 @@
 //! An external component, which takes part in arming checks. It sends no commands.
 
-use uavspec::px4::{
+use uavspec_rules::px4::Sent;
+use uavspec_runtime::{Message as _, Text};
+use uavspec_types::px4::{
     ArmingCheckReply, ArmingCheckRequest, Event, RegisterExtComponentReply, RegisterExtComponentRequest,
     UnregisterExtComponent,
 };
-use uavspec_rules::px4::Sent;
-use uavspec_runtime::{Message as _, Text};
 
 use super::role::{Purpose, Role};
 

@@ -3,12 +3,12 @@
 use std::collections::{HashSet, VecDeque};
 
 use globset::GlobSet;
-use uavspec::px4::{MessageFormatRequest, MessageFormatResponse};
 use uavspec_model::text::plural;
 use uavspec_model::{ApplicationType, Endpoint};
 use uavspec_rules::definitions::unversioned;
 use uavspec_rules::px4::Sent;
 use uavspec_runtime::Message as _;
+use uavspec_types::px4::{MessageFormatRequest, MessageFormatResponse};
 
 use super::namespace::Namespace;
 use super::role::Role;

@@ -1,6 +1,6 @@
 //! `PX-CDR-01`.
 
-use uavspec::px4::FailsafeFlags;
+use uavspec_types::px4::FailsafeFlags;
 
 use super::prelude::*;
 

@@ -1,6 +1,6 @@
 //! `PX-CDR-02`.
 
-use uavspec::px4::ArmingCheckReply;
+use uavspec_types::px4::ArmingCheckReply;
 
 use super::prelude::*;
 

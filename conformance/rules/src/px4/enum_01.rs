@@ -1,8 +1,8 @@
 //! `PX-ENUM-01`.
 
-use uavspec::px4::BatteryStatus;
-use uavspec::px4::battery_status::BatteryWarning;
 use uavspec_runtime::ConstraintKind;
+use uavspec_types::px4::BatteryStatus;
+use uavspec_types::px4::battery_status::BatteryWarning;
 
 use super::prelude::*;
 

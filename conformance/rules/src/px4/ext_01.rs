@@ -6,7 +6,7 @@
 //! that request. A reply that is older than all known requests is not checked, because a log starts with the latest
 //! message of each topic.
 
-use uavspec::px4::ArmingCheckReply;
+use uavspec_types::px4::ArmingCheckReply;
 
 use super::ext::{Listener, Reply, Request, Requests, Talk, Waiting};
 use super::prelude::*;

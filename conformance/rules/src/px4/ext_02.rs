@@ -12,7 +12,7 @@
 //! assigned again. Without masks, a component that continues to reply is assumed to be registered again
 //! ([`REQUESTS_TO_WAIT`]).
 
-use uavspec::px4::ArmingCheckReply;
+use uavspec_types::px4::ArmingCheckReply;
 
 use super::ext::{Ids, Listener, Reply, Request, TOLERANCE, Talk, Waiting, is_later};
 use super::prelude::*;

@@ -13,7 +13,7 @@
 
 use std::collections::VecDeque;
 
-use uavspec::px4::ArmingCheckReply;
+use uavspec_types::px4::ArmingCheckReply;
 
 use super::ext::{Ids, Listener, Reply, Request, Requests, Talk, Waiting, is_later};
 use super::prelude::*;

@@ -1,7 +1,7 @@
 //! `PX-EXT-04`.
 
-use uavspec::px4::ArmingCheckReply;
 use uavspec_dynamic::Value;
+use uavspec_types::px4::ArmingCheckReply;
 
 use super::ext::{is_reply, number};
 use super::prelude::*;

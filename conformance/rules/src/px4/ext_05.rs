@@ -1,6 +1,6 @@
 //! `PX-EXT-05`.
 
-use uavspec::px4::ArmingCheckReply;
+use uavspec_types::px4::ArmingCheckReply;
 
 use super::ext::{is_reply, number};
 use super::prelude::*;

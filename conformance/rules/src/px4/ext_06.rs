@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use uavspec::px4::ArmingCheckReply;
+use uavspec_types::px4::ArmingCheckReply;
 
 use super::ext::{Listener, Reply, Request, Requests, Talk};
 use super::prelude::*;

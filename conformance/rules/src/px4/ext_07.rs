@@ -7,10 +7,10 @@
 
 use std::collections::HashMap;
 
-use uavspec::px4::RegisterExtComponentReply;
 use uavspec_dynamic::{DynamicView, Value};
 use uavspec_runtime::Text;
 use uavspec_schema::MessageId;
+use uavspec_types::px4::RegisterExtComponentReply;
 
 use super::ext::{number, px4_message};
 use super::prelude::*;

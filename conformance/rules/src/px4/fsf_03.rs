@@ -5,8 +5,8 @@
 //! `mode_req_local_position_relaxed`. [`RENAMED_REQUIREMENTS`] lists the exceptions. Flags without a requirement are
 //! not checked.
 
-use uavspec::px4::FailsafeFlags;
 use uavspec_dynamic::{DynamicView, Value};
+use uavspec_types::px4::FailsafeFlags;
 
 use super::ext::px4_message;
 use super::prelude::*;

@@ -8,10 +8,10 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use uavspec::px4::MessageFormatResponse;
 use uavspec_dynamic::{DynamicView, Value};
 use uavspec_model::{ApplicationType, Endpoint, EndpointKind};
 use uavspec_px4::comparison::compare_texts;
+use uavspec_types::px4::MessageFormatResponse;
 
 use super::ext::{number, px4_message};
 use super::prelude::*;

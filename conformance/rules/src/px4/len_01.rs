@@ -1,7 +1,7 @@
 //! `PX-LEN-01`.
 
-use uavspec::px4::ArmingCheckReply;
 use uavspec_runtime::ConstraintKind;
+use uavspec_types::px4::ArmingCheckReply;
 
 use super::prelude::*;
 

@@ -1,6 +1,6 @@
 //! `PX-QUEUE-01`.
 
-use uavspec::px4::Event;
+use uavspec_types::px4::Event;
 
 use super::prelude::*;
 

@@ -1,7 +1,7 @@
 //! `PX-RANGE-01`.
 
-use uavspec::px4::BatteryStatus;
 use uavspec_runtime::ConstraintKind;
+use uavspec_types::px4::BatteryStatus;
 
 use super::prelude::*;
 

@@ -1,8 +1,8 @@
 //! `PX-STR-01`.
 
-use uavspec::px4::RegisterExtComponentRequest;
 use uavspec_dynamic::Field;
 use uavspec_schema::Element;
+use uavspec_types::px4::RegisterExtComponentRequest;
 
 use super::prelude::*;
 

@@ -1,6 +1,6 @@
 //! `PX-TIME-01`.
 
-use uavspec::px4::BatteryStatus;
+use uavspec_types::px4::BatteryStatus;
 
 use super::ext::is_of_px4;
 use super::prelude::*;

@@ -1,7 +1,7 @@
 //! ASYNC: pending operations (`definitions/flockwave/async.md`).
 
-use uavspec::flockwave::json::{Request, async_cancel, async_resume};
 use uavspec_rules::flockwave::{asy_17, asy_18, asy_19};
+use uavspec_types::flockwave::json::{Request, async_cancel, async_resume};
 
 use super::unknown;
 use crate::hub::{Answer, Hub, SessionId};

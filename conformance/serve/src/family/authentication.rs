@@ -1,7 +1,9 @@
 //! AUTH: authentication (`definitions/flockwave/auth.md`).
 
 use data_encoding::BASE64;
-use uavspec::flockwave::json::{AuthenticationMethod, Request, auth_inf, auth_req, auth_resp, auth_whoami};
+use uavspec_types::flockwave::json::{
+    AuthenticationMethod, Request, auth_inf, auth_req, auth_resp, auth_whoami,
+};
 
 use super::unknown;
 use crate::hub::{Answer, Hub, SessionId};

@@ -1,6 +1,6 @@
 //! BCN: beacons (`definitions/flockwave/bcn.md`).
 
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     BeaconBasicProperties, BeaconStatusInfo, GPSCoordinate, Latitude, Longitude, ObjectType, Request,
     Timestamp, bcn_inf, bcn_props,
 };

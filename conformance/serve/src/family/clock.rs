@@ -1,6 +1,6 @@
 //! CLK: clocks (`definitions/flockwave/clk.md`).
 
-use uavspec::flockwave::json::{ClockId, ClockInfo, Request, clk_inf, clk_list};
+use uavspec_types::flockwave::json::{ClockId, ClockInfo, Request, clk_inf, clk_list};
 
 use super::unknown;
 use crate::hub::{Answer, Hub, SessionId};

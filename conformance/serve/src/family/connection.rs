@@ -1,6 +1,6 @@
 //! CONN: the server's connections to devices (`definitions/flockwave/conn.md`).
 
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     ConnectionId, ConnectionInfo, ConnectionPurpose, ConnectionStatus, Request, conn_inf, conn_list,
 };
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     ChannelOperation, ChannelType, DeviceClass, DeviceTreeNode, DeviceTreeNodeType, DeviceTreePath,
     ObjectType, Request, dev_inf, dev_list, dev_listsub, dev_sub, dev_unsub,
 };

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::Value;
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     ExtensionId, ExtensionInfo, Request, ext_cfg, ext_inf, ext_list, ext_load, ext_reload, ext_setcfg,
     ext_unload,
 };

@@ -1,6 +1,6 @@
 //! LOG: flight logs (`definitions/flockwave/log.md`).
 
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     FlightLog, FlightLogBody, FlightLogMetadata, ReceiptId, Request, log_data, log_inf,
 };
 

@@ -1,12 +1,12 @@
 //! OBJ: all objects of the server (`definitions/flockwave/obj.md`).
 
 use serde_json::{Value, json};
-use uavspec::flockwave::ErrorCode;
-use uavspec::flockwave::json::obj_cmd::ResponseResult;
-use uavspec::flockwave::json::{
+use uavspec_rules::flockwave::{obj_list_02, obj_list_03, obj_list_04};
+use uavspec_types::flockwave::ErrorCode;
+use uavspec_types::flockwave::json::obj_cmd::ResponseResult;
+use uavspec_types::flockwave::json::{
     CommandResponse, CommandResponseType, ObjectId, ObjectType, Request, obj_cmd, obj_list,
 };
-use uavspec_rules::flockwave::{obj_list_02, obj_list_03, obj_list_04};
 
 use super::unknown;
 use crate::error_code::settable;

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde_json::{Value, json};
-use uavspec::flockwave::json::{ParameterOutcome, Request, prm_get, prm_set, prm_set_many};
+use uavspec_types::flockwave::json::{ParameterOutcome, Request, prm_get, prm_set, prm_set_many};
 
 use super::unknown;
 use crate::hub::{Answer, Hub, SessionId};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     CarrierToNoiseRatio, GPSCoordinate, Latitude, Longitude, RTKAntennaInfo, RTKConfigurationPreset,
     RTKMessageObservations, RTKPresetId, RTKPresetType, RTKSurveyStatus, Request, conn_inf, rtk_inf,
     rtk_list, rtk_source, rtk_stat, rtk_survey,

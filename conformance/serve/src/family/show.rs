@@ -1,6 +1,6 @@
 //! SHOW: drone shows (`definitions/flockwave/show.md`).
 
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     Request, TimeAxisScheduleSegment, TimeAxisScheduleSegmentEndMs, TimeAxisSegmentType, show_cfg,
     show_crth_start, show_lights,
 };

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use uavspec::flockwave::json::{PortNumber, Request, clk_inf, sys_ports, sys_time, sys_ver};
 use uavspec_rules::flockwave::sys_time_03;
+use uavspec_types::flockwave::json::{PortNumber, Request, clk_inf, sys_ports, sys_time, sys_ver};
 
 use super::{clock, unknown};
 use crate::hub::{Answer, Hub, SessionId};

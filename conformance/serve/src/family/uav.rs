@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use serde_json::json;
-use uavspec::flockwave::json::{
+use uavspec_rules::flockwave::{uav_inf_06, uav_inf_07, uav_land_01};
+use uavspec_runtime::ErrorClass;
+use uavspec_types::flockwave::json::{
     CalibrationComponent, GPSCoordinate, ObjectId, PreflightCheckInfo, PreflightCheckItem,
     PreflightCheckResult, Request, uav_calib, uav_fly, uav_halt, uav_hover, uav_inf, uav_land, uav_list,
     uav_motor, uav_preflt, uav_rst, uav_rth, uav_signal, uav_sleep, uav_takeoff, uav_test, uav_ver,
     uav_wakeup,
 };
-use uavspec_rules::flockwave::{uav_inf_06, uav_inf_07, uav_land_01};
-use uavspec_runtime::ErrorClass;
 
 use super::unknown;
 use crate::hub::{Answer, Hub, SessionId};

@@ -1,6 +1,6 @@
 //! WTH: the weather (`definitions/flockwave/wth.md`).
 
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::json::{
     GPSCoordinate, Heading, Latitude, Longitude, ObjectId, Percentage, Request, Temperature, Weather, wth_at,
     wth_inf, wth_list,
 };

@@ -9,9 +9,9 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use uavspec::flockwave::json as flockwave;
 use uavspec_flockwave::transport::http::{Request, Response};
 use uavspec_model::clock::Clock;
+use uavspec_types::flockwave::json as flockwave;
 
 use super::Shared;
 use super::limits::Share;

@@ -1,7 +1,7 @@
 //! The status of a UAV, as reported to clients.
 
-use uavspec::flockwave::ErrorCode;
-use uavspec::flockwave::json::{
+use uavspec_types::flockwave::ErrorCode;
+use uavspec_types::flockwave::json::{
     Attitude, Base64, BatteryInfo, ColorRGB565, FlightMode, GPSCoordinate, GPSFix, GPSFixType, Heading,
     Latitude, Longitude, PositionXYZ, Rssi, SignedAngle, Timestamp, UAVStatusInfo, VelocityNED, VelocityXYZ,
 };

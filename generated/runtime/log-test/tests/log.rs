@@ -50,7 +50,7 @@ fn run() -> (Vec<u8>, Vec<u8>) {
     let generated = repository.join("generated");
     let manifest = format!(
         "[package]\nname = \"log\"\nversion = \"0.0.0\"\nedition = \"2024\"\n\n[dependencies]\ndefmt = {{ version = \"1\", \
-         features = [\"encoding-raw\"] }}\nuavspec = {{ path = \"{}\", features = [\"defmt\"] }}\nuavspec-runtime = {{ \
+         features = [\"encoding-raw\"] }}\nuavspec-types = {{ path = \"{}\", features = [\"defmt\"] }}\nuavspec-runtime = {{ \
          path = \"{}\" }}\n\n[workspace]\n",
         generated.display(),
         generated.join("runtime").display()

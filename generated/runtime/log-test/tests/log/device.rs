@@ -2,9 +2,9 @@
 
 use std::io::Write as _;
 
-use uavspec::flockwave::ErrorCode;
-use uavspec::px4::battery_status::{BatteryFault, BatteryWarning};
-use uavspec::px4::{BatteryStatus, Event, RegisterExtComponentReply, UnregisterExtComponent};
+use uavspec_types::flockwave::ErrorCode;
+use uavspec_types::px4::battery_status::{BatteryFault, BatteryWarning};
+use uavspec_types::px4::{BatteryStatus, Event, RegisterExtComponentReply, UnregisterExtComponent};
 use uavspec_runtime::{Severity, Text};
 
 #[defmt::global_logger]
