@@ -4,6 +4,7 @@ import doctest
 import gzip
 import json
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -38,6 +39,17 @@ def rows(table: uavspec.Table) -> list[dict]:
 def test_examples_of_the_documentation():
     assert doctest.testmod(uavspec).failed == 0
     assert doctest.testmod(uavspec).attempted > 10
+
+
+def test_examples_of_the_readme(tmp_path: Path):
+    readme = (Path(__file__).parents[1] / "README.md").read_text()
+    examples = re.findall(r"```python\n([^`]*)```\n\n```text\n([^`]*)```", readme)
+    assert len(examples) > 4
+    for index, (code, printed) in enumerate(examples):
+        path = tmp_path / f"example_{index}.py"
+        path.write_text(code)
+        assert subprocess.check_output([sys.executable, path], text=True) == printed
+    subprocess.run([sys.executable, "-m", "mypy", "--strict", *tmp_path.iterdir()], check=True)
 
 
 def test_the_package_has_all_types_of_the_definitions():

@@ -17,7 +17,7 @@ Tables implement the Arrow PyCapsule interface, so PyArrow, Polars, DuckDB and p
 All functions release Python's lock while they work, so threads run in parallel. Each problem is an `Error`, except for
 arguments of the wrong type, which are a `TypeError`.
 
-The modules `px4`, `flockwave` and `labels` contain the types of the definitions.
+The modules `px4`, `flockwave` and `labels` contain the types of the definitions, and `data` their JSON Schemas and test vectors.
 """
 
 from collections.abc import Iterable
