@@ -1,16 +1,16 @@
 //! Reproducible archives: the order, times, owners and modes of files are fixed.
 
-use std::io::{Cursor, Write as _};
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use flate2::{Compression, GzBuilder};
 use tar::EntryType;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
 /// The mode of documents: readable by all, writable by the owner.
 const DOCUMENT: u32 = 0o644;
 
-/// The mode of programs and folders, which are also executable.
+/// The mode of programs, which are also executable.
 const EXECUTABLE: u32 = 0o755;
 
 /// The compression level. Packages are built rarely and downloaded often.
@@ -22,7 +22,7 @@ const UNKNOWN_SYSTEM: u8 = 255;
 /// A file in an archive.
 #[derive(Clone, Debug)]
 pub(crate) struct File {
-    /// The path in the archive. The path of a folder ends with a slash.
+    /// The path in the archive.
     pub(crate) path: String,
     pub(crate) bytes: Vec<u8>,
     mode: u32,
@@ -39,14 +39,32 @@ impl File {
         Self { path: path.into(), bytes, mode: DOCUMENT }
     }
 
+    /// Reads a file. Its path in an archive is its name.
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
+        let bytes = fs::read(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(Self::binary(path.file_name().unwrap_or_default().to_string_lossy(), bytes))
+    }
+
+    /// Reads the files in a folder, sorted by name.
+    pub(crate) fn read_all(folder: &Path) -> Result<Vec<Self>, String> {
+        let failed = |error: io::Error| format!("{}: {error}", folder.display());
+        let entries: io::Result<Vec<fs::DirEntry>> = fs::read_dir(folder).and_then(Iterator::collect);
+        let mut paths: Vec<PathBuf> = entries.map_err(failed)?.iter().map(fs::DirEntry::path).collect();
+        paths.sort();
+        paths.iter().map(|path| Self::read(path)).collect()
+    }
+
+    /// Writes the file below a folder.
+    pub(crate) fn write(&self, folder: &Path) -> Result<(), String> {
+        let path = folder.join(&self.path);
+        let failed = |error: io::Error| format!("{}: {error}", path.display());
+        path.parent().map_or(Ok(()), fs::create_dir_all).map_err(failed)?;
+        fs::write(&path, &self.bytes).map_err(failed)
+    }
+
     /// Makes the file executable.
     pub(crate) fn executable(self) -> Self {
         Self { mode: EXECUTABLE, ..self }
-    }
-
-    /// Creates a folder. Only packages that dpkg unpacks require entries for folders.
-    pub(crate) fn folder(path: impl Into<String>) -> Self {
-        Self::binary(path, Vec::new()).executable()
     }
 
     /// A copy with another path.
@@ -60,14 +78,6 @@ impl File {
     }
 }
 
-/// Compresses bytes with gzip.
-pub(crate) fn gzip(bytes: &[u8]) -> Result<Vec<u8>, String> {
-    let mut writer =
-        GzBuilder::new().mtime(0).operating_system(UNKNOWN_SYSTEM).write(Vec::new(), Compression::new(LEVEL));
-    writer.write_all(bytes).map_err(|error| error.to_string())?;
-    writer.finish().map_err(|error| error.to_string())
-}
-
 /// Creates a compressed tar archive. All files have the modification time `time`, in seconds since 1970.
 pub(crate) fn tar_gz(files: &[File], time: u64) -> Result<Vec<u8>, String> {
     let mut builder = tar::Builder::new(Vec::new());
@@ -78,28 +88,14 @@ pub(crate) fn tar_gz(files: &[File], time: u64) -> Result<Vec<u8>, String> {
         header.set_uid(0);
         header.set_gid(0);
         header.set_mtime(time);
-        let is_folder = file.path.ends_with('/');
-        header.set_entry_type(if is_folder { EntryType::Directory } else { EntryType::Regular });
+        header.set_entry_type(EntryType::Regular);
         builder
             .append_data(&mut header, &file.path, file.bytes.as_slice())
             .map_err(|error| format!("{}: {error}", file.path))?;
     }
-    gzip(&builder.into_inner().map_err(|error| error.to_string())?)
-}
-
-/// Creates a zip archive. All files have the earliest possible time, in 1980.
-pub(crate) fn zip(files: &[File]) -> Result<Vec<u8>, String> {
-    let options = SimpleFileOptions::default()
-        .compression_method(CompressionMethod::Deflated)
-        .compression_level(Some(LEVEL.into()))
-        .last_modified_time(DateTime::default())
-        .system(System::Unix);
-    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
-    for file in files {
-        writer
-            .start_file(&file.path, options.unix_permissions(file.mode))
-            .map_err(|error| format!("{}: {error}", file.path))?;
-        writer.write_all(&file.bytes).map_err(|error| format!("{}: {error}", file.path))?;
-    }
-    Ok(writer.finish().map_err(|error| error.to_string())?.into_inner())
+    let tape = builder.into_inner().map_err(|error| error.to_string())?;
+    let mut writer =
+        GzBuilder::new().mtime(0).operating_system(UNKNOWN_SYSTEM).write(Vec::new(), Compression::new(LEVEL));
+    writer.write_all(&tape).map_err(|error| error.to_string())?;
+    writer.finish().map_err(|error| error.to_string())
 }

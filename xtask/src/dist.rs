@@ -11,20 +11,19 @@ mod test;
 #[cfg(test)]
 mod tests;
 
+use std::env;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
 
 use clap::Args;
 use clap::builder::PossibleValuesParser;
 use sha2::{Digest as _, Sha256};
 
 use self::build::Built;
-use self::documents::Documents;
 use crate::archive::{File, tar_gz};
 use crate::command;
-use crate::package::{self, Content, Package, licences};
+use crate::package::{self, licences};
 use crate::paths::repository;
 use crate::platform::{PLATFORMS, Platform, Program};
 
@@ -34,9 +33,6 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The file with the checksums of all archives.
 const CHECKSUMS: &str = "SHA256SUMS";
 
-/// The folder of the compiled code, in the repository. `target/dist` contains only archives and packages.
-const BUILD: &str = "target/dist-build";
-
 /// Arguments of `dist`.
 #[derive(Args)]
 #[command(after_help = "Examples:
@@ -44,8 +40,9 @@ const BUILD: &str = "target/dist-build";
   cargo xtask dist --target aarch64-unknown-linux-musl
   cargo xtask dist --test    install the packages in empty Debian systems, and run the program
 
-Requires a C compiler and musl's headers for each target. Targets without these are skipped, unless --target names \
-them. --test requires root privileges, debootstrap, npm, and qemu-user-static for other processors.")]
+Requires maturin, cargo-zigbuild and cargo-deb, and the standard library for each target. Targets without it are \
+skipped, unless --target names them. --test requires root privileges, debootstrap, npm, and qemu-user-static for other \
+processors.")]
 pub(crate) struct Arguments {
     /// Target to build for (repeatable) [default: all that can be built here]
     #[arg(long, value_name = "TARGET", value_parser = PossibleValuesParser::new(PLATFORMS.iter().map(|it| it.target)))]
@@ -62,19 +59,24 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: Arguments) -> Result<bool, String> {
     let root = repository();
     let out = arguments.out.unwrap_or_else(|| root.join("target/dist"));
+    build::check_tools()?;
     let platforms = platforms(&arguments.target)?;
     let time = time(root)?;
-    let content = Content::of(root)?;
-    let build = |platform: &&'static Platform| build::build(root, platform, &root.join(BUILD), time);
-    let programs: Vec<Built> = platforms.iter().map(build).collect::<Result<_, _>>()?;
-    let documents = Documents::of(root, &programs)?;
-    let mut packages = package::for_all_platforms(&content, &platforms)?;
-    for Built { platform, path } in programs {
-        let bytes = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let licences = [licences(), notices::third_party(root, platform.target)?].concat();
-        let program = Program { platform, bytes, licences };
-        packages.extend([archive(&program, &documents, time)?, debian::package(&program, &documents, time)?]);
-        packages.extend(package::for_platform(&content, &program)?);
+    let programs = platforms.iter().map(|platform| build::program(platform, time));
+    let programs: Vec<Built> = programs.collect::<Result<_, _>>()?;
+    let documents = build::folder().join("documents");
+    documents::write(root, &programs, &documents)?;
+    let mut packages = package::for_all_platforms(&platforms)?;
+    packages.extend(build::source_distribution(time)?);
+    for built in programs {
+        let platform = built.platform;
+        let third_party = notices::third_party(root, platform.target)?;
+        third_party.iter().try_for_each(|file| file.write(&documents))?;
+        packages.extend(build::wheels(&built, &third_party, time)?);
+        let program = Program { platform, bytes: File::read(&built.path)?.bytes, third_party };
+        packages.push(archive(&program, &documents, time)?);
+        packages.push(debian::package(&built, time)?);
+        packages.push(package::for_platform(&program)?);
     }
     packages.push(checksums(&packages));
     eprintln!("{}", package::write("dist", &packages, &out)?);
@@ -119,26 +121,27 @@ fn time(root: &Path) -> Result<u64, String> {
     text.parse().map_err(|_| format!("{origin}: expected seconds since 1970, found {text:?}"))
 }
 
-/// The archive with the program and its documents.
-fn archive(program: &Program, documents: &Documents, time: u64) -> Result<Package, String> {
+/// The archive with the program and the documents in a folder.
+fn archive(program: &Program, documents: &Path, time: u64) -> Result<File, String> {
     let folder = format!("uavspec-{VERSION}-{}", program.platform.target);
-    let mut files = program.licences.clone();
+    let mut files = [licences(), program.third_party.clone()].concat();
     files.push(program.file("uavspec"));
     files.push(File::new("README.md", include_str!("dist/README.md")));
-    files.push(documents.changes.at("CHANGELOG.md"));
-    files.extend(documents.completions.iter().map(|file| file.below("completions")));
-    files.extend(documents.man_pages.iter().map(|file| file.below("man/man1")));
+    files.push(File::new("CHANGELOG.md", include_str!("../../CHANGELOG.md")));
+    for part in ["completions", "man/man1"] {
+        files.extend(File::read_all(&documents.join(part))?.iter().map(|file| file.below(part)));
+    }
     files.sort_by(|left, right| left.path.cmp(&right.path));
     let files: Vec<File> = files.iter().map(|file| file.below(&folder)).collect();
-    Ok(Package { file_name: format!("{folder}.tar.gz"), count: files.len(), bytes: tar_gz(&files, time)? })
+    Ok(File::binary(format!("{folder}.tar.gz"), tar_gz(&files, time)?))
 }
 
 /// The checksums in the format of `sha256sum`.
-fn checksums(packages: &[Package]) -> Package {
+fn checksums(packages: &[File]) -> File {
     let mut text = String::new();
     for package in packages {
         let checksum = data_encoding::HEXLOWER.encode(&Sha256::digest(&package.bytes));
-        let _ = writeln!(text, "{checksum}  {}", package.file_name);
+        let _ = writeln!(text, "{checksum}  {}", package.path);
     }
-    Package { file_name: CHECKSUMS.to_owned(), count: 1, bytes: text.into_bytes() }
+    File::new(CHECKSUMS, &text)
 }

@@ -5,41 +5,41 @@ use crate::archive::File;
 /// A platform, with its name in each kind of package.
 #[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Platform {
-    /// The target of the Rust compiler.
-    pub(crate) target: &'static str,
-    /// The processor, as in the names of GNU's tools, and of Debian's folders for musl.
+    /// The processor, as in the targets of the Rust compiler.
     pub(crate) machine: &'static str,
+    /// The target of the Rust compiler for static programs.
+    pub(crate) target: &'static str,
     /// The architecture of Debian packages.
     pub(crate) debian: &'static str,
     /// The operating system and the processor, as in Node's `process.platform` and `process.arch`.
     pub(crate) node: (&'static str, &'static str),
-    /// The platform tags of wheels. A static program runs with glibc and musl, so the tags name the oldest versions
-    /// for which pip has tags.
-    pub(crate) wheel: &'static str,
 }
 
 /// The features of the programs, in addition to the default ones.
-pub(crate) const FEATURES: &str = "live,schemas,stores,tables";
+pub(crate) const FEATURES: &str = "uavspec/live,uavspec/schemas,uavspec/stores,uavspec/tables";
 
 /// All platforms. The programs are static, so they run on every Linux distribution.
 pub(crate) static PLATFORMS: [Platform; 2] = [
     Platform {
-        target: "x86_64-unknown-linux-musl",
         machine: "x86_64",
+        target: "x86_64-unknown-linux-musl",
         debian: "amd64",
         node: ("linux", "x64"),
-        wheel: "manylinux_2_17_x86_64.manylinux2014_x86_64.musllinux_1_1_x86_64",
     },
     Platform {
-        target: "aarch64-unknown-linux-musl",
         machine: "aarch64",
+        target: "aarch64-unknown-linux-musl",
         debian: "arm64",
         node: ("linux", "arm64"),
-        wheel: "manylinux_2_17_aarch64.manylinux2014_aarch64.musllinux_1_1_aarch64",
     },
 ];
 
 impl Platform {
+    /// The target of the Rust compiler for Python modules, which are linked with a C library: `gnu` or `musl`.
+    pub(crate) fn module_target(&self, library: &str) -> String {
+        format!("{}-unknown-linux-{library}", self.machine)
+    }
+
     /// The npm package with the program.
     pub(crate) fn npm_package(&self) -> String {
         let (system, processor) = self.node;
@@ -52,8 +52,8 @@ impl Platform {
 pub(crate) struct Program {
     pub(crate) platform: &'static Platform,
     pub(crate) bytes: Vec<u8>,
-    /// The licences of the project, and of all code that is linked into the program.
-    pub(crate) licences: Vec<File>,
+    /// The licences of the code of others that is linked into the program.
+    pub(crate) third_party: Vec<File>,
 }
 
 impl Program {

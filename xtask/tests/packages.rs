@@ -1,5 +1,5 @@
-//! Tests of the packages for npm and `PyPI`: the content of archives, the types of modules generated from arbitrary
-//! definitions, and the examples in the READMEs of installed packages.
+//! Tests of the npm package: its content, the examples in its README, and its launcher. Tests of the types of modules
+//! generated from arbitrary definitions, in TypeScript and Python.
 //!
 //! Tests that require Node or Python are ignored by default. They install type checkers below `target/`. The files in
 //! `packages/` specify the versions of the type checkers.

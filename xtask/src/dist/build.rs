@@ -1,45 +1,53 @@
-//! Builds the program for a platform, as a static program without paths of this machine.
+//! Builds the program and the Python package without paths of this machine. zig compiles the C code and links, so one
+//! machine builds for all platforms, and for older systems than its own.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::{env, fs};
+use std::{env, fs, io};
 
+use crate::archive::File;
 use crate::command::{cargo, found, output, run};
+use crate::paths::repository;
 use crate::platform::{FEATURES, Platform};
 
-/// The crate of the program.
-const CRATE: &str = "uavspec";
-
 /// The profile in the workspace's `Cargo.toml`.
-const PROFILE: &str = "dist";
+pub(super) const PROFILE: &str = "dist";
 
-/// The folder with an empty libdl, which crates of zenoh link. In musl, libc contains its functions.
-const LIBRARIES: &str = "xtask/src/dist/musl";
+/// The programs that this task runs, and the commands that install them.
+const TOOLS: [[&str; 2]; 3] = [
+    ["cargo-deb", "cargo install --locked cargo-deb"],
+    ["cargo-zigbuild", "pip install cargo-zigbuild"],
+    ["maturin", "pip install maturin"],
+];
 
-/// The reason why the program can't be built for a platform, with the missing requirement; none if it can be built.
+/// The folder of the Python package, in the repository.
+const PYTHON: &str = "conformance/python";
+
+/// The folder from which maturin adds the program to a wheel, in the folder of the package.
+const DATA: &str = "uavspec._native.data";
+
+/// The oldest systems on which the wheels run. maturin checks the module, and applies the one for its target.
+const SYSTEMS: [&str; 2] = ["manylinux2014", "musllinux_1_2"];
+
+/// The C libraries for which there are wheels. A Python module can't be static.
+const LIBRARIES: [&str; 2] = ["gnu", "musl"];
+
+/// Fails with the requirement that this machine doesn't meet.
+pub(super) fn check_tools() -> Result<(), String> {
+    match TOOLS.iter().find(|[tool, _]| !found(tool)) {
+        Some([tool, help]) => Err(format!("{tool} is not installed\n  help: {help}")),
+        None => Ok(()),
+    }
+}
+
+/// The reason why a platform can't be built for, with the missing requirement; none if it can be.
 pub(super) fn obstacle(platform: &Platform) -> Option<String> {
-    let Platform { target, machine, debian, .. } = platform;
-    let library = output(Command::new("rustc").args(["--print", "target-libdir", "--target", target]));
-    if !library.is_ok_and(|folder| Path::new(&folder).exists()) {
-        return Some(format!("requires the standard library: rustup target add {target}"));
-    }
-    if !headers(platform).exists() {
-        return Some(format!("requires {}: apt-get install musl-dev:{debian}", headers(platform).display()));
-    }
-    let compiler = compiler(platform);
-    (!found(&compiler))
-        .then(|| format!("requires {compiler}: apt-get install gcc-{}-linux-gnu", machine.replace('_', "-")))
-}
-
-/// The C compiler for `SQLite`, zstd, mimalloc and ring.
-fn compiler(platform: &Platform) -> String {
-    format!("{}-linux-gnu-gcc", platform.machine)
-}
-
-/// The folder with musl's headers, as in Debian. The compiler's own headers are for glibc.
-fn headers(platform: &Platform) -> PathBuf {
-    Path::new("/usr/include").join(format!("{}-linux-musl", platform.machine))
+    let target = LIBRARIES.iter().map(|library| platform.module_target(library)).find(|target| {
+        let library = output(Command::new("rustc").args(["--print", "target-libdir", "--target", target]));
+        !library.is_ok_and(|folder| Path::new(&folder).exists())
+    })?;
+    Some(format!("requires the standard library: rustup target add {target}"))
 }
 
 /// A program that was built.
@@ -48,52 +56,77 @@ pub(super) struct Built {
     pub(super) path: PathBuf,
 }
 
-/// Builds the program for a platform in the folder `target`.
-pub(super) fn build(
-    root: &Path,
-    platform: &'static Platform,
-    target: &Path,
-    time: u64,
-) -> Result<Built, String> {
-    eprintln!("dist: building for {}", platform.target);
-    fs::create_dir_all(target).map_err(|error| format!("{}: {error}", target.display()))?;
-    let mut command = Command::new(cargo());
-    command.args(["rustc", "--locked", "--profile", PROFILE, "--package", CRATE, "--bin", "uavspec"]);
-    command.args(["--features", FEATURES]);
-    command.args(["--target", platform.target]).arg("--target-dir").arg(target).arg("--manifest-path");
-    command.arg(root.join("Cargo.toml")).env("SOURCE_DATE_EPOCH", time.to_string());
-    command.env("CARGO_ENCODED_RUSTFLAGS", flags(root, target)?);
-    let lower = platform.target.replace('-', "_");
-    // The linker of the toolchain serves all processors.
-    command.env(format!("CARGO_TARGET_{}_LINKER", lower.to_uppercase()), "rust-lld");
-    let own = output(Command::new(compiler(platform)).arg("-print-file-name=include"))?;
-    command.env(format!("CC_{lower}"), compiler(platform));
-    command.env(format!("AR_{lower}"), compiler(platform).replace("gcc", "ar"));
-    command.env(
-        format!("CFLAGS_{lower}"),
-        format!("-nostdinc -isystem {} -isystem {own}", headers(platform).display()),
-    );
-    // The path is relative, so that it doesn't change the program.
-    command.arg("--").arg(format!("-Clink-arg=-L{LIBRARIES}"));
-    run(&mut command)?;
-    Ok(Built { platform, path: target.join(platform.target).join(PROFILE).join("uavspec") })
+/// The folder of the compiled code.
+pub(super) fn folder() -> PathBuf {
+    repository().join("target/dist-build")
 }
 
-/// The compiler flags, separated as cargo requires it. They replace the paths in the messages of panics, and pack the
-/// relocations, which otherwise take almost a megabyte.
-fn flags(root: &Path, target: &Path) -> Result<OsString, String> {
+/// Builds the program for a platform.
+pub(super) fn program(platform: &'static Platform, time: u64) -> Result<Built, String> {
+    eprintln!("dist: building for {}", platform.target);
+    let mut command = Command::new(cargo());
+    command.args(["zigbuild", "--locked", "--profile", PROFILE, "--package", "uavspec", "--bin", "uavspec"]);
+    run_with(command.args(["--features", FEATURES, "--target", platform.target]), time)?;
+    Ok(Built { platform, path: folder().join(platform.target).join(PROFILE).join("uavspec") })
+}
+
+/// Builds the source distribution of the Python package.
+pub(super) fn source_distribution(time: u64) -> Result<Vec<File>, String> {
+    maturin(&["sdist"], time)
+}
+
+/// Builds the wheels with a program, the Python module and the types. They contain the licences `third_party`.
+pub(super) fn wheels(built: &Built, third_party: &[File], time: u64) -> Result<Vec<File>, String> {
+    let package = repository().join(PYTHON);
+    let scripts = package.join(DATA).join("scripts");
+    let failed = |error: io::Error| format!("{}: {error}", scripts.display());
+    fs::create_dir_all(&scripts).map_err(failed)?;
+    fs::copy(&built.path, scripts.join("uavspec")).map_err(failed)?;
+    third_party.iter().try_for_each(|file| file.write(&package))?;
+    let build = |library: &&str| {
+        let target = built.platform.module_target(library);
+        eprintln!("dist: building the Python module for {target}");
+        let options = ["build", "--locked", "--zig", "--profile", PROFILE, "--target", &target];
+        maturin(&[&options[..], &["--compatibility"], &SYSTEMS].concat(), time)
+    };
+    let wheels: Result<Vec<Vec<File>>, String> = LIBRARIES.iter().map(build).collect();
+    // An installation from this checkout must not contain these files.
+    let mut removed = third_party.iter().map(|file| fs::remove_file(package.join(&file.path)));
+    removed.try_for_each(|it| it).and_then(|()| fs::remove_dir_all(package.join(DATA))).map_err(failed)?;
+    Ok(wheels?.concat())
+}
+
+/// Runs maturin, and returns the packages that it wrote.
+fn maturin(arguments: &[&str], time: u64) -> Result<Vec<File>, String> {
+    let out = folder().join("python");
+    if out.exists() {
+        fs::remove_dir_all(&out).map_err(|error| format!("{}: {error}", out.display()))?;
+    }
+    let mut command = Command::new("maturin");
+    command.args(arguments).args(["--manifest-path", &format!("{PYTHON}/Cargo.toml")]);
+    run_with(command.arg("--out").arg(&out), time)?;
+    File::read_all(&out)
+}
+
+/// Runs a tool in the repository. The code that it compiles depends on nothing else of this machine. The compiler flags
+/// replace the paths in the messages of panics.
+pub(super) fn run_with(command: &mut Command, time: u64) -> Result<(), String> {
     let home = match env::var_os("CARGO_HOME") {
         Some(home) => PathBuf::from(home),
         None => env::home_dir().ok_or("the home folder is unknown\n  help: set CARGO_HOME")?.join(".cargo"),
     };
-    let mut flags = OsString::from("-Clink-arg=--pack-dyn-relocs=relr");
+    let target = folder();
+    fs::create_dir_all(&target).map_err(|error| format!("{}: {error}", target.display()))?;
+    let mut flags = Vec::new();
     // The last replacement that matches applies.
-    for (path, name) in [(root, "/uavspec"), (target, "/target"), (&home, "/cargo")] {
+    for (path, name) in [(repository(), "/uavspec"), (&*target, "/target"), (&*home, "/cargo")] {
         let path = fs::canonicalize(path).map_err(|error| format!("{}: {error}", path.display()))?;
-        flags.push("\u{1f}--remap-path-prefix=");
-        flags.push(path);
-        flags.push("=");
-        flags.push(name);
+        let mut flag = OsString::from("--remap-path-prefix=");
+        flag.push(path);
+        flag.push(format!("={name}"));
+        flags.push(flag);
     }
-    Ok(flags)
+    command.current_dir(repository()).env("CARGO_TARGET_DIR", target);
+    command.env("CARGO_ENCODED_RUSTFLAGS", flags.join(OsStr::new("\u{1f}")));
+    run(command.env("SOURCE_DATE_EPOCH", time.to_string()))
 }

@@ -1,4 +1,4 @@
-//! The licences of all code that is linked into the program: crates, their C code, and the libraries of Rust and C.
+//! The licences of all code that is linked into the program and the Python module: crates, their C code, and the libraries of Rust and C.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -53,7 +53,7 @@ struct Package {
     manifest_path: PathBuf,
 }
 
-/// The files with the licences of third-party code in the program for a target of the compiler.
+/// The files with the licences of third-party code in the program and the Python module for a target of the compiler.
 pub(super) fn third_party(root: &Path, target: &str) -> Result<Vec<File>, String> {
     let documents =
         PathBuf::from(output(Command::new("rustc").args(["--print", "sysroot"]))?).join("share/doc/rust");
@@ -161,7 +161,8 @@ impl Standard {
 
 /// The document: a list of all parts, and each different text once, with the parts that it applies to.
 fn document(parts: &[Part]) -> String {
-    let mut text = "The uavspec program contains the following third-party code.\n\n".to_owned();
+    let mut text =
+        "The uavspec program and its Python module contain the following third-party code.\n\n".to_owned();
     let mut by_text: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
     for part in parts {
         let origin = part.origin.as_deref().map_or(String::new(), |origin| format!(", {origin}"));
@@ -210,7 +211,7 @@ mod tests {
         };
         let text = String::from_utf8_lossy(&crates.bytes);
         let list: Vec<&str> = text.lines().skip(2).take_while(|line| !line.is_empty()).collect();
-        for name in ["libmimalloc-sys ", "libsqlite3-sys ", "mcap ", "musl:", "ring "] {
+        for name in ["libmimalloc-sys ", "libsqlite3-sys ", "mcap ", "musl:", "pyo3 ", "ring "] {
             assert!(list.iter().any(|line| line.starts_with(name)), "{name} is missing");
         }
         for name in ["cc ", "proptest ", "serde_derive ", "uavspec", "windows-sys "] {

@@ -53,15 +53,15 @@ fn methods(platform: &Platform) -> [Method; 4] {
             install: "python3 -m venv /venv && /venv/bin/pip install --no-index --find-links /dist uavspec"
                 .to_owned(),
             program: "/venv/bin/uavspec",
-            check: "/venv/bin/python -c 'from uavspec.data import schema; schema(\"px4/Event\")'",
+            check: "/venv/bin/python -c 'import uavspec, uavspec.data as data; data.schema(\"px4/Event\"); uavspec.check(\"/input/cpuload.ulg\")'",
         },
         Method {
             name: "npm",
             install: format!(
-                "mkdir /npm && cd /npm && npm install --offline --no-audit --no-fund /dist/uavspec-{VERSION}.tgz /dist/{npm}-{VERSION}.tgz"
+                "mkdir /npm && cd /npm && npm install --offline --no-audit --no-fund /dist/uavspec-{VERSION}.tgz /dist/{npm}-{VERSION}.tgz /dist/uavspec-types-{VERSION}.tgz"
             ),
             program: "/npm/node_modules/.bin/uavspec",
-            check: "cd /npm && node -e 'require(\"uavspec/data\").schema(\"px4/Event\")'",
+            check: "cd /npm && node -e 'require(\"uavspec-types/data\").schema(\"px4/Event\")'",
         },
     ]
 }

@@ -1,13 +1,12 @@
-//! The common content of the packages: generated files, licences and a manifest.
+//! The content of the npm package of the types: generated files and a manifest.
 
 use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json};
 use uavspec_codegen::load::read_definitions_translated;
-use uavspec_emit::{OutputFile, json_schema, python, typescript, vectors};
+use uavspec_emit::{OutputFile, json_schema, typescript, vectors};
 
-use super::metadata::VERSION;
 use crate::archive::File;
 use crate::message_of;
 
@@ -19,16 +18,12 @@ const VECTORS: &str = ".vectors.json";
 /// The schema of vector files, in the same folder.
 const VECTORS_SCHEMA: &str = "vectors.schema.json";
 
-/// The common content of both packages.
+/// The content.
 pub(crate) struct Content {
     /// JavaScript modules and their types.
     pub(super) javascript: Vec<File>,
-    /// Python modules.
-    pub(super) python: Vec<File>,
     /// Schemas, vectors and the manifest.
     pub(super) data: Vec<File>,
-    /// The licences.
-    pub(super) licences: Vec<File>,
 }
 
 impl Content {
@@ -47,12 +42,7 @@ impl Content {
         data.extend(schemas.iter().map(|file| File::new(format!("schemas/{}", file.path), &file.text)));
         data.extend(vectors.iter().map(|file| File::new(format!("vectors/{}", file.path), &file.text)));
         let options = typescript::Options { form: typescript::Form::Compiled };
-        Ok(Self {
-            javascript: files(&typescript::emit(&schema, &translations, &options)),
-            python: files(&python::emit(&schema, &translations)),
-            data,
-            licences: licences(),
-        })
+        Ok(Self { javascript: files(&typescript::emit(&schema, &translations, &options)), data })
     }
 }
 
@@ -63,14 +53,6 @@ fn schema_base(config: &Path) -> Result<String, String> {
     let table: toml::Table = text.parse().map_err(|error: toml::de::Error| at(error.to_string()))?;
     let base = table.get("output").and_then(|output| output.get("json_schema")?.get("base")?.as_str());
     base.map(str::to_owned).ok_or_else(|| at("`output.json_schema.base` is not set".to_owned()))
-}
-
-/// The licences of the project.
-pub(crate) fn licences() -> Vec<File> {
-    vec![
-        File::new("LICENSE-APACHE", include_str!("../../../LICENSE-APACHE")),
-        File::new("LICENSE-MIT", include_str!("../../../LICENSE-MIT")),
-    ]
 }
 
 fn files(emitted: &[OutputFile]) -> Vec<File> {
@@ -84,7 +66,7 @@ fn manifest(schemas: &[OutputFile], vectors: &[&OutputFile]) -> Result<String, S
     };
     let is_bundle = |file: &&OutputFile| file.path.ends_with(BUNDLE);
     let manifest = json!({
-        "version": VERSION,
+        "version": env!("CARGO_PKG_VERSION"),
         "bundles": names(&mut schemas.iter(), BUNDLE),
         "schemas": names(&mut schemas.iter().filter(|file| !is_bundle(file)), SCHEMA),
         "vectors": names(&mut vectors.iter().copied(), VECTORS),

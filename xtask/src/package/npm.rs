@@ -1,18 +1,34 @@
-//! Builds the npm packages: ECMAScript and `CommonJS` modules with their types, and one package with the program for each
-//! platform. Data is in separate files, so bundlers include only the required data.
+//! Builds the npm packages. `uavspec-types` contains ECMAScript and `CommonJS` modules with their types. `uavspec` starts
+//! the program, which is in one package for each platform.
 
 use serde_json::{Map, Value, json};
 
-use super::Package;
 use super::content::{Content, pretty};
-use super::metadata::{DESCRIPTION, KEYWORDS, LICENSE, NAME, REPOSITORY, TIME, VERSION};
+use super::licences;
 use crate::archive::{File, tar_gz};
 use crate::platform::{Platform, Program};
 
 /// The root folder of npm archives.
 const FOLDER: &str = "package";
 
-/// The entry point of the package.
+/// The version of the workspace.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The URL of the repository; empty if the workspace has none.
+const REPOSITORY: &str = env!("CARGO_PKG_REPOSITORY");
+
+/// The modification time of all files: 26 October 1985, 08:15, as in npm's archives. Archives with times after 1980 can be
+/// converted to formats that don't support earlier times.
+const TIME: u64 = 499_162_500;
+
+/// The description of the package of the types.
+const DESCRIPTION: &str =
+    "Types, JSON Schemas, test vectors and error codes of PX4 messages and the Flockwave protocol";
+
+const KEYWORDS: [&str; 9] =
+    ["drone", "uav", "px4", "uorb", "ros2", "flockwave", "skybrush", "json-schema", "test-vectors"];
+
+/// The entry point of the package of the types.
 const INDEX: &str = "index";
 
 /// The script that runs the program of the package for the current platform.
@@ -21,28 +37,42 @@ const LAUNCHER: &str = "bin/uavspec.cjs";
 /// The program in the packages for platforms. The launcher has the same path.
 const PROGRAM: &str = "bin/uavspec";
 
-/// Builds the package of the modules. It contains the launcher only if there are packages with the program.
-pub(super) fn package(content: &Content, platforms: &[&Platform]) -> Result<Package, String> {
+/// Builds the package of the types. Data is in separate files, so bundlers include only the required data.
+pub(super) fn types(content: &Content) -> Result<File, String> {
     let mut files = content.javascript.clone();
     files.extend([
         File::new("data.js", include_str!("npm/data.js")),
         File::new("data.cjs", include_str!("npm/data.cjs")),
         File::new("data.d.ts", include_str!("npm/data.d.ts")),
         File::new("data.d.cts", include_str!("npm/data.d.cts")),
-        File::new("README.md", &readme(platforms)),
+        File::new("README.md", include_str!("npm/README.md")),
     ]);
-    if !platforms.is_empty() {
-        files.push(File::new(LAUNCHER, include_str!("npm/launcher.cjs")).executable());
-    }
-    files.extend(content.data.iter().chain(&content.licences).cloned());
-    files.push(File::new("package.json", &pretty(&package_json(&files, platforms))?));
-    archive(NAME, &files)
+    files.extend(content.data.iter().cloned().chain(licences()));
+    files.push(File::new("package.json", &pretty(&types_json(&files))?));
+    archive("uavspec-types", &files)
+}
+
+/// Builds the package that starts the program for the current platform. npm installs the package of this platform.
+pub(super) fn launcher(platforms: &[&Platform]) -> Result<File, String> {
+    let mut manifest = manifest("uavspec", "Checks drone software against its interface specifications");
+    manifest["keywords"] = json!(KEYWORDS);
+    manifest["engines"] = json!({ "node": ">=18" });
+    manifest["bin"] = json!({ "uavspec": LAUNCHER });
+    let platforms = platforms.iter().map(|platform| (platform.npm_package(), VERSION.into()));
+    manifest["optionalDependencies"] = Value::Object(platforms.collect());
+    let mut files = licences();
+    files.extend([
+        File::new(LAUNCHER, include_str!("npm/launcher.cjs")).executable(),
+        File::new("README.md", include_str!("npm/launcher.md")),
+        File::new("package.json", &pretty(&manifest)?),
+    ]);
+    archive("uavspec", &files)
 }
 
 /// Builds the package of a program. npm installs it only on its platform.
-pub(super) fn platform_package(program: &Program) -> Result<Package, String> {
+pub(super) fn program(program: &Program) -> Result<File, String> {
     let name = program.platform.npm_package();
-    let mut files = program.licences.clone();
+    let mut files = [licences(), program.third_party.clone()].concat();
     files.push(program.file(PROGRAM));
     files.push(File::new("README.md", include_str!("npm/program.md")));
     let (system, processor) = program.platform.node;
@@ -53,35 +83,22 @@ pub(super) fn platform_package(program: &Program) -> Result<Package, String> {
     archive(&name.trim_start_matches('@').replace('/', "-"), &files)
 }
 
-fn archive(name: &str, files: &[File]) -> Result<Package, String> {
+fn archive(name: &str, files: &[File]) -> Result<File, String> {
     let mut files: Vec<File> = files.iter().map(|file| file.below(FOLDER)).collect();
     files.sort_by(|left, right| left.path.cmp(&right.path));
-    Ok(Package {
-        file_name: format!("{name}-{VERSION}.tgz"),
-        count: files.len(),
-        bytes: tar_gz(&files, TIME)?,
-    })
+    Ok(File::binary(format!("{name}-{VERSION}.tgz"), tar_gz(&files, TIME)?))
 }
 
 /// The common part of all manifests.
 fn manifest(name: &str, description: &str) -> Value {
-    let mut manifest =
-        json!({ "name": name, "version": VERSION, "description": description, "license": LICENSE });
+    let mut manifest = json!({ "name": name, "version": VERSION, "description": description, "license": env!("CARGO_PKG_LICENSE") });
     if !REPOSITORY.is_empty() {
         manifest["repository"] = json!({ "type": "git", "url": format!("git+{REPOSITORY}") });
     }
     manifest
 }
 
-/// The README. Its section about the program is omitted if there is no launcher.
-fn readme(platforms: &[&Platform]) -> String {
-    let sections = include_str!("npm/README.md").split("\n## ");
-    let is_kept = |section: &&str| !platforms.is_empty() || section.lines().next() != Some("Program");
-    let sections = sections.filter(is_kept);
-    sections.collect::<Vec<_>>().join("\n## ")
-}
-
-fn package_json(files: &[File], platforms: &[&Platform]) -> Value {
+fn types_json(files: &[File]) -> Value {
     // Modules without types are internal.
     let modules = files.iter().filter_map(|file| file.path.strip_suffix(".d.cts"));
     let mut entries: Vec<(String, Value)> = modules.map(|name| (entry(name), conditions(name))).collect();
@@ -90,7 +107,7 @@ fn package_json(files: &[File], platforms: &[&Platform]) -> Value {
     for data in ["schemas/*", "vectors/*", "manifest.json", "package.json"] {
         exports.insert(format!("./{data}"), format!("./{data}").into());
     }
-    let mut manifest = manifest(NAME, DESCRIPTION);
+    let mut manifest = manifest("uavspec-types", DESCRIPTION);
     manifest["keywords"] = json!(KEYWORDS);
     manifest["type"] = "module".into();
     manifest["sideEffects"] = false.into();
@@ -99,11 +116,6 @@ fn package_json(files: &[File], platforms: &[&Platform]) -> Value {
     manifest["main"] = format!("./{INDEX}.cjs").into();
     manifest["types"] = format!("./{INDEX}.d.cts").into();
     manifest["exports"] = Value::Object(exports);
-    if !platforms.is_empty() {
-        manifest["bin"] = json!({ NAME: LAUNCHER });
-        let platforms = platforms.iter().map(|platform| (platform.npm_package(), VERSION.into()));
-        manifest["optionalDependencies"] = Value::Object(platforms.collect());
-    }
     manifest
 }
 

@@ -64,9 +64,11 @@ impl Crates {
         Self::parse(root, &["--edges", "normal,build", "--target", "all", "--all-features"])
     }
 
-    /// Reads the crates that are linked into the program for a target of the compiler.
+    /// Reads the crates that are linked into the program and the Python module for a target of the compiler.
     pub(crate) fn linked(root: &Path, target: &str) -> Result<Self, String> {
-        Self::parse(root, &["--edges", "normal,no-proc-macro", "--target", target, "--features", FEATURES])
+        let features = format!("{FEATURES},uavspec-python/module");
+        let module = ["--package", "uavspec-python", "--features", &features];
+        Self::parse(root, &[&["--edges", "normal,no-proc-macro", "--target", target], &module[..]].concat())
     }
 
     fn parse(root: &Path, selection: &[&str]) -> Result<Self, String> {

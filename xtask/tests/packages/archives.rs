@@ -1,23 +1,17 @@
-//! Tests of the content of archives, without npm and Python.
+//! Tests of the content of the npm package, without npm.
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
-use std::io::{Cursor, Read as _};
+use std::io::Read as _;
 use std::path::Path;
 
 use flate2::read::GzDecoder;
 use serde_json::Value;
-use zip::ZipArchive;
 
 use super::tools::package;
 
 /// The files of an archive, by path.
 type Files = BTreeMap<String, String>;
-
-/// The packages: npm archive, wheel and source distribution.
-fn packages() -> [Files; 3] {
-    [tape(&package(".tgz")), wheel(&package("-py3-none-any.whl")), tape(&package(".tar.gz"))]
-}
 
 fn tape(path: &Path) -> Files {
     let mut archive = tar::Archive::new(GzDecoder::new(File::open(path).expect("an archive")));
@@ -35,26 +29,10 @@ fn tape(path: &Path) -> Files {
     files
 }
 
-fn wheel(path: &Path) -> Files {
-    let bytes = fs::read(path).expect("an archive");
-    let mut archive = ZipArchive::new(Cursor::new(bytes)).expect("an archive");
-    let mut files = Files::new();
-    for index in 0..archive.len() {
-        let mut entry = archive.by_index(index).expect("an entry");
-        let path = entry.name().expect("a name").into_owned();
-        assert_eq!(entry.last_modified(), Some(zip::DateTime::default()), "{path}");
-        assert_eq!(entry.unix_mode().map(|mode| mode & 0o777), Some(0o644), "{path}");
-        let mut text = String::new();
-        entry.read_to_string(&mut text).expect("UTF-8");
-        files.insert(path, text);
-    }
-    files
-}
-
 #[test]
-fn archives_have_the_expected_content() {
-    let [npm, wheel, source] = packages();
-    for (path, text) in npm.iter().chain(&wheel).chain(&source) {
+fn the_npm_package_has_the_expected_content() {
+    let npm = tape(&package());
+    for (path, text) in &npm {
         assert!(!text.contains('\r'), "{path} contains carriage returns");
     }
     let manifest: Value = serde_json::from_str(&npm["package/package.json"]).expect("JSON");
@@ -74,22 +52,7 @@ fn archives_have_the_expected_content() {
         assert!(exists, "{target} is exported, but missing");
     }
 
-    // There are no packages with the program.
-    for member in ["bin", "optionalDependencies"] {
-        assert_eq!(manifest.get(member), None, "{member}");
-    }
-    assert!(!npm.contains_key("package/bin/uavspec.cjs"));
-    assert!(!npm["package/README.md"].contains("## Program"), "{}", npm["package/README.md"]);
-
-    let version = env!("CARGO_PKG_VERSION");
-    let information = format!("uavspec-{version}.dist-info");
-    let record = &wheel[&format!("{information}/RECORD")];
-    let listed: Vec<&str> = record.lines().filter_map(|line| line.split(',').next()).collect();
-    assert_eq!(listed.len(), wheel.len());
-    assert!(listed.iter().all(|path| wheel.contains_key(*path)), "{listed:?}");
-    assert_eq!(wheel[&format!("{information}/METADATA")], source[&format!("uavspec-{version}/PKG-INFO")]);
-
-    // All archives contain the data of the repository.
+    // The data is that of the repository.
     let generated = Path::new(env!("CARGO_MANIFEST_DIR")).join("../generated");
     for path in [
         "schemas/px4/Event.schema.json",
@@ -98,17 +61,9 @@ fn archives_have_the_expected_content() {
     ] {
         let text = fs::read_to_string(generated.join(path)).expect("a generated file").replace("\r\n", "\n");
         assert_eq!(npm[&format!("package/{path}")], text);
-        assert_eq!(wheel[&format!("uavspec/{path}")], text);
-        assert_eq!(source[&format!("uavspec-{version}/uavspec/{path}")], text);
     }
-    for (files, folder) in [
-        (&npm, "package".to_owned()),
-        (&wheel, format!("{information}/licenses")),
-        (&source, format!("uavspec-{version}")),
-    ] {
-        assert!(files[&format!("{folder}/LICENSE-MIT")].starts_with("MIT License"));
-        assert!(files[&format!("{folder}/LICENSE-APACHE")].contains("Apache License"));
-    }
+    assert!(npm["package/LICENSE-MIT"].starts_with("MIT License"));
+    assert!(npm["package/LICENSE-APACHE"].contains("Apache License"));
 }
 
 /// All strings within a value.

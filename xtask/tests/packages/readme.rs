@@ -1,9 +1,9 @@
-//! Tests that the examples in the READMEs of installed packages run, and print the text below them.
+//! Tests that the examples in the README of the installed npm package run, and print the text below them.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use super::tools::{environment, install, node_tool, package, python_with_tools, run, write};
+use super::tools::{node_tool, package, run, write};
 
 /// An example and its output.
 struct Example {
@@ -38,8 +38,12 @@ fn the_readme_of_the_npm_package_is_correct() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     write(&folder.join("package.json"), "{ \"private\": true }\n");
-    run("npm", &["install", "--offline", "--no-audit", "--no-fund", &path_of(".tgz")], folder);
-    let readme = fs::read_to_string(folder.join("node_modules/uavspec/README.md")).expect("a README");
+    run(
+        "npm",
+        &["install", "--offline", "--no-audit", "--no-fund", &package().display().to_string()],
+        folder,
+    );
+    let readme = fs::read_to_string(folder.join("node_modules/uavspec-types/README.md")).expect("a README");
     let examples = examples(&readme);
     let count = |language: &str| examples.iter().filter(|example| example.language == language).count();
     assert!(count("js") > 0 && count("cjs") > 0 && count("ts") > 1, "an example of each language");
@@ -64,11 +68,6 @@ fn the_readme_of_the_npm_package_is_correct() {
     for program in ["entries.mjs", "entries.cjs"] {
         assert_eq!(run("node", &[program], folder), "true 1 2 true true\n", "{program}");
     }
-}
-
-/// The path of the package whose file name has this ending, as a program argument.
-fn path_of(ending: &str) -> String {
-    package(ending).display().to_string()
 }
 
 fn is_module_source(path: &str) -> bool {
@@ -106,60 +105,16 @@ fn write_entries(folder: &Path) {
     let mut esm = String::new();
     let mut cjs = String::new();
     for (name, entry) in [
-        ("index", "uavspec"),
-        ("px4", "uavspec/px4"),
-        ("flockwave", "uavspec/flockwave"),
-        ("data", "uavspec/data"),
-        ("labels", "uavspec/labels"),
-        ("ukrainian", "uavspec/labels/uk"),
+        ("index", "uavspec-types"),
+        ("px4", "uavspec-types/px4"),
+        ("flockwave", "uavspec-types/flockwave"),
+        ("data", "uavspec-types/data"),
+        ("labels", "uavspec-types/labels"),
+        ("ukrainian", "uavspec-types/labels/uk"),
     ] {
         esm.extend(["import * as ", name, " from \"", entry, "\";\n"]);
         cjs.extend(["import ", name, " = require(\"", entry, "\");\n"]);
     }
     write(&folder.join("entries.mts"), &(esm + uses));
     write(&folder.join("entries.cts"), &(cjs + uses));
-}
-
-/// Runs the examples of an installed package, and type-checks them and the package.
-fn check_python(python: &Path, folder: &Path) {
-    let place = "import importlib.metadata as m; print(m.distribution('uavspec').locate_file(''))";
-    let site = PathBuf::from(run(python, &["-c", place], folder).trim());
-    let readme = run(
-        python,
-        &["-c", "import importlib.metadata as m; print(m.metadata('uavspec')['Description'])"],
-        folder,
-    );
-    let examples = examples(&readme);
-    assert!(examples.len() > 3, "expected an example in each section: {readme}");
-    for (index, example) in examples.iter().enumerate() {
-        assert_eq!(example.language, "python");
-        let source = format!("example_{index}.py");
-        write(&folder.join(&source), &example.code);
-        assert_eq!(run(python, &[&source], folder), example.printed, "{}", example.code);
-    }
-    let executable = python.display().to_string();
-    let mut arguments = vec!["-m", "mypy", "--strict", "--python-executable", &executable];
-    let sources: Vec<String> = (0..examples.len()).map(|index| format!("example_{index}.py")).collect();
-    arguments.extend(sources.iter().map(String::as_str));
-    run(python_with_tools(), &arguments, folder);
-    let package = site.join("uavspec");
-    assert!(package.join("py.typed").exists(), "{} must contain py.typed", package.display());
-}
-
-#[test]
-#[ignore = "requires Python and the network"]
-fn the_readme_of_the_wheel_is_correct() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let python = environment(folder.path());
-    install(&python, &["--no-index", &path_of("-py3-none-any.whl")]);
-    check_python(&python, folder.path());
-}
-
-#[test]
-#[ignore = "requires Python and the network"]
-fn the_readme_of_the_source_distribution_is_correct() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let python = environment(folder.path());
-    install(&python, &[&path_of(".tar.gz")]);
-    check_python(&python, folder.path());
 }

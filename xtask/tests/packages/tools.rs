@@ -37,15 +37,15 @@ pub(crate) fn write(path: &Path, text: &str) {
     fs::write(path, text).expect("a file");
 }
 
-/// The path of the package whose file name has this ending. All packages are built once for all tests.
-pub(crate) fn package(ending: &str) -> PathBuf {
+/// The path of the npm package with the types. It is built once for all tests.
+pub(crate) fn package() -> PathBuf {
     static FOLDER: OnceLock<PathBuf> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("packages");
         xtask(&["package", "--out", &folder.display().to_string()]);
         folder
     });
-    folder.join(format!("uavspec-{}{ending}", env!("CARGO_PKG_VERSION")))
+    folder.join(format!("uavspec-types-{}.tgz", env!("CARGO_PKG_VERSION")))
 }
 
 /// The folder with the type checkers from npm.
@@ -75,19 +75,6 @@ pub(crate) fn python_with_tools() -> &'static Path {
         });
         program_of(&folder)
     })
-}
-
-/// Creates an empty virtual environment in `folder`, and returns its Python interpreter.
-pub(crate) fn environment(folder: &Path) -> PathBuf {
-    run(python_with_tools(), &["-m", "venv", "--without-pip", "environment"], folder);
-    program_of(folder)
-}
-
-/// Installs a package into the environment of `python`, with the pip of another environment.
-pub(crate) fn install(python: &Path, arguments: &[&str]) {
-    let python = python.display().to_string();
-    let pip = ["-m", "pip", "--python", &python, "install", "--quiet", "--disable-pip-version-check"];
-    run(python_with_tools(), &[&pip, arguments].concat(), &repository());
 }
 
 fn program_of(folder: &Path) -> PathBuf {
