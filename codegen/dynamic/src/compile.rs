@@ -122,7 +122,7 @@ pub(super) fn compile(drafts: Vec<Draft>) -> Vec<Plan> {
         let is_too_deep = depths[index] > Some(MAX_DEPTH);
         let defect = if is_too_deep { Some(Defect::TooDeep(MAX_DEPTH)) } else { defect(&draft, &plans) };
         plans[index] = match defect {
-            Some(defect) => unusable(&draft, defect),
+            Some(defect) => with_fields(unusable(&draft, defect), draft),
             None => plan(draft, &plans),
         };
     }
@@ -188,11 +188,16 @@ fn unusable(draft: &Draft, defect: Defect) -> Plan {
     }
 }
 
+/// A plan with the fields of a draft, which the checks of JSON messages need.
+fn with_fields(plan: Plan, draft: Draft) -> Plan {
+    Plan { fields: draft.fields.into(), ..plan }
+}
+
 fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
     let size = place(&mut draft, plans);
     if size.padded as u64 > draft.limit {
         let limit = draft.limit;
-        return unusable(&draft, Defect::TooLarge(limit));
+        return with_fields(unusable(&draft, Defect::TooLarge(limit)), draft);
     }
     for field in &mut draft.fields {
         field.is_restricted = is_restricted(field, plans);

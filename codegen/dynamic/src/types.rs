@@ -67,7 +67,7 @@ impl<'t> MessageType<'t> {
         self.plan.span
     }
 
-    /// The fields in declaration order.
+    /// The fields in declaration order. Those of an unusable type have no positions.
     pub fn fields(self) -> &'t [Field] {
         &self.plan.fields
     }

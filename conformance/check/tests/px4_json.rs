@@ -440,3 +440,30 @@ fn most_default_messages_have_no_findings() {
     }
     assert!(clean * 2 > count, "{clean} of {count}");
 }
+
+/// Types that are nested too deeply for codecs can still be checked in JSON.
+#[test]
+fn deeply_nested_messages_are_checked() {
+    let mut sources = SourceMap::default();
+    let mut files = Vec::new();
+    for depth in 0..40 {
+        let inner = if depth == 39 { "uint8 end".to_owned() } else { format!("Level{} inner", depth + 1) };
+        files.push(
+            sources.add(format!("Level{depth}.msg"), format!("uint64 timestamp\n{inner}\n").into()).expect("a file"),
+        );
+    }
+    let (schema, mistakes) = read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Px4), files)]);
+    assert!(mistakes.is_empty(), "{mistakes:?}");
+    let types = Types::new(&schema);
+    let plans = Plans::new(&schema, &types, &uavspec_rules::px4::VALUES);
+    let at = schema.messages.iter().position(|message| message.name == "Level0").expect("a message");
+    let id = MessageId(u32::try_from(at).expect("few"));
+    assert!(types.get(id).defect().is_some());
+    let text = |end: &str| {
+        (0..39).fold(format!(r#"{{"timestamp":0,"end":{end}}}"#), |inner, _| {
+            format!(r#"{{"timestamp":0,"inner":{inner}}}"#)
+        })
+    };
+    assert!(agrees(&plans, id, &text("1")).expect("both agree"));
+    assert!(!agrees(&plans, id, &text("256")).expect("both agree"));
+}

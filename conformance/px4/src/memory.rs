@@ -149,6 +149,9 @@ pub struct FieldCounts<'t>(HashMap<(&'t str, &'t str), usize>);
 impl<'t> FieldCounts<'t> {
     /// The number of fields of a type. All types must be from the same set.
     pub fn of(&mut self, message_type: MessageType<'t>) -> usize {
+        if message_type.defect().is_some() {
+            return 1;
+        }
         let key = (message_type.package(), message_type.name());
         if let Some(known) = self.0.get(&key) {
             return *known;
