@@ -22,6 +22,7 @@
 mod comparison;
 mod message;
 mod order;
+mod prelude;
 mod signature;
 
 mod array_length_changed;

@@ -1,12 +1,10 @@
 //! `annotation-after-text`: an annotation after the text of a comment.
 
-use uavspec_schema::diagnostic::{Diagnostic, Level, Problem};
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Edit;
+use uavspec_schema::diagnostic::Problem;
 use uavspec_schema::msg::annotation::is_bracketed;
-use uavspec_schema::source::{SourceMap, Span};
+use uavspec_schema::source::Span;
 
-use super::rule::{Check, Levels, Measured, Rule};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "annotation-after-text",
@@ -15,16 +13,8 @@ pub(super) const RULE: Rule = Rule {
         prints later annotations as text, and other tools ignore them.",
     fix: "Move the annotation to the start of the comment.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # Sink rate [@range 0, 10], down is positive\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [@range 0, 10] Sink rate, down is positive\n",
-    },
+    bad: glider!["float32 sink  # Sink rate [@range 0, 10], down is positive"],
+    good: glider!["float32 sink  # [@range 0, 10] Sink rate, down is positive"],
     measured: Some(Measured { findings: 8, sample: 8, right: 7 }),
     check: Check::Reader(fix),
 };

@@ -1,12 +1,9 @@
 //! `annotation-near-miss`: text that resembles an annotation.
 
-use uavspec_schema::diagnostic::{Diagnostic, Level, Problem};
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Edit;
+use uavspec_schema::diagnostic::Problem;
 use uavspec_schema::msg::annotation::is_bracketed;
-use uavspec_schema::source::SourceMap;
 
-use super::rule::{Check, Levels, Measured, Rule};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "annotation-near-miss",
@@ -16,16 +13,8 @@ pub(super) const RULE: Rule = Rule {
     fix: "Write the annotation in its standard form, such as `[@enum PREFIX]`, `[@range low, high]` \
         or `[@frame NED]`.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 flaps     # [-] (@range 0, 1) Flap deflection\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 flaps     # [-] [@range 0, 1] Flap deflection\n",
-    },
+    bad: glider!["float32 flaps     # [-] (@range 0, 1) Flap deflection"],
+    good: glider!["float32 flaps     # [-] [@range 0, 1] Flap deflection"],
     measured: Some(Measured { findings: 6, sample: 6, right: 6 }),
     check: Check::Reader(fix),
 };

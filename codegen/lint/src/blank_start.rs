@@ -1,12 +1,9 @@
 //! `blank-start`: an empty line at the start of a file.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::msg::ast::Line;
 use uavspec_schema::source::Span;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "blank-start",

@@ -1,12 +1,9 @@
 //! `command-parameters`: a command without seven parameters.
 
-use uavspec_schema::diagnostic::Level;
 use uavspec_schema::enumeration;
-use uavspec_schema::example::Example;
 
 use super::constant_without_enum;
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "command-parameters",

@@ -1,10 +1,6 @@
 //! `comment-continued`: a comment that continues below its declaration.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "comment-continued",
@@ -12,16 +8,8 @@ pub(super) const RULE: Rule = Rule {
     why: "uavspec joins the lines, but PX4's documentation shows only the first.",
     fix: "Write the whole comment on the line of the declaration.",
     levels: Levels::both(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [m/s] Sink rate,\n              # down is positive\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [m/s] Sink rate, down is positive\n",
-    },
+    bad: glider!["float32 sink  # [m/s] Sink rate,", "              # down is positive"],
+    good: glider!["float32 sink  # [m/s] Sink rate, down is positive"],
     measured: Some(Measured { findings: 15, sample: 15, right: 15 }),
     check: Check::Message(check),
 };

@@ -1,12 +1,9 @@
 //! `comment-lost`: a comment that isn't part of any documentation.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::msg::ast::Comment;
 use uavspec_schema::source::Span;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 use super::topics;
 
 pub(super) const RULE: Rule = Rule {

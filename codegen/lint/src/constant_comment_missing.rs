@@ -1,12 +1,9 @@
 //! `constant-comment-missing`: a constant without a comment.
 
-use uavspec_schema::diagnostic::Level;
 use uavspec_schema::enumeration;
-use uavspec_schema::example::Example;
 
 use super::constant_without_enum;
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-comment-missing",
@@ -14,17 +11,13 @@ pub(super) const RULE: Rule = Rule {
     why: "The name rarely says when the value is used, and the documentation shows only the name.",
     fix: "Add a comment that explains what the value means.",
     levels: Levels::strict(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 GEAR_UP = 0\nuint8 GEAR_DOWN = 1\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
-               uint8 gear  # [@enum GEAR] Landing gear\n",
-    },
+    bad: glider!["uint8 GEAR_UP = 0", "uint8 GEAR_DOWN = 1", "", "uint8 gear  # [@enum GEAR] Landing gear"],
+    good: glider![
+        "uint8 GEAR_UP = 0    # Retracted",
+        "uint8 GEAR_DOWN = 1  # Extended",
+        "",
+        "uint8 gear  # [@enum GEAR] Landing gear"
+    ],
     measured: Some(Measured { findings: 430, sample: 30, right: 26 }),
     check: Check::Message(check),
 };

@@ -2,12 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::{Message, enumeration};
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-without-enum",
@@ -16,18 +13,18 @@ pub(super) const RULE: Rule = Rule {
         detected. Limits and counts, such as `MAX_…`, are not reported.",
     fix: "Add `[@enum PREFIX]` to the comment of the field that holds the constant.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
-               uint8 gear  # Landing gear\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
-               uint8 gear  # [@enum GEAR] Landing gear\n",
-    },
+    bad: glider![
+        "uint8 GEAR_UP = 0    # Retracted",
+        "uint8 GEAR_DOWN = 1  # Extended",
+        "",
+        "uint8 gear  # Landing gear"
+    ],
+    good: glider![
+        "uint8 GEAR_UP = 0    # Retracted",
+        "uint8 GEAR_DOWN = 1  # Extended",
+        "",
+        "uint8 gear  # [@enum GEAR] Landing gear"
+    ],
     measured: Some(Measured { findings: 728, sample: 30, right: 29 }),
     check: Check::Message(check),
 };

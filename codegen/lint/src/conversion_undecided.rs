@@ -1,10 +1,9 @@
 //! `conversion-undecided`: a difference between two packages that neither the definitions nor hints resolve.
 
 use uavspec_dynamic::conversion::Conversions;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
-use super::rule::{Check, Converted, Levels, Rule, Sink};
+use super::prelude::*;
+use super::rule::Converted;
 
 pub(super) const RULE: Rule = Rule {
     id: "conversion-undecided",

@@ -1,16 +1,12 @@
 //! `count-missing`: a field that counts the entries of an array, but has no `@count`.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Edit;
 use uavspec_schema::msg::annotation::is_bracketed;
 use uavspec_schema::msg::ast::Line;
 use uavspec_schema::msg::statement::Statement;
-use uavspec_schema::source::{SourceMap, Span};
+use uavspec_schema::source::Span;
 use uavspec_schema::{Element, Field, Shape};
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "count-missing",
@@ -19,18 +15,14 @@ pub(super) const RULE: Rule = Rule {
         tools do not support `@count` yet.",
     fix: "Add `[@count array]` with the name of the array.",
     levels: Levels::strict(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 num_waypoints    # [-] Waypoints in use\n\
-               float32[8] waypoints  # [m] Distance to each\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 num_waypoints    # [-] [@count waypoints] Waypoints in use\n\
-               float32[8] waypoints  # [m] Distance to each\n",
-    },
+    bad: glider![
+        "uint8 num_waypoints    # [-] Waypoints in use",
+        "float32[8] waypoints  # [m] Distance to each"
+    ],
+    good: glider![
+        "uint8 num_waypoints    # [-] [@count waypoints] Waypoints in use",
+        "float32[8] waypoints  # [m] Distance to each"
+    ],
     measured: Some(Measured { findings: 9, sample: 9, right: 9 }),
     check: Check::Message(check),
 };

@@ -1,11 +1,8 @@
 //! `description-missing`: an error code without a description.
 
 use uavspec_schema::Package;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::source::SourceMap;
 
-use super::rule::{Check, Levels, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "description-missing",

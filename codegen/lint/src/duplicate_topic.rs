@@ -1,11 +1,6 @@
 //! `duplicate-topic`: a topic that is listed twice.
 
-use uavspec_schema::diagnostic::{Diagnostic, Level};
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Edit;
-use uavspec_schema::source::SourceMap;
-
-use super::rule::{Check, Levels, Measured, Rule};
+use super::prelude::*;
 use super::topics;
 
 pub(super) const RULE: Rule = Rule {
@@ -14,16 +9,8 @@ pub(super) const RULE: Rule = Rule {
     why: "The second entry has no effect. Often a different name was intended.",
     fix: "Remove the second entry, or correct its name.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               # TOPICS glider tow_plane glider\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               # TOPICS glider tow_plane\n",
-    },
+    bad: glider!["", "# TOPICS glider tow_plane glider"],
+    good: glider!["", "# TOPICS glider tow_plane"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(fix),
 };

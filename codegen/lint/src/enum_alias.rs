@@ -2,11 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-alias",
@@ -14,18 +10,20 @@ pub(super) const RULE: Rule = Rule {
     why: "Tools can show only the first name, and one of the two values may be a mistake.",
     fix: "Give each constant a unique value, or remove one of them.",
     levels: Levels::both(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 GEAR_UP = 0      # Retracted\nuint8 GEAR_DOWN = 1    # Extended\n\
-               uint8 GEAR_MOVING = 1  # Moving\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 GEAR_UP = 0      # Retracted\nuint8 GEAR_DOWN = 1    # Extended\n\
-               uint8 GEAR_MOVING = 2  # Moving\n\nuint8 gear  # [@enum GEAR] Landing gear\n",
-    },
+    bad: glider![
+        "uint8 GEAR_UP = 0      # Retracted",
+        "uint8 GEAR_DOWN = 1    # Extended",
+        "uint8 GEAR_MOVING = 1  # Moving",
+        "",
+        "uint8 gear  # [@enum GEAR] Landing gear"
+    ],
+    good: glider![
+        "uint8 GEAR_UP = 0      # Retracted",
+        "uint8 GEAR_DOWN = 1    # Extended",
+        "uint8 GEAR_MOVING = 2  # Moving",
+        "",
+        "uint8 gear  # [@enum GEAR] Landing gear"
+    ],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };

@@ -2,12 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::{EnumRef, Field, Schema, bits};
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-of-bits",
@@ -16,20 +13,22 @@ pub(super) const RULE: Rule = Rule {
         support `@flags` yet.",
     fix: "Write `[@flags PREFIX]`.",
     levels: Levels::strict(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 LIGHT_NOSE = 1   # In the nose\nuint8 LIGHT_LEFT = 2   # On the left wing\n\
-               uint8 LIGHT_RIGHT = 4  # On the right wing\nuint8 LIGHT_TAIL = 8   # In the tail\n\n\
-               uint8 lights  # [@enum LIGHT] Lights that are on\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 LIGHT_NOSE = 1   # In the nose\nuint8 LIGHT_LEFT = 2   # On the left wing\n\
-               uint8 LIGHT_RIGHT = 4  # On the right wing\nuint8 LIGHT_TAIL = 8   # In the tail\n\n\
-               uint8 lights  # [@flags LIGHT] Lights that are on\n",
-    },
+    bad: glider![
+        "uint8 LIGHT_NOSE = 1   # In the nose",
+        "uint8 LIGHT_LEFT = 2   # On the left wing",
+        "uint8 LIGHT_RIGHT = 4  # On the right wing",
+        "uint8 LIGHT_TAIL = 8   # In the tail",
+        "",
+        "uint8 lights  # [@enum LIGHT] Lights that are on"
+    ],
+    good: glider![
+        "uint8 LIGHT_NOSE = 1   # In the nose",
+        "uint8 LIGHT_LEFT = 2   # On the left wing",
+        "uint8 LIGHT_RIGHT = 4  # On the right wing",
+        "uint8 LIGHT_TAIL = 8   # In the tail",
+        "",
+        "uint8 lights  # [@flags LIGHT] Lights that are on"
+    ],
     measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
     check: Check::Message(check),
 };

@@ -3,13 +3,10 @@
 use std::collections::BTreeMap;
 
 use uavspec_runtime::Scalar;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::{Constant, Element, EnumRef, Schema};
 
 use super::enum_of_bits;
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "enum-type",
@@ -18,18 +15,18 @@ pub(super) const RULE: Rule = Rule {
         the two types must be wrong.",
     fix: "Use the same type for the field and its constants.",
     levels: Levels::both(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               int32 GEAR_UP = 0    # Retracted\nint32 GEAR_DOWN = 1  # Extended\n\n\
-               uint8 gear  # [@enum GEAR] Landing gear\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint8 GEAR_UP = 0    # Retracted\nuint8 GEAR_DOWN = 1  # Extended\n\n\
-               uint8 gear  # [@enum GEAR] Landing gear\n",
-    },
+    bad: glider![
+        "int32 GEAR_UP = 0    # Retracted",
+        "int32 GEAR_DOWN = 1  # Extended",
+        "",
+        "uint8 gear  # [@enum GEAR] Landing gear"
+    ],
+    good: glider![
+        "uint8 GEAR_UP = 0    # Retracted",
+        "uint8 GEAR_DOWN = 1  # Extended",
+        "",
+        "uint8 gear  # [@enum GEAR] Landing gear"
+    ],
     measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
     check: Check::Message(check),
 };

@@ -1,10 +1,6 @@
 //! `field-comment-missing`: a field without a comment.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-comment-missing",
@@ -12,15 +8,8 @@ pub(super) const RULE: Rule = Rule {
     why: "The name alone doesn't say what `true` means, who sets the field or what the value is relative to.",
     fix: "Describe the field in a comment.",
     levels: Levels { px4: Some(Level::Note), strict: Some(Level::Warning) },
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\nfloat32 sink\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [m/s] Sink rate, down is positive\n",
-    },
+    bad: glider!["float32 sink"],
+    good: glider!["float32 sink  # [m/s] Sink rate, down is positive"],
     measured: Some(Measured { findings: 464, sample: 30, right: 28 }),
     check: Check::Message(check),
 };

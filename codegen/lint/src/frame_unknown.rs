@@ -3,13 +3,11 @@
 use std::collections::HashSet;
 
 use uavspec_schema::Message;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::msg::attribute::FRAME;
 use uavspec_schema::msg::statement::Statement;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::{Subject, annotations};
+use super::prelude::*;
+use super::subject::annotations;
 
 pub(super) const RULE: Rule = Rule {
     id: "frame-unknown",
@@ -18,16 +16,8 @@ pub(super) const RULE: Rule = Rule {
     fix: "Write a known frame, such as NED, ENU, FRD or FLU, or `@` and the name of the field that \
         contains the frame.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32[3] wind  # [m/s] [@frame local] Wind\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32[3] wind  # [m/s] [@frame NED] Wind\n",
-    },
+    bad: glider!["float32[3] wind  # [m/s] [@frame local] Wind"],
+    good: glider!["float32[3] wind  # [m/s] [@frame NED] Wind"],
     measured: Some(Measured { findings: 2, sample: 2, right: 2 }),
     check: Check::Message(check),
 };

@@ -1,11 +1,8 @@
 //! `header-end`: a short description with a missing or superfluous full stop.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::msg::ast::{Comment, Line};
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "header-end",
@@ -20,10 +17,7 @@ pub(super) const RULE: Rule = Rule {
         path: "Glider.msg",
         text: "# State of a glider.\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
-    },
+    good: glider![],
     measured: Some(Measured { findings: 32, sample: 30, right: 30 }),
     check: Check::Message(check),
 };

@@ -1,10 +1,6 @@
 //! `header-missing`: a message without a description.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "header-missing",
@@ -14,10 +10,7 @@ pub(super) const RULE: Rule = Rule {
     fix: "Start the file with a comment that says what the message is for.",
     levels: Levels::both(Level::Warning),
     bad: Example { path: "Glider.msg", text: "uint64 timestamp  # [us] Time since system start\n" },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
-    },
+    good: glider![],
     measured: Some(Measured { findings: 131, sample: 30, right: 30 }),
     check: Check::Message(check),
 };

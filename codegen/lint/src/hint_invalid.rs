@@ -1,9 +1,7 @@
 //! `hint-invalid`: a hint with a syntax error, an unknown key or a wrong type.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Converted, Levels, Rule, Sink};
+use super::prelude::*;
+use super::rule::Converted;
 
 pub(super) const RULE: Rule = Rule {
     id: "hint-invalid",

@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use uavspec_schema::Form;
 use uavspec_schema::diagnostic::{Level, Problem};
 use uavspec_schema::directive::{self, Directive};
-use uavspec_schema::example::Example;
 use uavspec_schema::finding::Finding;
+use uavspec_schema::glider;
 use uavspec_schema::msg::ast::{Line, Part};
 use uavspec_schema::resolve::PackageSource;
 use uavspec_schema::source::{SourceId, SourceMap, Span};
@@ -25,16 +25,10 @@ pub(super) const INVALID: Rule = Rule {
         comment becomes obsolete. Parser errors can't be ignored.",
     fix: "Name a rule and give a reason.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] Sink rate  # uavspec:ignore unit-mising the source defines no unit\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # Sink rate  # uavspec:ignore unit-missing the source defines no unit\n",
-    },
+    bad: glider![
+        "float32 sink      # [m/s] Sink rate  # uavspec:ignore unit-mising the source defines no unit"
+    ],
+    good: glider!["float32 sink      # Sink rate  # uavspec:ignore unit-missing the source defines no unit"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Ignores,
 };
@@ -47,16 +41,8 @@ pub(super) const UNUSED: Rule = Rule {
         not reported.",
     fix: "Remove the comment.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] Sink rate  # uavspec:ignore unit-missing not known yet\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] Sink rate\n",
-    },
+    bad: glider!["float32 sink      # [m/s] Sink rate  # uavspec:ignore unit-missing not known yet"],
+    good: glider!["float32 sink      # [m/s] Sink rate"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Ignores,
 };

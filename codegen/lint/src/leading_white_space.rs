@@ -1,10 +1,6 @@
 //! `leading-white-space`: white space before a declaration.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "leading-white-space",
@@ -13,15 +9,8 @@ pub(super) const RULE: Rule = Rule {
         structure.",
     fix: "Start the declaration in the first column.",
     levels: Levels::both(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n  float32 sink  # [m/s] Sink rate\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [m/s] Sink rate\n",
-    },
+    bad: glider!["  float32 sink  # [m/s] Sink rate"],
+    good: glider!["float32 sink  # [m/s] Sink rate"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };

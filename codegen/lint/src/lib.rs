@@ -26,6 +26,7 @@
 mod fix;
 pub mod format;
 mod ignore;
+mod prelude;
 pub mod release;
 pub mod report;
 mod rule;
@@ -35,7 +36,6 @@ mod topics;
 
 mod annotation_after_text;
 mod annotation_near_miss;
-mod annotation_value_type;
 mod blank_start;
 mod command_parameters;
 mod comment_continued;
@@ -48,26 +48,16 @@ mod description_missing;
 mod duplicate_topic;
 mod enum_alias;
 mod enum_of_bits;
-mod enum_on_non_integer;
 mod enum_type;
-mod enum_value_out_of_range;
 mod field_comment_missing;
 mod frame_unknown;
 mod header_end;
 mod header_missing;
 mod hint_invalid;
 mod hint_unused;
-mod invisible_character;
 mod leading_white_space;
-mod malformed_annotation;
-mod message_name_style;
-mod misplaced_annotation;
-mod missing_abbreviation;
-mod missing_answer;
-mod name_style;
-mod near_type_table;
 mod not_portable;
-mod one_sided_alternative;
+mod parser_warnings;
 mod px_fsf_01;
 mod px_fsf_02;
 mod quantity;
@@ -81,19 +71,11 @@ mod topic_default_absent;
 mod topic_list_empty;
 mod topic_redundant;
 mod trailing_white_space;
-mod translation_fuzzy;
-mod translation_missing;
-mod translation_stale;
 mod unit_alias;
 mod unit_missing;
 mod unit_missing_integer;
 mod unit_unlisted;
-mod unknown_annotation;
-mod unknown_constant;
-mod unknown_enum;
 mod unknown_escape;
-mod unknown_translation;
-mod unknown_unit;
 mod version_type;
 
 use std::collections::BTreeSet;
@@ -119,7 +101,7 @@ pub const RULES: &[&Rule] = &[
     &px_fsf_02::RULE,
     &annotation_after_text::RULE,
     &annotation_near_miss::RULE,
-    &annotation_value_type::RULE,
+    &parser_warnings::ANNOTATION_VALUE_TYPE,
     &blank_start::RULE,
     &command_parameters::RULE,
     &comment_continued::RULE,
@@ -132,9 +114,9 @@ pub const RULES: &[&Rule] = &[
     &duplicate_topic::RULE,
     &enum_alias::RULE,
     &enum_of_bits::RULE,
-    &enum_on_non_integer::RULE,
+    &parser_warnings::ENUM_ON_NON_INTEGER,
     &enum_type::RULE,
-    &enum_value_out_of_range::RULE,
+    &parser_warnings::ENUM_VALUE_OUT_OF_RANGE,
     &field_comment_missing::RULE,
     &frame_unknown::RULE,
     &header_end::RULE,
@@ -142,17 +124,17 @@ pub const RULES: &[&Rule] = &[
     &hint_invalid::RULE,
     &hint_unused::RULE,
     &ignore::INVALID,
-    &invisible_character::RULE,
+    &parser_warnings::INVISIBLE_CHARACTER,
     &leading_white_space::RULE,
-    &malformed_annotation::RULE,
-    &message_name_style::RULE,
-    &misplaced_annotation::RULE,
-    &missing_abbreviation::RULE,
-    &missing_answer::RULE,
-    &name_style::RULE,
-    &near_type_table::RULE,
+    &parser_warnings::MALFORMED_ANNOTATION,
+    &parser_warnings::MESSAGE_NAME_STYLE,
+    &parser_warnings::MISPLACED_ANNOTATION,
+    &parser_warnings::MISSING_ABBREVIATION,
+    &parser_warnings::MISSING_ANSWER,
+    &parser_warnings::NAME_STYLE,
+    &parser_warnings::NEAR_TYPE_TABLE,
     &not_portable::RULE,
-    &one_sided_alternative::RULE,
+    &parser_warnings::ONE_SIDED_ALTERNATIVE,
     &queue_length::RULE,
     &range_reversed::RULE,
     &repeated_white_space::RULE,
@@ -163,19 +145,19 @@ pub const RULES: &[&Rule] = &[
     &topic_list_empty::RULE,
     &topic_redundant::RULE,
     &trailing_white_space::RULE,
-    &translation_fuzzy::RULE,
-    &translation_missing::RULE,
-    &translation_stale::RULE,
+    &parser_warnings::TRANSLATION_FUZZY,
+    &parser_warnings::TRANSLATION_MISSING,
+    &parser_warnings::TRANSLATION_STALE,
     &unit_alias::RULE,
     &unit_missing::RULE,
     &unit_missing_integer::RULE,
     &unit_unlisted::RULE,
-    &unknown_annotation::RULE,
-    &unknown_constant::RULE,
-    &unknown_enum::RULE,
+    &parser_warnings::UNKNOWN_ANNOTATION,
+    &parser_warnings::UNKNOWN_CONSTANT,
+    &parser_warnings::UNKNOWN_ENUM,
     &unknown_escape::RULE,
-    &unknown_translation::RULE,
-    &unknown_unit::RULE,
+    &parser_warnings::UNKNOWN_TRANSLATION,
+    &parser_warnings::UNKNOWN_UNIT,
     &ignore::UNUSED,
     &version_type::RULE,
 ];

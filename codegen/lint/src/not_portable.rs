@@ -1,11 +1,8 @@
 //! `not-portable`: syntax that only some tools support.
 
-use uavspec_schema::diagnostic::{Diagnostic, Level, Problem};
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Edit;
-use uavspec_schema::source::SourceMap;
+use uavspec_schema::diagnostic::Problem;
 
-use super::rule::{Check, Levels, Measured, Rule};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "not-portable",

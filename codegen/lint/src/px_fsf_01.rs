@@ -1,12 +1,9 @@
 //! `PX-FSF-01`: a flag of `FailsafeFlags` that doesn't describe a failure.
 
 use uavspec_runtime::Scalar;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::{Element, Field};
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-01",

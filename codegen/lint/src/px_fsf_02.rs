@@ -2,12 +2,9 @@
 
 use uavspec_runtime::Scalar;
 use uavspec_schema::Element;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
+use super::prelude::*;
 use super::px_fsf_01;
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
 
 pub(super) const RULE: Rule = Rule {
     id: "PX-FSF-02",

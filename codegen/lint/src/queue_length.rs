@@ -1,10 +1,6 @@
 //! `queue-length`: a queue length that is not a power of two.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "queue-length",
@@ -12,16 +8,8 @@ pub(super) const RULE: Rule = Rule {
     why: "PX4 rounds the length up to the next power of two, so the queue is longer than defined.",
     fix: "Use a power of two.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               uint8 ORB_QUEUE_LENGTH = 12\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               uint8 ORB_QUEUE_LENGTH = 16\n",
-    },
+    bad: glider!["", "uint8 ORB_QUEUE_LENGTH = 12"],
+    good: glider!["", "uint8 ORB_QUEUE_LENGTH = 16"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };

@@ -1,12 +1,8 @@
 //! `range-reversed`: a range with swapped bounds.
 
-use uavspec_schema::diagnostic::{Diagnostic, Level};
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Edit;
 use uavspec_schema::msg::annotation::is_bracketed;
-use uavspec_schema::source::SourceMap;
 
-use super::rule::{Check, Levels, Measured, Rule};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "range-reversed",
@@ -14,16 +10,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Tools that read the bounds in order treat every value as out of range.",
     fix: "Swap the bounds.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 flaps  # [-] [@range 1, 0] Flap deflection\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 flaps  # [-] [@range 0, 1] Flap deflection\n",
-    },
+    bad: glider!["float32 flaps  # [-] [@range 1, 0] Flap deflection"],
+    good: glider!["float32 flaps  # [-] [@range 0, 1] Flap deflection"],
     measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
     check: Check::Reader(fix),
 };

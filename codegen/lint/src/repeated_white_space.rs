@@ -1,10 +1,6 @@
 //! `repeated-white-space`: more than one space within a declaration.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "repeated-white-space",
@@ -13,16 +9,8 @@ pub(super) const RULE: Rule = Rule {
         longer name is added.",
     fix: "Write one space between type, name, `=` and value.",
     levels: Levels::both(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32   sink  # [m/s] Sink rate\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [m/s] Sink rate\n",
-    },
+    bad: glider!["float32   sink  # [m/s] Sink rate"],
+    good: glider!["float32 sink  # [m/s] Sink rate"],
     measured: Some(Measured { findings: 191, sample: 30, right: 30 }),
     check: Check::Message(check),
 };

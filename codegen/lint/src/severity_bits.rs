@@ -1,12 +1,9 @@
 //! `severity-bits`: an error code whose text contradicts its severity bits.
 
 use uavspec_runtime::Severity;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::source::SourceMap;
 use uavspec_schema::{ErrorCode, Package};
 
-use super::rule::{Check, Levels, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "severity-bits",

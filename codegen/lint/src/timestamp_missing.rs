@@ -1,10 +1,6 @@
 //! `timestamp-missing`: a message without a timestamp.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 use super::topics;
 
 pub(super) const RULE: Rule = Rule {
@@ -15,11 +11,7 @@ pub(super) const RULE: Rule = Rule {
     fix: "Add `uint64 timestamp  # [us] Time since system start`.",
     levels: Levels::both(Level::Warning),
     bad: Example { path: "Glider.msg", text: "# State of a glider\n\nfloat32 sink  # [m/s] Sink rate\n" },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [m/s] Sink rate\n",
-    },
+    good: glider!["float32 sink  # [m/s] Sink rate"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };

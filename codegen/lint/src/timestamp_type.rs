@@ -1,12 +1,9 @@
 //! `timestamp-type`: a timestamp that is not a `uint64`.
 
 use uavspec_runtime::Scalar;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::{Element, Shape, Type};
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "timestamp-type",
@@ -18,10 +15,7 @@ pub(super) const RULE: Rule = Rule {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint32 timestamp  # [us] Time since system start\n",
     },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
-    },
+    good: glider![],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };

@@ -1,11 +1,8 @@
 //! `topic-default-absent`: a list of topics without the default topic.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::resolve::default_topic;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 use super::topics;
 
 pub(super) const RULE: Rule = Rule {
@@ -15,16 +12,8 @@ pub(super) const RULE: Rule = Rule {
         name that resembles the default may be a typo.",
     fix: "Add the default topic if a subscriber needs it, or correct the name.",
     levels: Levels::both(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               # TOPICS glyder tow_plane\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               # TOPICS glider tow_plane\n",
-    },
+    bad: glider!["", "# TOPICS glyder tow_plane"],
+    good: glider!["", "# TOPICS glider tow_plane"],
     measured: Some(Measured { findings: 10, sample: 10, right: 0 }),
     check: Check::Message(check),
 };

@@ -1,10 +1,6 @@
 //! `topic-list-empty`: an empty list of topics.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 use super::topics;
 
 pub(super) const RULE: Rule = Rule {
@@ -13,15 +9,8 @@ pub(super) const RULE: Rule = Rule {
     why: "The line has no effect, and the documentation shows it as text.",
     fix: "List the topics, or remove the line.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n# TOPICS\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               # TOPICS glider tow_plane\n",
-    },
+    bad: glider!["", "# TOPICS"],
+    good: glider!["", "# TOPICS glider tow_plane"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Message(check),
 };

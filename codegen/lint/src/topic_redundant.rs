@@ -1,11 +1,8 @@
 //! `topic-redundant`: a list that contains only the default topic.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::resolve::default_topic;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 use super::topics;
 
 pub(super) const RULE: Rule = Rule {
@@ -14,15 +11,8 @@ pub(super) const RULE: Rule = Rule {
     why: "The list has no effect, and it becomes wrong if the message is renamed.",
     fix: "Remove the line.",
     levels: Levels::both(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               # TOPICS glider\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
-    },
+    bad: glider!["", "# TOPICS glider"],
+    good: glider![],
     measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
     check: Check::Message(check),
 };

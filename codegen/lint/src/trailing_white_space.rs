@@ -1,10 +1,8 @@
 //! `trailing-white-space`: white space at the end of a line.
 
 use uavspec_schema::Form;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
+use super::prelude::*;
 use super::subject::SourceText;
 
 pub(super) const RULE: Rule = Rule {
@@ -17,10 +15,7 @@ pub(super) const RULE: Rule = Rule {
         path: "Glider.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start \n",
     },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
-    },
+    good: glider![],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Text(check),
 };

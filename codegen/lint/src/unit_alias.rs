@@ -1,12 +1,10 @@
 //! `unit-alias`: a unit in a nonstandard spelling.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::msg::statement::Statement;
 use uavspec_schema::unit;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::{Subject, annotations};
+use super::prelude::*;
+use super::subject::annotations;
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-alias",
@@ -14,16 +12,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Other tools know only the standard spelling, and PX4's documentation reports the unit as unknown.",
     fix: "Write the standard spelling, such as `m/s` or `degC`.",
     levels: Levels::both(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [meters/second] Sink rate\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 sink  # [m/s] Sink rate\n",
-    },
+    bad: glider!["float32 sink  # [meters/second] Sink rate"],
+    good: glider!["float32 sink  # [m/s] Sink rate"],
     measured: Some(Measured { findings: 16, sample: 16, right: 16 }),
     check: Check::Message(check),
 };

@@ -1,12 +1,9 @@
 //! `unit-missing`: a float field without a unit.
 
 use uavspec_schema::Field;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
+use super::prelude::*;
 use super::quantity::{self, Groups};
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-missing",
@@ -19,16 +16,8 @@ pub(super) const RULE: Rule = Rule {
         write `no unit is defined`. If the comment states a unit in other words, such as `(m/s)`, the finding suggests \
         the annotation.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 bank      # Bank angle\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 bank      # [rad] Bank angle\n",
-    },
+    bad: glider!["float32 bank      # Bank angle"],
+    good: glider!["float32 bank      # [rad] Bank angle"],
     measured: Some(Measured { findings: 435, sample: 30, right: 27 }),
     check: Check::Message(check),
 };

@@ -3,13 +3,10 @@
 use std::collections::HashSet;
 use std::sync::LazyLock;
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::{Element, Field};
 
+use super::prelude::*;
 use super::quantity::{self, Groups};
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
 use super::unit_missing;
 
 pub(super) const RULE: Rule = Rule {
@@ -19,16 +16,8 @@ pub(super) const RULE: Rule = Rule {
         whose names don't describe a quantity are not reported, nor are fields that `unit-missing` excludes.",
     fix: "Write the unit at the start of the comment, or `[-]` for a plain number.",
     levels: Levels::strict(Level::Note),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint16 altitude  # Above mean sea level\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               uint16 altitude  # [m] Above mean sea level\n",
-    },
+    bad: glider!["uint16 altitude  # Above mean sea level"],
+    good: glider!["uint16 altitude  # [m] Above mean sea level"],
     measured: Some(Measured { findings: 89, sample: 30, right: 27 }),
     check: Check::Message(check),
 };

@@ -1,12 +1,10 @@
 //! `unit-unlisted`: a unit that PX4's documentation checker doesn't know.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::msg::statement::Statement;
 use uavspec_schema::unit;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::{Subject, annotations};
+use super::prelude::*;
+use super::subject::annotations;
 
 pub(super) const RULE: Rule = Rule {
     id: "unit-unlisted",
@@ -15,16 +13,8 @@ pub(super) const RULE: Rule = Rule {
         The `strict` preset does not include this rule.",
     fix: "Choose a unit from the list, or ask PX4 to add the unit to its checker.",
     levels: Levels { px4: Some(Level::Note), strict: None },
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 load      # [N] Force on the wings\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-               float32 load      # [m/s^2] Acceleration along the mast\n",
-    },
+    bad: glider!["float32 load      # [N] Force on the wings"],
+    good: glider!["float32 load      # [m/s^2] Acceleration along the mast"],
     measured: Some(Measured { findings: 38, sample: 30, right: 3 }),
     check: Check::Message(check),
 };

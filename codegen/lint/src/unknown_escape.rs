@@ -1,11 +1,8 @@
 //! `unknown-escape`: a string with a backslash that starts no escape sequence.
 
-use uavspec_schema::diagnostic::{Diagnostic, Level, Problem};
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Edit;
-use uavspec_schema::source::SourceMap;
+use uavspec_schema::diagnostic::Problem;
 
-use super::rule::{Check, Levels, Rule};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "unknown-escape",

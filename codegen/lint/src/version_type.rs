@@ -2,11 +2,8 @@
 
 use uavspec_runtime::Scalar;
 use uavspec_schema::Element;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
-use super::rule::{Check, Levels, Measured, Rule, Sink};
-use super::subject::Subject;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "version-type",
@@ -15,16 +12,8 @@ pub(super) const RULE: Rule = Rule {
         ORB_QUEUE_LENGTH`.",
     fix: "Use the expected type.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               uint32 ORB_QUEUE_LENGTH = 8\n",
-    },
-    good: Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\n\
-               uint8 ORB_QUEUE_LENGTH = 8\n",
-    },
+    bad: glider!["", "uint32 ORB_QUEUE_LENGTH = 8"],
+    good: glider!["", "uint8 ORB_QUEUE_LENGTH = 8"],
     measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
     check: Check::Message(check),
 };

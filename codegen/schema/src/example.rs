@@ -18,12 +18,23 @@ pub struct Example {
     pub text: &'static str,
 }
 
+/// An example message of PX4, from the lines after its timestamp.
+#[doc(hidden)] // only for the rules of other crates
+#[macro_export]
+macro_rules! glider {
+    ($($line:literal),* $(,)?) => {
+        $crate::example::Example {
+            path: "Glider.msg",
+            text: concat!(
+                "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
+                $($line, "\n"),*
+            ),
+        }
+    };
+}
+
 /// The definition that example catalogues translate.
-pub(crate) const TRANSLATED: Example = Example {
-    path: "Glider.msg",
-    text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n\
-           float32 sink      # [m/s] Sink rate\n",
-};
+pub(crate) const TRANSLATED: Example = crate::glider!["float32 sink      # [m/s] Sink rate"];
 
 /// The definitions that example hints convert.
 pub const CONVERTED: [Example; 2] = [

@@ -449,7 +449,9 @@ fn deeply_nested_messages_are_checked() {
     for depth in 0..40 {
         let inner = if depth == 39 { "uint8 end".to_owned() } else { format!("Level{} inner", depth + 1) };
         files.push(
-            sources.add(format!("Level{depth}.msg"), format!("uint64 timestamp\n{inner}\n").into()).expect("a file"),
+            sources
+                .add(format!("Level{depth}.msg"), format!("uint64 timestamp\n{inner}\n").into())
+                .expect("a file"),
         );
     }
     let (schema, mistakes) = read(&sources, &[PackageInput::new("demo", Form::Msg(Dialect::Px4), files)]);

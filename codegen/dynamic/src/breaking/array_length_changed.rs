@@ -1,12 +1,9 @@
 //! `array-length-changed`: the length of an array or string changed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::{Element, Field, Shape, Type};
+use uavspec_schema::{Element, Shape, Type};
 
 use super::field_added::uorb;
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "array-length-changed",
@@ -20,20 +17,8 @@ pub(super) const RULE: Rule = Rule {
         (Category::Cdr, Level::Error),
         (Category::Uorb, Level::Error),
     ],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32[2] flaps  # [rad] Angle of each flap\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32[4] flaps  # [rad] Angle of each flap\n",
-    }],
+    old: &[glider!["float32[2] flaps  # [rad] Angle of each flap"]],
+    new: &[glider!["float32[4] flaps  # [rad] Angle of each flap"]],
     check: Check::Field(check),
 };
 

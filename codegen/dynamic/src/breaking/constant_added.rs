@@ -1,11 +1,7 @@
 //! `constant-added`: a constant was added.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
-
-use super::message::{ConstantChange, Pair};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::ConstantChange;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-added",
@@ -13,21 +9,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Enums are open, so existing programs may receive a value that they don't know.",
     fix: "Check that existing programs handle unknown values.",
     breaks: &[(Category::Semantic, Level::Note)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 0   # Straight on\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 0   # Straight on\n\
-               uint8 MODE_THERMAL = 1  # Circling in lift\n",
-    }],
+    old: &[glider!["uint8 MODE_CRUISE = 0   # Straight on"]],
+    new: &[glider!["uint8 MODE_CRUISE = 0   # Straight on", "uint8 MODE_THERMAL = 1  # Circling in lift"]],
     check: Check::Constant(check),
 };
 

@@ -1,11 +1,7 @@
 //! `constant-removed`: a constant was removed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
-
-use super::message::{ConstantChange, Pair};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::ConstantChange;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-removed",
@@ -14,21 +10,8 @@ pub(super) const RULE: Rule = Rule {
         no name for it.",
     fix: "Keep the constant, and mark it as deprecated in its comment.",
     breaks: &[(Category::Source, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 0   # Straight on\n\
-               uint8 MODE_THERMAL = 1  # Circling in lift\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 0   # Straight on\n",
-    }],
+    old: &[glider!["uint8 MODE_CRUISE = 0   # Straight on", "uint8 MODE_THERMAL = 1  # Circling in lift"]],
+    new: &[glider!["uint8 MODE_CRUISE = 0   # Straight on"]],
     check: Check::Constant(check),
 };
 

@@ -1,10 +1,7 @@
 //! `constant-renamed`: a constant was renamed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::message::{ConstantChange, Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::ConstantChange;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-renamed",
@@ -13,20 +10,8 @@ pub(super) const RULE: Rule = Rule {
     fix: "Keep the old name if programs outside the repository use it. Otherwise, update all uses of the \
         name.",
     breaks: &[(Category::Source, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 0   # Straight on\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISING = 0   # Straight on\n",
-    }],
+    old: &[glider!["uint8 MODE_CRUISE = 0   # Straight on"]],
+    new: &[glider!["uint8 MODE_CRUISING = 0   # Straight on"]],
     check: Check::Constant(check),
 };
 

@@ -1,10 +1,7 @@
 //! `constant-reused`: the value of a removed constant was reused.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::message::{ConstantChange, Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::ConstantChange;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-reused",
@@ -12,20 +9,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Existing programs send and show the value with its old meaning.",
     fix: "Use a new value for the new constant, and don't reuse values.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 0  # Straight on\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_WINCH = 0   # On the rope\n",
-    }],
+    old: &[glider!["uint8 MODE_CRUISE = 0  # Straight on"]],
+    new: &[glider!["uint8 MODE_WINCH = 0   # On the rope"]],
     check: Check::Constant(check),
 };
 

@@ -1,11 +1,9 @@
 //! `constant-type-changed`: the type of a constant changed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::{Shape, Type};
 
-use super::message::{ConstantChange, Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::ConstantChange;
+use super::prelude::*;
 use super::signature::plain;
 
 pub(super) const RULE: Rule = Rule {
@@ -14,20 +12,8 @@ pub(super) const RULE: Rule = Rule {
     why: "The value is the same, but programs that compare it with a field of the old type may no longer compile.",
     fix: "Keep the old type, which should match the fields that use the constant.",
     breaks: &[(Category::Source, Level::Warning)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 0   # Straight on\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               int8 MODE_CRUISE = 0    # Straight on\n",
-    }],
+    old: &[glider!["uint8 MODE_CRUISE = 0   # Straight on"]],
+    new: &[glider!["int8 MODE_CRUISE = 0    # Straight on"]],
     check: Check::Constant(check),
 };
 

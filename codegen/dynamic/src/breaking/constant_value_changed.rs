@@ -1,11 +1,9 @@
 //! `constant-value-changed`: the value of a constant changed.
 
 use uavspec_schema::Constant;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
-use super::message::{ConstantChange, Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::ConstantChange;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "constant-value-changed",
@@ -13,20 +11,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Programs still compile, but two peers misunderstand each other until both are rebuilt.",
     fix: "Keep the value, and add a new constant.",
     breaks: &[(Category::Semantic, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 0   # Straight on\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_CRUISE = 2   # Straight on\n",
-    }],
+    old: &[glider!["uint8 MODE_CRUISE = 0   # Straight on"]],
+    new: &[glider!["uint8 MODE_CRUISE = 2   # Straight on"]],
     check: Check::Constant(check),
 };
 

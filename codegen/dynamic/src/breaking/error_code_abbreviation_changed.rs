@@ -1,13 +1,10 @@
 //! `error-code-abbreviation-changed`: the abbreviation of an error code changed.
 
 use uavspec_schema::ErrorCode;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
 use super::comparison::CodeChange;
 use super::error_code_removed::name;
-use super::message::both;
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-abbreviation-changed",

@@ -1,12 +1,8 @@
 //! `error-code-added`: an error code was added.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
-
 use super::comparison::CodeChange;
 use super::error_code_removed::name;
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-added",

@@ -1,12 +1,9 @@
 //! `error-code-removed`: an error code was removed.
 
 use uavspec_schema::ErrorCode;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
 
 use super::comparison::CodeChange;
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-removed",

@@ -1,12 +1,8 @@
 //! `error-code-renumbered`: the number of an error code changed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
 use super::comparison::CodeChange;
 use super::error_code_removed::name;
-use super::message::both;
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "error-code-renumbered",

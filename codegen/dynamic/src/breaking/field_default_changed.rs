@@ -1,12 +1,8 @@
 //! `field-default-changed`: the default of a field changed.
 
-use uavspec_schema::Field;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::value::Value;
 
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-default-changed",

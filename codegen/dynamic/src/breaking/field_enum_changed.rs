@@ -1,11 +1,8 @@
 //! `field-enum-changed`: the enum annotation of a field changed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::{Field, Schema};
+use uavspec_schema::Schema;
 
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-enum-changed",
@@ -13,22 +10,11 @@ pub(super) const RULE: Rule = Rule {
     why: "The numeric values stay the same, but the Rust type of the field changes.",
     fix: "Update the Rust programs that use the field.",
     breaks: &[(Category::Source, Level::Note)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_THERMAL = 0  # Circling in lift\n\
-               uint8 mode              # Current mode\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 MODE_THERMAL = 0  # Circling in lift\n\
-               uint8 mode              # [@enum MODE] What it does\n",
-    }],
+    old: &[glider!["uint8 MODE_THERMAL = 0  # Circling in lift", "uint8 mode              # Current mode"]],
+    new: &[glider![
+        "uint8 MODE_THERMAL = 0  # Circling in lift",
+        "uint8 mode              # [@enum MODE] What it does"
+    ]],
     check: Check::Field(check),
 };
 

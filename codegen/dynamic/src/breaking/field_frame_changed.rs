@@ -1,12 +1,8 @@
 //! `field-frame-changed`: the coordinate frame of a field changed.
 
-use uavspec_schema::Field;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::msg::attribute::FRAME;
 
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-frame-changed",
@@ -14,20 +10,8 @@ pub(super) const RULE: Rule = Rule {
     why: "The same numbers now mean a different direction or position, and nothing in the data reveals the change.",
     fix: "Keep the frame, or add a new field with the new frame.",
     breaks: &[(Category::Semantic, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32[3] wind   # [m/s] [@frame NED] Wind\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32[3] wind   # [m/s] [@frame FRD] Wind\n",
-    }],
+    old: &[glider!["float32[3] wind   # [m/s] [@frame NED] Wind"]],
+    new: &[glider!["float32[3] wind   # [m/s] [@frame FRD] Wind"]],
     check: Check::Field(check),
 };
 

@@ -1,12 +1,9 @@
 //! `field-invalid-changed`: the value for missing data changed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
+use uavspec_schema::Constraint;
 use uavspec_schema::value::Value;
-use uavspec_schema::{Constraint, Field};
 
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-invalid-changed",
@@ -15,20 +12,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Existing programs treat the new value as data and still check for the old value.",
     fix: "Keep the value, or update all readers before the writers.",
     breaks: &[(Category::Semantic, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] [@invalid -1] Sink rate\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] [@invalid NaN] Sink rate\n",
-    }],
+    old: &[glider!["float32 sink      # [m/s] [@invalid -1] Sink rate"]],
+    new: &[glider!["float32 sink      # [m/s] [@invalid NaN] Sink rate"]],
     check: Check::Field(check),
 };
 

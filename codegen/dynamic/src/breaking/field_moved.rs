@@ -1,11 +1,9 @@
 //! `field-moved`: a field moved relative to the other fields.
 
 use uavspec_schema::Element;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
-use super::message::{Kept, Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::Kept;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-moved",
@@ -14,22 +12,8 @@ pub(super) const RULE: Rule = Rule {
         changes only if fields of the same size swap places.",
     fix: "Restore the order.",
     breaks: &[(Category::Cdr, Level::Error), (Category::Uorb, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] Sink rate\n\
-               float32 bank      # [rad] Bank angle\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 bank      # [rad] Bank angle\n\
-               float32 sink      # [m/s] Sink rate\n",
-    }],
+    old: &[glider!["float32 sink      # [m/s] Sink rate", "float32 bank      # [rad] Bank angle"]],
+    new: &[glider!["float32 bank      # [rad] Bank angle", "float32 sink      # [m/s] Sink rate"]],
     check: Check::Message(check),
 };
 

@@ -1,12 +1,9 @@
 //! `field-range-changed`: the range or another limit of a field changed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 use uavspec_schema::value::Value;
-use uavspec_schema::{Constraint, Field, Stated};
+use uavspec_schema::{Constraint, Stated};
 
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-range-changed",
@@ -15,20 +12,8 @@ pub(super) const RULE: Rule = Rule {
         new scale.",
     fix: "Check that readers accept the new range. If the scale changes, add a new field.",
     breaks: &[(Category::Semantic, Level::Warning)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 charge    # [-] [@range 0, 100] Charge\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 charge    # [-] [@range 0, 1] Charge\n",
-    }],
+    old: &[glider!["float32 charge    # [-] [@range 0, 100] Charge"]],
+    new: &[glider!["float32 charge    # [-] [@range 0, 1] Charge"]],
     check: Check::Field(check),
 };
 

@@ -1,12 +1,8 @@
 //! `field-removed`: a field was removed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
-
 use super::field_added::uorb;
-use super::message::{FieldChange, Pair};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::FieldChange;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-removed",
@@ -20,21 +16,8 @@ pub(super) const RULE: Rule = Rule {
         (Category::Cdr, Level::Error),
         (Category::Uorb, Level::Error),
     ],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 bank      # [rad] Bank angle\n\
-               float32 sink      # [m/s] Sink rate\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] Sink rate\n",
-    }],
+    old: &[glider!["float32 bank      # [rad] Bank angle", "float32 sink      # [m/s] Sink rate"]],
+    new: &[glider!["float32 sink      # [m/s] Sink rate"]],
     check: Check::Message(check),
 };
 

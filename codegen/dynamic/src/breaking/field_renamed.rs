@@ -1,11 +1,6 @@
 //! `field-renamed`: a field was renamed.
 
-use uavspec_schema::Field;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-renamed",
@@ -19,20 +14,8 @@ pub(super) const RULE: Rule = Rule {
         (Category::Cdr, Level::Warning),
         (Category::Uorb, Level::Warning),
     ],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 descent   # [m/s] Sink rate\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] Sink rate\n",
-    }],
+    old: &[glider!["float32 descent   # [m/s] Sink rate"]],
+    new: &[glider!["float32 sink      # [m/s] Sink rate"]],
     check: Check::Field(check),
 };
 

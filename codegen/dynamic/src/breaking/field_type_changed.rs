@@ -1,12 +1,10 @@
 //! `field-type-changed`: the type of a field changed.
 
 use uavspec_schema::Element;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
 use super::field_added::uorb;
-use super::message::{Held, Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::Held;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-type-changed",
@@ -19,20 +17,8 @@ pub(super) const RULE: Rule = Rule {
         (Category::Cdr, Level::Error),
         (Category::Uorb, Level::Error),
     ],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 height     # [m] Height above ground\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               int16 height     # [m] Height above ground\n",
-    }],
+    old: &[glider!["uint8 height     # [m] Height above ground"]],
+    new: &[glider!["int16 height     # [m] Height above ground"]],
     check: Check::Message(check),
 };
 

@@ -1,11 +1,6 @@
 //! `field-unit-changed`: the unit of a field changed.
 
-use uavspec_schema::Field;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "field-unit-changed",
@@ -13,20 +8,8 @@ pub(super) const RULE: Rule = Rule {
     why: "The same number now means a different quantity, and nothing in the data reveals the change.",
     fix: "Keep the unit, or add a new field with the new unit in its name.",
     breaks: &[(Category::Semantic, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 bank      # [deg] Bank angle\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 bank      # [rad] Bank angle\n",
-    }],
+    old: &[glider!["float32 bank      # [deg] Bank angle"]],
+    new: &[glider!["float32 bank      # [rad] Bank angle"]],
     check: Check::Field(check),
 };
 

@@ -1,12 +1,8 @@
 //! `message-added`: a message, service or action was added.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
-
 use super::comparison::MessageChange;
 use super::message_removed::what;
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-added",
@@ -14,12 +10,7 @@ pub(super) const RULE: Rule = Rule {
     why: "No existing program is affected. The report lists the change for completeness.",
     fix: "No change is necessary.",
     breaks: &[(Category::Source, Level::Note)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n",
-    }],
+    old: &[glider![]],
     new: &[Example {
         path: "Winch.msg",
         text: "# State of a glider\n\

@@ -1,12 +1,9 @@
 //! `message-removed`: a message, service or action was removed.
 
 use uavspec_schema::Kind;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
 
 use super::comparison::MessageChange;
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-removed",
@@ -19,12 +16,7 @@ pub(super) const RULE: Rule = Rule {
         (Category::Cdr, Level::Error),
         (Category::Uorb, Level::Error),
     ],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n",
-    }],
+    old: &[glider![]],
     new: &[Example {
         path: "Winch.msg",
         text: "# State of a glider\n\

@@ -1,11 +1,7 @@
 //! `message-renamed`: a message was renamed.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
 use super::comparison::MessageChange;
-use super::message::both;
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-renamed",
@@ -19,13 +15,7 @@ pub(super) const RULE: Rule = Rule {
         (Category::Cdr, Level::Error),
         (Category::Uorb, Level::Error),
     ],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               float32 sink      # [m/s] Sink rate\n",
-    }],
+    old: &[glider!["float32 sink      # [m/s] Sink rate"]],
     new: &[Example {
         path: "GliderState.msg",
         text: "# State of a glider\n\

@@ -1,12 +1,9 @@
 //! `message-version`: a message version that doesn't reflect a change.
 
 use uavspec_schema::Message;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
 
-use super::message::{Between, Pair, VERSION};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::{Between, VERSION};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version",

@@ -1,11 +1,7 @@
 //! `message-version-needless`: a new version without a change.
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::message::Pair;
 use super::message_version::places;
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "message-version-needless",

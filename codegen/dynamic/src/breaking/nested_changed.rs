@@ -1,12 +1,10 @@
 //! `nested-changed`: a nested message changed.
 
 use uavspec_schema::Element;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
 
 use super::field_added::uorb;
-use super::message::{Held, Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::Held;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "nested-changed",

@@ -1,12 +1,9 @@
 //! `queue-length-changed`: the length of a queue changed.
 
 use uavspec_schema::Message;
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-use uavspec_schema::finding::Sides;
 
-use super::message::{Pair, QUEUE_LENGTH};
-use super::rule::{Category, Check, Rule, Sink};
+use super::message::QUEUE_LENGTH;
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "queue-length-changed",
@@ -14,20 +11,8 @@ pub(super) const RULE: Rule = Rule {
     why: "With a shorter queue, subscribers may miss messages. A longer queue uses more memory.",
     fix: "Check that all subscribers read the topic often enough.",
     breaks: &[(Category::Semantic, Level::Warning)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 ORB_QUEUE_LENGTH = 8\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               uint8 ORB_QUEUE_LENGTH = 4\n",
-    }],
+    old: &[glider!["uint8 ORB_QUEUE_LENGTH = 8"]],
+    new: &[glider!["uint8 ORB_QUEUE_LENGTH = 4"]],
     check: Check::Message(check),
 };
 

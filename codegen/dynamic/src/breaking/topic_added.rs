@@ -2,11 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-added",
@@ -14,22 +10,8 @@ pub(super) const RULE: Rule = Rule {
     why: "No existing program is affected. The report lists the change for completeness.",
     fix: "No change is necessary.",
     breaks: &[(Category::Source, Level::Note)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               \n\
-               # TOPICS glider\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               \n\
-               # TOPICS glider glider_backup\n",
-    }],
+    old: &[glider!["", "# TOPICS glider"]],
+    new: &[glider!["", "# TOPICS glider glider_backup"]],
     check: Check::Message(check),
 };
 

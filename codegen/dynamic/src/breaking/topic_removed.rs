@@ -2,11 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use uavspec_schema::diagnostic::Level;
-use uavspec_schema::example::Example;
-
-use super::message::{Pair, both};
-use super::rule::{Category, Check, Rule, Sink};
+use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
     id: "topic-removed",
@@ -14,22 +10,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Programs that use the topic no longer compile, or find no publisher or subscriber.",
     fix: "Keep the topic until no program uses it.",
     breaks: &[(Category::Source, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               \n\
-               # TOPICS glider glider_backup\n",
-    }],
-    new: &[Example {
-        path: "Glider.msg",
-        text: "# State of a glider\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n\
-               \n\
-               # TOPICS glider\n",
-    }],
+    old: &[glider!["", "# TOPICS glider glider_backup"]],
+    new: &[glider!["", "# TOPICS glider"]],
     check: Check::Message(check),
 };
 
