@@ -7,7 +7,7 @@ use std::process::Command;
 use std::{env, fs, io};
 
 use crate::archive::File;
-use crate::command::{cargo, found, output, run};
+use crate::command::{found, output, run};
 use crate::paths::repository;
 use crate::platform::{FEATURES, Platform};
 
@@ -27,11 +27,8 @@ const PYTHON: &str = "conformance/python";
 /// The folder from which maturin adds the program to a wheel, in the folder of the package.
 const DATA: &str = "uavspec._native.data";
 
-/// The oldest systems on which the wheels run. maturin checks the module, and applies the one for its target.
-const SYSTEMS: [&str; 2] = ["manylinux2014", "musllinux_1_2"];
-
-/// The C libraries for which there are wheels. A Python module can't be static.
-const LIBRARIES: [&str; 2] = ["gnu", "musl"];
+/// The C libraries for which there are wheels, and the oldest systems that have them. A Python module can't be static.
+const LIBRARIES: [[&str; 2]; 2] = [["gnu", "manylinux2014"], ["musl", "musllinux_1_2"]];
 
 /// Fails with the requirement that this machine doesn't meet.
 pub(super) fn check_tools() -> Result<(), String> {
@@ -43,7 +40,7 @@ pub(super) fn check_tools() -> Result<(), String> {
 
 /// The reason why a platform can't be built for, with the missing requirement; none if it can be.
 pub(super) fn obstacle(platform: &Platform) -> Option<String> {
-    let target = LIBRARIES.iter().map(|library| platform.module_target(library)).find(|target| {
+    let target = LIBRARIES.iter().map(|[library, _]| platform.module_target(library)).find(|target| {
         let library = output(Command::new("rustc").args(["--print", "target-libdir", "--target", target]));
         !library.is_ok_and(|folder| Path::new(&folder).exists())
     })?;
@@ -64,9 +61,11 @@ pub(super) fn folder() -> PathBuf {
 /// Builds the program for a platform.
 pub(super) fn program(platform: &'static Platform, time: u64) -> Result<Built, String> {
     eprintln!("dist: building for {}", platform.target);
-    let mut command = Command::new(cargo());
-    command.args(["zigbuild", "--locked", "--profile", PROFILE, "--package", "uavspec", "--bin", "uavspec"]);
-    run_with(command.args(["--features", FEATURES, "--target", platform.target]), time)?;
+    let mut command = Command::new("cargo-zigbuild");
+    command.args(["rustc", "--locked", "--profile", PROFILE, "--package", "uavspec", "--bin", "uavspec"]);
+    command.args(["--features", FEATURES, "--target", platform.target]);
+    // Otherwise, zig links the program at a fixed address.
+    run_with(command.args(["--", "-Clink-arg=-pie"]), time)?;
     Ok(Built { platform, path: folder().join(platform.target).join(PROFILE).join("uavspec") })
 }
 
@@ -83,11 +82,11 @@ pub(super) fn wheels(built: &Built, third_party: &[File], time: u64) -> Result<V
     fs::create_dir_all(&scripts).map_err(failed)?;
     fs::copy(&built.path, scripts.join("uavspec")).map_err(failed)?;
     third_party.iter().try_for_each(|file| file.write(&package))?;
-    let build = |library: &&str| {
+    let build = |[library, system]: &[&str; 2]| {
         let target = built.platform.module_target(library);
         eprintln!("dist: building the Python module for {target}");
         let options = ["build", "--locked", "--zig", "--profile", PROFILE, "--target", &target];
-        maturin(&[&options[..], &["--compatibility"], &SYSTEMS].concat(), time)
+        maturin(&[&options[..], &["--compatibility", *system]].concat(), time)
     };
     let wheels: Result<Vec<Vec<File>>, String> = LIBRARIES.iter().map(build).collect();
     // An installation from this checkout must not contain these files.
