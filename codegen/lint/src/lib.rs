@@ -1,6 +1,7 @@
 //! What people do with definitions before they generate anything. The linter finds definitions that are valid but
 //! misleading, incomplete or inconsistent: definitions enter, and findings leave. [`mod@format`] formats definitions,
-//! [`release`] keeps the definitions of all releases, and [`report`] writes findings for other programs.
+//! [`release`] keeps the definitions of all releases, [`report`] writes findings for other programs, and [`baseline`]
+//! reads and updates lists of known findings.
 //!
 //! Each rule has a file with its text, examples and check, and an entry in [`RULES`]. Parser warnings are rules as well
 //! (`Check::Reader`), so users can configure their level, ignore them and fix them. Parser errors are always reported.
@@ -23,6 +24,7 @@
 
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
+pub mod baseline;
 mod fix;
 pub mod format;
 mod ignore;

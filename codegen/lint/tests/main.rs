@@ -1,6 +1,7 @@
 //! Tests of the public items of the crate, one module per file.
 
 mod attributes;
+mod baseline;
 mod breaking;
 mod constraints;
 mod format;
