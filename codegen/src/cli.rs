@@ -14,7 +14,7 @@
 //! baseline that is out of date.
 
 mod arguments;
-mod baseline;
+pub mod baseline;
 mod breaking;
 mod codegen;
 mod format;
@@ -33,7 +33,6 @@ use clap::{Parser, Subcommand};
 use uavspec_schema::failure::Failure;
 use uavspec_schema::terminal;
 
-pub use self::baseline::without_findings;
 use self::status::Status;
 
 /// The program in the examples.

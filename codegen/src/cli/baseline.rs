@@ -1,165 +1,153 @@
-//! Baselines: lists of known findings, so that a project with many old findings sees only the new ones.
-//!
-//! ```toml
-//! [[known]]
-//! rule = "unit-missing"
-//! subject = "px4/Airspeed.confidence"    # a definition or one of its fields; a glob pattern
-//! count = 1                              # optional; default: any number
-//! reason = "found when the list was written"
-//! link = "https://example.org/issues/7"  # optional
-//! expires = 2027-06-30                   # optional; the last day on which the entry applies
-//! ```
-//!
-//! A finding is recognised by its rule and subject, so it stays known if its line moves. If a subject has more findings
-//! than `count`, all of them are reported, because it is unknown which of them are new.
-//!
-//! An entry is outdated if it has expired, if it matches nothing, or if there are fewer findings than `count`. One list
-//! serves `lint` and `breaking`: each command ignores the entries for rules that it doesn't apply.
+//! Baselines on the command line, for all commands that report findings.
 
-mod edit;
-mod matching;
-mod read;
+mod definitions;
 mod subject;
 
-use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use uavspec_lint::baseline::{Lists, Scope, Sums};
+use uavspec_schema::diagnostic::Level;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::finding::Finding;
-use uavspec_schema::rewrite::{self, Change};
-use uavspec_schema::source::SourceMap;
-use uavspec_schema::wording::plural;
+use uavspec_schema::identity::Identity;
 use uavspec_schema::{Date, render, terminal};
 
-use self::matching::{Found, Matches};
-use self::read::List;
+pub(super) use self::definitions::compare;
 pub(super) use self::subject::Subjects;
 use super::print::print_rendered;
 
 /// Arguments for baselines.
 #[derive(Args, Debug)]
-pub(super) struct BaselineArgs {
-    /// Baseline: a list of known findings, which are not reported
+pub struct BaselineArgs {
+    /// Baseline: a list of known findings, which don't count (repeatable)
     ///
-    /// If an entry is outdated, the command fails with status 4.
+    /// If an entry no longer applies, the run fails with status 4.
     #[arg(long, value_name = "FILE")]
-    baseline: Option<PathBuf>,
-    /// Remove or update outdated entries of the baseline
+    baseline: Vec<PathBuf>,
+    /// Remove or update entries of the baselines that no longer apply
+    ///
+    /// Other entries and comments stay unchanged. If the messages of an entry have no common prefix, split the entry by
+    /// hand. Until then, the run fails.
     #[arg(long, requires = "baseline")]
     fix_baseline: bool,
-    /// Write all findings to a baseline
+    /// Write all findings that are not known yet to a baseline
     ///
-    /// If the file exists, its comments and the reasons of its entries are kept.
-    #[arg(long, value_name = "FILE", conflicts_with = "baseline")]
+    /// The findings then count as known. If the file exists, its comments and the reasons of its entries stay, and entries
+    /// that no longer apply are removed or updated. State the reason for each new entry.
+    #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
 }
 
-/// The result of a comparison with a list.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Compared {
-    /// The number of known findings, which were removed.
-    pub(super) known: usize,
-    /// True if an entry is outdated.
-    pub(super) is_outdated: bool,
+/// The baselines of a run.
+#[derive(Debug)]
+pub struct Baselines {
+    /// The lists.
+    pub lists: Lists,
+    today: Date,
+    fixes_all: bool,
+    /// The findings about entries that no longer apply.
+    pub outdated: Vec<Finding>,
 }
 
 impl BaselineArgs {
-    /// The list that is read or written.
-    pub(super) fn file(&self) -> Option<&Path> {
-        self.write_baseline.as_deref().or(self.baseline.as_deref())
-    }
-
-    /// Removes the known findings, and prints the outdated entries. Only entries of rules for which `is_applied` is
-    /// true can be outdated.
-    pub(super) fn compare(
-        &self,
-        command: &str,
-        findings: &mut Vec<Finding>,
-        subjects: Subjects<'_>,
-        is_applied: &dyn Fn(&str) -> bool,
-    ) -> Result<Compared, Failure> {
-        let Some(path) = self.file() else {
-            return Ok(Compared::default());
+    /// The baselines that are only read, or changed by `--fix-baseline`.
+    pub fn inputs(&self) -> impl Iterator<Item = &Path> {
+        let output = self.output().and_then(Identity::of);
+        let is_output = move |path: &Path| {
+            output.as_ref().is_some_and(|output| Identity::of(path).is_some_and(|path| path.is_same(output)))
         };
+        self.baseline.iter().map(PathBuf::as_path).filter(move |path| !is_output(path))
+    }
+
+    /// The baseline to write.
+    pub fn output(&self) -> Option<&Path> {
+        self.write_baseline.as_deref()
+    }
+
+    /// Reads the baselines. `rules` are the ids of rules besides those of `lint` and `breaking`; if empty, other ids
+    /// aren't checked.
+    pub fn read(&self, rules: &[&'static str]) -> Result<Baselines, Failure> {
         let today = Date::today().map_err(Failure::new)?;
-        let found = Found::new(findings, subjects);
-        let mut list = self.list(path)?;
-        let mut matches = Matches::new(&list, &found, today, is_applied);
-        let is_writing = self.write_baseline.is_some();
-        if is_writing || (self.fix_baseline && !matches.outdated.is_empty()) {
-            let text = edit::updated(&list, &matches, &found, is_writing);
-            write(path, list.text(), &text)?;
-            let outdated = matches.outdated.len();
-            list = List::parse(path, text.into_bytes())?;
-            matches = Matches::new(&list, &found, today, is_applied);
-            let entries = plural(list.entries.len(), "entry").replace("entrys", "entries");
-            let change = if is_writing {
-                format!("wrote {} in {entries}", plural(matches.known(&found), "known finding"))
+        let lists = Lists::read(&self.baseline, self.output(), rules)?;
+        Ok(Baselines { lists, today, fixes_all: self.fix_baseline, outdated: Vec::new() })
+    }
+}
+
+impl Baselines {
+    /// True if [`Baselines::update`] must precede [`Lists::find`], because it may remove entries.
+    pub fn is_updated(&self) -> bool {
+        self.fixes_all && !self.lists.is_empty() || self.lists.has_target()
+    }
+
+    /// Fixes the entries that no longer apply, in the files that the options name.
+    pub fn update(&mut self, sums: &Sums) -> Result<(), Failure> {
+        let stale = self.lists.stale(sums, self.today);
+        let is_fixed = |finding: &&Finding| {
+            let is_fixed = self.fixes_all && finding.level == Level::Error;
+            !finding.fix.is_empty() && (is_fixed || self.lists.is_in_target(finding))
+        };
+        let mut fixes: Vec<Finding> = stale.iter().filter(is_fixed).cloned().collect();
+        self.outdated = stale;
+        if fixes.is_empty() {
+            return Ok(());
+        }
+        let lists = self.lists.updated(&fixes)?;
+        lists.write(&self.lists)?;
+        for fix in &mut fixes {
+            fix.level = Level::Note;
+        }
+        self.print(&fixes);
+        terminal::eprintln!(
+            "fixed: the entries above were removed or updated; check that the reasons still apply"
+        );
+        self.lists = lists;
+        Ok(())
+    }
+
+    /// Prints the entries that no longer apply. Returns true if there are any.
+    pub fn finish(&mut self, sums: &Sums) -> bool {
+        let mut stale = self.lists.stale(sums, self.today);
+        self.lists.limit(sums);
+        self.print(&stale);
+        stale.retain(|finding| finding.level == Level::Error);
+        let is_fixable = stale.iter().any(|finding| !finding.fix.is_empty());
+        self.outdated = stale;
+        if !self.outdated.is_empty() {
+            let help = if is_fixable {
+                "run again with --fix-baseline to update it"
             } else {
-                format!("removed or updated {outdated} outdated, {entries} left")
+                "the messages have no common prefix: write one entry for each message"
             };
-            terminal::eprintln!("{command}: {}: {change}", terminal::path(path));
+            terminal::error("a baseline is out of date", Some(help));
         }
-        for surplus in &matches.surplus {
-            terminal::eprintln!("note: {surplus}");
-        }
-        print_outdated(&list, &matches);
-        let compared = Compared { known: matches.known(&found), is_outdated: !matches.outdated.is_empty() };
-        matches.retain_new(&found, findings);
-        Ok(compared)
+        !self.outdated.is_empty()
     }
 
-    /// Reads the list. A list that is about to be written may be absent.
-    fn list(&self, path: &Path) -> Result<List, Failure> {
-        match fs::read(path) {
-            Ok(bytes) => List::parse(path, bytes),
-            Err(error) if error.kind() == ErrorKind::NotFound && self.write_baseline.is_some() => {
-                List::parse(path, Vec::new())
-            }
-            Err(error) => Err(Failure::new(format!("{}: {error}", terminal::path(path)))
-                .with_hint("`--write-baseline FILE` writes a baseline")),
+    /// Compares the baselines with results that are in memory, and updates them if the options say so. `count` adds all
+    /// results. Returns true if a baseline is out of date.
+    pub fn compare(&mut self, scope: Scope<'_>, count: impl Fn(&Lists, &mut Sums)) -> Result<bool, Failure> {
+        let counted = |lists: &Lists| {
+            let mut sums = lists.sums(scope);
+            count(lists, &mut sums);
+            sums
+        };
+        if self.is_updated() {
+            self.update(&counted(&self.lists))?;
         }
+        Ok(self.finish(&counted(&self.lists)))
     }
-}
 
-/// The text of a list after a run without findings, which removes all entries.
-pub fn without_findings(bytes: Vec<u8>) -> Result<String, Failure> {
-    let list = List::parse(Path::new("known.toml"), bytes)?;
-    let found = Found::new(&[], Subjects::new(&SourceMap::default(), &[]));
-    // Without findings, each entry is removed, whether or not it has expired.
-    let today = Date { year: 1970, month: 1, day: 1 };
-    let matches = Matches::new(&list, &found, today, &|_| true);
-    Ok(edit::updated(&list, &matches, &found, false))
-}
-
-fn print_outdated(list: &List, matches: &Matches) {
-    if matches.outdated.is_empty() {
-        return;
+    /// Writes the entries that were added to the baseline of `--write-baseline`.
+    pub fn write(&self) -> Result<(), Failure> {
+        let Some((path, count)) = self.lists.added() else { return Ok(()) };
+        self.lists.updated(&[])?.write(&self.lists)?;
+        let entries = if count == 1 { "1 new entry".to_owned() } else { format!("{count} new entries") };
+        terminal::eprintln!("{path}: {entries}; state the reason for each one");
+        Ok(())
     }
-    let findings: Vec<Finding> =
-        matches.outdated.iter().map(|outdated| outdated.finding(&list.entries[outdated.entry])).collect();
-    print_rendered(|styled| render::findings(&findings, &list.sources, styled));
-    terminal::eprintln!(
-        "error: the baseline is out of date\n  help: run again with --fix-baseline to update it"
-    );
-}
 
-fn write(path: &Path, old: &str, new: &str) -> Result<(), Failure> {
-    let shown = terminal::path(path);
-    let failed = |error: std::io::Error| {
-        Failure::new(format!("{shown}: {error}")).with_hint("check that the file and its folder are writable")
-    };
-    if old == new {
-        return Ok(());
-    }
-    match fs::canonicalize(path) {
-        Ok(path) => {
-            let change = Change { path, shown, old: old.to_owned(), new: new.to_owned() };
-            rewrite::write(&[change])
-        }
-        Err(error) if error.kind() == ErrorKind::NotFound => fs::write(path, new).map_err(failed),
-        Err(error) => Err(failed(error)),
+    fn print(&self, findings: &[Finding]) {
+        print_rendered(|styled| render::findings(findings, self.lists.sources(), styled));
     }
 }

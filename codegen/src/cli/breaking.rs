@@ -14,7 +14,7 @@ use uavspec_schema::wording::plural;
 use uavspec_schema::{render, terminal};
 
 use super::arguments::{DefinitionsArgs, PackageArgs};
-use super::baseline::{BaselineArgs, Subjects};
+use super::baseline::{self, BaselineArgs, Subjects};
 use super::report::{ReportArgs, Results, Selection, rule_ids};
 use super::revision::Checkout;
 use super::status::Status;
@@ -47,7 +47,7 @@ Exit status:
   0    no findings at the --deny level or above
   1    at least one finding at the --deny level or above
   2    the command failed
-  4    no such finding, but the baseline is out of date")]
+  4    no such finding, but a baseline is out of date")]
 pub struct BreakingArgs {
     /// Compare with this Git revision or folder
     #[arg(long, value_name = "REV | DIR")]
@@ -108,7 +108,11 @@ pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     let sources = std::mem::take(&mut old.sources);
     let new = load_into(&new_plan, sources)?;
     let sources = &new.sources;
-    let inputs = new.inputs(&new_plan).chain(old.inputs(&old_plan)).chain(args.baseline.file());
+    let inputs = new
+        .inputs(&new_plan)
+        .chain(old.inputs(&old_plan))
+        .chain(args.baseline.inputs())
+        .chain(args.baseline.output());
     args.report.protect(inputs)?;
     let ((old_schema, mut old_diagnostics), (new_schema, mut new_diagnostics)) = thread::scope(|scope| {
         let old = scope.spawn(|| read(sources, &old.packages));
@@ -131,19 +135,15 @@ pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     let subjects = Subjects::new(sources, new.packages.iter().chain(&old.packages));
     let selection = args.selection();
     let is_applied = |id: &str| !has_errors && selection.has_rule(id) && rule(id).is_some();
-    let compared = args.baseline.compare("breaking", &mut findings, subjects, &is_applied)?;
+    let (known, is_outdated) = baseline::compare(&args.baseline, &mut findings, subjects, &is_applied)?;
     let hidden = selection.apply(|id| rule(id).is_some(), sources, &mut findings);
-    let totals = Totals {
-        known: compared.known,
-        hidden,
-        ..Totals::of("breaking", &findings, sources, new.files.len())
-    };
+    let totals = Totals { known, hidden, ..Totals::of("breaking", &findings, sources, new.files.len()) };
     let rules = RULES.iter().filter(|rule| selection.has_rule(rule.id)).map(|rule| rule_info(rule)).collect();
     args.report.show(&Results { rules, findings: &findings, totals: &totals }, &new.sources_from_here())?;
     let files = plural(new.files.len(), "file");
     let elapsed = started.milliseconds();
     terminal::eprintln!("breaking: {files} compared with {} ({elapsed} ms)", old.files.len());
-    Ok(Status::new(args.report.is_success(&findings), compared.is_outdated))
+    Ok(Status::new(args.report.is_success(&findings), is_outdated))
 }
 
 fn rule_info(rule: &Rule) -> RuleInfo {

@@ -15,7 +15,7 @@ use uavspec_schema::terminal;
 use uavspec_schema::wording::plural;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
-use super::baseline::{BaselineArgs, Subjects};
+use super::baseline::{self, BaselineArgs, Subjects};
 use super::report::{LevelName, ReportArgs, Results, Selection, rule_ids};
 use super::status::Status;
 use super::stopwatch::Stopwatch;
@@ -45,7 +45,7 @@ Exit status:
   0    no findings at the --deny level or above
   1    at least one finding at the --deny level or above
   2    the command failed
-  4    no such finding, but the baseline is out of date")]
+  4    no such finding, but a baseline is out of date")]
 pub struct LintArgs {
     #[command(flatten)]
     definitions: DefinitionsArgs,
@@ -87,7 +87,7 @@ pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
     let started = Stopwatch::start();
     let plan = args.definitions.plan()?;
     let mut loaded = load::load_with_catalogues(&plan)?;
-    args.report.protect(loaded.inputs(&plan).chain(args.baseline.file()))?;
+    args.report.protect(loaded.inputs(&plan).chain(args.baseline.inputs()).chain(args.baseline.output()))?;
     let selection = args.selection(&loaded)?;
     let settings = settings(&plan, &loaded, args);
     let mut findings = check(&loaded, &settings);
@@ -98,13 +98,10 @@ pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
     let is_applied = |id: &str| {
         !has_errors && selection.has_rule(id) && rule(id).is_some_and(|rule| settings.level(rule).is_some())
     };
-    let compared = args.baseline.compare("lint", &mut findings, subjects, &is_applied)?;
+    let (known, is_outdated) = baseline::compare(&args.baseline, &mut findings, subjects, &is_applied)?;
     let hidden = selection.apply(|id| rule(id).is_some(), &loaded.sources, &mut findings);
-    let totals = Totals {
-        known: compared.known,
-        hidden,
-        ..Totals::of("lint", &findings, &loaded.sources, loaded.files.len())
-    };
+    let totals =
+        Totals { known, hidden, ..Totals::of("lint", &findings, &loaded.sources, loaded.files.len()) };
     let rules = RULES.iter().filter(|rule| selection.has_rule(rule.id)).filter_map(|rule| {
         let level = settings.level(rule)?;
         Some(RuleInfo::new(rule.id, rule.purpose(), level))
@@ -114,7 +111,7 @@ pub(super) fn run(args: &LintArgs) -> Result<Status, Failure> {
     let read = plural(loaded.files.len(), "file");
     let elapsed = started.milliseconds();
     terminal::eprintln!("lint: {read} read ({elapsed} ms){}", fix_summary(fixed, totals.fixable()));
-    Ok(Status::new(args.report.is_success(&findings), compared.is_outdated))
+    Ok(Status::new(args.report.is_success(&findings), is_outdated))
 }
 
 /// The number of fixes that were applied, or that `--fix` would apply.

@@ -1,17 +1,15 @@
-//! The fuzz targets for the generator: configurations, catalogues, hints, baselines, and the edits of documents in an editor.
+//! The fuzz targets for the generator: configurations, catalogues, hints, and the edits of documents in an editor.
 
 #![allow(clippy::missing_panics_doc, reason = "a panic is a finding")]
 
 mod configuration;
 mod grammar;
 mod hints;
-mod known;
 mod replay;
 
 use std::path::Path;
 
 use lsp_types::Position;
-use uavspec_codegen::cli;
 use uavspec_codegen::load::Config;
 use uavspec_dynamic::Types;
 use uavspec_dynamic::conversion::{Conversions, Request, answer};
@@ -63,19 +61,6 @@ fn read_catalogue(data: Vec<u8>) -> Option<(catalogue::Catalogue, bool)> {
         check_span(&sources, diagnostic.span);
     }
     Some((read, diagnostics.is_empty()))
-}
-
-/// Reads a baseline of `lint`. If nothing is found, all entries are outdated, and the fixed list must be empty.
-pub fn known_findings(data: &[u8]) {
-    let Ok(fixed) = cli::without_findings(data.to_vec()) else { return };
-    let again = cli::without_findings(fixed.clone().into_bytes());
-    let again = again.unwrap_or_else(|failure| panic!("the fixed list is invalid: {failure}\n{fixed}"));
-    assert_eq!(again, fixed, "a second fix changes the list");
-}
-
-/// Reads a baseline of `lint` that follows the grammar, like [`known_findings`].
-pub fn known_findings_grammar(data: &[u8]) {
-    known_findings(grammar::text(&known::TABLES, data).as_bytes());
 }
 
 /// The definitions that fuzzed hints convert.
@@ -211,7 +196,7 @@ mod tests {
     use proptest::prelude::*;
     use uavspec_test_support::extent;
 
-    use super::{configuration, hints, known_findings, translations};
+    use super::{configuration, hints, translations};
 
     /// The configuration with this number of cases, or with a part of them in a quick run.
     fn config(cases: u32, part: u32) -> ProptestConfig {
@@ -225,11 +210,6 @@ mod tests {
         #[test]
         fn random_configurations_have_located_errors(data in prop::collection::vec(any::<u8>(), 0..40)) {
             super::configuration_grammar(&data);
-        }
-
-        #[test]
-        fn random_baselines_have_nothing_left_to_fix(data in prop::collection::vec(any::<u8>(), 0..40)) {
-            super::known_findings_grammar(&data);
         }
 
         #[test]
@@ -251,17 +231,13 @@ mod tests {
     #[test]
     fn the_properties_hold_for_correct_and_truncated_files() {
         let config = "[output]\nrust = \"out\"\n\n[[package]]\nname = \"demo\"\ndialect = \"px4\"\ninclude = [\"*.msg\"]\n";
-        let list = "# list\n\n[[known]]\nrule = \"unit-missing\"\nsubject = \"px4/*\"\ncount = 1\nreason = \"old\"\n";
         let catalogue = "# note\nmsgid \"\"\nmsgstr \"\"\n\"Language: uk\\n\"\n\n#, fuzzy\nmsgctxt \"a\"\nmsgid \"b\"\nmsgstr \"c\"\n";
         let converted = "[[hint]]\nmessage = \"Glider\"\nversions = [0, 1]\nnew.mode = { MODE_B = \"MODE_C\" }\n\
                          old.mode = { MODE_C = \"MODE_B\" }\nnew.mask = \"if old.MODE_B < mode and not is_on then 7 else count\"\n\
                          narrow = { sink = \"nearest\", count = \"neutral\" }\nsame = [\"list\"]\n";
-        for (check, text) in [
-            (configuration as fn(&[u8]), config),
-            (known_findings, list),
-            (translations, catalogue),
-            (hints, converted),
-        ] {
+        for (check, text) in
+            [(configuration as fn(&[u8]), config), (translations, catalogue), (hints, converted)]
+        {
             for end in (0..text.len()).step_by(extent(1, 7)).chain([text.len()]) {
                 check(&text.as_bytes()[..end]);
             }

@@ -42,8 +42,8 @@ pub const TARGETS: &[Target] = &[
     Target { name: "convert", check: conversions::mcap, seeds: conversions::mcap_seeds },
     Target { name: "session", check: captures::session, seeds: captures::session_seeds },
     Target { name: "compressed", check: captures::compressed, seeds: captures::compressed_seeds },
-    Target { name: "known-failures", check: lists::known_failures, seeds: lists::known_failure_seeds },
-    Target { name: "known-failures-grammar", check: lists::grammar, seeds: choices },
+    Target { name: "baseline", check: lists::baseline, seeds: lists::seeds },
+    Target { name: "baseline-grammar", check: lists::grammar, seeds: choices },
     #[cfg(feature = "schemas")]
     Target { name: "body-schema", check: schemas::body_schema, seeds: schemas::body_schema_seeds },
     #[cfg(feature = "schemas")]

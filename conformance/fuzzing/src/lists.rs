@@ -1,57 +1,63 @@
 //! The targets for baselines.
 
-use uavspec_check::baseline::{Checked, ListError, Lists, Name, Outcome, Scope};
+use uavspec_check::baseline::{finding_name, rule_ids};
+use uavspec_lint::baseline::{Lists, Name, Outcome};
 use uavspec_rules::px4;
 use uavspec_schema::Date;
-use uavspec_schema::diagnostic::Level;
+use uavspec_schema::finding::Finding;
 
 use super::Choices;
 
 /// The day of all runs.
 const TODAY: Date = Date { year: 2026, month: 5, day: 9 };
 
-/// Reads a list. Each finding must be within the list, and a fixed list must be valid and have nothing left to fix.
-pub(super) fn known_failures(data: &[u8]) {
-    let lists = match Lists::parse([("known.toml".to_owned(), data.to_vec())]) {
+/// Reads a list. Each mistake must be within the list, and an updated list must be valid and have nothing left to fix.
+pub(super) fn baseline(data: &[u8]) {
+    let lists = match Lists::parse([("known.toml".to_owned(), data.to_vec())], &rule_ids()) {
         Ok(lists) => lists,
-        Err(ListError::Mistaken(findings, sources)) => {
-            assert!(!findings.is_empty());
-            for finding in findings.iter().filter(|_| std::str::from_utf8(data).is_ok()) {
-                let source = sources.source_of(finding.span);
-                assert!(
-                    sources.span(source).start <= finding.span.start
-                        && finding.span.end <= sources.span(source).end
-                );
-                // Panics within a character.
-                let _ = sources.slice(finding.span);
+        Err(mistakes) => {
+            assert!(!mistakes.findings.is_empty() && !mistakes.to_string().is_empty());
+            for finding in mistakes.findings.iter().filter(|_| std::str::from_utf8(data).is_ok()) {
+                assert!(mistakes.sources.contains(finding.span), "{finding:?}");
             }
-            assert!(!ListError::Mistaken(findings, sources).to_string().is_empty());
             return;
         }
-        Err(error) => panic!("{error}"),
     };
-    let checked = [
-        Checked { name: Name::Case("decode-cdr/px4/Event/typical"), outcome: Outcome::Passed },
-        Checked { name: Name::Case("decode-cdr/px4/Event/null"), outcome: failure() },
-        Checked {
-            name: Name::Rule { rule: &px4::DATA_01.rule, subject: "event".into(), file: "a/b.ulg" },
-            outcome: failure(),
-        },
+    let results = [
+        (Name::case("decode-cdr/px4/Event/typical"), Outcome::Passed),
+        (Name::case("decode-cdr/px4/Event/null"), failure()),
+        (finding_name(&px4::DATA_01.rule, "event".into(), "a/b.ulg"), failure()),
+        (Name { forms: vec!["px4/Wind".into()], ..Name::rule("unit-missing", "Wind.msg") }, failure()),
     ];
-    for scope in [Scope::Cases, Scope::Rules] {
-        let stale = lists.find_stale(scope, &checked, TODAY);
-        assert_eq!(lists.reasons(&stale).len(), stale.len());
-        assert_eq!(lists.render(&stale, Level::Error, false).is_empty(), stale.is_empty());
-        let fixed = lists.fixed(&stale).unwrap_or_else(|error| panic!("the fix is invalid: {error}"));
-        let left = fixed.find_stale(scope, &checked, TODAY);
-        assert!(left.iter().all(|stale| !stale.is_fixable()), "{left:?} is left");
+    for results in [&results[..], &[]] {
+        let stale = |lists: &Lists| {
+            let mut stale = lists.find_stale(&|_| true, results, TODAY);
+            stale.retain(|finding| !finding.fix.is_empty());
+            stale
+        };
+        let update = |lists: &Lists, stale: &[Finding]| {
+            lists.updated(stale).unwrap_or_else(|error| panic!("the fix is invalid: {error}"))
+        };
+        let mut found = stale(&lists);
+        let mut fixed = update(&lists, &found);
+        // A removed entry may leave its findings to an entry with a count.
+        for _ in 0..data.len() {
+            found = stale(&fixed);
+            if found.is_empty() {
+                break;
+            }
+            fixed = update(&fixed, &found);
+        }
+        assert!(found.is_empty(), "{found:?} is left");
+        assert!(!results.is_empty() || fixed.is_empty());
     }
 }
 
 /// The keys of an entry, each with values. The first value of each key is valid.
-const KEYS: [(&str, &[&str]); 8] = [
-    ("rule", &["\"PX-DATA-01\"", "\"FW-ENV-18\"", "\"PX-DATA-99\"", "\"\"", "7"]),
-    ("subject", &["\"event\"", "\"*\"", "'/kite/{event,wind}[12].x?'", "\"[\"", "\"\"", "7"]),
+const KEYS: [(&str, &[&str]); 9] = [
+    ("rule", &["\"unit-missing\"", "\"PX-DATA-01\"", "\"field-removed\"", "\"PX-DATA-99\"", "\"\"", "7"]),
+    ("subject", &["\"event\"", "\"*\"", "'px4/{Wind,Mark}[12].x?'", "\"[\"", "\"\\\\\"", "\"\"", "7"]),
+    ("count", &["1", "0", "-1", "0x10", "99999999999999999999", "\"1\""]),
     ("file", &["\"a/*.ulg\"", "\"**\"", "'a\\b.ulg'", "\"{\"", "true"]),
     (
         "case",
@@ -67,7 +73,8 @@ const KEYS: [(&str, &[&str]); 8] = [
 ];
 
 /// The keys of entries. Most entries name their results in one way.
-const ENTRIES: [&[&str]; 5] = [
+const ENTRIES: [&[&str]; 6] = [
+    &["rule", "subject", "count", "reason"],
     &["rule", "reason", "expires", "subject", "file", "link", "message"],
     &["case", "reason", "message", "expires", "link"],
     &["case", "reason"],
@@ -96,20 +103,21 @@ fn written(data: &[u8]) -> String {
     text
 }
 
-/// Reads a list that follows the grammar, like [`known_failures`].
+/// Reads a list that follows the grammar, like [`baseline`].
 pub(super) fn grammar(data: &[u8]) {
-    known_failures(written(data).as_bytes());
+    baseline(written(data).as_bytes());
 }
 
 fn failure() -> Outcome {
     Outcome::Failed(vec!["/flaps/0: expected NaN".to_owned()])
 }
 
-pub(super) fn known_failure_seeds() -> Vec<Vec<u8>> {
+pub(super) fn seeds() -> Vec<Vec<u8>> {
     let texts = [
         "# a list\n[[known]]\ncase = \"decode-*/px4/Event/*\"\nreason = \"flaps\"\nexpires = 2027-06-30\n",
         "[[flaky]]\nrule = \"PX-DATA-01\"\nsubject = \"event\"\nfile = \"*/b.ulg\"\nreason = \"wind\"\nmessage = \"/flaps\"\n",
         "[[known]]\nrule = \"PX-DATA-01\"\nreason = \"wind\"\nlink = \"https://example.org\"\n\n[[known]]\ncase = \"a\"\n",
+        "[[known]]\nrule = \"unit-missing\"\nsubject = \"px4/*\"\ncount = 2\nreason = \"old\"\n",
         "[[known]]\ncase = 'decode-cdr/px4/Event/null'\nreason = 'x'\nmessage = '/flaps/1'\nexpires = 2020-01-01\n",
     ];
     texts.map(|text| text.as_bytes().to_vec()).to_vec()
@@ -123,9 +131,9 @@ mod tests {
 
     #[test]
     fn the_first_values_of_the_grammar_are_valid() {
-        for entry in 0..2 {
+        for entry in 0..3 {
             let text = written(&[0, 0, 0, entry]);
-            let lists = Lists::parse([("known.toml".to_owned(), text.clone().into_bytes())]);
+            let lists = Lists::parse([("known.toml".to_owned(), text.clone().into_bytes())], &rule_ids());
             assert!(lists.is_ok_and(|lists| !lists.is_empty()), "{text}");
         }
     }

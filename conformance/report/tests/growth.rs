@@ -6,16 +6,16 @@ use std::time::Duration;
 use allocation_counter::measure;
 use clap::ValueEnum as _;
 use serde_json::json;
-use uavspec_check::baseline::{Checked, Lists, Name, Outcome, Scope};
+use uavspec_check::baseline::{finding_name, is_rule, rule_ids};
 use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{CaptureResult, check_bytes, check_capture};
+use uavspec_lint::baseline::{Lists, Name, Outcome, Scope};
 use uavspec_report::timeline::{to_html, to_json, to_text};
 use uavspec_report::{Action, CheckedCapture, Kind, Report, Settings, Subject};
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_rules::flockwave::sample::Session;
 use uavspec_rules::px4;
 use uavspec_schema::Date;
-use uavspec_schema::diagnostic::Level;
 use uavspec_schema::translation::Translations;
 use uavspec_test_captures::mcap::{Form, channel, chunk, file, message, record, schema, text};
 use uavspec_test_support::{Writer, extent};
@@ -277,23 +277,20 @@ const INPUTS: &[(Dimension, Work)] = &[
             let rule = &px4::DATA_01.rule;
             let subjects: Vec<String> =
                 (0..entries(bytes)).map(|number| format!("wind_{number:05}.speed")).collect();
-            let names = subjects.iter().map(|subject| Name::Rule {
-                rule,
-                subject: subject.as_str().into(),
-                file: "a.ulg",
-            });
-            compare_baseline(bytes, Scope::Rules, names);
+            let names = subjects.iter().map(|subject| finding_name(rule, subject.into(), "a.ulg"));
+            compare_baseline(bytes, &is_rule, names);
         },
     ),
     (
         ("cases of a baseline", 100, |count| lines(count, "[[known]]\ncase = \"wind/~\"\nreason = \"old\"")),
         |bytes| {
             let cases: Vec<String> = (0..entries(bytes)).map(|number| format!("wind/{number:05}")).collect();
-            compare_baseline(bytes, Scope::Cases, cases.iter().map(|case| Name::Case(case)));
+            compare_baseline(bytes, &|rule| rule.is_none(), cases.iter().map(|case| Name::case(case)));
         },
     ),
     (("mistakes of a baseline", 100, |count| lines(count, "[[known]]\ncase = \"[~\"")), |bytes| {
-        let error = Lists::parse([("known.toml".to_owned(), bytes.to_vec())]).expect_err("mistakes");
+        let error =
+            Lists::parse([("known.toml".to_owned(), bytes.to_vec())], &rule_ids()).expect_err("mistakes");
         assert!(!error.to_string().is_empty());
     }),
     #[cfg(feature = "schemas")]
@@ -323,16 +320,15 @@ fn entries(bytes: &[u8]) -> usize {
 }
 
 /// Compares a baseline with failures, removes what is stale, and compares again.
-fn compare_baseline<'n>(bytes: &[u8], scope: Scope, names: impl Iterator<Item = Name<'n>>) {
-    let lists = Lists::parse([("known.toml".to_owned(), bytes.to_vec())]).expect("a list");
-    let failed = |name| Checked { name, outcome: Outcome::Failed(vec!["calm".to_owned()]) };
-    let checked: Vec<Checked<'_>> = names.map(failed).collect();
-    for Checked { name, .. } in &checked {
-        lists.excuse(*name, &["calm".to_owned()]);
+fn compare_baseline<'n>(bytes: &[u8], scope: Scope<'_>, names: impl Iterator<Item = Name<'n>>) {
+    let lists = Lists::parse([("known.toml".to_owned(), bytes.to_vec())], &rule_ids()).expect("a list");
+    let failed = |name| (name, Outcome::Failed(vec!["calm".to_owned()]));
+    let results: Vec<(Name<'_>, Outcome)> = names.map(failed).collect();
+    for (name, _) in &results {
+        lists.find(name, &["calm".to_owned()]);
     }
-    let stale = lists.find_stale(scope, &checked, Date { year: 2026, month: 5, day: 9 });
-    lists.render(&stale, Level::Error, false);
-    lists.fixed(&stale).expect("a list");
+    let stale = lists.find_stale(scope, &results, Date { year: 2026, month: 5, day: 9 });
+    lists.updated(&stale).expect("a list");
 }
 
 #[cfg(feature = "schemas")]

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use clap::{Args, ValueEnum};
 use uavspec_capture::input::Input;
-use uavspec_check::baseline::Scope;
+use uavspec_check::baseline::{excuse_findings, is_rule};
 use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{Checked, parallel};
 use uavspec_model::clock::Clock;
@@ -19,7 +19,7 @@ use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_schema::MessageId;
 use uavspec_schema::msg::Dialect;
 
-use super::baseline::{BaselineArgs, count_capture, count_unread};
+use super::baseline::{self, BaselineArgs, count_capture, count_unread};
 use super::explain::texts;
 use super::inputs::Found;
 use super::outcome::OutcomeArgs;
@@ -178,7 +178,7 @@ fn try_check(args: &CheckArgs) -> Result<Status, Status> {
     }
     // A folder of tables exists from now on, and would hide that it is also a file.
     outputs::check(&Inputs::default(), &outputs_of(args))?;
-    let mut outputs = args.report.start(Action::Check, &args.baseline, args.timeline)?;
+    let mut outputs = args.report.start(Action::Check, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
     let checked = run(args, done.as_ref(), |item| match item {
         Item::Checked(subject, origin, timeline) => outputs.add(*subject, &origin, timeline.as_deref()),
@@ -248,11 +248,12 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
     let library = if found.captures.len() == 1 { library.for_one_capture() } else { library };
     check_outputs(args, &found.captures)?;
     let has_nothing_new = done.is_some_and(|done| found.skip(done)) && found.unreadable.is_empty();
-    let mut baselines = args.baseline.read()?;
+    let mut baselines = baseline::read(&args.baseline)?;
     if has_nothing_new {
         // The baselines and the required rules are about captures that an earlier run has checked.
         let (required, unreadable, stale) = (Vec::new(), Vec::new(), Vec::new());
-        let (definitions, not_checked, status) = (library.name().to_owned(), found.skipped, Status::Conforms);
+        let (definitions, not_checked, status) =
+            (library.name().to_owned(), found.skipped, baseline::write(&baselines, Ok(false)));
         return Ok(Finished {
             definitions,
             required,
@@ -273,8 +274,8 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
         let kept = kept.lock().map_or(None, |mut kept: MutexGuard<'_, Kept>| kept.remove(&input.name()));
         kept.unwrap_or_else(|| check_input(input, message_id, &library, texts.as_ref(), progress))
     };
-    let updated = if baselines.is_fixing() {
-        let mut sums = baselines.lists.sums(Scope::Rules);
+    let updated = if baselines.is_updated() {
+        let mut sums = baselines.lists.sums(&is_rule);
         for file in &unreadable {
             count_unread(&baselines.lists, &mut sums, &file.path);
         }
@@ -294,14 +295,14 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
     } else {
         Ok(())
     };
-    let mut sums = baselines.lists.sums(Scope::Rules);
+    let mut sums = baselines.lists.sums(&is_rule);
     for file in &unreadable {
         count_unread(&baselines.lists, &mut sums, &file.path);
     }
     check_all(&found.captures, args.jobs, &check, |input, result, progress| match result {
         Ok(CheckedFile { capture: mut found, definitions, timeline }) => {
             count_capture(&baselines.lists, &mut sums, &found);
-            baselines.excuse(&mut found);
+            excuse_findings(&mut baselines.lists, &found.path, &mut found.result.findings);
             let subject = Subject::from_capture(found, &definitions, &settings);
             let item = Item::Checked(Box::new(subject), Origin::of(input), timeline.map(Box::new));
             progress.pausing(|| take(item));
@@ -315,13 +316,14 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
             unreadable.push(file);
         }
     });
-    let status = updated.map_or_else(|status| status, |()| baselines.finish(&sums));
+    let is_outdated = updated.map(|()| baselines.finish(&sums));
+    let status = baseline::write(&baselines, is_outdated);
     Ok(Finished {
         definitions: library.name().to_owned(),
         required,
         unreadable,
         not_checked: found.skipped,
-        stale: baselines.stale,
+        stale: baseline::reasons(&baselines),
         has_nothing_new,
         status,
     })
@@ -368,7 +370,7 @@ fn check_outputs(args: &CheckArgs, captures: &[Input]) -> Result<(), Status> {
 
 /// The files that a run writes.
 fn outputs_of(args: &CheckArgs) -> Vec<Output<'_>> {
-    args.report.outputs().chain(args.baseline.outputs()).collect()
+    args.report.outputs().chain(baseline::outputs(&args.baseline)).collect()
 }
 
 /// The type of all JSON messages, if it is given. Errors are printed.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::Args;
-use uavspec_check::baseline::Scope;
+use uavspec_check::baseline::{excuse_findings, is_rule};
 use uavspec_flockwave::transport::endpoint::Endpoint;
 use uavspec_model::Rule;
 use uavspec_model::clock::Clock;
@@ -20,7 +20,7 @@ use uavspec_rules::definitions::Definitions;
 
 use self::vehicle::VehicleArgs;
 use super::access::AccessArgs;
-use super::baseline::{BaselineArgs, Baselines, count_capture, count_unread};
+use super::baseline::{self, BaselineArgs, Baselines, count_capture, count_unread};
 use super::interrupt::{self, Danger};
 use super::outcome::OutcomeArgs;
 use super::outputs::{self, Inputs, Output};
@@ -233,7 +233,7 @@ fn probe_servers(args: &ProbeArgs) -> Result<Status, Status> {
     let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
     let required = args.require.rules()?;
     let outputs = start_reports(args)?;
-    let baselines = args.baseline.read()?;
+    let baselines = baseline::read(&args.baseline)?;
     let options = options(args, &definitions)?;
     let mut record = recording(args)?;
     interrupt::install(&options)?;
@@ -315,7 +315,7 @@ fn report(
     mut baselines: Baselines,
     settings: Settings,
 ) -> Status {
-    let baseline_status = baselines.compare(Scope::Rules, |lists, sums| {
+    let is_outdated = baselines.compare(&is_rule, |lists, sums| {
         for file in &unreadable {
             count_unread(lists, sums, &file.path);
         }
@@ -324,8 +324,9 @@ fn report(
         }
     });
     for checked in &mut all {
-        baselines.excuse(checked);
+        excuse_findings(&mut baselines.lists, &checked.path, &mut checked.result.findings);
     }
+    let baseline_status = baseline::write(&baselines, is_outdated);
     let settings = Settings { command: Some(super::command()), ..settings };
     for checked in all {
         outputs.add(Subject::from_capture(checked, definitions, &settings), &Origin::default(), None);
@@ -333,21 +334,21 @@ fn report(
     let (totals, command) = (outputs.finish(), super::command());
     let reasons = uncovered(required, &totals);
     let report = Report::of_totals(Action::Probe, command, &definitions.name, totals, unreadable, reasons);
-    outputs.deliver(&report.with_stale(baselines.stale)).max(baseline_status)
+    outputs.deliver(&report.with_stale(baseline::reasons(&baselines))).max(baseline_status)
 }
 
 /// Starts the reports, and checks that no output replaces an input. Errors are printed.
 fn start_reports(args: &ProbeArgs) -> Result<Outputs<'_>, Status> {
     let record = args.record.iter().map(|path| Output::new("--record", path));
     let outputs: Vec<Output<'_>> =
-        record.chain(args.report.outputs()).chain(args.baseline.outputs()).collect();
+        record.chain(args.report.outputs()).chain(baseline::outputs(&args.baseline)).collect();
     let inputs = Inputs {
         files: args.baseline.inputs().chain(args.access.inputs()).collect(),
         definitions: args.definitions.iter().chain(&args.vehicle.application).map(PathBuf::as_path).collect(),
         schemas: &args.schemas,
     };
     outputs::check(&inputs, &outputs)?;
-    args.report.start(Action::Probe, &args.baseline, false)
+    args.report.start(Action::Probe, false)
 }
 
 /// The options of the probe. Unknown names are printed as errors.

@@ -15,7 +15,6 @@ use uavspec_report::{
 use uavspec_schema::stage::{folder_of, write_file};
 
 use super::Status;
-use super::baseline::{BaselineArgs, NewBaseline};
 use super::outputs::Output;
 use super::tables::{Dataset, Done};
 
@@ -48,8 +47,6 @@ pub(super) struct Outputs<'a> {
     args: &'a ReportArgs,
     stream: Stream,
     tables: Vec<Dataset>,
-    /// The baseline for `--write-baseline`.
-    new_baseline: Option<NewBaseline>,
     /// The first printing error, which is reported together with the errors from writing report files.
     unprinted: Option<String>,
 }
@@ -171,20 +168,15 @@ impl ReportArgs {
         created.collect()
     }
 
-    /// Starts the reports of a run, and the new baseline. From now on, no other run writes to the folders of the tables.
+    /// Starts the reports of a run. From now on, no other run writes to the folders of the tables.
     /// Errors are printed. `has_timeline` adds the table of the timelines.
-    pub(super) fn start(
-        &self,
-        action: Action,
-        baseline: &BaselineArgs,
-        has_timeline: bool,
-    ) -> Result<Outputs<'_>, Status> {
+    pub(super) fn start(&self, action: Action, has_timeline: bool) -> Result<Outputs<'_>, Status> {
         // The sections of a text report are printed immediately. The other formats follow the report files.
         let printed = Some(self.printed()).filter(|kind| *kind != Kind::Text).map(|kind| (kind, None));
         let files = self.files().map(|(kind, path)| (kind, folder_for_parts(path)));
         let stream = Stream::new(action, super::command(), files.chain(printed));
         let tables = self.tables(has_timeline)?;
-        Ok(Outputs { args: self, stream, tables, new_baseline: baseline.new_baseline(), unprinted: None })
+        Ok(Outputs { args: self, stream, tables, unprinted: None })
     }
 }
 
@@ -203,9 +195,6 @@ impl Outputs<'_> {
     pub(super) fn add(&mut self, subject: Subject, origin: &Origin, timeline: Option<&Timeline>) {
         if self.args.printed() == Kind::Text {
             self.keep_error(print(&subject_text(&subject)));
-        }
-        if let Some(baseline) = &mut self.new_baseline {
-            baseline.add(&subject);
         }
         for tables in &mut self.tables {
             tables.add(&subject, origin, timeline);
@@ -232,15 +221,14 @@ impl Outputs<'_> {
         }
     }
 
-    /// Prints and writes all reports, even if one fails, and the new baseline. Errors are printed. Returns the
+    /// Prints and writes all reports, even if one fails. Errors are printed. Returns the
     /// status of the run.
     pub(super) fn deliver(mut self, report: &Report) -> Status {
         let failures = self.write(report);
         for failure in &failures {
             terminal::error(failure, None);
         }
-        let status = if failures.is_empty() { (&report.outcome).into() } else { Status::Unreadable };
-        self.new_baseline.map_or(status, |baseline| baseline.write(&report.command).max(status))
+        if failures.is_empty() { (&report.outcome).into() } else { Status::Unreadable }
     }
 
     /// Writes the rest of the tables. Returns the error messages.

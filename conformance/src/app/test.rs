@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use clap::Args;
 use globset::{Glob, GlobMatcher};
-use uavspec_check::baseline::Scope;
 use uavspec_dynamic::Types;
 use uavspec_model::net::Address;
 use uavspec_model::text::{command_line, terminal};
@@ -22,7 +21,7 @@ use uavspec_probe::testee::target::Target;
 use uavspec_report::{Action, Origin, Report, Subject};
 use uavspec_schema::stage::write_file;
 
-use super::baseline::BaselineArgs;
+use super::baseline::{self, BaselineArgs};
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::{Outputs, ReportArgs};
@@ -172,7 +171,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
         return report_error(path, write_cases(path, &cases, &selected, types))
             .map_or_else(|status| status, |()| Status::Conforms);
     }
-    let mut baselines = match args.baseline.read() {
+    let mut baselines = match baseline::read(&args.baseline) {
         Ok(baselines) => baselines,
         Err(status) => return status,
     };
@@ -190,24 +189,25 @@ pub(super) fn test(args: &TestArgs) -> Status {
         },
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
-    let baseline_status = baselines.compare(Scope::Cases, |lists, sums| {
-        for checked in case_outcomes(&names, &outcome) {
-            lists.count(sums, &checked);
+    let is_outdated = baselines.compare(&|rule| rule.is_none(), |lists, sums| {
+        for (name, outcome) in case_outcomes(&names, &outcome) {
+            lists.count(sums, &name, &outcome);
         }
     });
-    excuse_cases(&baselines.lists, &mut outcome);
+    excuse_cases(&mut baselines.lists, &mut outcome);
+    let baseline_status = baseline::write(&baselines, is_outdated);
     let subject = Subject::from_testee(&outcome, &definitions, &|case| rerun_command(args, case));
     outputs.add(subject, &Origin::default(), None);
     let (totals, command) = (outputs.finish(), super::command());
     let report = Report::of_totals(Action::Test, command, &definitions.name, totals, Vec::new(), Vec::new());
-    outputs.deliver(&report.with_stale(baselines.stale)).max(baseline_status)
+    outputs.deliver(&report.with_stale(baseline::reasons(&baselines))).max(baseline_status)
 }
 
 /// Starts the reports, and checks that no output replaces an input. Errors are printed.
 fn start_reports(args: &TestArgs) -> Result<Outputs<'_>, Status> {
     let cases = args.dump_cases.iter().map(|path| Output::new("--dump-cases", path));
     let outputs: Vec<Output<'_>> =
-        cases.chain(args.report.outputs()).chain(args.baseline.outputs()).collect();
+        cases.chain(args.report.outputs()).chain(baseline::outputs(&args.baseline)).collect();
     // The words of the command may name the testee's program and its files.
     let words = args.command.iter().map(Path::new).filter(|path| path.is_file());
     let inputs = Inputs {
@@ -216,7 +216,7 @@ fn start_reports(args: &TestArgs) -> Result<Outputs<'_>, Status> {
         ..Inputs::default()
     };
     outputs::check(&inputs, &outputs)?;
-    args.report.start(Action::Test, &args.baseline, false)
+    args.report.start(Action::Test, false)
 }
 
 /// The command that runs one case.

@@ -31,8 +31,6 @@ const OWN_TARGETS: &[Target] = &[
     Target { name: "hints", check: fuzzing::hints, seeds: seeds::hints },
     Target { name: "hints-grammar", check: fuzzing::hints_grammar, seeds: seeds::choices },
     Target { name: "translations", check: fuzzing::translations, seeds: seeds::translations },
-    Target { name: "known-findings", check: fuzzing::known_findings, seeds: seeds::known_findings },
-    Target { name: "known-findings-grammar", check: fuzzing::known_findings_grammar, seeds: seeds::choices },
     Target { name: "dynamic", check: dynamic::dynamic, seeds: seeds::dynamic },
     Target { name: "uorb", check: codecs::uorb, seeds: seeds::payloads },
     Target { name: "cdr", check: codecs::cdr, seeds: seeds::payloads },

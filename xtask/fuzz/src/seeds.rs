@@ -95,14 +95,6 @@ pub(crate) fn translations() -> Vec<Vec<u8>> {
     vec![entries.as_bytes().to_vec()]
 }
 
-/// Baselines of `lint`.
-pub(crate) fn known_findings() -> Vec<Vec<u8>> {
-    let list = "# list\n\n# why\n[[known]]\nrule = \"unit-missing\"\nsubject = \"px4/*\"\ncount = 1\nreason = \"old\"\n\
-                link = \"https://example.org\"\nexpires = 2027-06-30\n\n[[known]]\nrule = \"name-style\"\nsubject = \"px4/A\"\n\
-                reason = \"old\"\n";
-    vec![list.as_bytes().to_vec()]
-}
-
 fn messages() -> Vec<&'static [u8]> {
     PX4.files().map(|file| file.contents()).collect()
 }

@@ -11,7 +11,7 @@ use uavspec_schema::source::{SourceId, SourceMap, Span, stem};
 
 /// Finds the subjects of findings.
 pub(in crate::cli) struct Subjects<'s> {
-    sources: &'s SourceMap,
+    pub(super) sources: &'s SourceMap,
     packages: HashMap<SourceId, &'s PackageInput>,
     /// The subjects in each source; created lazily.
     lines: HashMap<SourceId, Lines>,

@@ -18,7 +18,7 @@ use super::application::Application;
 use super::{ProbeArgs, report, start_reports};
 use crate::app::progress::Progress;
 use crate::app::test::seconds;
-use crate::app::{Status, interrupt, library};
+use crate::app::{Status, baseline, interrupt, library};
 
 /// The default time to listen.
 const TIME: Duration = Duration::from_secs(20);
@@ -115,7 +115,7 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let (application, note) = application.map(|found| (found.types, found.note)).unzip();
     let required = args.require.rules()?;
     let outputs = start_reports(args)?;
-    let baselines = args.baseline.read()?;
+    let baselines = baseline::read(&args.baseline)?;
     let interruptible = uavspec_probe::Options::new(Duration::ZERO, None, Vec::new());
     interrupt::install(&interruptible)?;
     let stop = interruptible.stop;
