@@ -36,7 +36,7 @@ impl Rules {
         for chapter in &self.chapters {
             for (topic, ids) in chapter.topics {
                 item(0, topic, "");
-                for id in *ids {
+                for id in ids.split(' ') {
                     item(1, id, &rule_path(id));
                 }
             }

@@ -29,60 +29,27 @@ pub(super) fn chapter() -> Chapter {
 }
 
 /// The topics of the rules.
-const TOPICS: &[(&str, &[&str])] = &[
+const TOPICS: &[(&str, &str)] = &[
     (
         "Changes of fields",
-        &[
-            "array-length-changed",
-            "field-added",
-            "field-default-changed",
-            "field-enum-changed",
-            "field-frame-changed",
-            "field-invalid-changed",
-            "field-moved",
-            "field-range-changed",
-            "field-removed",
-            "field-renamed",
-            "field-type-changed",
-            "field-unit-changed",
-            "nested-changed",
-        ],
+        "array-length-changed field-added field-default-changed field-enum-changed field-frame-changed \
+         field-invalid-changed field-moved field-range-changed field-removed field-renamed \
+         field-type-changed field-unit-changed nested-changed",
     ),
     (
         "Changes of constants",
-        &[
-            "constant-added",
-            "constant-removed",
-            "constant-renamed",
-            "constant-reused",
-            "constant-type-changed",
-            "constant-value-changed",
-        ],
+        "constant-added constant-removed constant-renamed constant-reused constant-type-changed \
+         constant-value-changed",
     ),
     (
         "Changes of error codes",
-        &[
-            "error-code-abbreviation-changed",
-            "error-code-added",
-            "error-code-meaning-changed",
-            "error-code-removed",
-            "error-code-renumbered",
-            "error-code-reused",
-        ],
+        "error-code-abbreviation-changed error-code-added error-code-meaning-changed error-code-removed \
+         error-code-renumbered error-code-reused",
     ),
     (
         "Changes of messages and topics",
-        &[
-            "message-added",
-            "message-removed",
-            "message-renamed",
-            "message-version",
-            "message-version-needless",
-            "message-version-removed",
-            "queue-length-changed",
-            "topic-added",
-            "topic-removed",
-        ],
+        "message-added message-removed message-renamed message-version message-version-needless \
+         message-version-removed queue-length-changed topic-added topic-removed",
     ),
 ];
 

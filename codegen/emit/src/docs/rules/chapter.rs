@@ -15,8 +15,8 @@ pub(super) struct Chapter {
     pub(super) title: &'static str,
     /// A description of the rules, in Markdown.
     pub(super) about: String,
-    /// The topics in the table of contents, with the ids of their rules.
-    pub(super) topics: &'static [(&'static str, &'static [&'static str])],
+    /// The topics in the table of contents, with the ids of their rules, separated by spaces.
+    pub(super) topics: &'static [(&'static str, &'static str)],
     /// One row for each rule.
     pub(super) table: Table,
     /// One page for each rule.

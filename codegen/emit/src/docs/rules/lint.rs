@@ -36,93 +36,42 @@ Each page gives the number of findings in PX4's own messages (`px4_msgs` main at
 correct if an expert would change the definition.";
 
 /// The topics of the rules.
-const TOPICS: &[(&str, &[&str])] = &[
+const TOPICS: &[(&str, &str)] = &[
     (
         "Annotations",
-        &[
-            "annotation-after-text",
-            "annotation-near-miss",
-            "annotation-value-type",
-            "command-parameters",
-            "frame-unknown",
-            "malformed-annotation",
-            "misplaced-annotation",
-            "range-reversed",
-            "unknown-annotation",
-        ],
+        "annotation-after-text annotation-near-miss annotation-value-type command-parameters \
+         frame-unknown malformed-annotation misplaced-annotation range-reversed unknown-annotation",
     ),
     (
         "Comments and descriptions",
-        &[
-            "blank-start",
-            "comment-continued",
-            "comment-lost",
-            "constant-comment-missing",
-            "description-missing",
-            "field-comment-missing",
-            "header-end",
-            "header-missing",
-        ],
+        "blank-start comment-continued comment-lost constant-comment-missing description-missing \
+         field-comment-missing header-end header-missing",
     ),
     (
         "Enums and constants",
-        &[
-            "constant-without-enum",
-            "enum-alias",
-            "enum-of-bits",
-            "enum-on-non-integer",
-            "enum-type",
-            "enum-value-out-of-range",
-            "unknown-constant",
-            "unknown-enum",
-        ],
+        "constant-without-enum enum-alias enum-of-bits enum-on-non-integer enum-type \
+         enum-value-out-of-range unknown-constant unknown-enum",
     ),
-    ("Units", &["unit-alias", "unit-missing", "unit-missing-integer", "unit-unlisted", "unknown-unit"]),
+    ("Units", "unit-alias unit-missing unit-missing-integer unit-unlisted unknown-unit"),
     (
         "Messages, names and topics",
-        &[
-            "count-missing",
-            "duplicate-topic",
-            "message-name-style",
-            "name-style",
-            "queue-length",
-            "timestamp-missing",
-            "timestamp-type",
-            "topic-default-absent",
-            "topic-list-empty",
-            "topic-redundant",
-            "version-type",
-        ],
+        "count-missing duplicate-topic message-name-style name-style queue-length timestamp-missing \
+         timestamp-type topic-default-absent topic-list-empty topic-redundant version-type",
     ),
     (
         "White space and syntax",
-        &[
-            "invisible-character",
-            "leading-white-space",
-            "not-portable",
-            "repeated-white-space",
-            "trailing-white-space",
-            "unknown-escape",
-        ],
+        "invisible-character leading-white-space not-portable repeated-white-space trailing-white-space \
+         unknown-escape",
     ),
     (
         "Pages with tables and error codes",
-        &[
-            "missing-abbreviation",
-            "missing-answer",
-            "near-type-table",
-            "one-sided-alternative",
-            "severity-bits",
-        ],
+        "missing-abbreviation missing-answer near-type-table one-sided-alternative severity-bits",
     ),
-    ("Failsafe flags", &["PX-FSF-01", "PX-FSF-02"]),
-    (
-        "Translations",
-        &["translation-fuzzy", "translation-missing", "translation-stale", "unknown-translation"],
-    ),
+    ("Failsafe flags", "PX-FSF-01 PX-FSF-02"),
+    ("Translations", "translation-fuzzy translation-missing translation-stale unknown-translation"),
     (
         "Conversions and ignored findings",
-        &["conversion-undecided", "hint-invalid", "hint-unused", "invalid-ignore", "unused-ignore"],
+        "conversion-undecided hint-invalid hint-unused invalid-ignore unused-ignore",
     ),
 ];
 
