@@ -28,7 +28,7 @@ use std::{fs, io};
 
 use serde::de::IgnoredAny;
 use serde_json::{Value, json};
-use uavspec_check::{FlockwaveChecker, check_capture, check_json_thoroughly, parallel};
+use uavspec_check::{FlockwaveChecker, check_capture, parallel};
 use uavspec_rules::definitions::Definitions;
 
 /// The number of JSON lines.
@@ -157,10 +157,6 @@ fn json() {
         let result = check_capture(text.as_bytes(), message_id, &definitions).expect("memory");
         assert_eq!((result.checked, result.corruption.len()), (LINES as u64, 0));
     };
-    let thorough = || {
-        let result = check_json_thoroughly(text.as_bytes(), message_id, &definitions);
-        assert_eq!((result.checked, result.corruption.len()), (LINES as u64, 0));
-    };
     let skip = || {
         for line in text.lines() {
             serde_json::from_str::<IgnoredAny>(line).expect("JSON");
@@ -174,7 +170,6 @@ fn json() {
     };
     let contestants = vec![
         Contestant::new("uavspec", uavspec),
-        Contestant::new("uavspec without templates", thorough),
         Contestant::new("serde_json, skipping", skip),
         Contestant::new("serde_json to a tree, jsonschema", tree),
     ];

@@ -2,7 +2,6 @@
 
 mod clues;
 mod envelope;
-mod templates;
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
@@ -22,7 +21,6 @@ use uavspec_schema::MessageId;
 pub(crate) use self::clues::Found;
 use self::envelope::{Channels, Fast, Open, read};
 pub(crate) use self::envelope::{Form, NameKind, form};
-use self::templates::Templates;
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
 use super::flockwave::{FlockwaveChecker, is_flockwave};
 use super::release::{ComparedTopic, ReleaseMatch, release_line, release_matches};
@@ -126,23 +124,6 @@ pub fn check_json(
     check_with(input, message_id, JsonChecker::new(message_id, CheckRun::new(definitions)))
 }
 
-/// Checks JSON messages without templates. The result of a check stays the same, but the check takes several times as
-/// long. Tests and benchmarks compare both.
-pub fn check_json_thoroughly(
-    input: impl Read,
-    message_id: Option<MessageId>,
-    definitions: &Definitions,
-) -> CaptureResult {
-    check_with(
-        input,
-        message_id,
-        JsonChecker {
-            templates: Templates::disabled(),
-            ..JsonChecker::new(message_id, CheckRun::new(definitions))
-        },
-    )
-}
-
 fn check_with(input: impl Read, message_id: Option<MessageId>, checker: JsonChecker<'_>) -> CaptureResult {
     let mut input = UpToError::new(input);
     let mut reader = Reader::new(&mut input);
@@ -217,7 +198,6 @@ struct JsonChecker<'d> {
     run: CheckRun<'d>,
     plans: Plans<'d>,
     channels: Channels,
-    templates: Templates,
     /// The topics with a stated type, each with the type's definition if it exists.
     advertised: HashMap<String, Option<MessageId>>,
     skipped: u64,
@@ -239,7 +219,6 @@ impl<'d> JsonChecker<'d> {
                 by_type: HashMap::new(),
                 by_topic: HashMap::new(),
             },
-            templates: Templates::default(),
             advertised: HashMap::new(),
             skipped: 0,
             has_objects: false,
@@ -262,17 +241,9 @@ impl<'d> JsonChecker<'d> {
             Ok(text) => text,
             Err(error) => return self.run.gap(location, error),
         };
-        if let Some((at, clean)) = self.templates.read(text, &self.plans, &mut self.values) {
-            return self.message(at, clean, location);
-        }
         match read(text, &self.channels, &self.plans, &mut self.values) {
             Fast::Clean(at, _) if self.needs_tree(at) => self.explain(text, line, is_last),
-            Fast::Clean(at, clean) => {
-                if clean.dialects == Dialects::default() {
-                    self.templates.learn(text, &self.channels.open[at], at, &self.plans);
-                }
-                self.message(at, clean, location);
-            }
+            Fast::Clean(at, clean) => self.message(at, clean, location),
             Fast::Skipped => self.skipped += 1,
             Fast::Undefined(at) => self.undefined(at),
             Fast::Unclear => self.explain(text, line, is_last),

@@ -21,7 +21,7 @@ use uavspec_rules::px4;
 use uavspec_schema::MessageId;
 
 use super::coverage::{PartResult, Parts, Share, Tally, Unit};
-use super::release::{ComparedTopic, MAX_AHEAD, ReleaseMatch, release_lines, release_matches};
+use super::release::{ComparedTopic, ReleaseMatch, release_lines, release_matches};
 use super::{CaptureResult, CheckRun, Describe, Kind, Line, Summary, Totals, has_magic};
 
 pub(super) const KIND: Kind = Kind {
@@ -46,10 +46,6 @@ pub(super) const ENCRYPTED: Kind = Kind {
 /// The reason why an encrypted log can't be read.
 pub(super) const ENCRYPTED_TEXT: &str = "an encrypted PX4 log (.ulge): decrypt it with its key first; see \
                                          https://docs.px4.io/main/en/dev_log/log_encryption";
-
-/// The length up to which a log is searched for all its topics before the check. A longer log may not be read ahead to
-/// its end.
-const MAX_SHORT: u64 = MAX_AHEAD / 2;
 
 /// The summary of a log.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -137,26 +133,20 @@ impl Describe for LogSummary {
     }
 }
 
-/// Reads the formats and the version of a log up to its first data. If the library asks for the needed topics, a short log
-/// is read to its end.
+/// Reads the formats and the version of a log up to its first data.
 fn clues(input: impl Read, library: &Library) -> Clues {
     let (mut reader, mut clues) = (Reader::new(input), Clues::default());
     let mut log = Log::with_cache(Arc::clone(library.formats()));
-    let mut names = library.is_for_one_capture().then(BTreeSet::new);
-    let is_at_data = loop {
-        let Ok(Some(item)) = reader.next() else { break false };
+    while let Ok(Some(item)) = reader.next() {
         match item.event {
-            Event::Data { .. } => break true,
+            Event::Data { .. } => break,
             Event::Information { key: "ver_sw_release", value: [_, _, minor, major], .. } => {
                 clues.version = Some((*major, *minor));
             }
             _ => {}
         }
-        if let Some(names) = &mut names {
-            names.extend(announced(&item.event));
-        }
         log.take(&item, &mut |_, _| {});
-    };
+    }
     let topics: BTreeSet<&str> = log.subscriptions().map(|subscription| &*subscription.topic).collect();
     // A log that ends early may have no subscriptions.
     let is_topic = |name: &str| topics.is_empty() || topics.contains(name);
@@ -164,30 +154,7 @@ fn clues(input: impl Read, library: &Library) -> Clues {
     let formats = formats.filter(|(format, _)| is_topic(format.name()));
     let formats = formats.filter_map(|(format, layout)| Some((format.name().to_owned(), (*layout)?)));
     clues.formats = formats.map(|(name, layout)| (name, FormatClue::Layout(layout))).collect();
-    clues.needed = names.filter(|_| is_at_data).and_then(|names| needed(reader, names));
     clues
-}
-
-/// The topic or the type that an event announces.
-fn announced(event: &Event<'_>) -> Option<String> {
-    match event {
-        Event::Format { name, .. } | Event::Subscription { name, .. } => Some((*name).to_owned()),
-        _ => None,
-    }
-}
-
-/// All topics whose definitions the check of a log needs. `None` if the log is long, so that reading it for this would
-/// take longer than reading a whole release.
-fn needed(mut reader: Reader<impl Read>, mut names: BTreeSet<String>) -> Option<BTreeSet<String>> {
-    while reader.position() < MAX_SHORT {
-        if reader.next_data().is_some() {
-            continue;
-        }
-        let Some(item) = reader.next().ok()? else { break };
-        names.extend(announced(&item.event));
-    }
-    names.extend([VEHICLE_STATUS, BATTERY_STATUS].map(str::to_owned));
-    (reader.position() < MAX_SHORT).then_some(names)
 }
 
 /// Checks the readable part of a PX4 log.

@@ -14,7 +14,7 @@ use uavspec_check::{Checked, PartResult, ReleaseMatch, Share, check_bytes, check
 use uavspec_model::Level;
 use uavspec_report::{CheckedCapture, OutcomeKind, Settings, Subject};
 use uavspec_rules::definitions::{Library, versioned};
-use uavspec_rules::sample::{Bag, Entry, Flight, Log};
+use uavspec_rules::sample::{Bag, Flight};
 use uavspec_test_captures::mcap as file;
 use uavspec_test_support::{extent, shared};
 
@@ -137,43 +137,6 @@ fn captures_of_each_release_are_checked_against_it() {
             assert_eq!(chosen(&streamed), chosen(&found), "{kind}");
             assert_eq!(failures(&found), [], "{name} {kind}");
         }
-    }
-}
-
-/// A log that announces some topics before its first data, and others after it.
-fn log_with_late_topics(flight: &Flight<'_>) -> Log {
-    let (mut early, mut late) = (Vec::new(), Vec::new());
-    for entry in flight.log().entries {
-        let topic = match &entry {
-            Entry::Subscription(id, ..) | Entry::Data(id, _) => Some(usize::from(*id)),
-            Entry::Format(name, _) => flight.topics.iter().position(|topic| topic.name == *name),
-            _ => None,
-        };
-        match topic.map_or(0, |topic| topic % 12) {
-            // Types within messages, which aren't topics, come first.
-            0 => early.push(entry),
-            1 => late.push(entry),
-            _ => {}
-        }
-    }
-    Log { entries: [early, late].concat() }
-}
-
-#[test]
-fn a_single_log_is_checked_like_one_of_several() {
-    for (name, flight) in FLIGHTS.iter() {
-        let bytes = log_with_late_topics(flight).to_bytes();
-        let [several, single] = [Library::built_in(), Library::built_in().for_one_capture()].map(|library| {
-            let found = check_bytes(&bytes, &library).expect("bytes can be read");
-            let messages = found.definitions.schema.messages.len();
-            let subject = subject(found);
-            let report = serde_json::to_value(&subject).expect("a report");
-            (messages, report)
-        });
-        assert!(single.0 < several.0 / 2, "{name}: {} of {} messages", single.0, several.0);
-        assert_eq!(single.1, several.1, "{name}");
-        let topics = single.1["formats"].as_array().map_or(0, Vec::len);
-        assert!(topics > 10, "{name}: {topics} topics");
     }
 }
 

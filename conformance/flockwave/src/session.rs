@@ -9,7 +9,6 @@
 //! - All lists of remembered entries have a size limit. Forgotten entries count as unknown, not as absent.
 
 mod exchange;
-pub mod ids;
 mod operation;
 pub mod remembered;
 mod request;
@@ -22,9 +21,8 @@ use uavspec_model::json::Tree;
 use uavspec_schema::json_type;
 
 pub use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role, message_excerpt, seconds};
-use self::ids::Ids;
 pub use self::operation::{Named, Operation, Stage};
-use self::remembered::Remembered;
+use self::remembered::{ById, Remembered};
 pub use self::request::SentRequest;
 use self::request::strings;
 pub use self::vocabulary::{OPERATION, OPERATIONS, PARTS, parts};
@@ -162,9 +160,9 @@ pub struct Sessions {
     /// responses from the client.
     past: Remembered<(u64, Side, String), bool>,
     /// The ids of the servers' messages. The value is true for notifications.
-    sent: Ids<bool>,
+    sent: ById<bool>,
     /// The operations by receipt.
-    operations: Ids<Operation>,
+    operations: ById<Operation>,
     /// True if a client may have set the server's clock back.
     is_clock_set_back: bool,
     /// The number of requests that may have adjusted the server's clock, on any connection. Several connections may lead
@@ -184,8 +182,8 @@ impl Default for Sessions {
             serials: 0,
             open: Remembered::new(MEMORY_LIMIT),
             past: Remembered::new(MEMORY_LIMIT),
-            sent: Ids::new(MEMORY_LIMIT),
-            operations: Ids::new(MEMORY_LIMIT),
+            sent: ById::new(MEMORY_LIMIT),
+            operations: ById::new(MEMORY_LIMIT),
             is_clock_set_back: false,
             num_adjustments: 0,
             adjusts_until: f64::NEG_INFINITY,
@@ -452,7 +450,7 @@ impl Sessions {
             let is_answered = *is_request && connection.is_ordered;
             exchange.reference = if is_answered { Reference::Answered } else { Reference::Unclear };
         } else {
-            let named = self.sent.get_mut(state.serial, refs).copied();
+            let named = self.sent.get(&(state.serial, refs.to_owned())).copied();
             exchange.reference = match named {
                 // `refs` may also name the response itself, which isn't a notification.
                 Some(true) if is_certain => Reference::Notification,
@@ -491,7 +489,7 @@ impl Sessions {
         // A separate rule covers receipts that a message names twice.
         let receipts = receipts.into_iter().filter(|receipt| seen.insert(receipt.clone()));
         for receipt in receipts.take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
-            let before = self.operations.remove(serial, &receipt);
+            let before = self.operations.remove(&(serial, receipt.to_string()));
             let stage = match &before {
                 None if is_known => Stage::Early,
                 Some(Operation { stage: Stage::Early, .. }) => Stage::Early,
@@ -507,7 +505,7 @@ impl Sessions {
             let size = receipt.len() + known.type_name.as_ref().map_or(0, String::len);
             let has_ended = known.has_ended || is_final;
             let operation = Operation { stage, was_suspended, has_ended, ..known };
-            self.operations.insert(serial, &receipt, operation, size);
+            self.operations.insert((serial, receipt.to_string()), operation, size);
             exchange.operations.push(Named { receipt, before, is_known });
         }
     }
@@ -536,9 +534,9 @@ impl Sessions {
         let Some(id) = exchange.id.filter(|id| id.len() <= MAX_ID) else { return };
         let serial = self.states[connection.index].serial;
         if connection.is_ordered {
-            exchange.is_id_in_use = !self.sent.insert_new(serial, id, is_notification, id.len());
+            exchange.is_id_in_use = !self.sent.insert_new((serial, id.to_owned()), is_notification, id.len());
         } else {
-            self.sent.insert(serial, id, is_notification, id.len());
+            self.sent.insert((serial, id.to_owned()), is_notification, id.len());
         }
     }
 
@@ -553,7 +551,7 @@ impl Sessions {
         };
         let serial = self.states[exchange.record.connection.index].serial;
         for receipt in receipts.into_iter().take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
-            let before = self.operations.remove(serial, &receipt);
+            let before = self.operations.remove(&(serial, receipt.to_string()));
             // If operations of several types had this receipt, a notification doesn't say which one it is about. Others
             // may be pending even after an end.
             let is_shared = before.as_ref().is_some_and(|operation| {
@@ -569,7 +567,7 @@ impl Sessions {
                 _ => (Stage::Open, false),
             };
             let operation = Operation { type_name, stage, was_suspended, ..Operation::default() };
-            self.operations.insert(serial, &receipt, operation, size);
+            self.operations.insert((serial, receipt.to_string()), operation, size);
             exchange.opened.push(Named { receipt, before, is_known: exchange.record.connection.is_ordered });
         }
     }
@@ -584,13 +582,13 @@ impl Sessions {
             && exchange.type_name == Some("ASYNC-RESUME")
         {
             for (receipt, _) in refused {
-                if let Some(operation) = self.operations.get_mut(serial, receipt) {
+                if let Some(operation) = self.operations.get_mut(&(serial, receipt.to_string())) {
                     operation.has_refused_resume = true;
                 }
             }
         }
         for receipt in strings(exchange.field("success")).unwrap_or_default() {
-            let operation = self.operations.get_mut(serial, &receipt);
+            let operation = self.operations.get_mut(&(serial, receipt.to_string()));
             let before = operation.as_deref().cloned();
             // The operation may have been suspended after the request.
             if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
@@ -643,12 +641,12 @@ impl Sessions {
 }
 
 /// Marks operations as released if a client resumes or cancels them.
-fn release(operations: &mut Ids<Operation>, serial: u64, request: &SentRequest) {
+fn release(operations: &mut ById<Operation>, serial: u64, request: &SentRequest) {
     if !matches!(request.type_name.as_deref(), Some("ASYNC-RESUME" | "ASYNC-CANCEL")) {
         return;
     }
     for receipt in request.objects.iter().flatten() {
-        if let Some(operation) = operations.get_mut(serial, receipt)
+        if let Some(operation) = operations.get_mut(&(serial, receipt.to_string()))
             && operation.stage == Stage::Suspended
         {
             operation.stage = Stage::Released;

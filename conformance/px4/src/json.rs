@@ -1,8 +1,7 @@
 //! Checks JSON messages against their definitions.
 //!
-//! If a message differs from an earlier message only in its values, a comparison with the earlier message suffices
-//! (`template.rs`). Other text takes a fast path: one pass without a tree, which can only confirm that a message has no
-//! findings ([`Plans::read`]).
+//! Most text takes a fast path: one pass without a tree, which can only confirm that a message has no findings
+//! ([`Plans::read`]).
 //!
 //! Everything else is parsed into a [`Tree`](uavspec_model::json::Tree). A tree preserves repeated keys, the text of numbers, and non-JSON tokens
 //! such as `NaN`. All findings come from the tree ([`Plans::explain`]). The fast path and the tree use the same checks
@@ -14,7 +13,6 @@ pub mod decode;
 mod dialect;
 mod differences;
 mod explain;
-mod template;
 mod value;
 
 pub use self::clean::Clean;
@@ -22,6 +20,5 @@ pub use self::decode::decode;
 pub use self::dialect::{Dialect, Dialects};
 pub use self::differences::count_differences;
 pub use self::explain::MessageOrigin;
-pub use self::template::Template;
 pub use self::value::is_byte;
 pub use super::values::{Plans, SharedFields};

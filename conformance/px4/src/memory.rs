@@ -5,7 +5,6 @@
 //! takes only a few comparisons for each constrained field. Violations are examined in a second pass.
 
 mod accepted;
-mod prefilter;
 
 use std::collections::HashMap;
 
@@ -17,7 +16,6 @@ use uavspec_schema::source::Span;
 use uavspec_schema::{Element, MessageId, Restriction, Shape};
 
 use self::accepted::Accepted;
-use self::prefilter::Prefilter;
 use super::ValueRules;
 use super::values::{Coverage, Encoding, detail, entries_in_use, rules_on};
 
@@ -29,12 +27,7 @@ const MAX_PATH: usize = 256;
 #[derive(Debug)]
 pub struct Plan {
     rules: &'static ValueRules,
-    /// The steps of values at fixed positions.
-    fixed: Vec<Step>,
-    /// The fast check of the fixed steps.
-    prefilter: Prefilter,
-    /// The steps of sequences and strings, whose content has no fixed position.
-    varying: Vec<Step>,
+    steps: Vec<Step>,
     /// For each rule, the number of values that it covers in a message.
     coverage: Coverage,
 }
@@ -121,18 +114,14 @@ impl Plan {
         let mut steps = Vec::new();
         let within = Within { base: 0, path: "", subject: "", entries: &[] };
         compiler.add(format, defined, within, &mut steps);
-        let (fixed, varying): (Vec<Step>, Vec<Step>) = steps.into_iter().partition(Step::is_fixed);
-        Self { rules, prefilter: Prefilter::new(&fixed), fixed, varying, coverage: compiler.coverage }
+        Self { rules, steps, coverage: compiler.coverage }
     }
 
     /// Checks a payload of a topic. The payload must contain all fields of its format.
     pub fn check(&self, payload: &[u8], topic: SubjectName<'_>, location: Location, findings: &mut Findings) {
         let (reported, settled) = (0, Vec::new());
         let mut run = Run { payload, topic, location, rules: self.rules, findings, reported, settled };
-        if !self.prefilter.accepts(payload) {
-            run.steps(&self.fixed, 0, None);
-        }
-        run.steps(&self.varying, 0, None);
+        run.steps(&self.steps, 0, None);
         run.finish();
     }
 
@@ -549,14 +538,6 @@ impl Entry {
 }
 
 impl Step {
-    /// True if the values have fixed positions.
-    fn is_fixed(&self) -> bool {
-        match &self.content {
-            Content::Values(values) => !matches!(values.element, Element::String { .. }),
-            Content::Sequence(_) => false,
-        }
-    }
-
     /// True if a value is in use. Unused values are ignored.
     fn is_in_use(&self, index: usize, values: &Values, base: usize, payload: &[u8]) -> bool {
         // All characters of a text form a single value.

@@ -245,7 +245,6 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
     let message_id = message_id(args, &library)?;
     let texts = if args.timeline { Some(texts(args.definitions.as_deref())?) } else { None };
     let mut found = Found::new(&args.files)?;
-    let library = if found.captures.len() == 1 { library.for_one_capture() } else { library };
     check_outputs(args, &found.captures)?;
     let has_nothing_new = done.is_some_and(|done| found.skip(done)) && found.unreadable.is_empty();
     let mut baselines = baseline::read(&args.baseline)?;

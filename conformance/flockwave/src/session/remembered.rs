@@ -5,6 +5,9 @@ use std::collections::{BTreeMap, VecDeque};
 /// The approximate overhead of an entry, in bytes.
 pub(super) const OVERHEAD: usize = 128;
 
+/// Values by connection serial and id.
+pub type ById<V> = Remembered<(u64, String), V>;
+
 /// Values by key. The oldest values are removed when the size limit is reached.
 #[derive(Debug)]
 pub struct Remembered<K, V> {
@@ -42,12 +45,28 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
         self.has_forgotten
     }
 
-    pub(crate) fn contains(&self, key: &K) -> bool {
+    /// True if there is a value.
+    pub fn contains(&self, key: &K) -> bool {
         self.values.contains_key(key)
     }
 
     pub(crate) fn get(&self, key: &K) -> Option<&V> {
         self.values.get(key).map(|entry| &entry.value)
+    }
+
+    /// A value.
+    pub fn get_mut(&mut self, key: &K) -> Option<&mut V> {
+        self.values.get_mut(key).map(|entry| &mut entry.value)
+    }
+
+    /// Inserts a value of roughly this size in bytes, unless there is a value for the key. Returns true if the value was
+    /// inserted.
+    pub(crate) fn insert_new(&mut self, key: K, value: V, size: usize) -> bool {
+        let is_new = !self.contains(&key);
+        if is_new {
+            self.insert(key, value, size);
+        }
+        is_new
     }
 
     /// Inserts a value of roughly this size in bytes, replacing any existing value for the key.
@@ -93,7 +112,7 @@ impl<K: Clone + Ord, V> Remembered<K, V> {
     }
 
     /// Removes all entries.
-    pub(crate) fn clear(&mut self) {
+    pub fn clear(&mut self) {
         self.values.clear();
         self.order.clear();
         self.size = 0;

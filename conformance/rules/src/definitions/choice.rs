@@ -21,9 +21,6 @@ pub struct Clues {
     pub version: Option<(u8, u8)>,
     /// The ROS distribution that a bag states, such as `humble`.
     pub distribution: Option<String>,
-    /// All topics whose definitions a check may need. `None` if the library reads whole releases, or if the capture
-    /// wasn't read to its end.
-    pub needed: Option<BTreeSet<String>>,
 }
 
 /// The format of a topic.

@@ -35,8 +35,6 @@ pub struct Library {
     base: OnceLock<Arc<Definitions>>,
     /// True if all captures are checked against the same definitions.
     is_fixed: bool,
-    /// True if only the definitions that a capture needs are read.
-    is_for_one: bool,
     /// The release that the user demands, with its family.
     forced: Option<(Family, ReleaseId)>,
     schemas: Arc<Schemas>,
@@ -46,14 +44,9 @@ pub struct Library {
     stored: Mutex<HashMap<Key, Arc<Definitions>>>,
 }
 
-/// The content of definitions.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-struct Key {
-    /// The main releases, the messages of other releases, and the types that the capture doesn't decide.
-    releases: Vec<(ReleaseId, BTreeMap<String, ReleaseId>, BTreeSet<String>)>,
-    /// The topics whose definitions are read; all if there are none.
-    needed: Option<BTreeSet<String>>,
-}
+/// The content of definitions: the main releases, the messages of other releases, and the types that the capture doesn't
+/// decide.
+type Key = Vec<(ReleaseId, BTreeMap<String, ReleaseId>, BTreeSet<String>)>;
 
 impl Library {
     /// The built-in definitions. The release is chosen for each capture.
@@ -95,7 +88,6 @@ impl Library {
             name,
             base: OnceLock::new(),
             is_fixed,
-            is_for_one: false,
             forced: None,
             schemas: Arc::default(),
             formats: Arc::default(),
@@ -103,18 +95,6 @@ impl Library {
             documented: OnceLock::new(),
             stored: Mutex::default(),
         }
-    }
-
-    /// Reads only the definitions that a capture needs. This is faster than reading a whole release, if the run has only
-    /// one capture.
-    #[must_use]
-    pub fn for_one_capture(self) -> Self {
-        Self { is_for_one: true, ..self }
-    }
-
-    /// True if only the definitions that a capture needs are read.
-    pub fn is_for_one_capture(&self) -> bool {
-        self.is_for_one
     }
 
     /// Loads JSON Schemas for Flockwave message types without a definition from these folders.
@@ -208,12 +188,12 @@ impl Library {
             return Arc::clone(self.base());
         }
         let parts = |choice: &Choice| (choice.release, choice.others.clone(), choice.undecided.clone());
-        let key = Key { releases: choices.iter().map(parts).collect(), needed: clues.needed.clone() };
+        let key: Key = choices.iter().map(parts).collect();
         let stored = || self.stored.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = stored().get(&key) {
             return Arc::clone(known);
         }
-        let definitions = Arc::new(self.read(&choices, key.needed.as_ref()));
+        let definitions = Arc::new(self.read(&choices));
         let mut stored = stored();
         if stored.len() >= MAX_STORED {
             stored.clear();
@@ -222,16 +202,15 @@ impl Library {
         definitions
     }
 
-    /// Reads the definitions of releases: all, or only those of the `needed` topics.
-    fn read(&self, choices: &[Choice], needed: Option<&BTreeSet<String>>) -> Definitions {
+    /// Reads the definitions of releases.
+    fn read(&self, choices: &[Choice]) -> Definitions {
         let index = self.index();
-        let needed = needed.map(|topics| names_of_topics(topics, index));
         let mut sources = SourceMap::default();
         let (mut packages, mut replacements) = (Vec::new(), Vec::new());
         let (mut releases, mut origins) = (Vec::new(), HashMap::new());
         for choice in choices {
             let loaded = self.loaded(choice.release);
-            for package in self.packages(choice.release, needed.as_ref(), &mut sources) {
+            for package in self.packages(choice.release, None, &mut sources) {
                 origins.insert(package.name.clone(), loaded.clone());
                 packages.push(package);
             }
@@ -304,21 +283,6 @@ impl Library {
             documented.collect()
         })
     }
-}
-
-/// The full ROS names of all definitions of topics, in any release. Messages refer to their first topic, so these include
-/// the definitions of all topics of each message.
-fn names_of_topics<'i>(topics: &'i BTreeSet<String>, index: &'i Index) -> BTreeSet<&'i str> {
-    let mut names = BTreeSet::new();
-    let mut open: Vec<&str> = topics.iter().map(String::as_str).collect();
-    while let Some(topic) = open.pop() {
-        for topic in [Some(topic), unversioned(topic)].into_iter().flatten() {
-            for row in index.of_topic(topic).filter(|row| names.insert(&*row.name)) {
-                open.extend(row.topics.iter().map(String::as_str));
-            }
-        }
-    }
-    names
 }
 
 /// The package of a PX4 release. A message that is declared like a documented message is replaced by that one.

@@ -1,6 +1,6 @@
 //! `FW-OBJ-DEL-02`.
 
-use uavspec_flockwave::session::ids::Ids;
+use uavspec_flockwave::session::remembered::ById;
 
 use super::prelude::*;
 
@@ -35,11 +35,11 @@ const MEMORY_LIMIT: usize = 1 << 20;
 const MAX_ID: usize = 256;
 
 /// The deleted objects, by connection and id.
-struct Gone(Ids<()>);
+struct Gone(ById<()>);
 
 impl Default for Gone {
     fn default() -> Self {
-        Self(Ids::new(MEMORY_LIMIT))
+        Self(ById::new(MEMORY_LIMIT))
     }
 }
 
@@ -49,18 +49,18 @@ impl SessionCheck for Gone {
             return;
         }
         for (id, _) in body::members(exchange.body, "status") {
-            self.0.remove(exchange.serial, id);
+            self.0.remove(&(exchange.serial, id.to_owned()));
         }
         let ids = match exchange.field("ids") {
             Some(Tree::List(ids)) => ids.iter().filter_map(Tree::as_str).filter(|id| id.len() <= MAX_ID),
             _ => return,
         };
         match exchange.type_name {
-            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert(exchange.serial, id, (), id.len())),
+            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert((exchange.serial, id.to_owned()), (), id.len())),
             Some("OBJ-LIST" | "UAV-LIST") => {
                 context.covered();
                 let mut ids = ids;
-                if let Some(id) = ids.find(|id| self.0.contains(exchange.serial, id)) {
+                if let Some(id) = ids.find(|id| self.0.contains(&(exchange.serial, id.to_string()))) {
                     exchange.violates(context, || {
                         Detail::new(format!("{} is listed although it was deleted", body::quoted(id)))
                             .at("/body/ids")
@@ -74,7 +74,7 @@ impl SessionCheck for Gone {
     fn status_report(&mut self, report: &StatusReport<'_>, _: &mut RuleContext<'_>) {
         if report.connection().is_ordered {
             for (id, _) in report.timestamps() {
-                self.0.remove(report.connection_id().serial, id);
+                self.0.remove(&(report.connection_id().serial, id.to_owned()));
             }
         }
     }

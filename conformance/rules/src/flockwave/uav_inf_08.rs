@@ -4,7 +4,7 @@
 //! appears after OBJ-DEL may be another UAV with the same id, so its timestamps are not compared with earlier ones.
 
 use uavspec_flockwave::session::ConnectionId;
-use uavspec_flockwave::session::ids::Ids;
+use uavspec_flockwave::session::remembered::ById;
 
 use super::prelude::*;
 
@@ -39,11 +39,11 @@ const MEMORY_LIMIT: usize = 4 << 20;
 const MAX_ID: usize = 256;
 
 /// The latest timestamp of each UAV, by its connection and id.
-struct Latest(Ids<i128>);
+struct Latest(ById<i128>);
 
 impl Default for Latest {
     fn default() -> Self {
-        Self(Ids::new(MEMORY_LIMIT))
+        Self(ById::new(MEMORY_LIMIT))
     }
 }
 
@@ -54,7 +54,7 @@ impl SessionCheck for Latest {
         }
         if exchange.notification("OBJ-DEL").is_some() {
             for uav in reply::listed(exchange).into_iter().flatten() {
-                self.0.remove(exchange.serial, &uav);
+                self.0.remove(&(exchange.serial, uav.to_string()));
             }
         }
         for (uav, state) in body::members(exchange.body_of("UAV-INF"), "status") {
@@ -89,8 +89,8 @@ impl Latest {
     ) -> Option<Detail> {
         let now = timestamp.filter(|_| uav.len() <= MAX_ID).and_then(Tree::as_integer)?;
         context.covered();
-        let Some(latest) = self.0.get_mut(connection.serial, uav) else {
-            self.0.insert(connection.serial, uav, now, uav.len());
+        let Some(latest) = self.0.get_mut(&(connection.serial, uav.to_owned())) else {
+            self.0.insert((connection.serial, uav.to_owned()), now, uav.len());
             return None;
         };
         let before = std::mem::replace(latest, now);
