@@ -61,7 +61,6 @@ pub use self::coverage::{Coverage, Part, PartResult, Share, Unit};
 pub use self::flockwave::FlockwaveChecker;
 pub(crate) use self::flockwave::is_flockwave;
 pub use self::flockwave::{FlockwaveSummary, TypeCount, UnreadTimes};
-#[doc(hidden)]
 pub use self::json::{JsonSummary, check_json};
 pub use self::log::{LogSummary, check_ulog};
 pub use self::observer::Observer;

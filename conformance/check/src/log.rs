@@ -16,7 +16,7 @@ use uavspec_model::{Channel, Detail, Extent, Findings, Location, Message, Rule, 
 use uavspec_px4::comparison::{Comparison, compare};
 use uavspec_px4::format_plan::{FormatPlan, FormatPlans};
 use uavspec_px4::memory::time_offset;
-use uavspec_rules::definitions::{BATTERY_STATUS, Clues, Definitions, FormatClue, Library, VEHICLE_STATUS};
+use uavspec_rules::definitions::{Clues, Definitions, FormatClue, Library};
 use uavspec_rules::px4;
 use uavspec_schema::MessageId;
 

@@ -8,12 +8,10 @@ use std::fs;
 use std::sync::LazyLock;
 
 use serde_json::{Value, json};
-use uavspec_check::{CaptureResult, JsonSummary, Summary, check_capture, check_json};
+use uavspec_check::{CaptureResult, JsonSummary, Summary, check_capture};
 use uavspec_model::{Location, Verdict};
 use uavspec_rules::definitions::Definitions;
-use uavspec_rules::sample::Flight;
 use uavspec_rules::{RULES, rule};
-use uavspec_test_support::extent;
 
 const GLIDER: &str = "\
 uint32 MESSAGE_VERSION = 2

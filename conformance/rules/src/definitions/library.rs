@@ -11,7 +11,7 @@ use uavspec_schema::{Failure, Form, PackageInput, SourceMap, read, read_formats}
 
 use super::choice::{Choice, Clues};
 use super::index::{Family, Index, ReleaseId};
-use super::{Definitions, FormatCache, LoadedRelease, SchemaError, Schemas, unversioned};
+use super::{Definitions, FormatCache, LoadedRelease, SchemaError, Schemas};
 
 /// The maximum number of releases, with different messages of other releases, that stay in memory.
 const MAX_STORED: usize = 8;
@@ -115,7 +115,7 @@ impl Library {
     pub fn base(&self) -> &Arc<Definitions> {
         self.base.get_or_init(|| {
             Arc::new(if let Some((_, release)) = self.forced {
-                self.read(&[Choice::without_clues(release)], None)
+                self.read(&[Choice::without_clues(release)])
             } else {
                 let (schemas, formats) = (Arc::clone(&self.schemas), Arc::clone(&self.formats));
                 Definitions { schemas, formats, ..Definitions::built_in() }
@@ -128,7 +128,7 @@ impl Library {
         let index = self.index();
         let newest = index.releases_of(Family::Px4).filter(|release| !index.is_moving(*release)).last();
         let choice = newest.map(Choice::without_clues);
-        choice.map_or_else(|| Arc::clone(self.base()), |choice| Arc::new(self.read(&[choice], None)))
+        choice.map_or_else(|| Arc::clone(self.base()), |choice| Arc::new(self.read(&[choice])))
     }
 
     /// The paths of definitions that were left out, because they refer to other packages.

@@ -49,14 +49,16 @@ impl SessionCheck for Gone {
             return;
         }
         for (id, _) in body::members(exchange.body, "status") {
-            self.0.remove(&(exchange.serial, id.to_owned()));
+            self.0.remove(&(exchange.serial, id.to_string()));
         }
         let ids = match exchange.field("ids") {
             Some(Tree::List(ids)) => ids.iter().filter_map(Tree::as_str).filter(|id| id.len() <= MAX_ID),
             _ => return,
         };
         match exchange.type_name {
-            Some("OBJ-DEL") => ids.for_each(|id| self.0.insert((exchange.serial, id.to_owned()), (), id.len())),
+            Some("OBJ-DEL") => {
+                ids.for_each(|id| self.0.insert((exchange.serial, id.to_owned()), (), id.len()))
+            }
             Some("OBJ-LIST" | "UAV-LIST") => {
                 context.covered();
                 let mut ids = ids;
