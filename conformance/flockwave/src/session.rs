@@ -489,7 +489,7 @@ impl Sessions {
         // A separate rule covers receipts that a message names twice.
         let receipts = receipts.into_iter().filter(|receipt| seen.insert(receipt.clone()));
         for receipt in receipts.take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
-            let before = self.operations.remove(&(serial, receipt.to_string()));
+            let before = self.operations.remove(&(serial, receipt.clone()));
             let stage = match &before {
                 None if is_known => Stage::Early,
                 Some(Operation { stage: Stage::Early, .. }) => Stage::Early,
@@ -505,7 +505,7 @@ impl Sessions {
             let size = receipt.len() + known.type_name.as_ref().map_or(0, String::len);
             let has_ended = known.has_ended || is_final;
             let operation = Operation { stage, was_suspended, has_ended, ..known };
-            self.operations.insert((serial, receipt.to_string()), operation, size);
+            self.operations.insert((serial, receipt.clone()), operation, size);
             exchange.operations.push(Named { receipt, before, is_known });
         }
     }
@@ -551,7 +551,7 @@ impl Sessions {
         };
         let serial = self.states[exchange.record.connection.index].serial;
         for receipt in receipts.into_iter().take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
-            let before = self.operations.remove(&(serial, receipt.to_string()));
+            let before = self.operations.remove(&(serial, receipt.clone()));
             // If operations of several types had this receipt, a notification doesn't say which one it is about. Others
             // may be pending even after an end.
             let is_shared = before.as_ref().is_some_and(|operation| {
@@ -567,7 +567,7 @@ impl Sessions {
                 _ => (Stage::Open, false),
             };
             let operation = Operation { type_name, stage, was_suspended, ..Operation::default() };
-            self.operations.insert((serial, receipt.to_string()), operation, size);
+            self.operations.insert((serial, receipt.clone()), operation, size);
             exchange.opened.push(Named { receipt, before, is_known: exchange.record.connection.is_ordered });
         }
     }
@@ -588,7 +588,7 @@ impl Sessions {
             }
         }
         for receipt in strings(exchange.field("success")).unwrap_or_default() {
-            let operation = self.operations.get_mut(&(serial, receipt.to_string()));
+            let operation = self.operations.get_mut(&(serial, receipt.clone()));
             let before = operation.as_deref().cloned();
             // The operation may have been suspended after the request.
             if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
@@ -646,7 +646,7 @@ fn release(operations: &mut ById<Operation>, serial: u64, request: &SentRequest)
         return;
     }
     for receipt in request.objects.iter().flatten() {
-        if let Some(operation) = operations.get_mut(&(serial, receipt.to_string()))
+        if let Some(operation) = operations.get_mut(&(serial, receipt.clone()))
             && operation.stage == Stage::Suspended
         {
             operation.stage = Stage::Released;

@@ -82,13 +82,13 @@ pub(super) fn wheels(built: &Built, third_party: &[File], time: u64) -> Result<V
     fs::create_dir_all(&scripts).map_err(failed)?;
     fs::copy(&built.path, scripts.join("uavspec")).map_err(failed)?;
     third_party.iter().try_for_each(|file| file.write(&package))?;
-    let build = |[library, system]: &[&str; 2]| {
+    let of_library = |[library, system]: &[&str; 2]| {
         let target = built.platform.module_target(library);
         eprintln!("dist: building the Python module for {target}");
         let options = ["build", "--locked", "--zig", "--profile", PROFILE, "--target", &target];
         maturin(&[&options[..], &["--compatibility", *system]].concat(), time)
     };
-    let wheels: Result<Vec<Vec<File>>, String> = LIBRARIES.iter().map(build).collect();
+    let wheels: Result<Vec<Vec<File>>, String> = LIBRARIES.iter().map(of_library).collect();
     // An installation from this checkout must not contain these files.
     let mut removed = third_party.iter().map(|file| fs::remove_file(package.join(&file.path)));
     removed.try_for_each(|it| it).and_then(|()| fs::remove_dir_all(package.join(DATA))).map_err(failed)?;

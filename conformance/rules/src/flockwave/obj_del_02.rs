@@ -57,7 +57,7 @@ impl SessionCheck for Gone {
         };
         match exchange.type_name {
             Some("OBJ-DEL") => {
-                ids.for_each(|id| self.0.insert((exchange.serial, id.to_owned()), (), id.len()))
+                ids.for_each(|id| self.0.insert((exchange.serial, id.to_owned()), (), id.len()));
             }
             Some("OBJ-LIST" | "UAV-LIST") => {
                 context.covered();

@@ -54,7 +54,7 @@ impl SessionCheck for Latest {
         }
         if exchange.notification("OBJ-DEL").is_some() {
             for uav in reply::listed(exchange).into_iter().flatten() {
-                self.0.remove(&(exchange.serial, uav.to_string()));
+                self.0.remove(&(exchange.serial, uav.clone()));
             }
         }
         for (uav, state) in body::members(exchange.body_of("UAV-INF"), "status") {
