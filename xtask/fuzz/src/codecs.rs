@@ -1,10 +1,10 @@
 //! Targets for the codecs of generated types. The first byte of the input selects the message type.
 
-use uavspec_types::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply};
 use uavspec_runtime::cdr::ByteOrder;
 use uavspec_runtime::serde::Serialize;
 use uavspec_runtime::serde::de::DeserializeOwned;
 use uavspec_runtime::{Definition, Message, UorbMessage};
+use uavspec_types::px4::{ArmingCheckReply, BatteryStatus, Event, FailsafeFlags, RegisterExtComponentReply};
 
 /// Passes the input without its first byte to one of the functions, which the first byte selects.
 fn select(data: &[u8], checks: &[fn(&[u8])]) {
