@@ -1,4 +1,6 @@
-//! Checks a capture: passes its records to the rules and to the check plans for the records' formats.
+//! Checks captures: the bytes of a log, a bag, a recorded session or a list of messages enter; findings, a summary and a
+//! [`timeline`] leave. On the way, each record passes the rules and the check plan of its format. [`convert`] writes the
+//! messages of a capture as those of another release.
 //!
 //! ```
 //! use uavspec_check::check_capture;

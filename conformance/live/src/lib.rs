@@ -1,5 +1,5 @@
-//! Live vehicles and servers: the [buses](bus) that carry their messages, the [roles](vehicle) in PX4's arming checks, and
-//! the [displays](watch) of their messages.
+//! Live vehicles and servers: the messages of a [bus] enter, and a recorded bag, findings and [displays](watch) leave. A
+//! program can also take a [role](vehicle) in PX4's arming checks.
 //!
 //! ```
 //! use uavspec_live::bus::Address;

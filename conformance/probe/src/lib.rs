@@ -1,4 +1,5 @@
-//! Sends requests to a live Flockwave server, and checks the session.
+//! Sends requests to a live Flockwave server, and checks the session: a server's answers enter, and a recorded session and
+//! findings leave. [`testee`] checks codecs in other programs.
 //!
 //! ```text
 //!  survey, commands, trials ──▶ session ──▶ tape ──line──▶ checker ──▶ findings

@@ -1,4 +1,6 @@
-//! A reference Flockwave server with a simulated fleet, over TCP, UDP, HTTP and Socket.IO.
+//! A reference Flockwave server with a simulated fleet, over TCP, UDP, HTTP and Socket.IO: requests enter, and responses
+//! and notifications leave. `listen` reads requests from sockets, `hub` passes each to the file of its `family`, and the
+//! answer returns through an outbox per client.
 //!
 //! ```text
 //!  listen ──bytes──▶ hub ──request──▶ family ──▶ world, uav, operation
