@@ -60,6 +60,9 @@ impl FromStr for Target {
         let format = FormatName::from_str(name, false).map_err(|_| {
             format!("unknown format `{}`; expected one of {}", terminal::shown(name), formats())
         })?;
+        if path == "-" {
+            return Err(format!("a report is a file; --format {name} writes to standard output"));
+        }
         Ok(Self { format, path: path.into() })
     }
 }
@@ -137,5 +140,6 @@ mod tests {
             let error = target(wrong).expect_err(wrong);
             assert!(error.contains("FORMAT=PATH") || error.contains("text, json, github, sarif"), "{error}");
         }
+        assert!(target("json=-").is_err_and(|error| error.contains("--format json")));
     }
 }
