@@ -13,19 +13,22 @@ use crate::terminal::Command;
 
 /// Formats a value on several lines, with a final line break.
 pub fn pretty(value: &(impl Serialize + ?Sized)) -> String {
-    write(value, PrettyFormatter::new()).map_or_else(String::new, |text| text + "\n")
+    let mut text = Vec::new();
+    write_pretty(value, &mut text).map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
+}
+
+/// Writes a value on several lines, with a final line break. Fails for a value whose keys aren't strings.
+pub fn write_pretty(value: &(impl Serialize + ?Sized), to: &mut dyn Write) -> io::Result<()> {
+    value.serialize(&mut Serializer::with_formatter(&mut *to, Escaping(PrettyFormatter::new())))?;
+    writeln!(to)
 }
 
 /// Formats a value on one line.
 pub fn compact(value: &(impl Serialize + ?Sized)) -> String {
-    write(value, CompactFormatter).unwrap_or_default()
-}
-
-/// Fails for a value whose keys aren't strings. Writing to memory can't fail.
-fn write(value: &(impl Serialize + ?Sized), formatter: impl Formatter) -> Option<String> {
     let mut text = Vec::new();
-    value.serialize(&mut Serializer::with_formatter(&mut text, Escaping(formatter))).ok()?;
-    String::from_utf8(text).ok()
+    // Writing to memory can't fail.
+    let written = value.serialize(&mut Serializer::with_formatter(&mut text, Escaping(CompactFormatter)));
+    written.map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
 }
 
 /// Escapes hidden characters and commands in strings.

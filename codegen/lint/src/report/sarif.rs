@@ -7,9 +7,11 @@
 //! Format: <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>. GitHub's subset:
 //! <https://docs.github.com/en/code-security/reference/code-scanning/sarif-files/sarif-support>.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::io::{self, BufRead};
 
+use serde::ser::{Error as _, Serialize, SerializeSeq as _, Serializer};
 use serde_json::{Map, Value, json};
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::json_text;
@@ -30,9 +32,6 @@ const MAX_TITLE: usize = 200;
 /// GitHub uses only `primaryLocationLineHash`, which its upload action computes from the line's text. If a result
 /// already contains `primaryLocationLineHash`, the action warns.
 const FINGERPRINT: &str = "uavspecFinding/v1";
-
-/// The member that lists the results, in a log without results.
-const RESULTS: &str = "\n      \"results\": []";
 
 /// Creates the results of a run, which may be written one at a time.
 #[derive(Debug, Default)]
@@ -60,26 +59,61 @@ pub fn write_log(
 ) -> io::Result<()> {
     let indexes: BTreeMap<&str, usize> =
         rules.iter().enumerate().map(|(index, rule)| (&*rule.id, index)).collect();
-    let log = json_text::pretty(&log(command, rules, totals));
-    // Strings in JSON contain no line breaks, so only the member itself matches.
-    let (start, end) = log.split_once(RESULTS).unwrap_or((&log, ""));
-    to.write_all(start.as_bytes())?;
-    to.write_all(RESULTS.trim_end_matches(']').as_bytes())?;
-    let mut separator = "";
-    for line in results.lines() {
+    let mut results = results.lines().map(|line| {
         let mut result: Map<String, Value> = serde_json::from_str(&line?)?;
         let index = result.get("ruleId").and_then(Value::as_str).and_then(|rule| indexes.get(rule));
         match index {
             Some(index) => _ = result.insert("ruleIndex".to_owned(), json!(index)),
             None => _ = result.shift_remove("ruleIndex"),
         }
-        let text = json_text::pretty(&result);
-        let text = text.trim_end().replace('\n', "\n        ");
-        write!(to, "{separator}\n        {text}")?;
-        separator = ",";
+        Ok(result)
+    });
+    let run = Run {
+        tool: json!({ "driver": {
+            "name": "uavspec",
+            "version": env!("CARGO_PKG_VERSION"),
+            "informationUri": PROJECT_URL,
+            "rules": rules.iter().map(rule).collect::<Vec<_>>(),
+        } }),
+        automation_details: json!({ "id": format!("uavspec/{command}/") }),
+        column_kind: "unicodeCodePoints",
+        results: Once(RefCell::new(&mut results)),
+        properties: totals.map(|totals| json!({ "totals": totals.to_json() })),
+    };
+    json_text::write_pretty(&Log { schema: SCHEMA, version: "2.1.0", runs: [run] }, to)
+}
+
+#[derive(serde::Serialize)]
+struct Log<'l> {
+    #[serde(rename = "$schema")]
+    schema: &'l str,
+    version: &'l str,
+    runs: [Run<'l>; 1],
+}
+
+#[derive(serde::Serialize)]
+#[serde(rename_all = "camelCase")]
+struct Run<'l> {
+    tool: Value,
+    /// The results of one command must not replace those of another command.
+    automation_details: Value,
+    column_kind: &'l str,
+    results: Once<'l>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    properties: Option<Value>,
+}
+
+/// Results that are written while they are read, because there may be any number of them.
+struct Once<'l>(RefCell<&'l mut dyn Iterator<Item = io::Result<Map<String, Value>>>>);
+
+impl Serialize for Once<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut list = serializer.serialize_seq(None)?;
+        for result in self.0.borrow_mut().by_ref() {
+            list.serialize_element(&result.map_err(S::Error::custom)?)?;
+        }
+        list.end()
     }
-    let close = if separator.is_empty() { "]" } else { "\n      ]" };
-    write!(to, "{close}{end}")
 }
 
 pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
@@ -89,30 +123,6 @@ pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
     // Writing to memory can't fail.
     let written = write_log(report.command, &report.all_rules(), totals, lines.as_bytes(), &mut text);
     written.map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
-}
-
-/// A log without results.
-fn log(command: &str, rules: &[RuleInfo], totals: Option<&Totals>) -> Value {
-    let mut log = json!({
-        "$schema": SCHEMA,
-        "version": "2.1.0",
-        "runs": [{
-            "tool": { "driver": {
-                "name": "uavspec",
-                "version": env!("CARGO_PKG_VERSION"),
-                "informationUri": PROJECT_URL,
-                "rules": rules.iter().map(rule).collect::<Vec<_>>(),
-            } },
-            // The results of one command must not replace those of another command.
-            "automationDetails": { "id": format!("uavspec/{command}/") },
-            "columnKind": "unicodeCodePoints",
-            "results": [],
-        }],
-    });
-    if let Some(totals) = totals {
-        log["runs"][0]["properties"] = json!({ "totals": totals.to_json() });
-    }
-    log
 }
 
 fn level(level: Level) -> &'static str {
