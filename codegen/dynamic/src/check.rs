@@ -24,7 +24,7 @@ pub enum Violation<'t> {
     Length {
         /// The length.
         found: usize,
-        /// What the length counts.
+        /// The unit of the length.
         unit: &'static str,
         /// The expected length.
         shape: Shape,

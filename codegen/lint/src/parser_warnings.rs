@@ -2,7 +2,7 @@
 
 use super::prelude::*;
 
-/// What these rules share.
+/// The parts that are the same in most of these rules.
 const WARNING: Rule = Rule {
     id: "",
     statement: "",
