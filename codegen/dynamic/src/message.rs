@@ -34,7 +34,7 @@ impl<'t> DynamicMessage<'t> {
         self.view().get(path)
     }
 
-    /// The bytes in memory, in the layout of [`MessageType::layout`]. The byte of a `bool` is not normalized.
+    /// The bytes in memory, in the layout of [`MessageType::fields`]. The byte of a `bool` is not normalized.
     pub fn memory(&self) -> &[u8] {
         &self.buffer
     }

@@ -45,9 +45,7 @@ pub(super) struct Plan {
 pub struct Field {
     /// The name.
     pub name: Box<str>,
-    /// The type of the field or its elements. The id of a nested message is one of [`MessageType::nested`].
-    ///
-    /// [`MessageType::nested`]: super::MessageType::nested
+    /// The type of the field or its elements. [`MessageType::nested`](super::MessageType::nested) is the type of a message.
     pub element: Element,
     /// The number of elements. A text is a single element.
     pub shape: Shape,

@@ -14,7 +14,8 @@ use crate::terminal::Command;
 /// Formats a value on several lines, with a final line break.
 pub fn pretty(value: &(impl Serialize + ?Sized)) -> String {
     let mut text = Vec::new();
-    write_pretty(value, &mut text).map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
+    write_pretty(value, &mut text)
+        .map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
 }
 
 /// Writes a value on several lines, with a final line break. Fails for a value whose keys aren't strings.

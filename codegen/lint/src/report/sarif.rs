@@ -109,7 +109,7 @@ struct Once<'l>(RefCell<&'l mut dyn Iterator<Item = io::Result<Map<String, Value
 impl Serialize for Once<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut list = serializer.serialize_seq(None)?;
-        for result in self.0.borrow_mut().by_ref() {
+        for result in &mut **self.0.borrow_mut() {
             list.serialize_element(&result.map_err(S::Error::custom)?)?;
         }
         list.end()
