@@ -89,8 +89,8 @@ fn check_shape(field: &Field, tried: &FieldCases, cases: &[Json], name: &str) {
             found.as_deref() == rule && value.as_array().is_some_and(|array| array.len() == length as usize)
         })
     };
-    match field.ty.shape {
-        _ if let Element::Text(room) = field.ty.element => {
+    match (field.ty.shape, field.ty.element) {
+        (_, Element::Text(room)) => {
             let bytes = |rule, length: usize| {
                 tried.has(rule, |value| value.as_str().is_some_and(|text| text.len() == length))
             };
@@ -107,19 +107,19 @@ fn check_shape(field: &Field, tried: &FieldCases, cases: &[Json], name: &str) {
                 "{name}: invalid UTF-8"
             );
         }
-        Shape::Array(length) => {
+        (Shape::Array(length), _) => {
             assert!(of_length(None, length), "{name}");
             assert!(
                 of_length(Some("PX-ARR-01"), length - 1) && of_length(Some("PX-ARR-01"), length + 1),
                 "{name}"
             );
         }
-        Shape::Bounded(bound) => {
+        (Shape::Bounded(bound), _) => {
             assert!(of_length(None, bound) && of_length(Some("PX-CDR-02"), bound + 1), "{name}");
             assert!(of_length(None, 0) && of_length(None, 1), "{name}");
         }
-        Shape::Sequence => assert!(of_length(None, 0) && of_length(None, 1), "{name}"),
-        Shape::Single => {}
+        (Shape::Sequence, _) => assert!(of_length(None, 0) && of_length(None, 1), "{name}"),
+        (Shape::Single, _) => {}
     }
     if let Element::String { bound: Some(bound), .. } = field.ty.element {
         let length = |rule, length: u32| {

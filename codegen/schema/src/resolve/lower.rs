@@ -107,10 +107,15 @@ impl<'s> Resolver<'s> {
     }
 
     fn field_type(&mut self, index: usize, ty: &ast::Type<'s>) -> Option<Type> {
+        let package = self.schema.package_of(&self.schema.messages[index]);
+        // In ROS 2, `char` is a number.
+        let is_px4 = package.form == Form::Msg(Dialect::Px4);
+        if let (true, ast::Element::Scalar(Scalar::Char), ast::Shape::Array(length)) =
+            (is_px4, ty.element, ty.shape)
+        {
+            return Some(Type { element: Element::Text(length), shape: ast::Shape::Single });
+        }
         let element = match ty.element {
-            ast::Element::Scalar(Scalar::Char) if let Some(length) = self.text_length(index, ty.shape) => {
-                return Some(Type { element: Element::Text(length), shape: ast::Shape::Single });
-            }
             ast::Element::Scalar(scalar) => Element::Scalar(scalar),
             ast::Element::String { wide, bound } => Element::String { wide, bound },
             ast::Element::Message { package, name } => {
@@ -118,15 +123,6 @@ impl<'s> Resolver<'s> {
             }
         };
         Some(Type { element, shape: ty.shape })
-    }
-
-    /// The length of an array of `char`, if the array is a text: in PX4's dialect.
-    fn text_length(&self, index: usize, shape: ast::Shape) -> Option<u32> {
-        let package = self.schema.package_of(&self.schema.messages[index]);
-        match shape {
-            ast::Shape::Array(length) if package.form == Form::Msg(Dialect::Px4) => Some(length),
-            _ => None,
-        }
     }
 
     fn annotate(&mut self, index: usize, field: &mut Field, note: &Note<'s>) {
