@@ -7,7 +7,8 @@ use uavspec_schema::{Element, Restriction, Shape};
 
 use super::bytes::until_nul;
 use super::plan::Field;
-use super::text::characters;
+use super::step::Bounds;
+use super::view::scalar_value;
 
 /// A violation of a constraint by a value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,7 +74,7 @@ impl<'t> ValueType<'t> {
             },
             Element::Scalar(scalar) => number(scalar, bytes).map_or(Ok(()), |found| self.check_number(found)),
             Element::Text(_) => check_text(bytes),
-            Element::String { wide, bound } => check_string(bytes, wide, bound),
+            Element::String { wide, bound } => check_string(bytes, Bounds { is_wide: wide, bound }),
             Element::Message(_) => Ok(()),
         }
     }
@@ -104,9 +105,16 @@ impl<'t> ValueType<'t> {
                 if let Some(at) = text.bytes().position(|byte| byte == 0) {
                     return Err(Violation::Nul(at));
                 }
-                at_most(text.len(), room, "bytes")
+                let (found, shape) = (text.len(), Shape::Bounded(room));
+                if found > room as usize {
+                    Err(Violation::Length { found, unit: "bytes", shape })
+                } else {
+                    Ok(())
+                }
             }
-            (Element::String { bound, .. }, Leaf::Text(text)) => check_characters(text.as_bytes(), bound),
+            (Element::String { wide, bound }, Leaf::Text(text)) => {
+                check_characters(text.as_bytes(), Bounds { is_wide: wide, bound })
+            }
             _ => Err(Violation::Type),
         }
     }
@@ -199,10 +207,10 @@ fn check_text<'t>(bytes: &[u8]) -> Result<(), Violation<'t>> {
 }
 
 /// Checks the bytes of a string in memory, where a `wstring` is UTF-8 except for its unpaired surrogates.
-fn check_string<'t>(bytes: &[u8], is_wide: bool, bound: Option<u32>) -> Result<(), Violation<'t>> {
-    check_characters(bytes, bound)?;
+fn check_string<'t>(bytes: &[u8], bounds: Bounds) -> Result<(), Violation<'t>> {
+    check_characters(bytes, bounds)?;
     let Err(error) = std::str::from_utf8(bytes) else { return Ok(()) };
-    if !is_wide {
+    if !bounds.is_wide {
         return Err(Violation::NotUtf8(error.valid_up_to()));
     }
     let before = bytes.utf8_chunks().next().map_or("", |chunk| chunk.valid());
@@ -210,17 +218,13 @@ fn check_string<'t>(bytes: &[u8], is_wide: bool, bound: Option<u32>) -> Result<(
 }
 
 /// Checks the number of characters of a string.
-fn check_characters<'t>(text: &[u8], bound: Option<u32>) -> Result<(), Violation<'t>> {
-    match bound {
-        // A string never has more characters than bytes.
-        Some(bound) if text.len() > bound as usize => at_most(characters(text).count(), bound, "characters"),
-        _ => Ok(()),
+fn check_characters<'t>(text: &[u8], bounds: Bounds) -> Result<(), Violation<'t>> {
+    match bounds.exceeded_by(text) {
+        Some((bound, found)) => {
+            Err(Violation::Length { found, unit: "characters", shape: Shape::Bounded(bound) })
+        }
+        None => Ok(()),
     }
-}
-
-fn at_most<'t>(found: usize, bound: u32, unit: &'static str) -> Result<(), Violation<'t>> {
-    let is_over = found > bound as usize;
-    if is_over { Err(Violation::Length { found, unit, shape: Shape::Bounded(bound) }) } else { Ok(()) }
 }
 
 /// The value of a float. The value is rounded first, since ranges and special values apply to the rounded value.
@@ -239,17 +243,9 @@ fn float<'t>(scalar: Scalar, leaf: Leaf<'_>) -> Result<Number, Violation<'t>> {
 
 /// The number with these little-endian bytes. A `bool` is the number of its byte. `None` if there are too few bytes.
 pub fn number(scalar: Scalar, bytes: &[u8]) -> Option<Number> {
-    let integer = match scalar {
-        Scalar::Bool | Scalar::UInt8 | Scalar::Byte | Scalar::Char => i128::from(*bytes.first()?),
-        Scalar::Int8 => i128::from(i8::from_le_bytes(*bytes.first_chunk()?)),
-        Scalar::UInt16 => i128::from(u16::from_le_bytes(*bytes.first_chunk()?)),
-        Scalar::Int16 => i128::from(i16::from_le_bytes(*bytes.first_chunk()?)),
-        Scalar::UInt32 => i128::from(u32::from_le_bytes(*bytes.first_chunk()?)),
-        Scalar::Int32 => i128::from(i32::from_le_bytes(*bytes.first_chunk()?)),
-        Scalar::UInt64 => i128::from(u64::from_le_bytes(*bytes.first_chunk()?)),
-        Scalar::Int64 => i128::from(i64::from_le_bytes(*bytes.first_chunk()?)),
-        Scalar::Float32 => return Some(Number::Float(f32::from_le_bytes(*bytes.first_chunk()?).into())),
-        Scalar::Float64 => return Some(Number::Float(f64::from_le_bytes(*bytes.first_chunk()?))),
-    };
-    Some(Number::Int(integer))
+    let bytes = bytes.get(..scalar.size())?;
+    match scalar {
+        Scalar::Bool => Some(Number::Int(bytes[0].into())),
+        _ => scalar_value(scalar, bytes).number(),
+    }
 }

@@ -71,24 +71,30 @@ fn draft(schema: &Schema, message: &Message) -> Draft {
         package: schema.package_of(message).name.as_str().into(),
         name: message.name.as_str().into(),
         span: message.span,
-        fields: (0..message.fields.len()).map(|index| field_of(schema, message, index)).collect(),
+        fields: fields_of(schema, message),
         placement: Placement::Uorb,
         limit: MAX_MESSAGE_SIZE * GROWTH as u64,
         defect: is_too_large.then_some(Defect::TooLarge(MAX_MESSAGE_SIZE)),
     }
 }
 
-fn field_of(schema: &Schema, message: &Message, index: usize) -> Field {
-    let field = &message.fields[index];
-    Field {
+fn fields_of(schema: &Schema, message: &Message) -> Vec<Field> {
+    let mut counted_by = vec![None; message.fields.len()];
+    for (index, field) in message.fields.iter().enumerate() {
+        if let Some(array) = field.counts {
+            counted_by[array] = counted_by[array].or(Some(index));
+        }
+    }
+    let field = |(field, counted_by): (&uavspec_schema::Field, Option<usize>)| Field {
         default: field.default.clone(),
         restriction: schema.restriction(message, field),
         special: field.special_values(),
         counts: field.counts,
-        counted_by: message.fields.iter().position(|other| other.counts == Some(index)),
+        counted_by,
         span: field.span,
         ..Field::new(&field.name, field.ty.element, field.ty.shape)
-    }
+    };
+    message.fields.iter().zip(counted_by).map(field).collect()
 }
 
 impl Field {

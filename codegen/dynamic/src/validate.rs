@@ -4,7 +4,6 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 use uavspec_runtime::{ConstraintKind, Number};
-use uavspec_schema::Shape;
 
 use super::check::Violation;
 use super::plan::{Field, Plan};
@@ -28,7 +27,7 @@ impl fmt::Display for ViolationAt<'_> {
         write!(formatter, "{}: ", self.path)?;
         let (found, constraint, bound) = match self.violation {
             Violation::Number(_, found, restriction) => (found, Some(restriction.constraint()), None),
-            Violation::Length { found, shape, .. } => (Number::Int(found as i128), None, bound(shape)),
+            Violation::Length { found, shape, .. } => (Number::Int(found as i128), None, shape.bound()),
             Violation::NotUtf8(at) => (Number::Int(at as i128), None, None),
             Violation::NotUtf16(at) => {
                 return write!(formatter, "unpaired surrogate at code unit {at} ({})", self.kind);
@@ -42,13 +41,6 @@ impl fmt::Display for ViolationAt<'_> {
 }
 
 impl std::error::Error for ViolationAt<'_> {}
-
-fn bound(shape: Shape) -> Option<u32> {
-    match shape {
-        Shape::Array(length) | Shape::Bounded(length) => Some(length),
-        Shape::Single | Shape::Sequence => None,
-    }
-}
 
 /// Calls `report` for each violation in a message.
 pub(super) fn each<'v>(view: DynamicView<'v>, report: &mut dyn FnMut(ViolationAt<'v>)) {

@@ -2,7 +2,7 @@
 
 use super::prelude::*;
 
-/// The parts that are the same in most of these rules.
+/// The defaults of these rules.
 const WARNING: Rule = Rule {
     id: "",
     statement: "",

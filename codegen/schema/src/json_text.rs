@@ -13,9 +13,7 @@ use crate::terminal::Command;
 
 /// Formats a value on several lines, with a final line break.
 pub fn pretty(value: &(impl Serialize + ?Sized)) -> String {
-    let mut text = Vec::new();
-    write_pretty(value, &mut text)
-        .map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
+    text(|to| write_pretty(value, to))
 }
 
 /// Writes a value on several lines, with a final line break. Fails for a value whose keys aren't strings.
@@ -26,10 +24,13 @@ pub fn write_pretty(value: &(impl Serialize + ?Sized), to: &mut dyn Write) -> io
 
 /// Formats a value on one line.
 pub fn compact(value: &(impl Serialize + ?Sized)) -> String {
+    text(|to| Ok(value.serialize(&mut Serializer::with_formatter(to, Escaping(CompactFormatter)))?))
+}
+
+/// The written text; empty for a value whose keys aren't strings. Writing to memory can't fail.
+fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
     let mut text = Vec::new();
-    // Writing to memory can't fail.
-    let written = value.serialize(&mut Serializer::with_formatter(&mut text, Escaping(CompactFormatter)));
-    written.map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
+    write(&mut text).map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
 }
 
 /// Escapes hidden characters and commands in strings.

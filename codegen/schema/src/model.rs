@@ -282,10 +282,8 @@ impl Type {
 
     /// The maximum number of elements of an array, or of bytes of a text.
     pub fn max_length(self) -> Option<u32> {
-        match self.written().shape {
-            Shape::Array(length) | Shape::Bounded(length) => Some(length),
-            Shape::Single | Shape::Sequence => None,
-        }
+        let shape = self.written().shape;
+        shape.bound().filter(|_| shape != Shape::Single)
     }
 }
 

@@ -1,8 +1,8 @@
 //! Checks payloads in memory, including messages that were decoded from CDR.
 //!
 //! A plan is compiled once for each format. The capture provides the format, and the definition provides the
-//! constraints. The constraints apply to the fields that the format and the definition share. Checking a valid message
-//! takes only a few comparisons for each constrained field. Violations are examined in a second pass.
+//! constraints. The constraints apply to the fields that the format and the definition share. Checking a valid value
+//! takes only a few comparisons. Other values are examined further.
 
 mod accepted;
 
@@ -224,9 +224,9 @@ impl Compiler {
     ) {
         let field = source.field;
         let offset = within.base + field.offset;
-        let (path, subject) = within.names(&field.name);
         let Element::Message(id) = field.element else {
             let Some(values) = Values::new(source) else { return };
+            let (path, subject) = within.names(&field.name);
             let count = if matches!(values.element, Element::Text(_)) { 1 } else { field.count() };
             // A message may use fewer entries of a counted array, or none.
             if counter.is_none() && within.entries.is_empty() {
@@ -246,6 +246,7 @@ impl Compiler {
             });
             return;
         };
+        let (path, subject) = within.names(&field.name);
         let (nested, defined) = source.nested(id);
         for index in 0..field.count() {
             let path = if field.shape == Shape::Single { path.clone() } else { format!("{path}[{index}]") };

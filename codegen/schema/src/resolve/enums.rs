@@ -34,13 +34,12 @@ impl<'s> Resolver<'s> {
 
     fn enumeration(&mut self, pending: &PendingEnum) {
         let field = &self.schema.messages[pending.message].fields[pending.field];
-        let element = field.ty.element;
-        let scalar = match element.scalar() {
-            Some(scalar) if scalar.integer_bounds().is_some() => scalar,
-            found => {
+        let scalar = match field.ty.written().element {
+            Element::Scalar(scalar) if scalar.integer_bounds().is_some() => scalar,
+            element => {
                 let type_name = match element {
-                    Element::Scalar(_) | Element::Text(_) => found.map_or("", Scalar::name),
-                    Element::String { .. } => "string",
+                    Element::Scalar(scalar) => scalar.name(),
+                    Element::Text(_) | Element::String { .. } => "string",
                     Element::Message(_) => "message",
                 };
                 let problem = Problem::EnumOnNonInteger { type_name: type_name.to_owned() };

@@ -284,11 +284,7 @@ impl<'a> FieldBuilder<'_, 'a> {
     /// The value of the elements that the source lacks. Reports the elements that the target lacks.
     fn rest(&mut self, at: usize) -> Neutral {
         let (source, target) = (&self.direction.from.message.fields[at], self.field());
-        let max = |shape: Shape| match shape {
-            Shape::Single => 1,
-            Shape::Array(length) | Shape::Bounded(length) => length,
-            Shape::Sequence => u32::MAX,
-        };
+        let max = |shape: Shape| shape.bound().unwrap_or(u32::MAX);
         let (from, to) = (source.ty.written().shape, target.ty.written().shape);
         let (before, after) = (max(from), max(to));
         if before > after {

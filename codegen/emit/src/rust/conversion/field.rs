@@ -118,15 +118,6 @@ impl Fields<'_> {
     }
 }
 
-/// The maximum number of elements.
-fn max_length(shape: Shape) -> Option<u32> {
-    match shape {
-        Shape::Single => Some(1),
-        Shape::Array(length) | Shape::Bounded(length) => Some(length),
-        Shape::Sequence => None,
-    }
-}
-
 /// An integer in the range of a field's type.
 fn clamped(field: &Field, value: i128) -> i128 {
     let Element::Scalar(scalar) = field.ty.element else { return value };
@@ -170,8 +161,7 @@ impl Copied<'_> {
                 }
             }
             _ => {
-                let take =
-                    max_length(after).filter(|room| max_length(before).is_none_or(|length| length > *room));
+                let take = after.bound().filter(|room| before.bound().is_none_or(|length| length > *room));
                 let take = take.map(|room| {
                     let room = Literal::u32_unsuffixed(room);
                     quote!(.take(#room))
