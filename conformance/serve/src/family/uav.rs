@@ -38,56 +38,31 @@ macro_rules! respond {
 }
 
 pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Answer {
+    let mut execute = |ids, command| execute(hub, session, ids, command);
     match request {
-        Request::UavTakeoff(requested) => {
-            respond!(uav_takeoff, execute(hub, session, requested.ids, Command::TakeOff))
+        Request::UavTakeoff(requested) => respond!(uav_takeoff, execute(requested.ids, Command::TakeOff)),
+        Request::UavHover(requested) => respond!(uav_hover, execute(requested.ids, Command::Hover)),
+        Request::UavHalt(requested) => respond!(uav_halt, execute(requested.ids, Command::Halt)),
+        Request::UavSleep(requested) => respond!(uav_sleep, execute(requested.ids, Command::Sleep)),
+        Request::UavWakeup(requested) => respond!(uav_wakeup, execute(requested.ids, Command::WakeUp)),
+        Request::UavFly(requested) => {
+            let command = Command::FlyTo(target(&requested.target)?);
+            respond!(uav_fly, execute(requested.ids, command))
+        }
+        Request::UavMotor(requested) => {
+            let is_forced = requested.force.unwrap_or_default();
+            let command = Command::Motors { is_start: requested.start, is_forced };
+            respond!(uav_motor, execute(requested.ids, command))
+        }
+        Request::UavSignal(requested) => {
+            let command = Command::Signal { seconds: signal(requested.duration)? };
+            respond!(uav_signal, execute(requested.ids, command))
         }
         Request::UavLand(requested) => respond!(uav_land, land(hub, session, requested.ids)),
         Request::UavRth(requested) => {
             let is_deaf = hub.has_bug(&uav_land_01::RULE);
             let command = if is_deaf { Command::Hover } else { Command::ReturnHome };
-            respond!(uav_rth, execute(hub, session, requested.ids, command))
-        }
-        Request::UavHover(requested) => {
-            respond!(uav_hover, execute(hub, session, requested.ids, Command::Hover))
-        }
-        Request::UavHalt(requested) => {
-            respond!(uav_halt, execute(hub, session, requested.ids, Command::Halt))
-        }
-        Request::UavSleep(requested) => {
-            respond!(uav_sleep, execute(hub, session, requested.ids, Command::Sleep))
-        }
-        Request::UavWakeup(requested) => {
-            respond!(uav_wakeup, execute(hub, session, requested.ids, Command::WakeUp))
-        }
-        Request::UavFly(requested) => {
-            respond!(
-                uav_fly,
-                execute(hub, session, requested.ids, Command::FlyTo(target(&requested.target)?))
-            )
-        }
-        Request::UavMotor(requested) => {
-            let is_forced = requested.force.unwrap_or_default();
-            respond!(
-                uav_motor,
-                execute(
-                    hub,
-                    session,
-                    requested.ids,
-                    Command::Motors { is_start: requested.start, is_forced }
-                )
-            )
-        }
-        Request::UavSignal(requested) => {
-            respond!(
-                uav_signal,
-                execute(
-                    hub,
-                    session,
-                    requested.ids,
-                    Command::Signal { seconds: signal(requested.duration)? }
-                )
-            )
+            respond!(uav_rth, self::execute(hub, session, requested.ids, command))
         }
         Request::UavCalib(requested) => {
             let component = requested.component.as_ref();
@@ -95,21 +70,13 @@ pub(super) fn answer(hub: &mut Hub, session: SessionId, request: Request) -> Ans
             // The UAV must be turned by hand while its compass is calibrated.
             let is_suspending = component == Some(&CalibrationComponent::Compass);
             let kind = if is_suspending { Operation::suspending } else { Operation::lasting };
-            respond!(
-                uav_calib,
-                examine(hub, session, requested.ids, is_there, |receipt| {
-                    kind(receipt, CALIBRATION, json!(true))
-                })
-            )
+            let operation = |receipt| kind(receipt, CALIBRATION, json!(true));
+            respond!(uav_calib, examine(hub, session, requested.ids, is_there, operation))
         }
         Request::UavTest(requested) => {
             let is_there = requested.component.is_none_or(|component| component.is_known());
-            respond!(
-                uav_test,
-                examine(hub, session, requested.ids, is_there, |receipt| {
-                    Operation::lasting(receipt, TEST, json!(true))
-                })
-            )
+            let operation = |receipt| Operation::lasting(receipt, TEST, json!(true));
+            respond!(uav_test, examine(hub, session, requested.ids, is_there, operation))
         }
         Request::UavRst(requested) => {
             let is_whole = requested.component.is_none_or(|component| component.is_empty());
