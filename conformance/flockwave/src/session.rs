@@ -8,23 +8,23 @@
 //! - If time goes backwards, later times are ignored.
 //! - All lists of remembered entries have a size limit. Forgotten entries count as unknown, not as absent.
 
+mod clock;
 mod exchange;
 mod operation;
 pub mod remembered;
 mod request;
 mod vocabulary;
 
-use std::collections::BTreeSet;
-
-use uavspec_model::Location;
 use uavspec_model::json::Tree;
 use uavspec_schema::json_type;
 
-pub use self::exchange::{ClockMove, ConnectionId, Exchange, Reference, Role, message_excerpt, seconds};
+pub use self::clock::ClockMove;
+use self::clock::{Adjustments, ServerClock};
+pub use self::exchange::{ConnectionId, Exchange, Reference, Role, message_excerpt, seconds};
+use self::operation::Operations;
 pub use self::operation::{Named, Operation, Stage};
 use self::remembered::{ById, Remembered};
 pub use self::request::SentRequest;
-use self::request::strings;
 pub use self::vocabulary::{OPERATION, OPERATIONS, PARTS, parts};
 use crate::body_schema::BodySchemas;
 use crate::record::{Connection, Direction, SessionRecord};
@@ -42,22 +42,11 @@ const MAX_FAILURE: usize = 200;
 /// The maximum number of stored ids that are not strings, for each connection.
 const MAX_ODD_IDS: usize = 64;
 
-/// The maximum number of receipts in a message.
-const MAX_RECEIPTS: usize = 10_000;
-
 /// The tolerance for times that go backwards, in seconds. Several threads may write a capture.
 const MAX_CLOCK_JITTER: f64 = 0.5;
 
 /// The assumed maximum transit time of a message, in seconds.
 const MAX_TRANSIT_TIME: f64 = 1.0;
-
-/// The assumed maximum time until the server has handled a request that adjusts its clock, in seconds. This includes
-/// copies of the request that a network delivers later.
-const MAX_ADJUSTMENT_TIME: f64 = 60.0;
-
-/// The assumed maximum drift between the clocks of the client and the server, in seconds per second. NTP corrects
-/// clocks at up to this rate.
-const MAX_DRIFT: f64 = 0.0005;
 
 /// A side of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -103,15 +92,8 @@ struct State {
     is_time_lost: bool,
     /// The time when the server announced the end of the connection.
     ending: Option<f64>,
-    /// The bounds of the server's clock offset, in seconds.
-    clock: Option<(f64, f64)>,
-    /// The time when the bounds were determined.
-    clock_time: f64,
-    /// The number of adjustments of the server's clock before that.
-    num_adjustments: u64,
-    /// The location of a request to adjust the server's clock by 0. This location is cleared when an answer to a later
-    /// request states the time.
-    adjusted_by_nothing: Option<Location>,
+    /// The server's clock.
+    clock: ServerClock,
 }
 
 impl State {
@@ -123,13 +105,6 @@ impl State {
     /// True if a message without `refs` may be an answer. Datagrams may overtake each other or be lost.
     fn may_answer_unknown(&self, connection: Connection<'_>) -> bool {
         self.num_without_id > 0 || !connection.is_ordered
-    }
-
-    /// The bounds of the server's clock offset at this time, in seconds.
-    fn clock_at(&self, time: Option<f64>) -> Option<(f64, f64)> {
-        let (low, high) = self.clock?;
-        let drift = time.map_or(0.0, |time| (time - self.clock_time).max(0.0) * MAX_DRIFT);
-        Some((low - drift, high + drift))
     }
 
     /// Adds an id, unless it is a string.
@@ -161,18 +136,9 @@ pub struct Sessions {
     past: Remembered<(u64, Side, String), bool>,
     /// The ids of the servers' messages. The value is true for notifications.
     sent: ById<bool>,
-    /// The operations by receipt.
-    operations: ById<Operation>,
-    /// True if a client may have set the server's clock back.
-    is_clock_set_back: bool,
-    /// The number of requests that may have adjusted the server's clock, on any connection. Several connections may lead
-    /// to the same server.
-    num_adjustments: u64,
-    /// The time until which the server may still handle requests that adjust its clock.
-    adjusts_until: f64,
-    /// The location of the latest such request, if the server handles no other one at about the same time. The answer
-    /// then states the time after the adjustment.
-    only_adjustment: Option<Location>,
+    operations: Operations,
+    /// The requests that may have adjusted the server's clock.
+    adjustments: Adjustments,
 }
 
 impl Default for Sessions {
@@ -183,11 +149,8 @@ impl Default for Sessions {
             open: Remembered::new(MEMORY_LIMIT),
             past: Remembered::new(MEMORY_LIMIT),
             sent: ById::new(MEMORY_LIMIT),
-            operations: ById::new(MEMORY_LIMIT),
-            is_clock_set_back: false,
-            num_adjustments: 0,
-            adjusts_until: f64::NEG_INFINITY,
-            only_adjustment: None,
+            operations: Operations::new(MEMORY_LIMIT),
+            adjustments: Adjustments::default(),
         }
     }
 }
@@ -226,9 +189,8 @@ impl Sessions {
     fn resolve(&mut self, exchange: &mut Exchange<'_>) {
         let record = exchange.record;
         let state = &self.states[record.connection.index];
-        let is_adjusted = state.num_adjustments != self.num_adjustments;
-        exchange.clock = state.clock_at(exchange.time).filter(|_| !is_adjusted);
-        exchange.is_clock_set_back = self.is_clock_set_back;
+        exchange.clock = state.clock.at(exchange.time, &self.adjustments);
+        exchange.is_clock_set_back = self.adjustments.may_set_back();
         exchange.serial = state.serial;
         exchange.copies_id = exchange
             .message()
@@ -314,7 +276,8 @@ impl Sessions {
         self.past.clear();
         self.operations.clear();
         for state in &mut self.states {
-            (state.is_whole, state.num_without_id, state.clock) = (false, u64::MAX, None);
+            (state.is_whole, state.num_without_id) = (false, u64::MAX);
+            state.clock.forget();
         }
     }
 
@@ -322,7 +285,8 @@ impl Sessions {
     fn lose_connection(&mut self, connection: usize) {
         let serial = self.next_serial();
         let state = &mut self.states[connection];
-        *state = State { serial, is_whole: false, num_without_id: u64::MAX, clock: None, ..state.clone() };
+        (state.serial, state.is_whole, state.num_without_id) = (serial, false, u64::MAX);
+        state.clock.forget();
     }
 
     fn next_serial(&mut self) -> u64 {
@@ -345,7 +309,7 @@ impl Sessions {
         let time = record.time?;
         if time < state.latest - MAX_CLOCK_JITTER {
             state.is_time_lost = true;
-            state.clock = None;
+            state.clock.forget();
         }
         state.latest = state.latest.max(time);
         if state.is_time_lost {
@@ -360,19 +324,11 @@ impl Sessions {
     fn request(&mut self, exchange: &mut Exchange<'_>) {
         let side = side(exchange);
         let request = SentRequest::new(exchange);
-        if side == Side::Client && request.is_adjustment() {
-            let is_ordered = exchange.record.connection.is_ordered;
-            let is_only = is_ordered && request.time.is_some_and(|time| time > self.adjusts_until);
-            self.may_adjust(request.time.map(|time| time + MAX_ADJUSTMENT_TIME));
-            self.only_adjustment = is_only.then_some(request.location);
-            self.is_clock_set_back |= !is_forward(exchange.field("adjustment"));
-        }
         let state = &mut self.states[exchange.record.connection.index];
         if side == Side::Client {
-            if exchange.type_name == Some("SYS-TIME") && exchange.field("adjustment") == Some(&Tree::Int(0)) {
-                state.adjusted_by_nothing = Some(request.location);
-            }
-            release(&mut self.operations, state.serial, &request);
+            self.adjustments.request(exchange, &request);
+            state.clock.request(exchange, &request);
+            self.operations.release(state.serial, &request);
         }
         let id = exchange.id.filter(|id| id.len() <= MAX_ID);
         state.latest_request = id.filter(|_| side == Side::Client).map(str::to_owned);
@@ -404,9 +360,9 @@ impl Sessions {
             self.remember_response(exchange);
         }
         if from == Side::Server {
-            self.learn_time(exchange);
-            self.resumed(exchange);
-            self.receipts(exchange);
+            let state = &mut self.states[exchange.record.connection.index];
+            state.clock.answer(exchange, &mut self.adjustments);
+            self.operations.answer(exchange, state.serial);
         }
     }
 
@@ -462,7 +418,7 @@ impl Sessions {
                 && exchange.type_name == Some("SYS-TIME")
             {
                 // The capture may lack a request that adjusted the clock.
-                self.may_adjust(exchange.time.map(|time| time + MAX_CLOCK_JITTER));
+                self.adjustments.may_follow(exchange.time.map(|time| time + MAX_CLOCK_JITTER));
             }
         }
     }
@@ -472,42 +428,10 @@ impl Sessions {
         let connection = exchange.record.connection;
         exchange.may_answer_unknown = self.states[connection.index].may_answer_unknown(connection);
         if exchange.type_name == Some("SYS-CLOSE") {
-            self.states[exchange.record.connection.index].ending = exchange.time;
+            self.states[connection.index].ending = exchange.time;
         }
-        let receipts: Vec<String> = match (exchange.type_name, exchange.body) {
-            (Some("ASYNC-RESP" | "ASYNC-ST"), Some(body)) => {
-                body.get("id").and_then(Tree::as_str).map(str::to_owned).into_iter().collect()
-            }
-            (Some("ASYNC-TIMEOUT"), Some(body)) => strings(body.get("ids")).unwrap_or_default(),
-            _ => return,
-        };
-        let is_suspended = exchange.field("suspended") == Some(&Tree::Bool(true));
-        let is_final = exchange.type_name != Some("ASYNC-ST");
-        let State { serial, is_whole, .. } = self.states[exchange.record.connection.index];
-        let is_known = is_whole && !self.operations.has_forgotten();
-        let mut seen = BTreeSet::new();
-        // A separate rule covers receipts that a message names twice.
-        let receipts = receipts.into_iter().filter(|receipt| seen.insert(receipt.clone()));
-        for receipt in receipts.take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
-            let before = self.operations.remove(&(serial, receipt.clone()));
-            let stage = match &before {
-                None if is_known => Stage::Early,
-                Some(Operation { stage: Stage::Early, .. }) => Stage::Early,
-                _ if is_final => Stage::Ended,
-                _ if is_suspended => Stage::Suspended,
-                None => Stage::Open,
-                // A progress report on a suspended operation may omit `suspended`, so the operation may still be
-                // suspended.
-                Some(operation) => operation.stage,
-            };
-            let known = before.clone().unwrap_or_default();
-            let was_suspended = known.was_suspended || is_suspended || !is_known;
-            let size = receipt.len() + known.type_name.as_ref().map_or(0, String::len);
-            let has_ended = known.has_ended || is_final;
-            let operation = Operation { stage, was_suspended, has_ended, ..known };
-            self.operations.insert((serial, receipt.clone()), operation, size);
-            exchange.operations.push(Named { receipt, before, is_known });
-        }
+        let State { serial, is_whole, .. } = self.states[connection.index];
+        self.operations.notification(exchange, serial, is_whole);
     }
 
     /// True if a message without `refs` answers a message without an id.
@@ -538,128 +462,6 @@ impl Sessions {
         } else {
             self.sent.insert((serial, id.to_owned()), is_notification, id.len());
         }
-    }
-
-    /// Records the operations that a response starts.
-    fn receipts(&mut self, exchange: &mut Exchange<'_>) {
-        let receipts: Vec<String> = match exchange.field("receipt") {
-            Some(Tree::Text(receipt)) => vec![receipt.to_string()],
-            Some(Tree::Object(members)) => {
-                members.iter().filter_map(|(_, receipt)| Some(receipt.as_str()?.to_owned())).collect()
-            }
-            _ => return,
-        };
-        let serial = self.states[exchange.record.connection.index].serial;
-        for receipt in receipts.into_iter().take(MAX_RECEIPTS).filter(|receipt| receipt.len() <= MAX_ID) {
-            let before = self.operations.remove(&(serial, receipt.clone()));
-            // If operations of several types had this receipt, a notification doesn't say which one it is about. Others
-            // may be pending even after an end.
-            let is_shared = before.as_ref().is_some_and(|operation| {
-                operation.stage != Stage::Early && operation.type_name.as_deref() != exchange.type_name
-            });
-            let type_name = exchange.type_name.filter(|_| !is_shared).map(str::to_owned);
-            let size = receipt.len() + type_name.as_ref().map_or(0, String::len);
-            // A notification may overtake the response.
-            let early = before.as_ref().filter(|operation| operation.stage == Stage::Early);
-            let (stage, was_suspended) = match early {
-                Some(early) if early.has_ended => (Stage::Ended, early.was_suspended),
-                Some(Operation { was_suspended: true, .. }) => (Stage::Suspended, true),
-                _ => (Stage::Open, false),
-            };
-            let operation = Operation { type_name, stage, was_suspended, ..Operation::default() };
-            self.operations.insert((serial, receipt.clone()), operation, size);
-            exchange.opened.push(Named { receipt, before, is_known: exchange.record.connection.is_ordered });
-        }
-    }
-
-    /// Updates the operations that a client resumed or cancelled.
-    fn resumed(&mut self, exchange: &mut Exchange<'_>) {
-        if !matches!(exchange.type_name, Some("ASYNC-CANCEL" | "ASYNC-RESUME")) {
-            return;
-        }
-        let serial = self.states[exchange.record.connection.index].serial;
-        if let Some(Tree::Object(refused)) = exchange.field("error")
-            && exchange.type_name == Some("ASYNC-RESUME")
-        {
-            for (receipt, _) in refused {
-                if let Some(operation) = self.operations.get_mut(&(serial, receipt.to_string())) {
-                    operation.has_refused_resume = true;
-                }
-            }
-        }
-        for receipt in strings(exchange.field("success")).unwrap_or_default() {
-            let operation = self.operations.get_mut(&(serial, receipt.clone()));
-            let before = operation.as_deref().cloned();
-            // The operation may have been suspended after the request.
-            if let Some(operation) = operation.filter(|known| known.stage == Stage::Suspended) {
-                operation.stage = Stage::Released;
-            }
-            exchange.operations.push(Named {
-                receipt,
-                before,
-                is_known: exchange.record.connection.is_ordered,
-            });
-        }
-    }
-
-    /// Records that the server may adjust its clock until this time, or at any later time if none is known.
-    fn may_adjust(&mut self, until: Option<f64>) {
-        self.num_adjustments += 1;
-        self.adjusts_until = self.adjusts_until.max(until.unwrap_or(f64::INFINITY));
-        self.only_adjustment = None;
-    }
-
-    /// Determines the offset between the clocks. The server may handle requests in any order, so only some answers state
-    /// the time after an adjustment.
-    fn learn_time(&mut self, exchange: &mut Exchange<'_>) {
-        let Some(request) = &exchange.request else { return };
-        let location = request.location;
-        let is_only_adjustment = self.only_adjustment == Some(location);
-        let is_certain = if request.is_adjustment() {
-            is_only_adjustment
-        } else {
-            request.time.is_some_and(|time| time > self.adjusts_until)
-        };
-        if !is_certain {
-            return;
-        }
-        let (Some(now), Some(time)) = (exchange.clock_reading(), exchange.time) else { return };
-        let state = &mut self.states[exchange.record.connection.index];
-        exchange.clock_move = exchange.clock.map(|before| ClockMove {
-            // The change is 0 if the same offset is possible for both answers.
-            by: (now.0 - before.1).max(before.0 - now.1).max(0.0),
-            since: time - state.clock_time,
-            is_after_nothing: state.adjusted_by_nothing.is_some(),
-        });
-        (state.clock, state.clock_time) = (Some(now), time);
-        state.num_adjustments = self.num_adjustments;
-        if is_only_adjustment {
-            self.adjusts_until = time + MAX_CLOCK_JITTER;
-        }
-        state.adjusted_by_nothing = state.adjusted_by_nothing.filter(|asked| location <= *asked);
-    }
-}
-
-/// Marks operations as released if a client resumes or cancels them.
-fn release(operations: &mut ById<Operation>, serial: u64, request: &SentRequest) {
-    if !matches!(request.type_name.as_deref(), Some("ASYNC-RESUME" | "ASYNC-CANCEL")) {
-        return;
-    }
-    for receipt in request.objects.iter().flatten() {
-        if let Some(operation) = operations.get_mut(&(serial, receipt.clone()))
-            && operation.stage == Stage::Suspended
-        {
-            operation.stage = Stage::Released;
-        }
-    }
-}
-
-/// True if an adjustment can't set the clock back.
-fn is_forward(adjustment: Option<&Tree<'_>>) -> bool {
-    match adjustment {
-        Some(Tree::Int(by)) => *by >= 0,
-        Some(Tree::Float(by, _)) => *by >= 0.0,
-        _ => false,
     }
 }
 

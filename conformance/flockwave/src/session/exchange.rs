@@ -7,7 +7,7 @@ use uavspec_model::json::{Tree, pointer};
 use uavspec_model::text::{start_of, without_login};
 use uavspec_schema::json_type::Direction;
 
-use super::{Named, SentRequest, parts};
+use super::{ClockMove, Named, SentRequest, parts};
 use crate::body_schema::{BodySchemas, Deviation, Fault, Step};
 use crate::record::{self, SessionRecord};
 
@@ -48,17 +48,6 @@ pub enum Reference {
     Notification,
     /// `refs` names no message of this connection.
     Unknown,
-}
-
-/// The change in the server's clock between two answers that state the server's time.
-#[derive(Clone, Copy, Debug)]
-pub struct ClockMove {
-    /// The minimum change in seconds; 0 if the two answers are consistent with an unchanged clock.
-    pub by: f64,
-    /// The time since the previous answer, in seconds.
-    pub since: f64,
-    /// True if the client has requested an adjustment by 0 since the previous answer.
-    pub is_after_nothing: bool,
 }
 
 /// The identity of a connection.
