@@ -45,18 +45,17 @@ mod test;
 mod testee;
 mod watch;
 
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser, Subcommand, ValueEnum};
 use uavspec_codegen::cli;
-use uavspec_flockwave::body_schema::SchemaError;
 use uavspec_model::text::{command_line, shown_value, shown_words, similar, terminal};
-#[cfg(test)]
-use uavspec_report::Report;
 use uavspec_report::{Outcome, OutcomeKind};
 use uavspec_rules::RULES;
 use uavspec_rules::definitions::{Definitions, Library};
+use uavspec_schema::Failure;
 use uavspec_schema::msg::Dialect;
 #[cfg(feature = "stores")]
 use uavspec_stores as stores;
@@ -235,7 +234,34 @@ enum Status {
     Usage,
 }
 
+/// The result of a command. An error ends the command early, and is printed already.
+type Exit = Result<Status, Status>;
+
 impl Status {
+    /// Prints the reason for this status.
+    fn because(self, problem: impl Display) -> Self {
+        terminal::error(problem, None);
+        self
+    }
+
+    /// Prints the reason for this status, and the help for it.
+    fn with_help(self, problem: impl Display, help: &str) -> Self {
+        terminal::error(problem, Some(help));
+        self
+    }
+
+    /// Prints the reason for this status, which may have several lines.
+    fn with_details(self, problem: impl Display) -> Self {
+        terminal::error_with_details(problem);
+        self
+    }
+
+    /// Prints the failure that is the reason for this status.
+    fn failed(self, failure: &Failure) -> Self {
+        terminal::eprintln!("{failure}");
+        self
+    }
+
     fn code(self) -> u8 {
         match self {
             Self::Conforms => 0,
@@ -265,7 +291,7 @@ impl From<&Outcome> for Status {
 
 /// Runs the program with the arguments of the process.
 pub fn main() -> ExitCode {
-    let status = match terminal::parse_as::<Cli>(interface(), shown_value).command {
+    let exit = match terminal::parse_as::<Cli>(interface(), shown_value).command {
         Command::Definitions(command) => return command.run(),
         Command::Init(args) => init::run(&args),
         Command::Check(args) => check::check(&args),
@@ -282,35 +308,36 @@ pub fn main() -> ExitCode {
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),
     };
+    let status = exit.unwrap_or_else(|status| status);
     // A text that is lost is worse than any finding in it.
-    let printed = terminal::finish().map_err(|error| {
-        terminal::error(format_args!("standard output: {error}"), None);
-        Status::Unreadable
-    });
+    let printed = terminal::finish().map_err(unprinted);
     ExitCode::from(status.max(printed.err().unwrap_or(status)).code())
 }
 
-/// Runs `uavspec check` without printing. Returns the report and the exit status.
-#[cfg(test)]
-pub(crate) fn check_report(arguments: &[&str]) -> (Report, u8) {
-    let arguments = ["uavspec", "check", "--format=json"].iter().chain(arguments);
-    let Ok(Cli { command: Command::Check(args) }) = Cli::try_parse_from(arguments) else {
-        panic!("invalid arguments");
-    };
-    let (report, status) = check::report(&args);
-    let status = Status::from(&report.outcome).max(status).code();
-    (report, status)
+/// Prints an error about a file or folder that can't be used.
+fn unreadable(path: &Path, error: impl Display) -> Status {
+    Status::Unreadable.because(format_args!("{}: {error}", terminal::path(path)))
+}
+
+/// Prints an error about standard output.
+fn unprinted(error: impl Display) -> Status {
+    Status::Unreadable.because(format_args!("standard output: {error}"))
+}
+
+/// Prints an error about the handling of Ctrl-C.
+fn uninterruptible(error: impl Display) -> Status {
+    Status::Unreadable.because(format_args!("can't handle signals: {error}"))
 }
 
 /// Prints an error about a name that doesn't exist, with a similar name or with other help.
-fn print_unknown<'k>(problem: &str, name: &str, known: impl Iterator<Item = &'k str>, help: &str) {
+fn unknown<'k>(problem: &str, name: &str, known: impl Iterator<Item = &'k str>, help: &str) -> Status {
     let help = similar(name, known).map_or_else(|| help.to_owned(), |known| format!("did you mean {known}?"));
-    terminal::error(problem, Some(&help));
+    Status::Usage.with_help(problem, &help)
 }
 
 /// Prints an error about a rule that doesn't exist.
-fn print_unknown_rule(problem: &str, id: &str) {
-    print_unknown(problem, id, RULES.iter().map(|rule| rule.id), "run `uavspec rules` for a list");
+fn unknown_rule(problem: &str, id: &str) -> Status {
+    unknown(problem, id, RULES.iter().map(|rule| rule.id), "run `uavspec rules` for a list")
 }
 
 /// The command line of this run, without secrets.
@@ -326,20 +353,15 @@ fn words() -> Vec<String> {
 
 /// Loads the definitions at a path, or the built-in definitions. Errors are printed.
 fn definitions(path: Option<&Path>) -> Result<Definitions, Status> {
-    path.map_or_else(|| Ok(Definitions::built_in()), Definitions::load).map_err(|failure| {
-        terminal::eprintln!("{failure}");
-        Status::Usage
-    })
+    let loaded = path.map_or_else(|| Ok(Definitions::built_in()), Definitions::load);
+    loaded.map_err(|failure| Status::Usage.failed(&failure))
 }
 
 /// Loads definitions from a path or of a release, or the built-in definitions, and adds JSON Schemas for Flockwave types
 /// without a definition. Errors are printed.
 fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -> Result<Library, Status> {
     let loaded = path.map_or_else(|| Ok(Library::built_in()), |path| Library::load(path, dialect));
-    let library = loaded.map_err(|failure| {
-        terminal::eprintln!("{failure}");
-        Status::Usage
-    })?;
+    let library = loaded.map_err(|failure| Status::Usage.failed(&failure))?;
     for file in library.left_out() {
         terminal::eprintln!("warning: {file} is left out: it refers to a package that isn't in the folder");
     }
@@ -349,15 +371,5 @@ fn library(path: Option<&Path>, dialect: Option<Dialect>, schemas: &[PathBuf]) -
             library.name()
         );
     }
-    library.with_schemas(schemas).map_err(|error| invalid_schemas(&error))
-}
-
-/// Loads definitions, and adds JSON Schemas for Flockwave types without a definition. Errors are printed.
-fn definitions_with(path: Option<&Path>, schemas: &[PathBuf]) -> Result<Definitions, Status> {
-    definitions(path)?.with_schemas(schemas).map_err(|error| invalid_schemas(&error))
-}
-
-fn invalid_schemas(error: &SchemaError) -> Status {
-    terminal::error_with_details(error);
-    Status::Usage
+    library.with_schemas(schemas).map_err(|error| Status::Usage.with_details(error))
 }

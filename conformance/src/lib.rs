@@ -14,5 +14,3 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_macros, clippy::disallowed_methods))]
 
 pub mod app;
-#[cfg(test)]
-mod tests;

@@ -1,4 +1,4 @@
-//! Tests of the program `uavspec` and of the public API, one module per file. Tests of internals are in `src/tests/`.
+//! Tests of the program `uavspec` and of the public API, one module per file.
 
 mod baseline;
 #[cfg(unix)]
@@ -7,6 +7,7 @@ mod cli;
 mod convert;
 mod explain;
 mod init;
+mod outcomes;
 mod outputs;
 mod probe;
 #[cfg(all(feature = "stores", feature = "tables"))]

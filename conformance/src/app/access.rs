@@ -45,9 +45,6 @@ impl AccessArgs {
         if self.insecure {
             terminal::eprintln!("warning: any certificate is accepted (--insecure)");
         }
-        Trust::new(self.ca.as_deref(), self.insecure).map_err(|error| {
-            terminal::error(error, None);
-            Status::Usage
-        })
+        Trust::new(self.ca.as_deref(), self.insecure).map_err(|error| Status::Usage.because(error))
     }
 }

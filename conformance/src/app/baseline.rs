@@ -3,7 +3,6 @@
 use uavspec_check::baseline::{rule_ids, rule_outcomes, unread_outcome};
 pub(super) use uavspec_codegen::cli::baseline::{BaselineArgs, Baselines};
 use uavspec_lint::baseline::{Lists, Sums};
-use uavspec_model::text::terminal;
 use uavspec_model::{Extent, Reason};
 use uavspec_report::CheckedCapture;
 use uavspec_schema::Failure;
@@ -18,23 +17,18 @@ pub(super) fn outputs(args: &BaselineArgs) -> impl Iterator<Item = Output<'_>> {
 
 /// Reads the baselines. Errors are printed.
 pub(super) fn read(args: &BaselineArgs) -> Result<Baselines, Status> {
-    args.read(&rule_ids()).map_err(|failure| failed(&failure, Status::Usage))
+    args.read(&rule_ids()).map_err(|failure| Status::Usage.failed(&failure))
 }
 
 /// Writes the baseline of `--write-baseline`. Returns the status of the baselines, of which one may be out of date. Errors
 /// are printed.
 pub(super) fn write(baselines: &Baselines, is_outdated: Result<bool, Failure>) -> Status {
     match is_outdated.map(|is_outdated| (is_outdated, baselines.write())) {
-        Err(failure) => failed(&failure, Status::Usage),
-        Ok((_, Err(failure))) => failed(&failure, Status::Unreadable),
+        Err(failure) => Status::Usage.failed(&failure),
+        Ok((_, Err(failure))) => Status::Unreadable.failed(&failure),
         Ok((true, Ok(()))) => Status::Stale,
         Ok((false, Ok(()))) => Status::Conforms,
     }
-}
-
-fn failed(failure: &Failure, status: Status) -> Status {
-    terminal::eprintln!("{failure}");
-    status
 }
 
 /// The outdated entries, as reasons why the run fails.

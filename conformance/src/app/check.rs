@@ -6,14 +6,15 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use uavspec_capture::input::Input;
 use uavspec_check::baseline::{excuse_findings, is_rule};
 use uavspec_check::timeline::{Texts, Timeline};
 use uavspec_check::{Checked, parallel};
+use uavspec_model::Reason;
 use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
-use uavspec_model::{Reason, Rule};
 use uavspec_report::{Action, CheckedCapture, Origin, Report, Settings, Subject, Totals, Unreadable};
 use uavspec_rules::definitions::{Definitions, Library};
 use uavspec_schema::MessageId;
@@ -27,8 +28,7 @@ use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::ReportArgs;
 use super::required::{RequireArgs, uncovered};
-use super::tables::Done;
-use super::{Status, outcome_statuses, print_unknown};
+use super::{Exit, Status, outcome_statuses, unknown};
 
 const EXAMPLES: &str = "Examples:
   uavspec check flight.ulg
@@ -102,8 +102,8 @@ pub(super) struct CheckArgs {
     #[arg(long, value_name = "PATH|RELEASE")]
     definitions: Option<PathBuf>,
     /// Dialect of the definitions in a folder (default: detected).
-    #[arg(long, value_name = "DIALECT", requires = "definitions")]
-    dialect: Option<DialectName>,
+    #[arg(long, value_name = "DIALECT", requires = "definitions", value_parser = dialects())]
+    dialect: Option<Dialect>,
     /// Schemas for other Flockwave types (repeatable).
     ///
     /// All JSON Schemas (.json) in the folder and its subfolders are read. Types that have a definition are checked
@@ -144,129 +144,44 @@ pub(super) struct CheckArgs {
     timeline: bool,
 }
 
-/// The name of a dialect.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum DialectName {
-    /// PX4's uORB messages
-    Px4,
-    /// ROS 2 interfaces
-    Ros2,
+/// The names of the dialects.
+fn dialects() -> impl TypedValueParser<Value = Dialect> {
+    let known = [(Dialect::Px4, "PX4's uORB messages"), (Dialect::Ros2, "ROS 2 interfaces")];
+    let names = known.map(|(dialect, help)| PossibleValue::new(dialect.name()).help(help));
+    PossibleValuesParser::new(names)
+        .map(|name| if name == Dialect::Px4.name() { Dialect::Px4 } else { Dialect::Ros2 })
 }
 
-impl From<DialectName> for Dialect {
-    fn from(name: DialectName) -> Self {
-        match name {
-            DialectName::Px4 => Self::Px4,
-            DialectName::Ros2 => Self::Ros2,
-        }
-    }
-}
-
-pub(super) fn check(args: &CheckArgs) -> Status {
-    match try_check(args) {
-        Ok(status) | Err(status) => status,
-    }
-}
-
-fn try_check(args: &CheckArgs) -> Result<Status, Status> {
+pub(super) fn check(args: &CheckArgs) -> Exit {
     let has_tables = args.resume.is_some() || args.report.has_tables();
     let missing = || "--timeline requires tables, such as --report parquet=tables".to_owned();
     let problem = (args.timeline && !has_tables).then(missing);
     if let Some(problem) = args.report.problem().or(problem) {
-        terminal::error(problem, None);
-        return Err(Status::Usage);
+        return Err(Status::Usage.because(problem));
     }
     // A folder of tables exists from now on, and would hide that it is also a file.
     outputs::check(&Inputs::default(), &outputs_of(args))?;
     let mut outputs = args.report.start(Action::Check, args.timeline)?;
     let done = args.resume.as_deref().map(|folder| outputs.resume(folder, args.timeline)).transpose()?;
-    let checked = run(args, done.as_ref(), |item| match item {
-        Item::Checked(subject, origin, timeline) => outputs.add(*subject, &origin, timeline.as_deref()),
-        Item::Unreadable(file) => outputs.add_unreadable(file),
-    })?;
-    let (status, totals) = (checked.status, outputs.finish());
-    Ok(outputs.deliver(&checked.report(totals)).max(status))
-}
-
-/// A result of a run.
-enum Item<'i> {
-    Checked(Box<Subject>, Origin, Option<Box<Timeline>>),
-    /// A file that can't be opened.
-    Unreadable(&'i Unreadable),
-}
-
-/// The report of a run that keeps all subjects, and the status of the baselines.
-#[cfg(test)]
-pub(super) fn report(args: &CheckArgs) -> (Report, Status) {
-    let mut subjects = Vec::new();
-    let checked = run(args, None, |item| {
-        if let Item::Checked(subject, ..) = item {
-            subjects.push(*subject);
-        }
-    });
-    let checked = checked.expect("a report");
-    let status = checked.status;
-    let mut report = checked.report(Totals::of(&subjects));
-    report.subjects = subjects;
-    (report, status)
-}
-
-/// The results of a run, without the subjects.
-struct Finished {
-    definitions: String,
-    required: Vec<&'static Rule>,
-    unreadable: Vec<Unreadable>,
-    not_checked: Vec<Unreadable>,
-    /// The outdated entries of the baselines.
-    stale: Vec<Reason>,
-    /// True if tables of an earlier run contain all captures.
-    has_nothing_new: bool,
-    /// The status of the baselines.
-    status: Status,
-}
-
-impl Finished {
-    fn report(self, totals: Totals) -> Report {
-        let (command, reasons) = (super::command(), uncovered(&self.required, &totals));
-        let report =
-            Report::of_totals(Action::Check, command, &self.definitions, totals, self.unreadable, reasons)
-                .with_not_checked(self.not_checked)
-                .with_stale(self.stale);
-        if self.has_nothing_new { report.with_nothing_new() } else { report }
-    }
-}
-
-/// Checks all files. Passes each capture to `take` as soon as the captures before it are checked.
-/// Skips the captures that the tables contain already.
-fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) -> Result<Finished, Status> {
-    let dialect = args.dialect.map(Dialect::from);
-    let library = super::library(args.definitions.as_deref(), dialect, &args.schemas)?;
+    let library = super::library(args.definitions.as_deref(), args.dialect, &args.schemas)?;
     let required = args.require.rules()?;
     let message_id = message_id(args, &library)?;
     let texts = if args.timeline { Some(texts(args.definitions.as_deref())?) } else { None };
     let mut found = Found::new(&args.files)?;
     check_outputs(args, &found.captures)?;
-    let has_nothing_new = done.is_some_and(|done| found.skip(done)) && found.unreadable.is_empty();
+    let has_nothing_new = done.is_some_and(|done| found.skip(&done)) && found.unreadable.is_empty();
     let mut baselines = baseline::read(&args.baseline)?;
     if has_nothing_new {
         // The baselines and the required rules are about captures that an earlier run has checked.
-        let (required, unreadable, stale) = (Vec::new(), Vec::new(), Vec::new());
-        let (definitions, not_checked, status) =
-            (library.name().to_owned(), found.skipped, baseline::write(&baselines, Ok(false)));
-        return Ok(Finished {
-            definitions,
-            required,
-            unreadable,
-            not_checked,
-            stale,
-            has_nothing_new,
-            status,
-        });
+        let status = baseline::write(&baselines, Ok(false));
+        let report = report(&library, outputs.finish(), Vec::new(), Vec::new());
+        let report = report.with_not_checked(found.skipped).with_nothing_new();
+        return Ok(outputs.deliver(&report).max(status));
     }
     let settings = settings(args);
     let mut unreadable = std::mem::take(&mut found.unreadable);
     for file in &unreadable {
-        take(Item::Unreadable(file));
+        outputs.add_unreadable(file);
     }
     let kept = Mutex::default();
     let check = |input: &Input, progress: &Progress| {
@@ -303,29 +218,28 @@ fn run(args: &CheckArgs, done: Option<&Done>, mut take: impl FnMut(Item<'_>)) ->
             count_capture(&baselines.lists, &mut sums, &found);
             excuse_findings(&mut baselines.lists, &found.path, &mut found.result.findings);
             let subject = Subject::from_capture(found, &definitions, &settings);
-            let item = Item::Checked(Box::new(subject), Origin::of(input), timeline.map(Box::new));
-            progress.pausing(|| take(item));
+            progress.pausing(|| outputs.add(subject, &Origin::of(input), timeline.as_ref()));
         }
         Err(error) => {
             let path = input.name();
             progress.pausing(|| terminal::error(format_args!("{path}: {error}"), None));
             count_unread(&baselines.lists, &mut sums, &path);
             let file = Unreadable { path, message: error.to_string() };
-            take(Item::Unreadable(&file));
+            outputs.add_unreadable(&file);
             unreadable.push(file);
         }
     });
     let is_outdated = updated.map(|()| baselines.finish(&sums));
     let status = baseline::write(&baselines, is_outdated);
-    Ok(Finished {
-        definitions: library.name().to_owned(),
-        required,
-        unreadable,
-        not_checked: found.skipped,
-        stale: baseline::reasons(&baselines),
-        has_nothing_new,
-        status,
-    })
+    let totals = outputs.finish();
+    let reasons = uncovered(&required, &totals);
+    let report = report(&library, totals, unreadable, reasons).with_not_checked(found.skipped);
+    Ok(outputs.deliver(&report.with_stale(baseline::reasons(&baselines))).max(status))
+}
+
+/// The report of a run.
+fn report(library: &Library, totals: Totals, unreadable: Vec<Unreadable>, reasons: Vec<Reason>) -> Report {
+    Report::of_totals(Action::Check, super::command(), library.name(), totals, unreadable, reasons)
 }
 
 /// The results of captures that can't be read again, by name.
@@ -385,8 +299,7 @@ fn message_id(args: &CheckArgs, library: &Library) -> Result<Option<MessageId>, 
         let known: Vec<String> = messages.collect();
         let help = "name a message of the definitions, such as px4/FailsafeFlags";
         let problem = format!("--type {name}: no such message in the definitions");
-        print_unknown(&problem, name, known.iter().map(String::as_str), help);
-        Status::Usage
+        unknown(&problem, name, known.iter().map(String::as_str), help)
     })
 }
 
@@ -397,7 +310,7 @@ fn settings(args: &CheckArgs) -> Settings {
         arguments.extend(["--definitions".to_owned(), path.to_string_lossy().into_owned()]);
     }
     if let Some(dialect) = args.dialect {
-        arguments.extend(["--dialect".to_owned(), Dialect::from(dialect).name().to_owned()]);
+        arguments.extend(["--dialect".to_owned(), dialect.name().to_owned()]);
     }
     for folder in &args.schemas {
         arguments.extend(["--schema".to_owned(), folder.to_string_lossy().into_owned()]);

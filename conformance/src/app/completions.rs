@@ -4,7 +4,7 @@ use clap::Args;
 use clap_complete::{Shell, generate};
 
 use super::report::print_result;
-use super::{PROGRAM, Status, interface};
+use super::{Exit, PROGRAM, interface};
 
 const EXAMPLES: &str = "Examples:
   uavspec completions bash > ~/.local/share/bash-completion/completions/uavspec
@@ -20,8 +20,8 @@ pub(super) struct CompletionsArgs {
 }
 
 /// Runs `uavspec completions`.
-pub(super) fn run(args: &CompletionsArgs) -> Status {
+pub(super) fn run(args: &CompletionsArgs) -> Exit {
     let mut script = Vec::new();
     generate(args.shell, &mut interface(), PROGRAM, &mut script);
-    print_result(&String::from_utf8_lossy(&script)).err().unwrap_or(Status::Conforms)
+    print_result(&String::from_utf8_lossy(&script))
 }

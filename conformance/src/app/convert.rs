@@ -1,7 +1,7 @@
 //! `uavspec convert`.
 
 use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,7 +16,7 @@ use uavspec_schema::stage::write_file;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::print_result;
-use super::{Format, Status};
+use super::{Exit, Format, Status, uninterruptible, unreadable};
 
 const EXAMPLES: &str = "Examples:
   uavspec convert flight.ulg --to px4@1.16 -o converted.ulg
@@ -94,32 +94,31 @@ pub(super) struct ConvertArgs {
 }
 
 /// Runs `uavspec convert`.
-pub(super) fn run(args: &ConvertArgs) -> Status {
-    try_run(args).unwrap_or_else(|status| status)
-}
-
-fn try_run(args: &ConvertArgs) -> Result<Status, Status> {
+pub(super) fn run(args: &ConvertArgs) -> Exit {
     let inputs = Inputs {
         files: std::iter::once(&*args.input).chain(args.hints.as_deref()).collect(),
         ..Inputs::default()
     };
     outputs::check(&inputs, &[Output::new("--output", &args.output)])?;
     if args.input.is_dir() {
-        return Err(folder(&args.input));
+        let help = "convert each file of the folder, with an output for each";
+        let problem = format!("{}: a folder can't be converted", terminal::path(&args.input));
+        return Err(Status::Usage.with_help(problem, help));
     }
     let source = args.from.as_deref().map_or_else(|| Ok(Library::built_in()), Library::release);
-    let source = source.map_err(|failure| usage(&failure))?;
-    let target = Library::release(&args.to).map_err(|failure| usage(&failure))?;
+    let usage = |failure: Failure| Status::Usage.failed(&failure);
+    let source = source.map_err(usage)?;
+    let target = Library::release(&args.to).map_err(usage)?;
     let interrupted = interruption()?;
     let progress = Progress::bytes(std::fs::metadata(&args.input).map_or(0, |metadata| metadata.len()));
     let opened = open_path(&args.input, &source, &|input| {
         let input = Interruptible { input, interrupted: Arc::clone(&interrupted) };
         progress.reading(input)
     });
-    let failed = |error: &str| unreadable(&args.input, error);
-    let opened = opened.map_err(|error| failed(&error.to_string()))?.map_err(|reason| failed(&reason))?;
+    let opened = opened.map_err(|error| unreadable(&args.input, error))?;
+    let opened = opened.map_err(|reason| unreadable(&args.input, reason))?;
     let plan = Plan::new(Arc::clone(&opened.definitions), &source, &target, args.hints.as_deref());
-    let plan = plan.map_err(|failure| usage(&failure))?;
+    let plan = plan.map_err(usage)?;
     let report = write(args, opened, &plan, &interrupted);
     drop(progress);
     let report = report?;
@@ -147,12 +146,11 @@ fn write(
         Ok(report)
     });
     if result.is_err() && interrupted.load(Ordering::Relaxed) {
-        terminal::error("interrupted: no output was written", None);
-        return Err(Status::Unreadable);
+        return Err(Status::Unreadable.because("interrupted: no output was written"));
     }
     result.map_err(|error| match error {
-        Error::Input(problem) => unreadable(&args.input, &problem),
-        Error::Write(error) => unreadable(&args.output, &error.to_string()),
+        Error::Input(problem) => unreadable(&args.input, problem),
+        Error::Write(error) => unreadable(&args.output, error),
     })
 }
 
@@ -160,8 +158,7 @@ fn write(
 fn status(report: &ConversionReport) -> Status {
     if !report.is_complete() {
         let help = "the output contains the readable messages";
-        terminal::error("incomplete: some data of the input can't be read", Some(help));
-        return Status::Incomplete;
+        return Status::Incomplete.with_help("incomplete: some data of the input can't be read", help);
     }
     if report.count(Action::Converted) == 0 {
         let help = if report.from.is_empty() {
@@ -169,27 +166,9 @@ fn status(report: &ConversionReport) -> Status {
         } else {
             "`uavspec check` lists the topics and their releases"
         };
-        terminal::error("no topic was converted", Some(help));
-        return Status::Nothing;
+        return Status::Nothing.with_help("no topic was converted", help);
     }
     Status::Conforms
-}
-
-fn usage(failure: &Failure) -> Status {
-    terminal::eprintln!("{failure}");
-    Status::Usage
-}
-
-/// Refuses a folder.
-fn folder(path: &Path) -> Status {
-    let help = "convert each file of the folder, with an output for each";
-    terminal::error(format_args!("{}: a folder can't be converted", terminal::path(path)), Some(help));
-    Status::Usage
-}
-
-fn unreadable(path: &Path, error: &str) -> Status {
-    terminal::error(format_args!("{}: {error}", terminal::path(path)), None);
-    Status::Unreadable
 }
 
 /// A flag that Ctrl-C sets. Errors are printed.
@@ -202,10 +181,7 @@ fn interruption() -> Result<Arc<AtomicBool>, Status> {
             std::process::exit(INTERRUPTED);
         }
     };
-    ctrlc::set_handler(interrupt).map_err(|error| {
-        terminal::error(format_args!("can't handle signals: {error}"), None);
-        Status::Unreadable
-    })?;
+    ctrlc::set_handler(interrupt).map_err(uninterruptible)?;
     Ok(interrupted)
 }
 

@@ -18,7 +18,7 @@ use uavspec_schema::stage::write_file;
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::print;
-use super::{Format, Status};
+use super::{Exit, Format, Status, unreadable};
 
 /// The path that means standard input.
 const STANDARD_INPUT: &str = "-";
@@ -108,24 +108,23 @@ impl FromStr for Page {
 }
 
 /// Runs `uavspec explain`. An existing path and `-` are captures.
-pub(super) fn explain(args: &ExplainArgs) -> Status {
+pub(super) fn explain(args: &ExplainArgs) -> Exit {
     if args.what == Path::new(STANDARD_INPUT) || args.what.exists() {
-        let Some(release) = &args.release else { return timeline(args).unwrap_or_else(|status| status) };
+        let Some(release) = &args.release else { return timeline(args) };
         let help = format!("use `--definitions {release}` for a capture");
-        terminal::error("--release applies to words only", Some(&help));
-        return Status::Usage;
+        return Err(Status::Usage.with_help("--release applies to words only", &help));
     }
     let has_options = args.definitions.is_some() || args.language.is_some() || args.report.is_some();
     if has_options || is_capture(&args.what) {
         let problem = format!("{}: no such file or folder", terminal::path(&args.what));
-        terminal::error(problem, Some("name a log, a bag, a file with messages or a recorded session"));
-        return Status::Unreadable;
+        let help = "name a log, a bag, a file with messages or a recorded session";
+        return Err(Status::Unreadable.with_help(problem, help));
     }
     word::explain_word(&args.what.to_string_lossy(), args.release.as_deref(), args.format)
 }
 
 /// Prints the timeline of a capture. Errors are printed.
-fn timeline(args: &ExplainArgs) -> Result<Status, Status> {
+fn timeline(args: &ExplainArgs) -> Exit {
     let library = super::library(args.definitions.as_deref(), None, &[])?;
     let texts = texts(args.definitions.as_deref())?;
     let language = language(args.language.as_deref(), &texts.languages())?;
@@ -133,12 +132,8 @@ fn timeline(args: &ExplainArgs) -> Result<Status, Status> {
     let progress = Progress::bytes(std::fs::metadata(&args.what).map_or(0, |metadata| metadata.len()));
     let timeline = Timeline::read(&args.what, &library, &texts, &|input| progress.reading(input));
     drop(progress);
-    let unreadable = |error: &str| {
-        terminal::error(format_args!("{}: {error}", terminal::path(&args.what)), None);
-        Status::Unreadable
-    };
-    let timeline =
-        timeline.map_err(|error| unreadable(&error.to_string()))?.map_err(|reason| unreadable(&reason))?;
+    let timeline = timeline.map_err(|error| unreadable(&args.what, error))?;
+    let timeline = timeline.map_err(|reason| unreadable(&args.what, reason))?;
     write(args, &timeline, &language)?;
     Ok(status(&timeline))
 }
@@ -147,8 +142,7 @@ fn timeline(args: &ExplainArgs) -> Result<Status, Status> {
 fn status(timeline: &Timeline) -> Status {
     if timeline.extent != Extent::Whole {
         let count = plural(timeline.corruption.len(), "part");
-        terminal::error(format_args!("incomplete: {count} of the capture can't be read"), None);
-        return Status::Incomplete;
+        return Status::Incomplete.because(format_args!("incomplete: {count} of the capture can't be read"));
     }
     if timeline.lanes.is_empty() {
         let undefined: Vec<&str> = timeline.topics(TopicStatus::Undefined).collect();
@@ -160,8 +154,7 @@ fn status(timeline: &Timeline) -> Status {
             ),
             _ => format!("name the definitions of {} with --definitions", undefined.join(", ")),
         };
-        terminal::error("nothing to explain", Some(&help));
-        return Status::Nothing;
+        return Status::Nothing.with_help("nothing to explain", &help);
     }
     Status::Conforms
 }
@@ -197,10 +190,7 @@ fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
 
 /// The texts of the definitions at a path, or of the built-in definitions. Errors are printed.
 pub(super) fn texts(path: Option<&Path>) -> Result<Texts, Status> {
-    Texts::load(path).map_err(|failure| {
-        terminal::eprintln!("{failure}");
-        Status::Usage
-    })
+    Texts::load(path).map_err(|failure| Status::Usage.failed(&failure))
 }
 
 /// The tag of the labels' language. Errors are printed.
@@ -211,6 +201,6 @@ pub(super) fn language(wanted: Option<&str>, languages: &BTreeMap<String, String
         return Ok(tag.to_owned());
     }
     let help = format!("expected one of {}", known.collect::<Vec<_>>().join(", "));
-    terminal::error(format_args!("--language {}: no such language", terminal::shown(wanted)), Some(&help));
-    Err(Status::Usage)
+    let problem = format!("--language {}: no such language", terminal::shown(wanted));
+    Err(Status::Usage.with_help(problem, &help))
 }

@@ -13,7 +13,7 @@ use uavspec_schema::Failure;
 use uavspec_schema::msg::Dialect;
 
 use self::files::{Files, RUNTIME};
-use super::Status;
+use super::{Exit, Status};
 
 const EXAMPLES: &str = "Examples:
   uavspec init                  for the definitions in the current folder
@@ -37,13 +37,8 @@ pub(super) struct InitArgs {
 }
 
 /// Runs `uavspec init`.
-pub(super) fn run(args: &InitArgs) -> Status {
-    let failure = match init(args) {
-        Ok(()) => return Status::Conforms,
-        Err(failure) => failure,
-    };
-    terminal::eprintln!("{failure}");
-    Status::Usage
+pub(super) fn run(args: &InitArgs) -> Exit {
+    init(args).map_or_else(|failure| Err(Status::Usage.failed(&failure)), |()| Ok(Status::Conforms))
 }
 
 fn init(args: &InitArgs) -> Result<(), Failure> {

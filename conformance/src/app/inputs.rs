@@ -57,8 +57,7 @@ impl Found {
 
     fn add_path(&mut self, path: &Path) -> Result<(), Status> {
         let files = input::files(&[path.to_owned()]).map_err(|(path, error)| {
-            terminal::error(format_args!("{}: {error}", terminal::path(&path)), None);
-            Status::Usage
+            Status::Usage.because(format_args!("{}: {error}", terminal::path(&path)))
         })?;
         let Files { captures, skipped, unreadable, empty } = files;
         for (path, reason) in unreadable.iter().chain(&empty) {

@@ -11,7 +11,7 @@ use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
 use uavspec_probe::{Options, Stop};
 
-use super::Status;
+use super::{Status, uninterruptible};
 
 /// The exit status after an interrupt that ends the program immediately: 128 plus the number of SIGINT.
 pub(super) const INTERRUPTED: i32 = 130;
@@ -33,10 +33,7 @@ pub(super) fn install(options: &Options) -> Result<(), Status> {
     } else {
         signals::take(&stop, limit);
     }
-    ctrlc::set_handler(move || end(&stop, limit)).map_err(|error| {
-        terminal::error(format_args!("can't handle signals: {error}"), None);
-        Status::Unreadable
-    })
+    ctrlc::set_handler(move || end(&stop, limit)).map_err(uninterruptible)
 }
 
 /// Asks the probe to stop. At the second time, ends the program.

@@ -1,11 +1,10 @@
 //! `uavspec lsp`.
 
 use clap::Args;
-use uavspec_model::text::terminal;
 use uavspec_report::explain::History;
 use uavspec_rules::definitions::Library;
 
-use super::Status;
+use super::{Exit, Status};
 
 const EXAMPLES: &str = "Examples:
   uavspec lsp    # started by an editor
@@ -23,14 +22,9 @@ pub(super) struct LspArgs {
 }
 
 /// Runs `uavspec lsp`.
-pub(super) fn run(_: &LspArgs) -> Status {
+pub(super) fn run(_: &LspArgs) -> Exit {
     let library = Library::built_in();
     let history = History::new(&library);
-    match uavspec_lsp::run(&|message, item| history.lines(message, item)) {
-        Ok(()) => Status::Conforms,
-        Err(failure) => {
-            terminal::eprintln!("{failure}");
-            Status::Unreadable
-        }
-    }
+    let served = uavspec_lsp::run(&|message, item| history.lines(message, item));
+    served.map(|()| Status::Conforms).map_err(|failure| Status::Unreadable.failed(&failure))
 }

@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use clap_mangen::{Man, generate_to};
-use uavspec_model::text::terminal;
 
 use super::report::print_result;
-use super::{Status, interface};
+use super::{Exit, Status, interface, unreadable};
 
 const EXAMPLES: &str = "Examples:
   uavspec man | man -l -
@@ -24,25 +23,18 @@ pub(super) struct ManArgs {
 }
 
 /// Runs `uavspec man`.
-pub(super) fn run(args: &ManArgs) -> Status {
-    let result = match &args.out {
-        Some(folder) => write(folder).map_err(|error| {
-            terminal::error(format_args!("{}: {error}", terminal::path(folder)), None);
-            Status::Unreadable
-        }),
-        None => print_page(),
-    };
-    result.err().unwrap_or(Status::Conforms)
+pub(super) fn run(args: &ManArgs) -> Exit {
+    if let Some(folder) = &args.out {
+        write(folder).map_err(|error| unreadable(folder, error))?;
+        return Ok(Status::Conforms);
+    }
+    let mut page = Vec::new();
+    // Writing to memory can't fail.
+    let _ = Man::new(interface()).render(&mut page);
+    print_result(&String::from_utf8_lossy(&page))
 }
 
 fn write(folder: &Path) -> io::Result<()> {
     std::fs::create_dir_all(folder)?;
     generate_to(interface(), folder)
-}
-
-fn print_page() -> Result<(), Status> {
-    let mut page = Vec::new();
-    // Writing to memory can't fail.
-    let _ = Man::new(interface()).render(&mut page);
-    print_result(&String::from_utf8_lossy(&page))
 }

@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use uavspec_report::Settings;
 
 /// Arguments of commands that check captures or sessions.
@@ -11,8 +11,8 @@ pub(super) struct OutcomeArgs {
     /// Fail if a violated rule has this level: error (MUST) or warning (SHOULD).
     ///
     /// With `warning`, violations of rules of level SHOULD also fail the run.
-    #[arg(long, value_name = "LEVEL", default_value = "error", hide_possible_values = true)]
-    deny: Denied,
+    #[arg(long, value_name = "LEVEL", default_value = "error", value_parser = ["warning", "error"], hide_possible_values = true)]
+    deny: String,
     /// Minimum coverage, such as 90%.
     ///
     /// If a smaller percentage of the topics or types in a file is fully checked, the outcome of this file is incomplete.
@@ -23,15 +23,6 @@ pub(super) struct OutcomeArgs {
     /// The reports still contain the reasons.
     #[arg(long)]
     allow_incomplete: bool,
-}
-
-/// The lowest level of findings that fail the run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Denied {
-    /// MUST and SHOULD.
-    Warning,
-    /// Only MUST.
-    Error,
 }
 
 /// A percentage from 0 to 100.
@@ -52,7 +43,7 @@ impl OutcomeArgs {
     /// The settings of reports.
     pub(super) fn settings(&self) -> Settings {
         Settings {
-            are_warnings_denied: self.deny == Denied::Warning,
+            are_warnings_denied: self.deny == "warning",
             min_coverage: self.min_coverage.map(|Percent(percent)| percent),
             allows_incomplete: self.allow_incomplete,
             ..Settings::default()

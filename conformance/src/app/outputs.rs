@@ -50,10 +50,8 @@ struct Target {
 
 /// Returns an error if an output is an input, or the same file as another output. Errors are printed.
 pub(super) fn check(inputs: &Inputs<'_>, outputs: &[Output<'_>]) -> Result<(), Status> {
-    problem(inputs, outputs).map_or(Ok(()), |problem| {
-        terminal::error(&problem, Some("choose another file for the output"));
-        Err(Status::Usage)
-    })
+    let help = "choose another file for the output";
+    problem(inputs, outputs).map_or(Ok(()), |problem| Err(Status::Usage.with_help(problem, help)))
 }
 
 fn problem(inputs: &Inputs<'_>, outputs: &[Output<'_>]) -> Option<String> {

@@ -4,8 +4,8 @@ mod application;
 mod vehicle;
 
 use std::fs::File;
-use std::io::{LineWriter, Write};
-use std::path::PathBuf;
+use std::io::{self, LineWriter, Write};
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use clap::Args;
@@ -29,7 +29,7 @@ use super::report::{Outputs, ReportArgs};
 use super::required::{RequireArgs, uncovered};
 use super::target::Target;
 use super::test::seconds;
-use super::{Status, outcome_statuses};
+use super::{Exit, Status, outcome_statuses, unreadable};
 
 const EXAMPLES: &str = "Examples:
   uavspec probe tcp://localhost:5001
@@ -149,23 +149,15 @@ pub(super) struct ProbeArgs {
     report: ReportArgs,
 }
 
-pub(super) fn run(args: &ProbeArgs) -> Status {
-    let problem = args.report.problem().or_else(|| args.misplaced());
-    if let Some(problem) = problem {
-        terminal::error(problem, None);
-        return Status::Usage;
+pub(super) fn run(args: &ProbeArgs) -> Exit {
+    if let Some(problem) = args.report.problem().or_else(|| args.misplaced()) {
+        return Err(Status::Usage.because(problem));
     }
     let vehicle = args.targets.iter().find_map(|target| match target {
         Target::Server(_) => None,
         Target::Vehicle(address) => Some(address),
     });
-    let probed = match vehicle {
-        Some(address) => vehicle::probe_vehicle(args, address),
-        None => probe_servers(args),
-    };
-    match probed {
-        Ok(status) | Err(status) => status,
-    }
+    vehicle.map_or_else(|| probe_servers(args), |address| vehicle::probe_vehicle(args, address))
 }
 
 impl ProbeArgs {
@@ -229,8 +221,9 @@ struct ProbedServer {
     elapsed: u128,
 }
 
-fn probe_servers(args: &ProbeArgs) -> Result<Status, Status> {
-    let definitions = super::definitions_with(args.definitions.as_deref(), &args.schemas)?;
+fn probe_servers(args: &ProbeArgs) -> Exit {
+    let definitions = super::definitions(args.definitions.as_deref())?.with_schemas(&args.schemas);
+    let definitions = definitions.map_err(|error| Status::Usage.with_details(error))?;
     let required = args.require.rules()?;
     let outputs = start_reports(args)?;
     let baselines = baseline::read(&args.baseline)?;
@@ -290,13 +283,7 @@ fn report_servers(
     let settings = Settings { probe: Some(reproducing_words()), ..settings };
     let status = report(outputs, all, unreadable, definitions, required, baselines, settings);
     match (unrecorded, &args.record) {
-        (Some(error), Some(path)) => {
-            terminal::error(
-                format_args!("{}: can't write the recording: {error}", terminal::path(path)),
-                None,
-            );
-            status.max(Status::Unreadable)
-        }
+        (Some(error), Some(path)) => status.max(unrecorded_at(path, &error)),
         _ => status,
     }
 }
@@ -361,10 +348,7 @@ fn options(args: &ProbeArgs, definitions: &Definitions) -> Result<Options, Statu
             break;
         }
     }
-    let selection = selection.map_err(|problem| {
-        terminal::error(problem, None);
-        Status::Usage
-    })?;
+    let selection = selection.map_err(|problem| Status::Usage.because(problem))?;
     let selection = if args.no_trials { selection.without_trials() } else { selection };
     let trust = args.access.trust()?;
     let observe = args.observe.unwrap_or(OBSERVE);
@@ -425,13 +409,15 @@ fn timeout(text: &str) -> Result<Duration, String> {
     is_sensible.then_some(time).ok_or_else(|| "expected a number from 1 to 60".to_owned())
 }
 
+/// Prints an error about the `--record` file.
+fn unrecorded_at(path: &Path, error: &io::Error) -> Status {
+    unreadable(path, format_args!("can't write the recording: {error}"))
+}
+
 /// Creates the `--record` file. Errors are printed.
 fn recording(args: &ProbeArgs) -> Result<Option<Box<dyn Write>>, Status> {
     let Some(path) = &args.record else { return Ok(None) };
-    let file = File::create(path).map_err(|error| {
-        terminal::error(format_args!("{}: can't write the recording: {error}", terminal::path(path)), None);
-        Status::Unreadable
-    })?;
+    let file = File::create(path).map_err(|error| unrecorded_at(path, &error))?;
     // Each line is written immediately, in case the probe is killed.
     Ok(Some(Box::new(LineWriter::new(file))))
 }

@@ -14,9 +14,9 @@ use uavspec_report::{
 };
 use uavspec_schema::stage::{folder_of, write_file};
 
-use super::Status;
 use super::outputs::Output;
 use super::tables::{Dataset, Done};
+use super::{Exit, Status, unprinted};
 
 /// The path that means standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -157,12 +157,8 @@ impl ReportArgs {
         });
         let created = tables.map(|(format, path)| {
             Dataset::create(path, format, has_timeline).map_err(|error| {
-                let folder = terminal::path(path);
-                terminal::error(
-                    format_args!("{folder}: can't write the tables: {error}"),
-                    Some("name a new folder"),
-                );
-                Status::Usage
+                let problem = format!("{}: can't write the tables: {error}", terminal::path(path));
+                Status::Usage.with_help(problem, "name a new folder")
             })
         });
         created.collect()
@@ -174,7 +170,7 @@ impl ReportArgs {
         // The sections of a text report are printed immediately. The other formats follow the report files.
         let printed = Some(self.printed()).filter(|kind| *kind != Kind::Text).map(|kind| (kind, None));
         let files = self.files().map(|(kind, path)| (kind, folder_for_parts(path)));
-        let stream = Stream::new(action, super::command(), files.chain(printed));
+        let stream = Stream::new(action, &super::command(), files.chain(printed));
         let tables = self.tables(has_timeline)?;
         Ok(Outputs { args: self, stream, tables, unprinted: None })
     }
@@ -184,8 +180,7 @@ impl Outputs<'_> {
     /// Continues the tables of an earlier run. Returns the captures that they contain. Errors are printed.
     pub(super) fn resume(&mut self, folder: &Path, has_timeline: bool) -> Result<Done, Status> {
         let (tables, done) = Dataset::resume(folder, has_timeline).map_err(|error| {
-            terminal::error(format_args!("--resume {}: {error}", terminal::path(folder)), Some(RESUMABLE));
-            Status::Usage
+            Status::Usage.with_help(format_args!("--resume {}: {error}", terminal::path(folder)), RESUMABLE)
         })?;
         self.tables.push(tables);
         Ok(done)
@@ -199,7 +194,7 @@ impl Outputs<'_> {
         for tables in &mut self.tables {
             tables.add(&subject, origin, timeline);
         }
-        self.stream.add(subject);
+        self.stream.add(&subject);
     }
 
     /// Adds a file that can't be opened to the tables. The other reports list it at their end.
@@ -286,11 +281,8 @@ pub(super) fn print(text: &str) -> io::Result<()> {
 }
 
 /// Like [`print`]. Errors are printed.
-pub(super) fn print_result(text: &str) -> Result<(), Status> {
-    print(text).map_err(|error| {
-        terminal::error(format_args!("standard output: {error}"), None);
-        Status::Unreadable
-    })
+pub(super) fn print_result(text: &str) -> Exit {
+    print(text).map(|()| Status::Conforms).map_err(unprinted)
 }
 
 /// A closed pipe is not an error.

@@ -6,7 +6,7 @@ use uavspec_model::{Reason, Rule};
 use uavspec_report::Totals;
 use uavspec_rules::rule;
 
-use super::{Status, print_unknown_rule};
+use super::{Status, unknown_rule};
 
 /// Arguments of commands that check rules.
 #[derive(Args, Debug)]
@@ -21,13 +21,8 @@ pub(super) struct RequireArgs {
 impl RequireArgs {
     /// The required rules. Unknown ids are printed as errors.
     pub(super) fn rules(&self) -> Result<Vec<&'static Rule>, Status> {
-        let find = |id: &String| {
-            rule(id).ok_or_else(|| {
-                print_unknown_rule(&format!("--require {id}: no such rule"), id);
-                Status::Usage
-            })
-        };
-        self.require.iter().map(find).collect()
+        let unknown = |id: &str| unknown_rule(&format!("--require {id}: no such rule"), id);
+        self.require.iter().map(|id| rule(id).ok_or_else(|| unknown(id))).collect()
     }
 }
 

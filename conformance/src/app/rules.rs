@@ -7,7 +7,7 @@ use uavspec_rules::definitions::Definitions;
 use uavspec_rules::rule;
 
 use super::report::print_result;
-use super::{Format, Status, print_unknown_rule};
+use super::{Exit, Format, unknown_rule};
 
 /// Arguments of `rules`.
 #[derive(Args, Debug)]
@@ -31,13 +31,10 @@ pub(super) struct RulesArgs {
 }
 
 /// Runs `uavspec rules`.
-pub(super) fn rules(args: &RulesArgs) -> Status {
+pub(super) fn rules(args: &RulesArgs) -> Exit {
     let text = match (&args.id, args.format) {
         (Some(id), format) => {
-            let Some(rule) = rule(id) else {
-                print_unknown_rule(&format!("{id}: no such rule"), id);
-                return Status::Usage;
-            };
+            let rule = rule(id).ok_or_else(|| unknown_rule(&format!("{id}: no such rule"), id))?;
             if format == Format::Json { rule_list::to_json(&[rule]) } else { rule_list::rule_text(rule) }
         }
         (None, format) if args.matrix => {
@@ -47,5 +44,5 @@ pub(super) fn rules(args: &RulesArgs) -> Status {
         (None, Format::Text) => rule_list::to_text(),
         (None, Format::Json) => rule_list::to_json(&uavspec_rules::RULES),
     };
-    print_result(&text).err().unwrap_or(Status::Conforms)
+    print_result(&text)
 }

@@ -21,8 +21,8 @@ use uavspec_probe::testee::target::Target;
 use uavspec_rules::RULES;
 use uavspec_rules::definitions::Definitions;
 
-use super::Status;
 use super::progress::Progress;
+use super::{Exit, Status};
 
 const FAIL: Style = AnsiColor::Red.on_default().bold();
 const PASS: Style = AnsiColor::Green.on_default().bold();
@@ -78,18 +78,11 @@ pub(super) struct SelfTestArgs {
     testee: Vec<OsString>,
 }
 
-pub(super) fn self_test(args: &SelfTestArgs) -> Status {
-    let tested = match &args.px4 {
-        Some(buses) => test_vehicles(buses),
-        None => test_all(args),
-    };
-    let is_right = match tested {
-        Ok(is_right) => is_right,
-        Err(status) => return status,
-    };
+pub(super) fn self_test(args: &SelfTestArgs) -> Exit {
+    let is_right = args.px4.as_ref().map_or_else(|| test_all(args), |buses| test_vehicles(buses))?;
     let (style, text) = if is_right { (PASS, "all checks passed") } else { (FAIL, "some checks failed") };
     terminal::println!("\n{style}{text}{style:#}");
-    if is_right { Status::Conforms } else { Status::DoesNotConform }
+    Ok(if is_right { Status::Conforms } else { Status::DoesNotConform })
 }
 
 /// Tests the PX4 references over buses, or within the process if there are none.
@@ -106,13 +99,7 @@ fn test_vehicles(given: &[Address]) -> Result<bool, Status> {
     parallel::each(&buses, jobs, check_bus, |address, checked| {
         problem = problem.take().or_else(|| Some(format!("{address}: {}", checked.err()?)));
     });
-    match problem {
-        Some(problem) => {
-            terminal::error(problem, None);
-            Err(Status::Unreadable)
-        }
-        None => Ok(vehicles(&buses)),
-    }
+    problem.map_or_else(|| Ok(vehicles(&buses)), |problem| Err(Status::Unreadable.because(problem)))
 }
 
 /// Tests the checks, the references and the testee.
@@ -125,13 +112,8 @@ fn test_all(args: &SelfTestArgs) -> Result<bool, Status> {
         is_right &= vehicles(&[]);
     }
     if !args.testee.is_empty() {
-        match run_cases(&definitions, &args.testee) {
-            Ok(is_passing) => is_right &= is_passing,
-            Err(error) => {
-                terminal::error(error, None);
-                return Err(Status::Unreadable);
-            }
-        }
+        let tested = run_cases(&definitions, &args.testee);
+        is_right &= tested.map_err(|error| Status::Unreadable.because(error))?;
     }
     Ok(is_right)
 }

@@ -19,8 +19,8 @@ use uavspec_model::text::terminal;
 use uavspec_serve::{Options, Server, Transport, error, loss};
 
 use self::bug::ServedBug;
-use super::Status;
 use super::test::seconds;
+use super::{Exit, Status, uninterruptible};
 
 /// The default address, with the port that Flockwave clients try first.
 const DEFAULT_ADDRESS: &str = "127.0.0.1:5001";
@@ -175,13 +175,13 @@ pub(super) struct ServeArgs {
     format: super::Format,
 }
 
-pub(super) fn serve(args: &ServeArgs) -> Status {
+pub(super) fn serve(args: &ServeArgs) -> Exit {
     if args.list_bugs {
-        return bug::list(args.format);
+        bug::list(args.format);
+        return Ok(Status::Conforms);
     }
     if let Some(problem) = bug::misplaced(args) {
-        terminal::error(problem, None);
-        return Status::Usage;
+        return Err(Status::Usage.because(problem));
     }
     if let Some(address) = &args.px4 {
         return vehicle::serve_vehicle(args, address);
@@ -190,24 +190,13 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     let named = named.chain(args.losses.iter().map(|(id, _)| ("lose", id)));
     let named = named.chain(args.appearances.iter().map(|(id, _)| ("appear", id)));
     if let Some((option, id)) = named.into_iter().find(|(_, id)| !has_uav(args.uavs, id)) {
-        terminal::error(
-            format_args!("--{option} {id}: the fleet consists of glider-1 to glider-{}", args.uavs),
-            None,
-        );
-        return Status::Usage;
+        let problem = format!("--{option} {id}: the fleet consists of glider-1 to glider-{}", args.uavs);
+        return Err(Status::Usage.because(problem));
     }
-    let server = match Server::start(options(args), &addresses(args)) {
-        Ok(server) => server,
-        Err(error) => {
-            terminal::error(error, None);
-            return Status::Unreadable;
-        }
-    };
+    let server = Server::start(options(args), &addresses(args));
+    let server = server.map_err(|error| Status::Unreadable.because(error))?;
     let (sender, ending) = channel();
-    if let Err(error) = end_on_request(args, sender) {
-        terminal::error(error, None);
-        return Status::Unreadable;
-    }
+    end_on_request(args, sender)?;
     for listening in server.listening() {
         match args.format {
             super::Format::Text => terminal::println!("{listening}"),
@@ -223,14 +212,13 @@ pub(super) fn serve(args: &ServeArgs) -> Status {
     bug::announce(args.bug);
     wait(&server, &ending, args.time);
     if server.has_failed() {
-        terminal::error("the server stopped because of an internal error", None);
-        return Status::Unreadable;
+        return Err(Status::Unreadable.because("the server stopped because of an internal error"));
     }
     let statistics = server.end().to_string();
     if !statistics.is_empty() {
         terminal::eprintln!("{statistics}");
     }
-    Status::Conforms
+    Ok(Status::Conforms)
 }
 
 /// Waits until the end is requested, the time has passed or the server fails.
@@ -281,8 +269,8 @@ fn addresses(args: &ServeArgs) -> Vec<(Transport, SocketAddr)> {
     given
 }
 
-/// Sends a message when standard input closes (if requested) or the user presses Ctrl-C.
-fn end_on_request(args: &ServeArgs, sender: Sender<()>) -> Result<(), String> {
+/// Sends a message when standard input closes (if requested) or the user presses Ctrl-C. Errors are printed.
+fn end_on_request(args: &ServeArgs, sender: Sender<()>) -> Result<(), Status> {
     if args.until_stdin_closes {
         let sender = sender.clone();
         thread::spawn(move || {
@@ -296,7 +284,7 @@ fn end_on_request(args: &ServeArgs, sender: Sender<()>) -> Result<(), String> {
     ctrlc::set_handler(move || {
         let _ = sender.send(());
     })
-    .map_err(|error| format!("can't handle signals: {error}"))
+    .map_err(uninterruptible)
 }
 
 fn has_uav(count: u16, id: &str) -> bool {

@@ -10,7 +10,7 @@ use clap::Args;
 use globset::{Glob, GlobMatcher};
 use uavspec_dynamic::Types;
 use uavspec_model::net::Address;
-use uavspec_model::text::{command_line, terminal};
+use uavspec_model::text::command_line;
 use uavspec_probe::testee::case::{Case, cases};
 use uavspec_probe::testee::file::{dump, replay};
 use uavspec_probe::testee::known::{case_outcomes, excuse_cases};
@@ -25,7 +25,7 @@ use super::baseline::{self, BaselineArgs};
 use super::outputs::{self, Inputs, Output};
 use super::progress::Progress;
 use super::report::{Outputs, ReportArgs};
-use super::{Status, outcome_statuses};
+use super::{Exit, Status, outcome_statuses, unreadable};
 
 const EXAMPLES: &str = "Examples:
   uavspec test -- ./my-codec --stdio
@@ -145,48 +145,26 @@ pub(super) fn target(command: &[OsString], attach: Option<&Address>) -> Target {
     attach.map_or_else(|| Target::Command(command.to_vec()), |address| Target::Address(address.clone()))
 }
 
-pub(super) fn test(args: &TestArgs) -> Status {
+pub(super) fn test(args: &TestArgs) -> Exit {
     if let Some(problem) = args.report.problem() {
-        terminal::error(problem, None);
-        return Status::Usage;
+        return Err(Status::Usage.because(problem));
     }
-    let mut outputs = match start_reports(args) {
-        Ok(outputs) => outputs,
-        Err(status) => return status,
-    };
-    let definitions = match super::definitions(args.definitions.as_deref()) {
-        Ok(definitions) => definitions,
-        Err(status) => return status,
-    };
+    let mut outputs = start_reports(args)?;
+    let definitions = super::definitions(args.definitions.as_deref())?;
     let types = definitions.types();
     let cases = cases(&definitions, types);
-    let selected = match select(&cases, args.filter.as_deref()) {
-        Ok(selected) => selected,
-        Err(error) => {
-            terminal::error(error, None);
-            return Status::Usage;
-        }
-    };
+    let selected = select(&cases, args.filter.as_deref()).map_err(|error| Status::Usage.because(error))?;
     if let Some(path) = &args.dump_cases {
-        return report_error(path, write_cases(path, &cases, &selected, types))
-            .map_or_else(|status| status, |()| Status::Conforms);
+        write_cases(path, &cases, &selected, types).map_err(|error| unreadable(path, error))?;
+        return Ok(Status::Conforms);
     }
-    let mut baselines = match baseline::read(&args.baseline) {
-        Ok(baselines) => baselines,
-        Err(status) => return status,
-    };
+    let mut baselines = baseline::read(&args.baseline)?;
     let mut outcome = match &args.replay {
-        Some(path) => match report_error(path, read_answers(path, &cases, &selected, types)) {
-            Ok(outcome) => outcome,
-            Err(status) => return status,
-        },
-        None => match run_cases(args, &cases, &selected, types) {
-            Ok(outcome) => outcome,
-            Err(error) => {
-                terminal::error_with_details(error);
-                return Status::Unreadable;
-            }
-        },
+        Some(path) => {
+            read_answers(path, &cases, &selected, types).map_err(|error| unreadable(path, error))?
+        }
+        None => run_cases(args, &cases, &selected, types)
+            .map_err(|error| Status::Unreadable.with_details(error))?,
     };
     let names: Vec<(&Case, String)> = cases.iter().map(|case| (case, case.name())).collect();
     let is_outdated = baselines.compare(&|rule| rule.is_none(), |lists, sums| {
@@ -200,7 +178,7 @@ pub(super) fn test(args: &TestArgs) -> Status {
     outputs.add(subject, &Origin::default(), None);
     let (totals, command) = (outputs.finish(), super::command());
     let report = Report::of_totals(Action::Test, command, &definitions.name, totals, Vec::new(), Vec::new());
-    outputs.deliver(&report.with_stale(baseline::reasons(&baselines))).max(baseline_status)
+    Ok(outputs.deliver(&report.with_stale(baseline::reasons(&baselines))).max(baseline_status))
 }
 
 /// Starts the reports, and checks that no output replaces an input. Errors are printed.
@@ -300,11 +278,4 @@ fn read_answers<'c>(
         return replay(cases, selected, types, &mut io::stdin().lock());
     }
     replay(cases, selected, types, &mut BufReader::new(File::open(path)?))
-}
-
-fn report_error<T>(path: &Path, result: io::Result<T>) -> Result<T, Status> {
-    result.map_err(|error| {
-        terminal::error(format_args!("{}: {error}", terminal::path(path)), None);
-        Status::Unreadable
-    })
 }

@@ -14,7 +14,7 @@ use uavspec_probe::testee::options::Options;
 
 use super::progress::Progress;
 use super::test::{seconds, target};
-use super::{Format, Status, print_unknown};
+use super::{Exit, Format, Status, unknown};
 
 /// Subcommands of `testee`.
 #[derive(Debug, Subcommand)]
@@ -73,26 +73,17 @@ pub(super) struct LintArgs {
     format: Format,
 }
 
-pub(super) fn testee(command: &TesteeCommand) -> Status {
-    match command {
-        TesteeCommand::Lint(args) => lint_testee(args),
-    }
-}
-
-fn lint_testee(args: &LintArgs) -> Status {
-    let definitions = match super::definitions(args.definitions.as_deref()) {
-        Ok(definitions) => definitions,
-        Err(status) => return status,
-    };
-    let only = match args.only.iter().map(|id| check(id).ok_or(id)).collect::<Result<Vec<&Check>, _>>() {
-        Ok(only) => only,
-        Err(id) => {
+pub(super) fn testee(command: &TesteeCommand) -> Exit {
+    let TesteeCommand::Lint(args) = command;
+    let definitions = super::definitions(args.definitions.as_deref())?;
+    let find = |id: &String| {
+        check(id).ok_or_else(|| {
             let known: Vec<&str> = CHECKS.iter().map(|check| check.id).collect();
             let help = format!("use one of {}", known.join(", "));
-            print_unknown(&format!("--only {id}: no such check"), id, known.iter().copied(), &help);
-            return Status::Usage;
-        }
+            unknown(&format!("--only {id}: no such check"), id, known.into_iter(), &help)
+        })
     };
+    let only: Vec<&Check> = args.only.iter().map(find).collect::<Result<_, _>>()?;
     let types = definitions.types();
     let cases = cases(&definitions, types);
     let options = Options {
@@ -103,16 +94,10 @@ fn lint_testee(args: &LintArgs) -> Status {
     let progress = Progress::steps("checks");
     let found = lint(&cases, types, &options, &only, &|done, total| progress.set(done, total));
     drop(progress);
-    let found = match found {
-        Ok(found) => found,
-        Err(error) => {
-            terminal::error_with_details(error);
-            return Status::Unreadable;
-        }
-    };
+    let found = found.map_err(|error| Status::Unreadable.with_details(error))?;
     match args.format {
         Format::Text => terminal::print(format_args!("{}", to_text(&found))),
         Format::Json => terminal::print_unguarded(&to_json(&found)),
     }
-    if found.is_ok() { Status::Conforms } else { Status::DoesNotConform }
+    Ok(if found.is_ok() { Status::Conforms } else { Status::DoesNotConform })
 }

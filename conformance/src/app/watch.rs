@@ -2,6 +2,7 @@
 
 mod vehicle;
 
+use std::fmt::Display;
 use std::io::{self, IsTerminal as _};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -21,16 +22,15 @@ use uavspec_live::watch::screen::{Screen, Step};
 use uavspec_live::watch::session::{Event, Session};
 use uavspec_live::watch::view::{Scene, draw};
 use uavspec_model::clock::Clock;
-use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Definitions;
 
 use self::vehicle::VehicleArgs;
-use super::Status;
 use super::access::AccessArgs;
 use super::outputs::{self, Inputs};
 use super::report::print_result;
 use super::target::Target;
 use super::test::seconds;
+use super::{Exit, Status};
 
 /// The capacity of the input queue. While the queue is full, no messages are received.
 const WAITING_LIMIT: usize = 16;
@@ -128,34 +128,28 @@ enum Input {
     End,
 }
 
-pub(super) fn watch(args: &WatchArgs) -> Status {
+pub(super) fn watch(args: &WatchArgs) -> Exit {
     let (given, noun) = match args.source {
         Source::Target(Target::Server(_)) => (args.vehicle.given(), "PX4 vehicles and captures"),
         Source::Target(Target::Vehicle(_)) | Source::Capture(_) => (args.access.given(), "Flockwave servers"),
     };
     if let Some(option) = given {
-        terminal::error(format_args!("{option} applies only to {noun}"), None);
-        return Status::Usage;
+        return Err(Status::Usage.because(format_args!("{option} applies only to {noun}")));
     }
     match &args.source {
         Source::Target(Target::Server(endpoint)) => watch_server(args, endpoint),
-        Source::Target(Target::Vehicle(address)) => {
-            vehicle::watch_vehicle(args, address).unwrap_or_else(|status| status)
-        }
+        Source::Target(Target::Vehicle(address)) => vehicle::watch_vehicle(args, address),
         Source::Capture(path) => {
             // A capture that grows by its own state would never end.
             let inputs = Inputs { files: vec![path], ..Inputs::default() };
-            let checked = outputs::check(&inputs, &[]);
-            checked.and_then(|()| vehicle::watch_capture(args, path)).unwrap_or_else(|status| status)
+            outputs::check(&inputs, &[])?;
+            vehicle::watch_capture(args, path)
         }
     }
 }
 
-fn watch_server(args: &WatchArgs, endpoint: &Endpoint) -> Status {
-    let access = match args.access.trust() {
-        Ok(trust) => Access::new(args.access.login.clone(), trust),
-        Err(status) => return status,
-    };
+fn watch_server(args: &WatchArgs, endpoint: &Endpoint) -> Exit {
+    let access = Access::new(args.access.login.clone(), args.access.trust()?);
     let codes = Codes::new(&Definitions::built_in());
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
     let session = {
@@ -166,33 +160,29 @@ fn watch_server(args: &WatchArgs, endpoint: &Endpoint) -> Status {
     let status = if args.once || !io::stdout().is_terminal() {
         watch_once(args.time.unwrap_or(TIME), endpoint, &codes, &inputs)
     } else {
-        watch_live(endpoint, &codes, sender, &inputs).map_or_else(
-            |error| {
-                terminal::error(format_args!("can't use the terminal: {error}"), None);
-                Status::Unreadable
-            },
-            |()| Status::Conforms,
-        )
+        watch_live(endpoint, &codes, sender, &inputs).map(|()| Status::Conforms).map_err(unusable_terminal)
     };
     drop(session);
     status
 }
 
 /// Waits until all UAVs have reported their state, and prints the table.
-fn watch_once(time: Duration, endpoint: &Endpoint, codes: &Codes, inputs: &Receiver<Input>) -> Status {
+fn watch_once(time: Duration, endpoint: &Endpoint, codes: &Codes, inputs: &Receiver<Input>) -> Exit {
     let clock = Clock::real();
     let fleet = gather(&clock, time, inputs);
-    if (fleet.is_complete() || !fleet.is_empty())
-        && let Err(status) = print_result(&table(&fleet, codes, clock.now()))
-    {
-        return status;
+    if fleet.is_complete() || !fleet.is_empty() {
+        print_result(&table(&fleet, codes, clock.now()))?;
     }
     if fleet.is_complete() {
-        return Status::Conforms;
+        return Ok(Status::Conforms);
     }
-    let reason = missing(&fleet);
-    terminal::error(format_args!("{}: {reason} (within {} s)", endpoint, time.as_secs_f64()), None);
-    Status::Unreadable
+    let (reason, seconds) = (missing(&fleet), time.as_secs_f64());
+    Err(Status::Unreadable.because(format_args!("{endpoint}: {reason} (within {seconds} s)")))
+}
+
+/// Prints an error about the terminal.
+fn unusable_terminal(error: impl Display) -> Status {
+    Status::Unreadable.because(format_args!("can't use the terminal: {error}"))
 }
 
 /// Processes events until all UAVs have reported their state, or until the time is over.

@@ -1,35 +1,24 @@
 //! Explains words by the definitions of all releases.
 
-use uavspec_model::text::terminal;
 use uavspec_report::explain::{Unknown, explain, to_text};
 use uavspec_rules::definitions::{Library, ReleaseId};
 use uavspec_schema::json_text;
 
 use crate::app::report::print_result;
-use crate::app::{Format, Status};
+use crate::app::{Exit, Format, Status};
 
 /// Explains a word, by all releases or by one. Errors are printed.
-pub(super) fn explain_word(word: &str, release: Option<&str>, format: Format) -> Status {
+pub(super) fn explain_word(word: &str, release: Option<&str>, format: Format) -> Exit {
     let library = Library::built_in();
-    let release = match release.map(|label| find(&library, label)).transpose() {
-        Ok(release) => release,
-        Err(unknown) => return fail(&unknown),
-    };
-    let explanation = match explain(&library, word, release) {
-        Ok(explanation) => explanation,
-        Err(unknown) => return fail(&unknown),
-    };
+    let release = release.map(|label| find(&library, label)).transpose();
+    let explanation = release.and_then(|release| explain(&library, word, release));
+    let explanation =
+        explanation.map_err(|Unknown { problem, help }| Status::Usage.with_help(problem, &help))?;
     let text = match format {
         Format::Text => to_text(&explanation),
         Format::Json => json_text::pretty(&explanation),
     };
-    print_result(&text).err().unwrap_or(Status::Conforms)
-}
-
-/// Prints an error.
-fn fail(unknown: &Unknown) -> Status {
-    terminal::error(&unknown.problem, Some(&unknown.help));
-    Status::Usage
+    print_result(&text)
 }
 
 /// The release with a name such as `px4@1.16`.

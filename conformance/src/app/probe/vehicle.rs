@@ -4,13 +4,14 @@ use std::net::IpAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use uavspec_check::Checked;
 use uavspec_live::bus::{self, Address};
 use uavspec_live::vehicle::{Namespace, Options, probe};
 use uavspec_model::clock::Clock;
-use uavspec_model::text::{plural, terminal};
+use uavspec_model::text::plural;
 use uavspec_report::CheckedCapture;
 use uavspec_rules::px4::Side;
 
@@ -18,7 +19,7 @@ use super::application::Application;
 use super::{ProbeArgs, report, start_reports};
 use crate::app::progress::Progress;
 use crate::app::test::seconds;
-use crate::app::{Status, baseline, interrupt, library};
+use crate::app::{Exit, Status, baseline, interrupt, library};
 
 /// The default time to listen.
 const TIME: Duration = Duration::from_secs(20);
@@ -59,15 +60,14 @@ pub(super) struct VehicleArgs {
     /// A component registers, refuses arming in a single reply, and unregisters. The probe sends no commands and never
     /// arms. Don't use `--as autopilot` on a bus with a flight controller: components would receive two sets of
     /// requests.
-    #[arg(long = "as", value_name = "ROLE", hide_possible_values = true)]
-    role: Option<Role>,
+    #[arg(long = "as", value_name = "ROLE", value_parser = roles(), hide_possible_values = true)]
+    role: Option<Side>,
 }
 
-/// A role of the probe.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Role {
-    Autopilot,
-    Component,
+/// The names of the sides on which the probe can take part in arming checks.
+fn roles() -> impl TypedValueParser<Value = Side> {
+    PossibleValuesParser::new(["autopilot", "component"])
+        .map(|name| if name == "autopilot" { Side::Autopilot } else { Side::Component })
 }
 
 impl VehicleArgs {
@@ -82,14 +82,6 @@ impl VehicleArgs {
             ("--as", self.role.is_some()),
         ];
         options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
-    }
-
-    /// The side on which the probe takes part in arming checks.
-    fn side(&self) -> Option<Side> {
-        self.role.map(|role| match role {
-            Role::Autopilot => Side::Autopilot,
-            Role::Component => Side::Component,
-        })
     }
 
     /// The names in `--topics` that aren't patterns.
@@ -109,7 +101,7 @@ impl VehicleArgs {
     }
 }
 
-pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Status, Status> {
+pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Exit {
     let library = library(args.definitions.as_deref(), None, &[])?;
     let application = args.vehicle.application.as_deref().map(Application::load).transpose()?;
     let (application, note) = application.map(|found| (found.types, found.note)).unzip();
@@ -119,17 +111,14 @@ pub(super) fn probe_vehicle(args: &ProbeArgs, address: &Address) -> Result<Statu
     let interruptible = uavspec_probe::Options::new(Duration::ZERO, None, Vec::new());
     interrupt::install(&interruptible)?;
     let stop = interruptible.stop;
-    let failed = |problem: String| {
-        terminal::error(format_args!("{address}: {problem}"), None);
-        Status::Unreadable
-    };
+    let failed = |problem: String| Status::Unreadable.because(format_args!("{address}: {problem}"));
     let mut bus = bus::connect(address, &args.vehicle.peer, &args.vehicle.names()).map_err(failed)?;
     let stopped = stop.clone();
     let options = Options {
         time: args.vehicle.time.unwrap_or(TIME),
         topics: args.vehicle.selected(),
         namespace: args.vehicle.namespace.clone(),
-        role: args.vehicle.side(),
+        role: args.vehicle.role,
         application,
         record: args.record.clone(),
         is_stopped: Box::new(move || stopped.is_requested()),

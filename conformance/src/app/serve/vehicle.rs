@@ -7,33 +7,20 @@ use uavspec_live::bus::{self, Address};
 use uavspec_live::vehicle;
 use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
-use uavspec_rules::definitions::Library;
 use uavspec_rules::px4::Side;
 use uavspec_schema::msg::Dialect;
 
 use super::bug::{self, ServedBug};
 use super::{ServeArgs, end_on_request};
-use crate::app::{Format, Status, library};
+use crate::app::{Exit, Format, Status, library};
 
 /// Serves a reference participant until the time has passed or the end is requested.
-pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Status {
-    let library = match library(args.definitions.as_deref(), Some(Dialect::Px4), &[]) {
-        Ok(library) => library,
-        Err(status) => return status,
-    };
-    match run(args, address, &library) {
-        Ok(()) => Status::Conforms,
-        Err(problem) => {
-            terminal::error(format_args!("{address}: {problem}"), None);
-            Status::Unreadable
-        }
-    }
-}
-
-fn run(args: &ServeArgs, address: &Address, library: &Library) -> Result<(), String> {
+pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Exit {
+    let library = library(args.definitions.as_deref(), Some(Dialect::Px4), &[])?;
     let (side, name) =
         if args.component { (Side::Component, "component") } else { (Side::Autopilot, "autopilot") };
-    let mut bus = bus::connect(address, &args.peer, &[])?;
+    let failed = |problem: String| Status::Unreadable.because(format_args!("{address}: {problem}"));
+    let mut bus = bus::connect(address, &args.peer, &[]).map_err(failed)?;
     let (sender, ending) = channel();
     end_on_request(args, sender)?;
     match args.format {
@@ -49,5 +36,6 @@ fn run(args: &ServeArgs, address: &Address, library: &Library) -> Result<(), Str
         is_requested || args.time.is_some_and(|time| Clock::real().now() >= started + time)
     };
     let bug = args.bug.and_then(ServedBug::of_vehicle);
-    vehicle::serve(&mut *bus, library, &args.namespace, side, bug, &is_over)
+    let served = vehicle::serve(&mut *bus, &library, &args.namespace, side, bug, &is_over);
+    served.map(|()| Status::Conforms).map_err(failed)
 }

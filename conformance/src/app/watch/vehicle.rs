@@ -25,10 +25,10 @@ use uavspec_rules::definitions::Library;
 
 use super::{
     Input, MAX_FRAME_TIME, MIN_FRAME_TIME, Restore, WAITING_LIMIT, WatchArgs, forward_terminal_events,
-    has_colours, install_end,
+    has_colours, install_end, unusable_terminal,
 };
 use crate::app::report::print_result;
-use crate::app::{Status, explain, interrupt, library};
+use crate::app::{Exit, Status, explain, interrupt, library};
 
 /// The time after which --once prints the state of a live vehicle.
 const TIME: Duration = Duration::from_secs(5);
@@ -75,7 +75,7 @@ struct Labels {
 }
 
 /// Shows a live vehicle.
-pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Result<Status, Status> {
+pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Exit {
     let (library, texts, labels) = prepare(args, address.to_string())?;
     let (address, peers) = (address.clone(), args.vehicle.peer.clone());
     let playback = Playback::new(Kind::Live, Clock::real());
@@ -97,7 +97,7 @@ pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Result<Statu
 }
 
 /// Shows the state of a live vehicle, or prints it.
-fn show_vehicle(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Result<Status, Status> {
+fn show_vehicle(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
     let clock = Clock::real();
     let started = clock.now();
     if is_once(args) {
@@ -121,7 +121,7 @@ fn remove_on_signal(labels: &Labels) -> Result<(), Status> {
 }
 
 /// Replays a capture.
-pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Result<Status, Status> {
+pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Exit {
     let (library, texts, labels) = prepare(args, path.to_string_lossy().into_owned())?;
     let is_once = is_once(args);
     let kind = if is_once { Kind::State(args.time.unwrap_or(Duration::MAX)) } else { Kind::Replay };
@@ -152,12 +152,12 @@ fn is_once(args: &WatchArgs) -> bool {
 }
 
 fn failed(labels: &Labels, problem: &str) -> Status {
-    terminal::error(format_args!("{}: {}", terminal::shown(&labels.source), terminal::shown(problem)), None);
-    Status::Unreadable
+    let source = terminal::shown(&labels.source);
+    Status::Unreadable.because(format_args!("{source}: {}", terminal::shown(problem)))
 }
 
 /// Prints the state as text.
-fn print_once(playback: &Playback, labels: &Labels) -> Result<Status, Status> {
+fn print_once(playback: &Playback, labels: &Labels) -> Exit {
     let (text, is_empty) = playback.show(|shown| {
         let scene = Scene {
             shown,
@@ -176,15 +176,9 @@ fn print_once(playback: &Playback, labels: &Labels) -> Result<Status, Status> {
 }
 
 /// Shows the vehicle until the user quits.
-fn show(playback: &Playback, labels: &Labels) -> Result<Status, Status> {
-    match show_live(playback, labels) {
-        Ok(Ok(())) => Ok(Status::Conforms),
-        Ok(Err(problem)) => Err(failed(labels, &problem)),
-        Err(error) => {
-            terminal::error(format_args!("can't use the terminal: {error}"), None);
-            Err(Status::Unreadable)
-        }
-    }
+fn show(playback: &Playback, labels: &Labels) -> Exit {
+    let shown = show_live(playback, labels).map_err(unusable_terminal)?;
+    shown.map(|()| Status::Conforms).map_err(|problem| failed(labels, &problem))
 }
 
 /// Shows the vehicle until the user quits or the source turns out to be unreadable. The inner error is the problem.

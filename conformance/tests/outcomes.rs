@@ -3,17 +3,15 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use quick_junit::{NonSuccessKind, Report as Junit, TestCaseStatus};
 use serde_json::{Value, json};
-use uavspec_report::{Kind, Report};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::flockwave::sample::Session;
 use uavspec_rules::mutants;
 use uavspec_rules::sample::Flight;
 use uavspec_test_support::extent;
-
-use crate::app;
 
 /// The outcome of each file, by the name of the file.
 type Outcomes = BTreeMap<String, String>;
@@ -67,8 +65,7 @@ fn kind(sentence: &str) -> String {
     known.into_iter().find(|kind| sentence.contains(kind)).expect("an outcome").to_owned()
 }
 
-fn of_json(report: &str) -> Outcomes {
-    let report: Value = serde_json::from_str(report).expect("JSON");
+fn of_json(report: &Value) -> Outcomes {
     let text = |value: &Value| value.as_str().expect("text").to_owned();
     let subjects = report["subjects"].as_array().expect("a list").iter();
     let mut outcomes: Outcomes =
@@ -80,7 +77,6 @@ fn of_json(report: &str) -> Outcomes {
 }
 
 fn of_text(report: &str, folder: &str) -> Outcomes {
-    let report = anstream::adapter::strip_str(report).to_string();
     let (sections, end) = report.rsplit_once("\nnot checked  ").expect("a list of other files");
     let mut outcomes = Outcomes::new();
     for section in sections.split(&format!("\n{folder}/")) {
@@ -94,8 +90,7 @@ fn of_text(report: &str, folder: &str) -> Outcomes {
     outcomes
 }
 
-fn of_junit(report: &str) -> Outcomes {
-    let junit = Junit::deserialize_from_str(report).expect("JUnit");
+fn of_junit(junit: &Junit) -> Outcomes {
     let mut outcomes = Outcomes::new();
     for suite in &junit.test_suites {
         let case = &suite.test_cases[0];
@@ -173,9 +168,37 @@ fn of_markdown(report: &str) -> Outcomes {
     outcomes
 }
 
-/// Checks a folder. Returns the report and the exit status.
-fn check(arguments: &[&str]) -> (Report, u8) {
-    app::check_report(arguments)
+/// The reports of a run by kind, and its exit status.
+struct Run {
+    reports: BTreeMap<&'static str, String>,
+    status: i32,
+}
+
+impl Run {
+    fn json(&self) -> Value {
+        serde_json::from_str(&self.reports["json"]).expect("JSON")
+    }
+
+    fn junit(&self) -> Junit {
+        Junit::deserialize_from_str(&self.reports["junit"]).expect("JUnit")
+    }
+
+    /// The exit status, and the sentence of the outcome.
+    fn outcome(&self) -> (i32, String) {
+        (self.status, self.json()["outcome"]["text"].as_str().expect("a text").to_owned())
+    }
+}
+
+/// Runs `uavspec check`.
+fn check(arguments: &[&str]) -> Run {
+    let folder = tempfile::tempdir().expect("a folder");
+    let kinds = ["text", "json", "junit", "sarif", "html", "markdown"];
+    let targets = kinds.map(|kind| format!("{kind}={}", folder.path().join(kind).display()));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_uavspec"));
+    let run = command.args(["check", "--report", &targets.join(",")]).args(arguments).output();
+    let status = run.expect("uavspec runs").status.code().expect("an exit status");
+    let read = |kind| (kind, fs::read_to_string(folder.path().join(kind)).expect("a report"));
+    Run { reports: kinds.map(read).into(), status }
 }
 
 #[test]
@@ -183,16 +206,15 @@ fn all_formats_report_the_same_outcomes() {
     let folder = tempfile::tempdir().expect("a folder");
     let expected = write_files(folder.path());
     let path = folder.path().to_str().expect("UTF-8");
-    let (report, status) = check(&[path]);
-    assert_eq!(status, 1);
-    assert!(report.outcome.text.ends_with(" (2 of 13 files)"), "{:?}", report.outcome);
-    let text = |kind| report.to_text(kind);
-    assert_eq!(of_json(&text(Kind::Json)), expected);
-    assert_eq!(of_text(&text(Kind::Text), path), expected);
-    assert_eq!(of_junit(&text(Kind::Junit)), expected);
-    assert_eq!(of_sarif(&text(Kind::Sarif), expected.keys().cloned()), expected);
-    assert_eq!(of_html(&text(Kind::Html)), expected);
-    let markdown = of_markdown(&text(Kind::Markdown));
+    let run = check(&[path]);
+    let (status, sentence) = run.outcome();
+    assert!(status == 1 && sentence.ends_with(" (2 of 13 files)"), "{status} {sentence}");
+    assert_eq!(of_json(&run.json()), expected);
+    assert_eq!(of_text(&run.reports["text"], path), expected);
+    assert_eq!(of_junit(&run.junit()), expected);
+    assert_eq!(of_sarif(&run.reports["sarif"], expected.keys().cloned()), expected);
+    assert_eq!(of_html(&run.reports["html"]), expected);
+    let markdown = of_markdown(&run.reports["markdown"]);
     assert_eq!(markdown.len(), 13, "the last of 13 sections is omitted");
     assert!(markdown.iter().all(|(name, outcome)| expected[name] == *outcome), "{markdown:?}");
 }
@@ -201,9 +223,8 @@ fn all_formats_report_the_same_outcomes() {
 fn text_fits_a_terminal() {
     let folder = tempfile::tempdir().expect("a folder");
     write_files(folder.path());
-    let (report, _) = check(&[folder.path().to_str().expect("UTF-8")]);
-    let text = anstream::adapter::strip_str(&report.to_text(Kind::Text)).to_string();
-    for line in text.lines() {
+    let run = check(&[folder.path().to_str().expect("UTF-8")]);
+    for line in run.reports["text"].lines() {
         let has_long_word = line.split_whitespace().any(|word| word.chars().count() > 50);
         assert!(line.chars().count() <= 80 || has_long_word, "{line}");
     }
@@ -223,12 +244,12 @@ fn the_exit_status_of_each_file_is_its_outcome() {
             // A file that is named explicitly is checked.
             _ => 6,
         };
-        let (report, found) = check(&[path]);
-        assert_eq!(found, status, "{name}: {:?}", report.outcome);
-        let (allowed, found) = check(&["--allow-incomplete", path]);
-        assert_eq!(found, if status == 6 { 0 } else { status }, "{name}");
-        assert_eq!(allowed.outcome.text, report.outcome.text, "the reason stays");
-        let junit = Junit::deserialize_from_str(&allowed.to_text(Kind::Junit)).expect("JUnit");
+        let (found, sentence) = check(&[path]).outcome();
+        assert_eq!(found, status, "{name}: {sentence}");
+        let allowed = check(&["--allow-incomplete", path]);
+        let expected = (if status == 6 { 0 } else { status }, sentence);
+        assert_eq!(allowed.outcome(), expected, "{name}: the reason stays");
+        let junit = allowed.junit();
         assert_eq!(junit.test_suites[0].failures > 0, status == 1, "{name}");
         // Parts of a file that doesn't conform can still be unreadable.
         if status == 6 {
@@ -243,11 +264,10 @@ fn options_change_the_outcome() {
     write_files(folder.path());
     let path = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_owned();
     let partial = path("partial.jsonl");
-    assert_eq!(check(&["--min-coverage", "97%", &partial]).1, 0);
-    let (report, status) = check(&["--min-coverage=98", &partial]);
+    assert_eq!(check(&["--min-coverage", "97%", &partial]).status, 0);
     let text = "Incomplete: 40 of 41 types fully checked (97 %), less than 98 %";
-    assert_eq!((status, report.outcome.text.as_str()), (6, text));
-    assert_eq!(check(&["--min-coverage=100%", &path("good.ulg")]).1, 0);
+    assert_eq!(check(&["--min-coverage=98", &partial]).outcome(), (6, text.to_owned()));
+    assert_eq!(check(&["--min-coverage=100%", &path("good.ulg")]).status, 0);
 
     let definitions = Definitions::built_in();
     let flight = Flight::new(&definitions);
@@ -255,12 +275,10 @@ fn options_change_the_outcome() {
     let (_, warned) = mutant.captures(&flight).pop().expect("a capture");
     let file = path("warned");
     fs::write(&file, warned).expect("a file");
-    let (report, status) = check(&[&file]);
-    assert_eq!((status, report.outcome.text.as_str()), (0, "Conforms, with 1 warning"));
-    let (report, status) = check(&["--deny", "warning", &file]);
-    assert_eq!((status, report.outcome.text.as_str()), (1, "Does not conform: 0 MUST, 1 SHOULD"));
-    let junit = Junit::deserialize_from_str(&report.to_text(Kind::Junit)).expect("JUnit");
-    assert_eq!(junit.test_suites[0].failures, 1);
+    assert_eq!(check(&[&file]).outcome(), (0, "Conforms, with 1 warning".to_owned()));
+    let denied = check(&["--deny", "warning", &file]);
+    assert_eq!(denied.outcome(), (1, "Does not conform: 0 MUST, 1 SHOULD".to_owned()));
+    assert_eq!(denied.junit().test_suites[0].failures, 1);
 }
 
 #[test]
@@ -268,11 +286,11 @@ fn a_folder_without_captures_checks_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().to_str().expect("UTF-8");
     fs::write(folder.path().join("README.md"), "# Flights\n").expect("a file");
-    let (report, status) = check(&[path]);
-    assert_eq!((status, report.outcome.text.as_str()), (5, "Nothing was checked"));
-    assert_eq!(report.not_checked.len(), 1);
+    let run = check(&[path]);
+    assert_eq!(run.outcome(), (5, "Nothing was checked".to_owned()));
+    assert_eq!(run.json()["not_checked"].as_array().map(Vec::len), Some(1));
     let definitions = Definitions::built_in();
     let log = tempfile::Builder::new().suffix(".ulg").tempfile().expect("a file");
     fs::write(log.path(), Flight::new(&definitions).log().to_bytes()).expect("a file");
-    assert_eq!(check(&[path, log.path().to_str().expect("UTF-8")]).1, 3, "an argument has no captures");
+    assert_eq!(check(&[path, log.path().to_str().expect("UTF-8")]).status, 3, "an argument has no captures");
 }

@@ -1,3 +1,0 @@
-//! Tests of internals; the tests of the program are in `tests/`.
-
-mod outcomes;
