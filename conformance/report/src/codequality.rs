@@ -1,40 +1,36 @@
 //! Renders reports in the Code Quality format of GitLab.
 
-use std::io::{self, Write};
+use std::io::{self, BufRead, Read as _, Write};
 
 use uavspec_lint::report::Entry;
 use uavspec_lint::report::codequality::{Issues, write_list};
 
 use super::entries::{of_run, of_subject};
-use super::format::{Format, Run};
-use super::spool::Spool;
+use super::kind::Format;
 use super::{Report, Subject};
 
 /// A report under construction.
-#[derive(Debug)]
-pub(super) struct CodeQuality {
-    issues: Issues,
-    /// The issues as lines of JSON.
-    lines: Spool,
-}
+#[derive(Debug, Default)]
+pub(super) struct CodeQuality(Issues);
 
 impl CodeQuality {
-    pub(super) fn new(lines: Spool) -> Self {
-        Self { issues: Issues::default(), lines }
-    }
-
-    fn push(&mut self, entries: &[Entry]) -> io::Result<()> {
-        entries.iter().try_for_each(|entry| self.lines.write_all(self.issues.line(entry).as_bytes()))
+    /// The issues as lines of JSON.
+    fn lines(&mut self, entries: &[Entry]) -> String {
+        entries.iter().map(|entry| self.0.line(entry)).collect()
     }
 }
 
 impl Format for CodeQuality {
-    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
-        self.push(&of_subject(subject))
+    fn add(&mut self, subject: &Subject) -> String {
+        self.lines(&of_subject(subject))
     }
 
-    fn finish(mut self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
-        self.push(&of_run(report))?;
-        write_list(self.lines.into_reader()?, to)
+    fn finish(
+        mut self: Box<Self>,
+        report: &Report,
+        parts: &mut dyn BufRead,
+        to: &mut dyn Write,
+    ) -> io::Result<()> {
+        write_list(parts.chain(self.lines(&of_run(report)).as_bytes()), to)
     }
 }

@@ -8,14 +8,14 @@ mod rules;
 pub(crate) mod subject;
 mod testee;
 
-use std::io::{self, Write};
+use std::io::{self, BufRead, Write};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use uavspec_model::text::{shown, thousands};
 use uavspec_schema::terminal::guarded;
 
 use super::by_rule::Groups;
-use super::format::{Format, Run};
+use super::kind::Format;
 use super::outcome::capitalized;
 use super::{Action, Outcome, OutcomeKind, Report, Subject, Verdict};
 
@@ -32,10 +32,15 @@ const MAX_SUBJECTS: usize = 100;
 /// A page under construction.
 #[derive(Debug, Default)]
 pub(super) struct Html {
+    action: Action,
+    /// The command line that reproduces the report.
+    command: String,
     groups: Groups,
     /// The rows of the first subjects in the list of files.
     rows: String,
     num_rows: usize,
+    /// The section of the first subject, for a report without others.
+    only: String,
     /// The first sections of subjects.
     sections: String,
     /// The number of subjects that need a section.
@@ -43,28 +48,39 @@ pub(super) struct Html {
 }
 
 impl Format for Html {
-    fn add(&mut self, subject: &Subject, run: Run<'_>) -> io::Result<()> {
+    fn add(&mut self, subject: &Subject) -> String {
+        let section = |number, is_single| {
+            let title = capitalized(noun(self.action));
+            subject::section(&title, subject, number, is_single, &self.command).into_string()
+        };
         self.groups.add(subject);
+        if self.num_rows == 0 {
+            self.only = section(0, true);
+        }
         if self.num_rows < subject::MAX_ROWS {
             self.num_rows += 1;
             self.rows += &subject::row(subject).into_string();
         }
         // All other subjects appear only in the list of files.
-        if run.is_single || subject::has_details(subject) {
+        if subject::has_details(subject) {
             if self.num_sections < MAX_SUBJECTS {
-                self.sections += &subject::section(run, subject, self.num_sections).into_string();
+                self.sections += &section(self.num_sections, false);
             }
             self.num_sections += 1;
         }
-        Ok(())
+        String::new()
     }
 
-    fn finish(self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
+    fn finish(self: Box<Self>, report: &Report, _: &mut dyn BufRead, to: &mut dyn Write) -> io::Result<()> {
         writeln!(to, "{}", guarded(&self.page(report).into_string()))
     }
 }
 
 impl Html {
+    pub(super) fn new(action: Action, command: &str) -> Self {
+        Self { action, command: command.to_owned(), ..Self::default() }
+    }
+
     fn page(&self, report: &Report) -> Markup {
         let (by_rule, is_single) = (self.groups.by_rule(report), report.totals.is_single());
         html! {
@@ -76,7 +92,7 @@ impl Html {
                         (head(report))
                         (rules::findings(&by_rule.listed, is_single))
                         @if has_list(report) { (subject::list(report, &self.rows)) }
-                        (PreEscaped(&self.sections))
+                        (PreEscaped(if is_single { &self.only } else { &self.sections }))
                         @let more = self.num_sections.saturating_sub(MAX_SUBJECTS);
                         @if more > 0 { p.more { "… and " (more) " more; the JSON report contains all of them." } }
                         (rules::others(&by_rule))

@@ -4,7 +4,7 @@
 //! CI systems identify a case by class and name, so the class and the name don't depend on the findings.
 
 use std::fmt::Write as _;
-use std::io::{self, Write};
+use std::io::{self, BufRead, Write};
 
 use uavspec_lint::report::Region;
 use uavspec_lint::report::junit::{self, Outcome, Reason, Suite};
@@ -14,8 +14,7 @@ use uavspec_rules::rule;
 use uavspec_schema::terminal::guarded;
 
 use super::entries::{place, region};
-use super::format::{Format, Run};
-use super::spool::Spool;
+use super::kind::Format;
 use super::{
     About, Action, Case, CaseVerdict, Finding, OutcomeKind, Report, RuleVerdict, Subject, Testee, Unreadable,
     Verdict,
@@ -25,48 +24,47 @@ use super::{
 const MAX_FINDINGS: usize = 20;
 
 /// A report under construction.
-#[derive(Debug)]
-pub(super) struct Junit {
-    counts: junit::Counts,
-    suites: Spool,
-}
+#[derive(Debug, Default)]
+pub(super) struct Junit(junit::Counts);
 
 impl Junit {
-    pub(super) fn new(suites: Spool) -> Self {
-        Self { counts: junit::Counts::default(), suites }
-    }
-
-    fn push(&mut self, suite: &Suite) -> io::Result<()> {
-        self.suites.write_all(guarded(&self.counts.add(suite)).as_bytes())
+    fn text(&mut self, suite: &Suite) -> String {
+        guarded(&self.0.add(suite)).into_owned()
     }
 }
 
 impl Format for Junit {
-    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
-        self.push(&suite(subject))
+    fn add(&mut self, subject: &Subject) -> String {
+        self.text(&suite(subject))
     }
 
-    fn finish(mut self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
+    fn finish(
+        mut self: Box<Self>,
+        report: &Report,
+        parts: &mut dyn BufRead,
+        mut to: &mut dyn Write,
+    ) -> io::Result<()> {
         let name = match report.action {
             Action::Check => "uavspec check",
             Action::Test => "uavspec test",
             Action::Probe => "uavspec probe",
         };
+        let mut rest = String::new();
         for file in &report.unreadable {
             let (kind, message) = ("unreadable".to_owned(), shown(&file.message));
             let reason = Reason { kind, message: message.clone(), text: message };
-            self.push(&file_suite(file, Outcome::Error(reason)))?;
+            rest += &self.text(&file_suite(file, Outcome::Error(reason)));
         }
         for file in &report.not_checked {
-            self.push(&file_suite(file, Outcome::Skipped(shown(&file.message))))?;
+            rest += &self.text(&file_suite(file, Outcome::Skipped(shown(&file.message))));
         }
         if let Some(suite) = run_suite(name, &report.reasons) {
-            self.push(&suite)?;
+            rest += &self.text(&suite);
         }
-        let (start, end) = self.counts.document(name);
+        let (start, end) = self.0.document(name);
         to.write_all(start.as_bytes())?;
-        self.suites.copy_to(to)?;
-        to.write_all(end.as_bytes())
+        io::copy(parts, &mut to)?;
+        write!(to, "{rest}{end}")
     }
 }
 

@@ -1,17 +1,33 @@
 //! The formats of reports.
 
+use std::io::{self, BufRead, Write};
+
 use clap::ValueEnum;
 
 use super::codequality::CodeQuality;
-use super::format::Format;
 use super::html::Html;
 use super::json::Json;
 use super::junit::Junit;
 use super::markdown::Markdown;
 use super::sarif::Sarif;
 use super::short::Short;
-use super::spool::Spool;
 use super::text::Text;
+use super::{Action, Report, Subject};
+
+/// A report in one format, under construction.
+pub(super) trait Format {
+    /// Adds a subject. Returns the part of the report about this subject, unless the format keeps it.
+    fn add(&mut self, subject: &Subject) -> String;
+
+    /// Writes the whole report. `parts` are the parts of all subjects. `report` may have no subjects; its totals include
+    /// all added subjects.
+    fn finish(
+        self: Box<Self>,
+        report: &Report,
+        parts: &mut dyn BufRead,
+        to: &mut dyn Write,
+    ) -> io::Result<()>;
+}
 
 /// A format of a report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -35,19 +51,19 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Starts a report. Formats that can only write subjects at the end of the run store them in `spool`.
+    /// Starts a report of a command. `command` is the command line that reproduces it.
     ///
     /// The formats escape all text of the input. A guard escapes hidden characters that a format misses. JSON escapes
     /// hidden characters without loss. The guard of the terminal handles text, because it knows colours.
-    pub(super) fn format(self, spool: Spool) -> Box<dyn Format> {
+    pub(super) fn format(self, action: Action, command: &str) -> Box<dyn Format> {
         match self {
-            Self::Text => Box::new(Text(spool)),
-            Self::Short => Box::new(Short(spool)),
-            Self::Json => Box::new(Json::new(spool)),
-            Self::Junit => Box::new(Junit::new(spool)),
-            Self::Sarif => Box::new(Sarif::new(spool)),
-            Self::Codequality => Box::new(CodeQuality::new(spool)),
-            Self::Html => Box::<Html>::default(),
+            Self::Text => Box::new(Text),
+            Self::Short => Box::new(Short),
+            Self::Json => Box::new(Json),
+            Self::Junit => Box::<Junit>::default(),
+            Self::Sarif => Box::<Sarif>::default(),
+            Self::Codequality => Box::<CodeQuality>::default(),
+            Self::Html => Box::new(Html::new(action, command)),
             Self::Markdown => Box::<Markdown>::default(),
         }
     }

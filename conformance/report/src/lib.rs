@@ -42,7 +42,6 @@ mod by_rule;
 mod capture;
 mod codequality;
 mod entries;
-mod format;
 mod html;
 mod json;
 mod junit;
@@ -112,10 +111,11 @@ pub struct Report {
 }
 
 /// A command that writes reports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Action {
     /// Captures were checked.
+    #[default]
     Check,
     /// A testee was tested.
     Test,

@@ -1,6 +1,6 @@
 //! Renders reports as Markdown, short enough for pull requests and CI summaries. Text from the input is escaped.
 
-use std::io::{self, Write};
+use std::io::{self, BufRead, Write};
 
 use uavspec_check::Line;
 use uavspec_emit::docs::markdown::{
@@ -10,7 +10,7 @@ use uavspec_model::text::{plural, shown, thousands};
 use uavspec_schema::terminal::guarded;
 
 use super::by_rule::{ByRule, Group, Groups, Listed};
-use super::format::{Format, Run};
+use super::kind::Format;
 use super::{About, Case, OutcomeKind, Report, RuleReport, Subject, Testee, Unreadable, Verdict};
 
 /// The maximum number of failed cases, corrupt parts or files in a list. GitHub limits comments to 65,536 characters.
@@ -34,7 +34,7 @@ pub(super) struct Markdown {
 }
 
 impl Format for Markdown {
-    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
+    fn add(&mut self, subject: &Subject) -> String {
         self.groups.add(subject);
         if self.subjects.len() < MAX_SUBJECTS {
             let mut subject = subject.clone();
@@ -42,10 +42,10 @@ impl Format for Markdown {
             subject.findings.shrink_to_fit();
             self.subjects.push(subject);
         }
-        Ok(())
+        String::new()
     }
 
-    fn finish(self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
+    fn finish(self: Box<Self>, report: &Report, _: &mut dyn BufRead, to: &mut dyn Write) -> io::Result<()> {
         to.write_all(guarded(&self.page(report).finish().text).as_bytes())
     }
 }

@@ -1,23 +1,20 @@
 //! Renders reports as SARIF.
 
 use std::collections::BTreeSet;
-use std::io::{self, Write};
+use std::io::{self, BufRead, Read as _, Write};
 
 use uavspec_lint::report::sarif::{Results, write_log};
 use uavspec_lint::report::{Entry, RuleInfo};
 use uavspec_schema::diagnostic::Level;
 
 use super::entries::{OTHERS, failed_cases, of_run, of_subject};
-use super::format::{Format, Run};
-use super::spool::Spool;
+use super::kind::Format;
 use super::{About, Action, Report, RuleReport, Subject};
 
 /// A report under construction.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Sarif {
     results: Results,
-    /// The results as lines of JSON.
-    lines: Spool,
     /// The ids other than rules that have results.
     others: BTreeSet<&'static str>,
     /// The operations of the failed cases, in the order of appearance.
@@ -25,13 +22,11 @@ pub(super) struct Sarif {
 }
 
 impl Sarif {
-    pub(super) fn new(lines: Spool) -> Self {
-        Self { results: Results::default(), lines, others: BTreeSet::new(), operations: Vec::new() }
-    }
-
-    fn push(&mut self, entry: &Entry) -> io::Result<()> {
-        self.others.extend(OTHERS.iter().map(|(id, ..)| *id).filter(|id| entry.rule == *id));
-        self.lines.write_all(self.results.line(entry).as_bytes())
+    /// The results as lines of JSON.
+    fn lines(&mut self, entries: &[Entry]) -> String {
+        let others = OTHERS.iter().map(|(id, ..)| *id);
+        self.others.extend(others.filter(|id| entries.iter().any(|entry| entry.rule == *id)));
+        entries.iter().map(|entry| self.results.line(entry)).collect()
     }
 
     /// The rules, and the other ids that have results.
@@ -52,7 +47,7 @@ impl Sarif {
 }
 
 impl Format for Sarif {
-    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
+    fn add(&mut self, subject: &Subject) -> String {
         if let About::Testee(testee) = &subject.about {
             for case in failed_cases(testee) {
                 if !self.operations.contains(&case.op) {
@@ -60,18 +55,22 @@ impl Format for Sarif {
                 }
             }
         }
-        of_subject(subject).iter().try_for_each(|entry| self.push(entry))
+        self.lines(&of_subject(subject))
     }
 
-    fn finish(mut self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
-        of_run(report).iter().try_for_each(|entry| self.push(entry))?;
+    fn finish(
+        mut self: Box<Self>,
+        report: &Report,
+        parts: &mut dyn BufRead,
+        to: &mut dyn Write,
+    ) -> io::Result<()> {
+        let rest = self.lines(&of_run(report));
         let command = match report.action {
             Action::Check => "check",
             Action::Test => "test",
             Action::Probe => "probe",
         };
-        let rules = self.rules(report);
-        write_log(command, &rules, None, self.lines.into_reader()?, to)
+        write_log(command, &self.rules(report), None, parts.chain(rest.as_bytes()), to)
     }
 }
 

@@ -7,30 +7,33 @@
 //! ```
 
 use std::fmt::{self, Write as _};
-use std::io::{self, Write};
+use std::io::{self, BufRead, Write};
 
 use uavspec_model::Location;
 use uavspec_model::text::{shown, thousands};
 use uavspec_schema::terminal::guarded;
 
-use super::format::{Format, Run};
-use super::spool::Spool;
+use super::kind::Format;
 use super::{About, Case, CaseVerdict, Finding, Outcome, OutcomeKind, Report, Subject, Verdict};
 
 /// A report under construction.
-#[derive(Debug)]
-pub(super) struct Short(pub(super) Spool);
+pub(super) struct Short;
 
 impl Format for Short {
-    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
+    fn add(&mut self, subject: &Subject) -> String {
         let mut text = String::new();
         // Writing to a string can't fail.
         let _ = self::subject(subject, &mut text);
-        self.0.write_all(guarded(&text).as_bytes())
+        guarded(&text).into_owned()
     }
 
-    fn finish(self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
-        self.0.copy_to(to)?;
+    fn finish(
+        self: Box<Self>,
+        report: &Report,
+        parts: &mut dyn BufRead,
+        mut to: &mut dyn Write,
+    ) -> io::Result<()> {
+        io::copy(parts, &mut to)?;
         for file in &report.unreadable {
             let line = format!("{}: error: {}\n", shown(&file.path), shown(&file.message));
             to.write_all(guarded(&line).as_bytes())?;

@@ -3,73 +3,53 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use super::format::{Format, Run};
+use uavspec_schema::json_text;
+
+use super::kind::Format;
 use super::spool::Spool;
 use super::totals::Totals;
-use super::{Action, Kind, Report, Subject, json};
+use super::{Action, Kind, Report, Subject};
 
 /// The reports of a run, and the totals of its subjects.
 pub struct Stream {
-    action: Action,
-    command: String,
     totals: Totals,
-    /// The first subject, until it is known to be the only one.
-    held: Option<Subject>,
-    formats: Vec<Option<Box<dyn Format>>>,
-    /// The first error of each format.
-    errors: Vec<Option<io::Error>>,
+    /// Each format with its parts, or with the error of writing one of them. A report can be written only once.
+    formats: Vec<Option<(Box<dyn Format>, io::Result<Spool>)>>,
 }
 
 impl Stream {
     /// Starts reports in these formats. Parts that don't fit into memory are temporarily stored in the given folders.
     pub fn new<'f>(
         action: Action,
-        command: String,
+        command: &str,
         kinds: impl IntoIterator<Item = (Kind, Option<&'f Path>)>,
     ) -> Self {
-        let formats: Vec<_> =
-            kinds.into_iter().map(|(kind, folder)| Some(kind.format(Spool::new(folder)))).collect();
-        let errors = formats.iter().map(|_| None).collect();
-        Self { action, command, totals: Totals::default(), held: None, formats, errors }
+        let format = |(kind, folder): (Kind, _)| (kind.format(action, command), Ok(Spool::new(folder)));
+        let formats = kinds.into_iter().map(|kind| Some(format(kind))).collect();
+        Self { totals: Totals::default(), formats }
     }
 
     /// Adds a subject to the totals and to all reports.
-    pub fn add(&mut self, subject: Subject) {
-        self.totals.add(&subject);
-        if self.totals.is_single() {
-            self.held = Some(subject);
-            return;
+    pub fn add(&mut self, subject: &Subject) {
+        self.totals.add(subject);
+        for (format, spool) in self.formats.iter_mut().flatten() {
+            if let Ok(parts) = spool
+                && let Err(error) = parts.push(&format.add(subject))
+            {
+                *spool = Err(error);
+            }
         }
-        if let Some(first) = self.held.take() {
-            self.render(&first, false);
-        }
-        self.render(&subject, false);
     }
 
     /// The totals of all subjects. No subject can be added afterwards.
     pub fn finish(&mut self) -> Totals {
-        if let Some(only) = self.held.take() {
-            self.render(&only, true);
-        }
         std::mem::take(&mut self.totals)
     }
 
     /// Writes the report with this index.
     pub fn write(&mut self, index: usize, report: &Report, to: &mut dyn Write) -> io::Result<()> {
-        if let Some(error) = self.errors.get_mut(index).and_then(Option::take) {
-            return Err(error);
-        }
-        let format = self.formats.get_mut(index).and_then(Option::take);
-        format.map_or(Ok(()), |format| format.finish(report, to))
-    }
-
-    fn render(&mut self, subject: &Subject, is_single: bool) {
-        let run = Run { action: self.action, command: &self.command, is_single };
-        for (format, error) in self.formats.iter_mut().zip(&mut self.errors) {
-            if let (Some(format), None) = (format, &error) {
-                *error = format.add(subject, run).err();
-            }
-        }
+        let Some((format, parts)) = self.formats.get_mut(index).and_then(Option::take) else { return Ok(()) };
+        format.finish(report, &mut parts?.into_reader()?, to)
     }
 }
 
@@ -82,15 +62,13 @@ impl Report {
     /// Renders the report. [`Kind::Text`] contains terminal colours, which `anstream` can remove.
     pub fn to_text(&self, kind: Kind) -> String {
         if kind == Kind::Json {
-            return json::write(self);
+            return json_text::pretty(self);
         }
-        let mut format = kind.format(Spool::in_memory());
-        let is_single = self.subjects.len() == 1;
-        let run = Run { action: self.action, command: &self.command, is_single };
+        let mut format = kind.format(self.action, &self.command);
+        let parts: String = self.subjects.iter().map(|subject| format.add(subject)).collect();
         let mut text = Vec::new();
         // Writing to memory can't fail.
-        let added = self.subjects.iter().try_for_each(|subject| format.add(subject, run));
-        let _ = added.and_then(|()| format.finish(self, &mut text));
+        let _ = format.finish(self, &mut parts.as_bytes(), &mut text);
         String::from_utf8(text).unwrap_or_default()
     }
 }
@@ -131,10 +109,8 @@ pub(crate) mod tests {
             let subjects = &subjects[..number];
             let unreadable = vec![Unreadable { path: "gone".to_owned(), message: "absent".to_owned() }];
             let command = || "uavspec check".to_owned();
-            let mut stream = Stream::new(Action::Check, command(), kinds.iter().map(|kind| (*kind, None)));
-            for subject in subjects {
-                stream.add(subject.clone());
-            }
+            let mut stream = Stream::new(Action::Check, &command(), kinds.iter().map(|kind| (*kind, None)));
+            subjects.iter().for_each(|subject| stream.add(subject));
             let (totals, reasons) = (stream.finish(), Vec::new());
             let dropped = Report::of_totals(
                 Action::Check,
@@ -161,10 +137,10 @@ pub(crate) mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let absent = folder.path().join("absent");
         let kinds = [(Kind::Json, Some(absent.as_path())), (Kind::Short, None)];
-        let mut stream = Stream::new(Action::Check, String::new(), kinds);
+        let mut stream = Stream::new(Action::Check, "", kinds);
         // More than fits into memory.
         for subject in SUBJECTS.iter().cycle().take(extent(40 * SUBJECTS.len(), 600)) {
-            stream.add(subject.clone());
+            stream.add(subject);
         }
         let totals = stream.finish();
         let report = Report::of_totals(

@@ -6,15 +6,14 @@ mod testee;
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
-use std::io::{self, Write};
+use std::io::{self, BufRead, Write};
 
 use anstyle::{AnsiColor, Style};
 use uavspec_check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN, names};
 use uavspec_model::Reason;
 use uavspec_model::text::{plural, shown, thousands, wrapped};
 
-use super::format::{Format, Run};
-use super::spool::Spool;
+use super::kind::Format;
 use super::{About, Known, Outcome, OutcomeKind, Report, RequestType, Subject, Verdict};
 
 /// The width of labels.
@@ -26,16 +25,20 @@ const PASS: Style = AnsiColor::Green.on_default().bold();
 const PLAIN: Style = Style::new();
 
 /// A report under construction, with colours.
-#[derive(Debug)]
-pub(super) struct Text(pub(super) Spool);
+pub(super) struct Text;
 
 impl Format for Text {
-    fn add(&mut self, subject: &Subject, _: Run<'_>) -> io::Result<()> {
-        self.0.write_all(self::subject(subject).as_bytes())
+    fn add(&mut self, subject: &Subject) -> String {
+        self::subject(subject)
     }
 
-    fn finish(self: Box<Self>, report: &Report, to: &mut dyn Write) -> io::Result<()> {
-        self.0.copy_to(to)?;
+    fn finish(
+        self: Box<Self>,
+        report: &Report,
+        parts: &mut dyn BufRead,
+        mut to: &mut dyn Write,
+    ) -> io::Result<()> {
+        io::copy(parts, &mut to)?;
         to.write_all(end(report).as_bytes())
     }
 }

@@ -6,7 +6,6 @@ use uavspec_model::text::{plural, thousands};
 use uavspec_probe::RequestType;
 
 use super::{class, finding, number, shown, testee};
-use crate::format::Run;
 use crate::outcome::capitalized;
 use crate::{About, OutcomeKind, Report, Subject};
 
@@ -91,14 +90,13 @@ pub(super) fn has_details(subject: &Subject) -> bool {
 }
 
 /// The section of a subject. The index makes the section's anchor unique. The head of a report with a single subject
-/// contains its coverage.
-pub(super) fn section(run: Run<'_>, subject: &Subject, index: usize) -> Markup {
-    let is_single = run.is_single;
+/// contains its coverage, and the footer contains the command of the whole run.
+pub(super) fn section(noun: &str, subject: &Subject, index: usize, is_single: bool, command: &str) -> Markup {
     let anchor = format!("subject-{}", index + 1);
     let is_shown = |line: &Line| !is_single || !line.lists.is_empty() || !line.details.is_empty();
     html! {
         section.subject aria-labelledby=(anchor) {
-            h2 id=(anchor) { (capitalized(super::noun(run.action))) " " code.path { (shown(&subject.path)) } }
+            h2 id=(anchor) { (noun) " " code.path { (shown(&subject.path)) } }
             p.facts { (facts(subject)) }
             @if !is_single && !subject.outcome.remarks.is_empty() {
                 ul.remarks { @for remark in &subject.outcome.remarks { li { (shown(remark)) } } }
@@ -111,8 +109,7 @@ pub(super) fn section(run: Run<'_>, subject: &Subject, index: usize) -> Markup {
             (corruption(subject))
             (notes(&subject.notes))
             (requests(&subject.requests))
-            // The footer contains the command of the whole run.
-            @if let Some(first) = subject.findings.first().filter(|first| first.reproduce != run.command) {
+            @if let Some(first) = subject.findings.first().filter(|first| first.reproduce != command) {
                 (finding::reproduce(&first.reproduce))
             }
         }
