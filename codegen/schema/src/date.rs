@@ -3,6 +3,8 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 use std::{env, fmt};
 
+use serde::{Serialize, Serializer};
+
 /// The environment variable that sets the current time, in seconds since 1970. See reproducible-builds.org.
 const EPOCH_VARIABLE: &str = "SOURCE_DATE_EPOCH";
 
@@ -88,6 +90,12 @@ impl Date {
 impl fmt::Display for Date {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(formatter, "{:04}-{:02}-{:02}", self.year, self.month, self.day)
+    }
+}
+
+impl Serialize for Date {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
 use uavspec_schema::source::Span;
 
 use crate::{Detail, Excuse, Level, Location, Rule, SubjectName};
@@ -72,21 +73,45 @@ impl Group {
     }
 }
 
-/// The result of a rule.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The result of a rule. The values are in ascending precedence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// No violations.
-    Pass,
-    /// Violations of a SHOULD rule.
-    Warn,
-    /// Violations of a MUST rule.
-    Fail,
-    /// All violations are known failures.
-    Known,
-    /// Findings of an INFO rule, which don't affect the outcome.
-    Shown,
-    /// The rule doesn't apply to any data in the capture.
+    /// The input has nothing that the rule applies to. This verdict doesn't count as a pass.
+    #[serde(rename = "not covered")]
     NotCovered,
+    /// The testee doesn't support the tested operation or type. This result is neither a failure nor a pass.
+    Unsupported,
+    /// There are no violations.
+    Pass,
+    /// There are only informational findings.
+    #[serde(rename = "info")]
+    Shown,
+    /// All violations are in a baseline.
+    Known,
+    /// The rule could not be checked completely.
+    Inconclusive,
+    /// A rule of level SHOULD is violated.
+    #[serde(rename = "warning")]
+    Warn,
+    /// A rule of level MUST is violated.
+    Fail,
+}
+
+impl Verdict {
+    /// The name in all reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NotCovered => "not covered",
+            Self::Unsupported => "unsupported",
+            Self::Pass => "pass",
+            Self::Shown => "info",
+            Self::Known => "known",
+            Self::Inconclusive => "inconclusive",
+            Self::Warn => "warning",
+            Self::Fail => "fail",
+        }
+    }
 }
 
 /// The key of a group.

@@ -7,10 +7,11 @@ use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{Hash as _, Hasher as _};
 
+use uavspec_model::Excuse;
 use uavspec_model::text::thousands;
 use uavspec_rules::px4;
 
-use crate::{Example, Finding, Known, Report, RuleReport, Subject, Verdict};
+use crate::{Example, Finding, Report, RuleReport, Subject, Verdict};
 
 /// The maximum number of groups with the same rule and verdict that are kept. Reports list at most this many groups of a
 /// rule.
@@ -41,10 +42,6 @@ pub(crate) struct Groups {
 struct OfRule {
     /// The groups in the order of appearance.
     kept: Vec<Group>,
-    /// The positions in `kept` by name and verdict.
-    positions: BTreeMap<(String, Verdict), usize>,
-    /// The number of kept groups with each verdict.
-    num_kept: BTreeMap<Verdict, usize>,
     /// The hashes of the names and verdicts of the other groups.
     others: BTreeSet<u64>,
 }
@@ -77,7 +74,7 @@ pub(crate) struct OtherFile {
     pub(crate) count: u64,
     /// The place and the text of the first finding.
     pub(crate) first: Option<(String, String)>,
-    pub(crate) known: Option<Known>,
+    pub(crate) known: Option<Excuse>,
 }
 
 /// The rules of a report, the most severe verdict first.
@@ -102,8 +99,8 @@ impl Groups {
     pub(crate) fn add(&mut self, subject: &Subject) {
         for finding in &subject.findings {
             let of_rule = self.rules.entry(finding.rule).or_default();
-            let key = (finding.subject.clone(), finding.verdict);
-            if let Some(group) = of_rule.positions.get(&key).and_then(|at| of_rule.kept.get_mut(*at)) {
+            let mut same = of_rule.kept.iter_mut().filter(|group| group.verdict == finding.verdict);
+            if let Some(group) = same.find(|group| group.name == finding.subject) {
                 group.count += finding.count;
                 group.num_others += 1;
                 if group.others.len() < MAX_FILES && self.num_files < MAX_ALL_FILES {
@@ -112,15 +109,13 @@ impl Groups {
                 }
                 continue;
             }
-            let num_kept = of_rule.num_kept.entry(finding.verdict).or_default();
-            if *num_kept < MAX_GROUPS && self.num_kept < MAX_ALL_GROUPS {
-                *num_kept += 1;
+            let num_kept = of_rule.kept.iter().filter(|group| group.verdict == finding.verdict).count();
+            if num_kept < MAX_GROUPS && self.num_kept < MAX_ALL_GROUPS {
                 self.num_kept += 1;
-                of_rule.positions.insert(key, of_rule.kept.len());
                 of_rule.kept.push(Group::new(subject, finding));
             } else if of_rule.others.len() < MAX_UNKEPT {
                 let mut hasher = DefaultHasher::new();
-                key.hash(&mut hasher);
+                (&finding.subject, finding.verdict).hash(&mut hasher);
                 of_rule.others.insert(hasher.finish());
             }
         }

@@ -12,8 +12,7 @@ use uavspec_rules::{RULES, flockwave, px4};
 use super::outcome::{NO_VIOLATIONS, capitalized};
 use super::totals::{is_violated, kinds_of_violations};
 use super::{
-    About, Corruption, Definition, Example, Finding, Known, Outcome, OutcomeKind, RuleVerdict, Subject,
-    Verdict,
+    About, Corruption, Definition, Example, Finding, Outcome, OutcomeKind, RuleVerdict, Subject, Verdict,
 };
 
 /// A capture that was checked.
@@ -86,24 +85,9 @@ impl Settings {
     /// The verdict of a rule.
     fn verdict(&self, findings: &Findings, rule: &'static Rule) -> Verdict {
         match findings.verdict(rule) {
-            uavspec_model::Verdict::Shown if self.are_formats_strict && rule.id == px4::FMT_01.rule.id => {
-                Verdict::Fail
-            }
-            uavspec_model::Verdict::Warn if self.are_warnings_denied => Verdict::Fail,
-            other => other.into(),
-        }
-    }
-}
-
-impl From<uavspec_model::Verdict> for Verdict {
-    fn from(verdict: uavspec_model::Verdict) -> Self {
-        match verdict {
-            uavspec_model::Verdict::Pass => Self::Pass,
-            uavspec_model::Verdict::Warn => Self::Warn,
-            uavspec_model::Verdict::Fail => Self::Fail,
-            uavspec_model::Verdict::Shown => Self::Shown,
-            uavspec_model::Verdict::Known => Self::Known,
-            uavspec_model::Verdict::NotCovered => Self::NotCovered,
+            Verdict::Shown if self.are_formats_strict && rule.id == px4::FMT_01.rule.id => Verdict::Fail,
+            Verdict::Warn if self.are_warnings_denied => Verdict::Fail,
+            other => other,
         }
     }
 }
@@ -338,7 +322,7 @@ fn finding(
             definition.map(|span| definitions.line(span).file),
         ),
         reproduce: command.to_owned(),
-        known: known.as_ref().map(Known::from),
+        known: known.clone(),
     }
 }
 

@@ -1,12 +1,12 @@
 //! Renders reports in the Code Quality format of GitLab.
 
-use std::io::{self, BufRead, Read as _, Write};
+use std::io::{self, Read as _, Write};
 
 use uavspec_lint::report::Entry;
 use uavspec_lint::report::codequality::{Issues, write_list};
 
 use super::entries::{of_run, of_subject};
-use super::kind::Format;
+use super::kind::{Format, Parts};
 use super::{Report, Subject};
 
 /// A report under construction.
@@ -25,12 +25,7 @@ impl Format for CodeQuality {
         self.lines(&of_subject(subject))
     }
 
-    fn finish(
-        mut self: Box<Self>,
-        report: &Report,
-        parts: &mut dyn BufRead,
-        to: &mut dyn Write,
-    ) -> io::Result<()> {
+    fn finish(mut self: Box<Self>, report: &Report, parts: Parts<'_>, to: &mut dyn Write) -> io::Result<()> {
         write_list(parts.chain(self.lines(&of_run(report)).as_bytes()), to)
     }
 }

@@ -8,14 +8,14 @@ mod rules;
 pub(crate) mod subject;
 mod testee;
 
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use uavspec_model::text::{shown, thousands};
 use uavspec_schema::terminal::guarded;
 
 use super::by_rule::Groups;
-use super::kind::Format;
+use super::kind::{Format, Parts};
 use super::outcome::capitalized;
 use super::{Action, Outcome, OutcomeKind, Report, Subject, Verdict};
 
@@ -71,7 +71,7 @@ impl Format for Html {
         String::new()
     }
 
-    fn finish(self: Box<Self>, report: &Report, _: &mut dyn BufRead, to: &mut dyn Write) -> io::Result<()> {
+    fn finish(self: Box<Self>, report: &Report, _: Parts<'_>, to: &mut dyn Write) -> io::Result<()> {
         writeln!(to, "{}", guarded(&self.page(report).into_string()))
     }
 }
@@ -182,12 +182,12 @@ fn head(report: &Report) -> Markup {
 }
 
 fn figures(report: &Report) -> Markup {
-    let count = |verdict| report.count(verdict) as u64;
+    let count = |verdict| report.rules.iter().filter(|rule| rule.verdict == verdict).count() as u64;
     let parts = match report.totals.cases {
         Some(counts) => vec![
-            Part { class: "fail", label: "cases failed", count: counts.fail },
+            Part { class: "fail", label: "cases failed", count: counts.failed },
             Part { class: "info", label: "known failures", count: counts.known },
-            Part { class: "pass", label: "cases passed", count: counts.pass },
+            Part { class: "pass", label: "cases passed", count: counts.passed },
             Part { class: "none", label: "unsupported", count: counts.unsupported },
             Part { class: "none", label: "not run", count: counts.not_run },
         ],

@@ -2,11 +2,11 @@
 //!
 //! The schema is `generated/schemas/uavspec/report.schema.json`, which is generated from the same types.
 
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 use uavspec_schema::json_text;
 
-use super::kind::Format;
+use super::kind::{Format, Parts};
 use super::{Report, Subject};
 
 /// The list of subjects, in a report without subjects. Texts contain no line breaks, and the lines of inner objects are
@@ -22,12 +22,7 @@ impl Format for Json {
         format!(",\n    {}", text.trim_end().replace('\n', "\n    "))
     }
 
-    fn finish(
-        self: Box<Self>,
-        report: &Report,
-        parts: &mut dyn BufRead,
-        mut to: &mut dyn Write,
-    ) -> io::Result<()> {
+    fn finish(self: Box<Self>, report: &Report, parts: Parts<'_>, to: &mut dyn Write) -> io::Result<()> {
         let text = json_text::pretty(report);
         let has_parts = !parts.fill_buf()?.is_empty();
         let Some((before, after)) = text.split_once(NO_SUBJECTS).filter(|_| has_parts) else {
@@ -36,7 +31,7 @@ impl Format for Json {
         write!(to, "{before}\n  \"subjects\": [")?;
         // Nothing precedes the first comma.
         parts.consume(1);
-        io::copy(parts, &mut to)?;
+        io::copy(parts, to)?;
         write!(to, "\n  ],\n{after}")
     }
 }

@@ -4,7 +4,7 @@
 //! CI systems identify a case by class and name, so the class and the name don't depend on the findings.
 
 use std::fmt::Write as _;
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 use uavspec_lint::report::Region;
 use uavspec_lint::report::junit::{self, Outcome, Reason, Suite};
@@ -14,7 +14,7 @@ use uavspec_rules::rule;
 use uavspec_schema::terminal::guarded;
 
 use super::entries::{place, region};
-use super::kind::Format;
+use super::kind::{Format, Parts};
 use super::{
     About, Action, Case, CaseVerdict, Finding, OutcomeKind, Report, RuleVerdict, Subject, Testee, Unreadable,
     Verdict,
@@ -38,12 +38,7 @@ impl Format for Junit {
         self.text(&suite(subject))
     }
 
-    fn finish(
-        mut self: Box<Self>,
-        report: &Report,
-        parts: &mut dyn BufRead,
-        mut to: &mut dyn Write,
-    ) -> io::Result<()> {
+    fn finish(mut self: Box<Self>, report: &Report, parts: Parts<'_>, to: &mut dyn Write) -> io::Result<()> {
         let name = match report.action {
             Action::Check => "uavspec check",
             Action::Test => "uavspec test",
@@ -63,7 +58,7 @@ impl Format for Junit {
         }
         let (start, end) = self.0.document(name);
         to.write_all(start.as_bytes())?;
-        io::copy(parts, &mut to)?;
+        io::copy(parts, to)?;
         write!(to, "{rest}{end}")
     }
 }
@@ -139,10 +134,7 @@ fn rule_case(subject: &Subject, rule: &Rule, found: &RuleVerdict) -> junit::Case
     match found.verdict {
         Verdict::Pass => {}
         Verdict::Warn | Verdict::Shown | Verdict::Known => case.output = text,
-        Verdict::NotCovered => {
-            case.outcome = Outcome::Skipped(Verdict::NotCovered.name().to_owned());
-        }
-        Verdict::Unsupported | Verdict::Inconclusive => {
+        Verdict::NotCovered | Verdict::Unsupported | Verdict::Inconclusive => {
             case.outcome = Outcome::Skipped(found.verdict.name().to_owned());
         }
         Verdict::Fail => {

@@ -14,19 +14,16 @@ use super::short::Short;
 use super::text::Text;
 use super::{Action, Report, Subject};
 
+/// The parts of a report about the added subjects, one after the other.
+pub(super) type Parts<'p> = &'p mut dyn BufRead;
+
 /// A report in one format, under construction.
 pub(super) trait Format {
     /// Adds a subject. Returns the part of the report about this subject, unless the format keeps it.
     fn add(&mut self, subject: &Subject) -> String;
 
-    /// Writes the whole report. `parts` are the parts of all subjects. `report` may have no subjects; its totals include
-    /// all added subjects.
-    fn finish(
-        self: Box<Self>,
-        report: &Report,
-        parts: &mut dyn BufRead,
-        to: &mut dyn Write,
-    ) -> io::Result<()>;
+    /// Writes the whole report. `report` may have no subjects; its totals include all added subjects.
+    fn finish(self: Box<Self>, report: &Report, parts: Parts<'_>, to: &mut dyn Write) -> io::Result<()>;
 }
 
 /// A format of a report.

@@ -28,7 +28,7 @@
 //! };
 //! let subject = Subject::from_capture(checked, &definitions, &Settings::default());
 //! let command = "uavspec check requests.jsonl".to_owned();
-//! let report = Report::new(Action::Check, command, &definitions, vec![subject], Vec::new(), Vec::new());
+//! let report = Report::new(Action::Check, command, &definitions.name, vec![subject], Vec::new(), Vec::new());
 //! assert_eq!(report.outcome.kind, OutcomeKind::Conforms);
 //! assert!(report.to_text(Kind::Markdown).contains("## `requests.jsonl`"));
 //! # Ok::<(), std::io::Error>(())
@@ -63,10 +63,10 @@ mod totals;
 
 use serde::Serialize;
 use uavspec_check::{Coverage, Line, Summary};
+pub use uavspec_model::Verdict;
 use uavspec_model::text::shown;
-use uavspec_model::{Excuse, Extent, Level, Location, Reason, Rule, Status};
+use uavspec_model::{Excuse, Extent, Level, Location, Reason, Rule};
 use uavspec_probe::RequestType;
-use uavspec_rules::definitions::Definitions;
 
 pub use self::capture::{CheckedCapture, Settings};
 pub use self::kind::{Kind, TableFormat};
@@ -148,31 +148,6 @@ pub struct RuleReport {
     pub covered: u64,
     /// The number of findings.
     pub findings: u64,
-}
-
-/// The result of a rule. The values are in ascending precedence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Verdict {
-    /// The input has nothing that the rule applies to. This verdict doesn't count as a pass.
-    #[serde(rename = "not covered")]
-    NotCovered,
-    /// The testee doesn't support the tested operation or type. This result is neither a failure nor a pass.
-    Unsupported,
-    /// There are no violations.
-    Pass,
-    /// There are only informational findings.
-    #[serde(rename = "info")]
-    Shown,
-    /// All violations are in a baseline.
-    Known,
-    /// The rule could not be checked completely.
-    Inconclusive,
-    /// A rule of level SHOULD is violated.
-    #[serde(rename = "warning")]
-    Warn,
-    /// A rule of level MUST is violated.
-    Fail,
 }
 
 /// A capture, a server or a testee that was checked.
@@ -281,7 +256,7 @@ pub struct Finding {
     /// The command that reproduces the finding.
     pub reproduce: String,
     /// The matching entry of a baseline.
-    pub known: Option<Known>,
+    pub known: Option<Excuse>,
 }
 
 /// A single finding.
@@ -332,19 +307,6 @@ pub struct Definition {
     pub text: String,
 }
 
-/// An entry of a baseline.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
-pub struct Known {
-    /// `known` for a failure that always occurs, `flaky` for a failure that sometimes occurs.
-    pub kind: String,
-    /// The reason.
-    pub reason: String,
-    /// A link, such as to an issue.
-    pub link: Option<String>,
-    /// The last day on which the entry applies, such as `2027-06-30`.
-    pub expires: Option<String>,
-}
-
 /// A corrupt or unreadable part of a file.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Corruption {
@@ -369,21 +331,13 @@ impl Report {
     pub fn new(
         action: Action,
         command: String,
-        definitions: &Definitions,
+        definitions: &str,
         subjects: Vec<Subject>,
         unreadable: Vec<Unreadable>,
         reasons: Vec<Reason>,
     ) -> Self {
         let totals = Totals::of(&subjects);
-        Self { subjects, ..Self::of_totals(action, command, &definitions.name, totals, unreadable, reasons) }
-    }
-
-    /// Creates the report of a single subject.
-    pub fn of_subject(action: Action, command: String, definitions: &str, subject: Subject) -> Self {
-        let subjects = vec![subject];
-        let totals = Totals::of(&subjects);
-        let report = Self::of_totals(action, command, definitions, totals, Vec::new(), Vec::new());
-        Self { subjects, ..report }
+        Self { subjects, ..Self::of_totals(action, command, definitions, totals, unreadable, reasons) }
     }
 
     /// Creates the report of a run whose subjects are only known by their totals.
@@ -404,7 +358,7 @@ impl Report {
             definitions: definitions.to_owned(),
             outcome: Outcome::for_run(action, &totals, &unreadable, remarks),
             reasons,
-            rules: totals.rules(),
+            rules: totals.rules.values().cloned().collect(),
             subjects: Vec::new(),
             unreadable,
             not_checked: Vec::new(),
@@ -443,27 +397,13 @@ impl Report {
     }
 }
 
-impl From<&Excuse> for Known {
-    fn from(excuse: &Excuse) -> Self {
-        Self {
-            kind: excuse.kind.name().to_owned(),
-            reason: excuse.reason.clone(),
-            link: excuse.link.clone(),
-            expires: excuse.expires.map(|date| date.to_string()),
-        }
-    }
-}
-
 impl RuleReport {
     fn new(rule: &Rule) -> Self {
         Self {
             id: rule.id,
             level: rule.level,
             status: rule.status.to_string(),
-            dispute: match rule.status {
-                Status::Disputed(dispute) | Status::DisputedCases(dispute) => Some(dispute),
-                Status::Normative | Status::Advisory => None,
-            },
+            dispute: rule_list::dispute(rule),
             statement: rule.statement,
             source: rule.source,
             applies_to: rule.applies_to,
@@ -471,22 +411,6 @@ impl RuleReport {
             verdict: Verdict::NotCovered,
             covered: 0,
             findings: 0,
-        }
-    }
-}
-
-impl Verdict {
-    /// The name in all reports.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NotCovered => "not covered",
-            Self::Unsupported => "unsupported",
-            Self::Pass => "pass",
-            Self::Shown => "info",
-            Self::Known => "known",
-            Self::Inconclusive => "inconclusive",
-            Self::Warn => "warning",
-            Self::Fail => "fail",
         }
     }
 }
@@ -522,13 +446,6 @@ impl Subject {
     /// The number of corrupt or unreadable parts.
     pub fn corrupt_count(&self) -> u64 {
         self.corruption.len() as u64 + self.more_corruption
-    }
-}
-
-impl Report {
-    /// The number of rules with this verdict.
-    pub fn count(&self, verdict: Verdict) -> usize {
-        self.rules.iter().filter(|rule| rule.verdict == verdict).count()
     }
 }
 

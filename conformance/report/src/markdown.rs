@@ -1,6 +1,6 @@
 //! Renders reports as Markdown, short enough for pull requests and CI summaries. Text from the input is escaped.
 
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 use uavspec_check::Line;
 use uavspec_emit::docs::markdown::{
@@ -10,7 +10,7 @@ use uavspec_model::text::{plural, shown, thousands};
 use uavspec_schema::terminal::guarded;
 
 use super::by_rule::{ByRule, Group, Groups, Listed};
-use super::kind::Format;
+use super::kind::{Format, Parts};
 use super::{About, Case, OutcomeKind, Report, RuleReport, Subject, Testee, Unreadable, Verdict};
 
 /// The maximum number of failed cases, corrupt parts or files in a list. GitHub limits comments to 65,536 characters.
@@ -45,7 +45,7 @@ impl Format for Markdown {
         String::new()
     }
 
-    fn finish(self: Box<Self>, report: &Report, _: &mut dyn BufRead, to: &mut dyn Write) -> io::Result<()> {
+    fn finish(self: Box<Self>, report: &Report, _: Parts<'_>, to: &mut dyn Write) -> io::Result<()> {
         to.write_all(guarded(&self.page(report).finish().text).as_bytes())
     }
 }
@@ -261,7 +261,7 @@ fn write_testee(page: &mut Page, testee: &Testee) {
     for row in testee.supported() {
         let counts = row.counts;
         let numbers =
-            [counts.pass, counts.fail, counts.known, counts.unsupported, counts.not_run].map(thousands);
+            [counts.passed, counts.failed, counts.known, counts.unsupported, counts.not_run].map(thousands);
         table.row([code(&shown(&row.op)), code(&shown(&row.type_name))].into_iter().chain(numbers));
     }
     page.table(&table);

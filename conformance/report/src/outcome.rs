@@ -101,9 +101,9 @@ impl Outcome {
         let (checked, all) = (counts.checked(), counts.all());
         match gave_up {
             Some(reason) => Self::new(OutcomeKind::Failed, format!("Failed: {reason}")),
-            None if counts.fail > 0 => Self::new(
+            None if counts.failed > 0 => Self::new(
                 OutcomeKind::DoesNotConform,
-                format!("Does not conform: {} of {checked} cases failed", counts.fail),
+                format!("Does not conform: {} of {checked} cases failed", counts.failed),
             ),
             None if violations > 0 => {
                 Self::new(OutcomeKind::DoesNotConform, "Does not conform: violates the test protocol")

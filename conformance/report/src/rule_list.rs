@@ -3,9 +3,8 @@
 pub mod pages;
 mod text;
 
-use std::collections::BTreeSet;
-
 use serde::Serialize;
+use serde_json::json;
 use uavspec_lint::report::rule_url;
 use uavspec_model::{Level, Rule, Status};
 use uavspec_probe::self_test::Row;
@@ -48,15 +47,6 @@ pub(crate) struct Entry {
     url: String,
 }
 
-/// A row of the matrix in JSON.
-#[derive(Serialize)]
-struct MatrixEntry<'r> {
-    rule: &'static str,
-    mutant: &'r str,
-    violated: Option<&'r BTreeSet<&'static str>>,
-    expected: BTreeSet<&'static str>,
-}
-
 /// Formats rules as a JSON list.
 pub fn to_json(rules: &[&'static Rule]) -> String {
     json_text::pretty(&rules.iter().map(|rule| entry(rule)).collect::<Vec<_>>())
@@ -83,17 +73,15 @@ pub(crate) fn entry(rule: &'static Rule) -> Entry {
 
 /// Formats the matrix as a JSON list.
 pub fn matrix_json(rows: &[Row]) -> String {
-    let entries = rows.iter().map(|row| MatrixEntry {
-        rule: row.rule.id,
-        mutant: &row.title,
-        violated: row.violated.as_ref(),
-        expected: row.expected(),
-    });
-    json_text::pretty(&entries.collect::<Vec<_>>())
+    let entry = |row: &Row| {
+        let Row { rule, title, violated, .. } = row;
+        json!({ "rule": rule.id, "mutant": title, "violated": violated, "expected": row.expected() })
+    };
+    json_text::pretty(&rows.iter().map(entry).collect::<Vec<_>>())
 }
 
 /// The contradiction in the specification, for a disputed rule.
-fn dispute(rule: &Rule) -> Option<&'static str> {
+pub(crate) fn dispute(rule: &Rule) -> Option<&'static str> {
     match rule.status {
         Status::Disputed(contradiction) | Status::DisputedCases(contradiction) => Some(contradiction),
         Status::Normative | Status::Advisory => None,

@@ -1,14 +1,14 @@
 //! Renders reports as SARIF.
 
 use std::collections::BTreeSet;
-use std::io::{self, BufRead, Read as _, Write};
+use std::io::{self, Read as _, Write};
 
 use uavspec_lint::report::sarif::{Results, write_log};
 use uavspec_lint::report::{Entry, RuleInfo};
 use uavspec_schema::diagnostic::Level;
 
 use super::entries::{OTHERS, failed_cases, of_run, of_subject};
-use super::kind::Format;
+use super::kind::{Format, Parts};
 use super::{About, Action, Report, RuleReport, Subject};
 
 /// A report under construction.
@@ -58,12 +58,7 @@ impl Format for Sarif {
         self.lines(&of_subject(subject))
     }
 
-    fn finish(
-        mut self: Box<Self>,
-        report: &Report,
-        parts: &mut dyn BufRead,
-        to: &mut dyn Write,
-    ) -> io::Result<()> {
+    fn finish(mut self: Box<Self>, report: &Report, parts: Parts<'_>, to: &mut dyn Write) -> io::Result<()> {
         let rest = self.lines(&of_run(report));
         let command = match report.action {
             Action::Check => "check",

@@ -7,13 +7,13 @@
 //! ```
 
 use std::fmt::{self, Write as _};
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 use uavspec_model::Location;
 use uavspec_model::text::{shown, thousands};
 use uavspec_schema::terminal::guarded;
 
-use super::kind::Format;
+use super::kind::{Format, Parts};
 use super::{About, Case, CaseVerdict, Finding, Outcome, OutcomeKind, Report, Subject, Verdict};
 
 /// A report under construction.
@@ -27,13 +27,8 @@ impl Format for Short {
         guarded(&text).into_owned()
     }
 
-    fn finish(
-        self: Box<Self>,
-        report: &Report,
-        parts: &mut dyn BufRead,
-        mut to: &mut dyn Write,
-    ) -> io::Result<()> {
-        io::copy(parts, &mut to)?;
+    fn finish(self: Box<Self>, report: &Report, parts: Parts<'_>, to: &mut dyn Write) -> io::Result<()> {
+        io::copy(parts, to)?;
         for file in &report.unreadable {
             let line = format!("{}: error: {}\n", shown(&file.path), shown(&file.message));
             to.write_all(guarded(&line).as_bytes())?;

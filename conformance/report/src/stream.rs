@@ -13,9 +13,12 @@ use super::{Action, Kind, Report, Subject};
 /// The reports of a run, and the totals of its subjects.
 pub struct Stream {
     totals: Totals,
-    /// Each format with its parts, or with the error of writing one of them. A report can be written only once.
-    formats: Vec<Option<(Box<dyn Format>, io::Result<Spool>)>>,
+    /// The reports. Each can be written only once.
+    formats: Vec<Option<Started>>,
 }
+
+/// A format with its parts, or with the error of writing one of them.
+type Started = (Box<dyn Format>, io::Result<Spool>);
 
 impl Stream {
     /// Starts reports in these formats. Parts that don't fit into memory are temporarily stored in the given folders.
@@ -110,7 +113,9 @@ pub(crate) mod tests {
             let unreadable = vec![Unreadable { path: "gone".to_owned(), message: "absent".to_owned() }];
             let command = || "uavspec check".to_owned();
             let mut stream = Stream::new(Action::Check, &command(), kinds.iter().map(|kind| (*kind, None)));
-            subjects.iter().for_each(|subject| stream.add(subject));
+            for subject in subjects {
+                stream.add(subject);
+            }
             let (totals, reasons) = (stream.finish(), Vec::new());
             let dropped = Report::of_totals(
                 Action::Check,
@@ -120,8 +125,14 @@ pub(crate) mod tests {
                 unreadable.clone(),
                 reasons.clone(),
             );
-            let kept =
-                Report::new(Action::Check, command(), &definitions, subjects.to_vec(), unreadable, reasons);
+            let kept = Report::new(
+                Action::Check,
+                command(),
+                &definitions.name,
+                subjects.to_vec(),
+                unreadable,
+                reasons,
+            );
             for (index, kind) in kinds.iter().enumerate() {
                 let mut written = Vec::new();
                 stream.write(index, &dropped, &mut written).expect("a report");

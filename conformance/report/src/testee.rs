@@ -4,13 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Serialize, Serializer};
 use uavspec_check::{Coverage, Share, Unit, names};
-use uavspec_model::Extent;
 use uavspec_model::text::{plural, shown};
+use uavspec_model::{Excuse, Extent};
+pub use uavspec_probe::testee::outcome::Counts;
 use uavspec_probe::testee::{case, outcome};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::rule;
 
-use super::{About, Definition, Known, Outcome, RuleVerdict, Subject, Verdict};
+use super::{About, Definition, Outcome, RuleVerdict, Subject, Verdict};
 
 /// A codec or validator under test, with its results.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
@@ -45,33 +46,6 @@ pub enum TesteeKind {
     Testee,
 }
 
-/// The number of cases with each result.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, schemars::JsonSchema)]
-pub struct Counts {
-    /// Correct responses.
-    pub pass: u64,
-    /// Wrong responses, crashes and hangs.
-    pub fail: u64,
-    /// Failures that are in a baseline.
-    pub known: u64,
-    /// Cases that the testee doesn't support.
-    pub unsupported: u64,
-    /// Cases that were not run.
-    pub not_run: u64,
-}
-
-impl Counts {
-    /// The number of cases with a result.
-    pub(crate) fn checked(self) -> u64 {
-        self.pass + self.fail + self.known
-    }
-
-    /// The number of all cases.
-    pub(crate) fn all(self) -> u64 {
-        self.checked() + self.unsupported + self.not_run
-    }
-}
-
 /// The counts for one operation and type.
 #[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
 pub struct Row {
@@ -85,7 +59,7 @@ pub struct Row {
 }
 
 /// A case with its result.
-#[derive(Clone, Debug, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Debug, Default, Serialize, schemars::JsonSchema)]
 pub struct Case {
     /// The name, such as `decode-uorb/px4/Event/typical`.
     #[serde(rename = "case")]
@@ -116,14 +90,15 @@ pub struct Case {
     /// The command that runs only this case.
     pub reproduce: String,
     /// The matching entry of a baseline.
-    pub known: Option<Known>,
+    pub known: Option<Excuse>,
 }
 
 /// The result of a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, schemars::JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CaseVerdict {
     /// The response was correct.
+    #[default]
     Pass,
     /// The response was wrong.
     Fail,
@@ -177,7 +152,7 @@ impl Subject {
         let verdicts = run.verdicts.iter();
         let cases: Vec<Case> =
             verdicts.map(|(case, verdict)| case_report(case, verdict, definitions, rerun_command)).collect();
-        let counts = counts(run.counts());
+        let counts = run.counts();
         let protocol_remarks = &run.protocol_remarks;
         let violations = protocol_remarks.remarks.len() + protocol_remarks.more;
         let gave_up = run.gave_up.clone();
@@ -189,10 +164,10 @@ impl Subject {
         let rules = rules(&cases);
         let remark =
             |(message, count): &(String, usize)| Remark { message: message.clone(), count: *count as u64 };
-        let row = |((op, type_name), found): ((String, &str), outcome::Counts)| Row {
+        let row = |((op, type_name), counts): ((String, &str), Counts)| Row {
             op,
             type_name: type_name.to_owned(),
-            counts: self::counts(found),
+            counts,
         };
         let table: Vec<Row> = run.table().into_iter().map(row).collect();
         let coverage = coverage(&table, counts);
@@ -211,7 +186,7 @@ impl Subject {
             path: name,
             about: About::Testee(testee),
             records: run.verdicts.len() as u64,
-            checked: counts.pass + counts.fail + counts.known,
+            checked: counts.checked(),
             duration_us: 0,
             outcome,
             rules,
@@ -238,26 +213,21 @@ impl Testee {
         self.table.iter().filter(|row| row.is_supported())
     }
 
-    /// The types that the testee doesn't support, by operation. The first item contains the types without any supported
-    /// operation; its operation is empty. The other items don't repeat these types.
-    pub(super) fn unsupported(&self) -> Vec<(&str, Vec<&str>)> {
+    /// Lines such as `140 types: px4/ActuatorTest, px4/Airspeed and 138 more`. The first line contains the types without any
+    /// supported operation. The lines for operations don't repeat these types.
+    pub(super) fn unsupported_lines(&self) -> Vec<String> {
         let supported: BTreeSet<&str> = self.supported().map(|row| &*row.type_name).collect();
         let mut by_op: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
         for row in self.table.iter().filter(|row| !row.is_supported()) {
             let op = if supported.contains(&*row.type_name) { &*row.op } else { "" };
             by_op.entry(op).or_default().insert(&row.type_name);
         }
-        by_op.into_iter().map(|(op, types)| (op, types.into_iter().collect())).collect()
-    }
-
-    /// Lines such as `140 types: px4/ActuatorTest, px4/Airspeed and 138 more`, one for each operation.
-    pub(super) fn unsupported_lines(&self) -> Vec<String> {
-        let line = |(op, types): (&str, Vec<&str>)| {
+        let line = |(op, types): (&str, BTreeSet<&str>)| {
             let number = plural(types.len(), "type");
             let of = if op.is_empty() { String::new() } else { format!("{} of ", shown(op)) };
             format!("{of}{number}: {}", names(types.into_iter()))
         };
-        self.unsupported().into_iter().map(line).collect()
+        by_op.into_iter().map(line).collect()
     }
 }
 
@@ -282,16 +252,6 @@ fn coverage(table: &[Row], counts: Counts) -> Coverage {
     }
 }
 
-fn counts(counts: outcome::Counts) -> Counts {
-    Counts {
-        pass: counts.passed as u64,
-        fail: counts.failed as u64,
-        known: counts.known as u64,
-        unsupported: counts.unsupported as u64,
-        not_run: counts.not_run as u64,
-    }
-}
-
 fn case_report(
     requested: &case::Case,
     verdict: &outcome::Verdict,
@@ -301,28 +261,20 @@ fn case_report(
     let name = requested.name();
     let span =
         definitions.message_of_type(&requested.type_name).map(|id| definitions.schema.message(id).span);
+    let (verdict, known) = match verdict {
+        outcome::Verdict::Known { failure, excuse } => (&**failure, Some(excuse.clone())),
+        other => (other, None),
+    };
     let mut found = Case {
         op: requested.action(),
         type_name: requested.type_name.clone(),
         description: requested.description.clone(),
         rule: requested.rule.clone(),
-        verdict: CaseVerdict::Pass,
-        path: String::new(),
-        expected: String::new(),
-        actual: String::new(),
-        message: String::new(),
-        stderr: String::new(),
         definition: span.map(|span| Definition::new(definitions.line(span))),
         reproduce: rerun_command(&name),
-        known: None,
+        known,
         name,
-    };
-    let verdict = match verdict {
-        outcome::Verdict::Known { failure, excuse } => {
-            found.known = Some(Known::from(excuse));
-            failure
-        }
-        other => other,
+        ..Case::default()
     };
     found.verdict = match verdict {
         outcome::Verdict::Pass => CaseVerdict::Pass,

@@ -6,15 +6,15 @@ mod testee;
 
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
-use std::io::{self, BufRead, Write};
+use std::io::{self, Write};
 
 use anstyle::{AnsiColor, Style};
 use uavspec_check::{Describe, Line, List, MAX_LISTED as MAX_SHOWN, names};
 use uavspec_model::Reason;
 use uavspec_model::text::{plural, shown, thousands, wrapped};
 
-use super::kind::Format;
-use super::{About, Known, Outcome, OutcomeKind, Report, RequestType, Subject, Verdict};
+use super::kind::{Format, Parts};
+use super::{About, Outcome, OutcomeKind, Report, RequestType, Subject, Verdict};
 
 /// The width of labels.
 const LABEL: usize = 12;
@@ -32,13 +32,8 @@ impl Format for Text {
         self::subject(subject)
     }
 
-    fn finish(
-        self: Box<Self>,
-        report: &Report,
-        parts: &mut dyn BufRead,
-        mut to: &mut dyn Write,
-    ) -> io::Result<()> {
-        io::copy(parts, &mut to)?;
+    fn finish(self: Box<Self>, report: &Report, parts: Parts<'_>, to: &mut dyn Write) -> io::Result<()> {
+        io::copy(parts, to)?;
         to.write_all(end(report).as_bytes())
     }
 }
@@ -193,16 +188,6 @@ fn corruption(subject: &Subject, text: &mut String) -> fmt::Result {
         writeln!(text, "             … and {} more", thousands(more))?;
     }
     if subject.corruption.is_empty() { Ok(()) } else { writeln!(text) }
-}
-
-impl fmt::Display for Known {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(&shown(&self.reason))?;
-        if let Some(date) = &self.expires {
-            write!(formatter, " (until {})", shown(date))?;
-        }
-        self.link.as_ref().map_or(Ok(()), |link| write!(formatter, " {}", shown(link)))
-    }
 }
 
 /// The last line of a section: the outcome in its colour.

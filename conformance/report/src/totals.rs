@@ -21,7 +21,7 @@ pub struct Totals {
     /// The number of subjects with each outcome, and their highest exit status.
     kinds: BTreeMap<OutcomeKind, (usize, u8)>,
     /// The results of the rules by id.
-    rules: BTreeMap<&'static str, RuleReport>,
+    pub(super) rules: BTreeMap<&'static str, RuleReport>,
     /// The ids of the violated rules. True if the level is SHOULD.
     violated: BTreeSet<(&'static str, bool)>,
     /// The first remarks about subjects that weren't read or checked completely.
@@ -82,8 +82,8 @@ impl Totals {
         self.checked += subject.coverage.records.checked;
         if let About::Testee(testee) = &subject.about {
             let all: &mut Counts = self.cases.get_or_insert_default();
-            all.pass += testee.counts.pass;
-            all.fail += testee.counts.fail;
+            all.passed += testee.counts.passed;
+            all.failed += testee.counts.failed;
             all.known += testee.counts.known;
             all.unsupported += testee.counts.unsupported;
             all.not_run += testee.counts.not_run;
@@ -138,11 +138,6 @@ impl Totals {
     pub(super) fn remarks(&self) -> Vec<String> {
         let more = (self.more_remarks > 0).then(|| format!("… and {} more", self.more_remarks));
         self.remarks.iter().cloned().chain(more).collect()
-    }
-
-    /// The rules, sorted by id, with their results across all subjects.
-    pub(super) fn rules(&self) -> Vec<RuleReport> {
-        self.rules.values().cloned().collect()
     }
 
     /// True if a subject has something that a rule applies to.

@@ -247,8 +247,14 @@ const WORK: &[(&str, Work)] = &[
     ("report", |bytes| {
         let capture = CheckedCapture::new("capture".to_owned(), checked(bytes), Duration::ZERO);
         let subject = Subject::from_capture(capture, &DEFINITIONS, &Settings::default());
-        let report =
-            Report::new(Action::Check, String::new(), &DEFINITIONS, vec![subject], Vec::new(), Vec::new());
+        let report = Report::new(
+            Action::Check,
+            String::new(),
+            &DEFINITIONS.name,
+            vec![subject],
+            Vec::new(),
+            Vec::new(),
+        );
         for kind in Kind::value_variants() {
             report.to_text(*kind);
         }

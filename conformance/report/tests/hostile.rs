@@ -2,14 +2,16 @@
 
 use serde_json::{Value, json};
 use uavspec_check::check_capture;
-use uavspec_model::Reason;
+use uavspec_model::{Excuse, ExcuseKind, Reason};
+use uavspec_probe::RequestType;
 use uavspec_probe::testee::cases;
 use uavspec_probe::testee::compare::Difference;
 use uavspec_probe::testee::outcome::{Outcome, ProtocolRemarks, Verdict};
-use uavspec_report::{Action, CheckedCapture, Known, Report, Settings, Subject, Unreadable};
+use uavspec_report::{Action, CheckedCapture, Report, Settings, Subject, Unreadable};
 use uavspec_rules::Mutant;
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::sample::Flight;
+use uavspec_schema::Date;
 use uavspec_test_support::extent;
 
 use crate::mutants::tested_mutants;
@@ -65,7 +67,13 @@ pub(crate) fn checked(definitions: &Definitions) -> Report {
             path,
             result,
             notes: vec!["the <b>wind</b>\u{1b}[1m turned".to_owned()],
-            requests: Vec::new(),
+            requests: vec![RequestType {
+                name: "UAV-INF".to_owned(),
+                sent: 2,
+                answered: 1,
+                refused: 0,
+                not_sent: None,
+            }],
             cut_short: Vec::new(),
             elapsed: 7,
         };
@@ -74,16 +82,17 @@ pub(crate) fn checked(definitions: &Definitions) -> Report {
     };
     let mut subjects: Vec<Subject> = captures(definitions).into_iter().map(subject).collect();
     let last = subjects.last_mut().expect("subjects");
-    let known = Known {
-        kind: "known".to_owned(),
+    let known = Excuse {
+        kind: ExcuseKind::Known,
         reason: HOSTILE.to_owned(),
         link: Some("javascript:alert(1)".to_owned()),
-        expires: Some("2027-06-30".to_owned()),
+        expires: Some(Date { year: 2027, month: 6, day: 30 }),
     };
     last.findings[0].known = Some(known);
     let unreadable = vec![Unreadable { path: format!("gone{HOSTILE}"), message: HOSTILE.to_owned() }];
     let reasons = vec![Reason::from(format!("required: {HOSTILE}"))];
-    Report::new(Action::Check, format!("uavspec check {HOSTILE}"), definitions, subjects, unreadable, reasons)
+    let command = format!("uavspec check {HOSTILE}");
+    Report::new(Action::Check, command, &definitions.name, subjects, unreadable, reasons)
 }
 
 /// A report of `test` with every verdict.
@@ -114,5 +123,5 @@ pub(crate) fn tested(definitions: &Definitions) -> Report {
         Subject::from_testee(&outcome, definitions, &|case| format!("uavspec test --filter {case}"));
     subject.path.clone_from(&text);
     let command = "uavspec test -- ./codec".to_owned();
-    Report::new(Action::Test, command, definitions, vec![subject], Vec::new(), Vec::new())
+    Report::new(Action::Test, command, &definitions.name, vec![subject], Vec::new(), Vec::new())
 }

@@ -70,12 +70,14 @@ fn json_follows_the_published_schema_and_preserves_texts() {
     let schema: Value = serde_json::from_str(&schema).expect("JSON");
     let validator = jsonschema::validator_for(&schema).expect("a schema");
     for report in reports() {
-        let value: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
+        let mut value: Value = serde_json::from_str(&report.to_text(Kind::Json)).expect("JSON");
         let errors: Vec<String> = validator
             .iter_errors(&value)
             .map(|error| format!("{}: {error}", error.instance_path()))
             .collect();
         assert_eq!(errors, Vec::<String>::new());
+        value["subjects"][0]["rules"][0]["verdict"] = json!("fine");
+        assert!(!validator.is_valid(&value), "the schema rejects unknown verdicts");
     }
     let [checked, tested] = reports()
         .each_ref()
@@ -330,7 +332,7 @@ fn each_format_reports_the_path_and_the_value_found() {
             elapsed: 0,
         };
         let subject = Subject::from_capture(checked, &definitions, &Settings::default());
-        Report::new(Action::Check, String::new(), &definitions, vec![subject], Vec::new(), Vec::new())
+        Report::new(Action::Check, String::new(), &definitions.name, vec![subject], Vec::new(), Vec::new())
     };
     let message = json!({"timestamp": 1, "name": "wind", "mode_id": 1, "mode_executor_id": 1});
     let line = json!({"op": "publish", "topic": "/fmu/in/unregister_ext_component", "msg": message});

@@ -238,7 +238,7 @@ fn run_cases(definitions: &Definitions, testee: &[OsString]) -> Result<bool, Str
     drop(progress);
     terminal::println!("\nThe testee:");
     let counts = outcome.counts();
-    let is_right = counts.passed == cases.len() && outcome.protocol_remarks.is_empty();
+    let is_right = counts.passed == cases.len() as u64 && outcome.protocol_remarks.is_empty();
     let name = outcome.hello.map_or_else(|| "testee".to_owned(), |hello| hello.name);
     let passed = thousands(counts.passed);
     line(is_right, &name, &format!("{passed} of {} cases passed", thousands(cases.len() as u64)));

@@ -177,7 +177,8 @@ impl Checker {
         rows.add(&subject, Origin::of(&input), timeline.as_ref());
         let tables = Tables::new(rows, &[], self.texts.is_some())?;
         let command = self.settings.command(&input.name());
-        let report = Report::of_subject(Action::Check, command, self.library.name(), subject);
+        let report =
+            Report::new(Action::Check, command, self.library.name(), vec![subject], Vec::new(), Vec::new());
         Ok(Checked { report, tables })
     }
 

@@ -122,7 +122,7 @@ fn a_listening_testee_passes_all_cases() {
     let outcome = run_cases(&all_cases(), &Options { jobs: 2, ..attached(&server.address(), options(&[])) });
     assert_eq!(failures(&outcome), BTreeSet::new());
     assert!(outcome.protocol_remarks.is_empty(), "{:?}", outcome.protocol_remarks);
-    assert_eq!((outcome.counts().passed, outcome.restarts), (suite().cases.len(), 0));
+    assert_eq!((outcome.counts().passed, outcome.restarts), (suite().cases.len() as u64, 0));
 }
 
 #[test]

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::time::Duration;
 
+use serde::Serialize;
 use uavspec_model::Excuse;
 
 use super::case::Case;
@@ -124,22 +125,34 @@ pub struct Outcome<'c> {
     pub gave_up: Option<String>,
 }
 
-/// The number of cases per verdict.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The number of cases with each result.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Counts {
     /// Correct responses.
-    pub passed: usize,
-    /// Wrong responses, crashes and timeouts.
-    pub failed: usize,
-    /// Failures excused by a baseline.
-    pub known: usize,
+    #[serde(rename = "pass")]
+    pub passed: u64,
+    /// Wrong responses, crashes and hangs.
+    #[serde(rename = "fail")]
+    pub failed: u64,
+    /// Failures that are in a baseline.
+    pub known: u64,
     /// Cases that the testee doesn't support.
-    pub unsupported: usize,
+    pub unsupported: u64,
     /// Cases that were not run.
-    pub not_run: usize,
+    pub not_run: u64,
 }
 
 impl Counts {
+    /// The number of cases with a result.
+    pub fn checked(self) -> u64 {
+        self.passed + self.failed + self.known
+    }
+
+    /// The number of all cases.
+    pub fn all(self) -> u64 {
+        self.checked() + self.unsupported + self.not_run
+    }
+
     fn add(&mut self, verdict: &Verdict) {
         match verdict {
             Verdict::Pass => self.passed += 1,

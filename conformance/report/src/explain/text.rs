@@ -63,6 +63,15 @@ impl Lines {
         }
     }
 
+    /// Adds a description, and an empty line on each side.
+    fn description(&mut self, text: &str) {
+        if !text.is_empty() {
+            self.0.push('\n');
+            self.paragraph(text);
+        }
+        self.0.push('\n');
+    }
+
     /// Adds a section, if it has items.
     fn section(&mut self, title: &str, items: impl IntoIterator<Item = String>) {
         let mut items = items.into_iter().peekable();
@@ -80,10 +89,8 @@ fn error_code(code: &ErrorCode) -> String {
     let mut lines = Lines::default();
     let abbreviation = code.abbreviation.as_ref().map(|text| format!(" {text}")).unwrap_or_default();
     lines.line(0, &format!("Error code {}{abbreviation}: {}", code.code, code.class));
-    lines.0.push('\n');
     let undefined = "The specification doesn't define this code.";
-    lines.paragraph(code.description.as_deref().unwrap_or(undefined));
-    lines.0.push('\n');
+    lines.description(code.description.as_deref().unwrap_or(undefined));
     lines.fact("Severity", code.severity);
     lines.fact("Since", code.since.as_deref().unwrap_or_default());
     let related = |code: &Code| format!("{}  {}", code.code, code.description);
@@ -115,11 +122,7 @@ fn message(message: &Message) -> String {
     let mut lines = Lines::default();
     let is_service = message.name.contains("/srv/");
     lines.line(2, &format!("{}: {}", message.name, if is_service { "service" } else { "message" }));
-    if !message.description.is_empty() {
-        lines.0.push('\n');
-        lines.paragraph(&message.description);
-    }
-    lines.0.push('\n');
+    lines.description(&message.description);
     lines.fact("As in", &message.release);
     lines.fact("Topics", &message.topics.join(", "));
     lines.fact("Version", &message.version.map(|version| version.to_string()).unwrap_or_default());
@@ -146,11 +149,7 @@ fn field(field: &Field) -> String {
         Some(asked) => asked_value(&mut lines, field, asked),
         None => lines.line(2, &format!("{}: field of {}", field.name, field.message)),
     }
-    if !field.description.is_empty() {
-        lines.0.push('\n');
-        lines.paragraph(&field.description);
-    }
-    lines.0.push('\n');
+    lines.description(&field.description);
     lines.fact("As in", &field.release);
     lines.fact("Type", &field.ty);
     limits(&mut lines, &field.limits);
@@ -200,11 +199,7 @@ fn constant(constant: &Constant) -> String {
     let mut lines = Lines::default();
     let word = if constant.parameters.is_empty() { "constant" } else { "command" };
     lines.line(2, &format!("{} = {}: {word} of {}", constant.name, constant.value, constant.message));
-    if !constant.description.is_empty() {
-        lines.0.push('\n');
-        lines.paragraph(&constant.description);
-    }
-    lines.0.push('\n');
+    lines.description(&constant.description);
     lines.fact("As in", &constant.release);
     lines.fact("Type", &constant.ty);
     lines.fact("Fields", &constant.fields.join(", "));

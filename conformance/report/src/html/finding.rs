@@ -1,11 +1,12 @@
 //! A finding as HTML.
 
 use maud::{Markup, html};
+use uavspec_model::Excuse;
 use uavspec_model::text::thousands;
 
 use super::{badge, fact, shown};
 use crate::by_rule::{Group, place};
-use crate::{Definition, Example, Known, RuleReport};
+use crate::{Definition, Example, RuleReport};
 
 /// The findings of a rule in one topic or field.
 pub(super) fn article(rule: &RuleReport, group: &Group, is_single: bool) -> Markup {
@@ -121,13 +122,13 @@ pub(super) fn definition(definition: Option<&Definition>) -> Markup {
 }
 
 /// An entry of a baseline. Only HTTP and HTTPS links can be clicked.
-pub(super) fn known(known: Option<&Known>) -> Markup {
+pub(super) fn known(known: Option<&Excuse>) -> Markup {
     html! {
         @if let Some(known) = known {
             dt { "Known" }
             dd {
                 (shown(&known.reason))
-                @if let Some(expires) = &known.expires { ", until " (shown(expires)) }
+                @if let Some(expires) = &known.expires { ", until " (expires.to_string()) }
                 @if let Some(link) = &known.link {
                     @if link.starts_with("https://") || link.starts_with("http://") {
                         " " a href=(link) { (shown(link)) }

@@ -7,7 +7,7 @@ use uavspec_probe::RequestType;
 
 use super::{class, finding, number, shown, testee};
 use crate::outcome::capitalized;
-use crate::{About, OutcomeKind, Report, Subject};
+use crate::{About, OutcomeKind, Report, Subject, Unreadable};
 
 /// The number of list items that are initially visible. The user can expand the rest.
 const MAX_OPEN: usize = 4;
@@ -22,6 +22,15 @@ pub(super) const MAX_ROWS: usize = 10_000;
 pub(crate) fn list(report: &Report, rows: &str) -> Markup {
     let noun = super::noun(report.action);
     let (failed, not_checked) = (&report.unreadable, &report.not_checked);
+    let row = |class: &str, outcome: &str, file: &Unreadable| -> Markup {
+        html! {
+            tr role="row" {
+                td role="cell" { span.badge.(class) { (outcome) } }
+                td role="cell" { code.path { (shown(&file.path)) } p { (shown(&file.message)) } }
+                td.number role="cell" {}
+            }
+        }
+    };
     let more = |count: usize, max: usize, rest: &str| -> Markup {
         let more = count.saturating_sub(max);
         html! { @if more > 0 { p.more { "… and " (more) " more " (rest) } } }
@@ -38,24 +47,9 @@ pub(crate) fn list(report: &Report, rows: &str) -> Markup {
                     }
                 }
                 tbody role="rowgroup" {
-                    @for unreadable in failed.iter().take(MAX_ROWS) {
-                        tr role="row" {
-                            td role="cell" { span.badge.fail { (OutcomeKind::Failed.name()) } }
-                            td role="cell" {
-                                code.path { (shown(&unreadable.path)) }
-                                p { (shown(&unreadable.message)) }
-                            }
-                            td.number role="cell" {}
-                        }
-                    }
+                    @for file in failed.iter().take(MAX_ROWS) { (row("fail", OutcomeKind::Failed.name(), file)) }
                     (PreEscaped(rows))
-                    @for file in not_checked.iter().take(MAX_LISTED_ITEMS) {
-                        tr role="row" {
-                            td role="cell" { span.badge.none { "not checked" } }
-                            td role="cell" { code.path { (shown(&file.path)) } p { (shown(&file.message)) } }
-                            td.number role="cell" {}
-                        }
-                    }
+                    @for file in not_checked.iter().take(MAX_LISTED_ITEMS) { (row("none", "not checked", file)) }
                 }
             }
             (more(failed.len(), MAX_ROWS, "files that failed; the JSON report lists all of them"))
@@ -69,16 +63,11 @@ pub(crate) fn list(report: &Report, rows: &str) -> Markup {
 pub(super) fn row(subject: &Subject) -> Markup {
     html! {
         tr role="row" {
-            td role="cell" { (outcome(subject)) }
+            td role="cell" { span.badge.(class(subject.outcome.kind)) { (subject.outcome.kind.name()) } }
             td role="cell" { code.path { (shown(&subject.path)) } p { (shown(&subject.outcome.text)) } }
             td.number role="cell" { (thousands(subject.coverage.records.checked)) }
         }
     }
-}
-
-fn outcome(subject: &Subject) -> Markup {
-    let outcome = subject.outcome.kind;
-    html! { span.badge.(class(outcome)) { (outcome.name()) } }
 }
 
 /// True if the subject needs a section in addition to its row.
@@ -133,33 +122,30 @@ fn facts(subject: &Subject) -> Markup {
 
 /// A line of a summary, followed by its complete lists.
 fn summary_line(line: &Line) -> Markup {
-    let details: Vec<&String> = line.details.iter().collect();
     html! {
         h3 { (capitalized(line.label)) }
         p { (line.text) }
         @for list in line.lists.iter().filter(|list| !list.items.is_empty()) {
             (folded(&list.items, "line", |item| html! { li { span.place { (list.label) } ": " (item) } }))
         }
-        @if !details.is_empty() { (folded(&details, "line", |detail| html! { li { (detail) } })) }
+        @if !line.details.is_empty() { (folded(&line.details, "line", |detail| html! { li { (detail) } })) }
     }
 }
 
 fn notes(notes: &[String]) -> Markup {
-    let notes: Vec<&String> = notes.iter().collect();
     html! {
         @if !notes.is_empty() {
             h3 { "Notes" }
-            (folded(&notes, "note", |note| html! { li { (shown(note)) } }))
+            (folded(notes, "note", |note| html! { li { (shown(note)) } }))
         }
     }
 }
 
 fn corruption(subject: &Subject) -> Markup {
-    let corruption: Vec<_> = subject.corruption.iter().collect();
     html! {
-        @if !corruption.is_empty() {
+        @if !subject.corruption.is_empty() {
             h3 { "Corrupt or unreadable parts" }
-            (folded(&corruption, "part", |corruption| html! {
+            (folded(&subject.corruption, "part", |corruption| html! {
                 li { span.place { (corruption.location) } ": " (shown(&corruption.message)) }
             }))
             @if subject.more_corruption > 0 { p.more { "… and " (thousands(subject.more_corruption)) " more parts" } }

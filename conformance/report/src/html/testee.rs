@@ -65,11 +65,11 @@ fn table(testee: &Testee) -> Markup {
             }
             tbody role="rowgroup" {
                 @for row in testee.supported() {
-                    @let Counts { pass, fail, known, unsupported, not_run } = row.counts;
+                    @let Counts { passed, failed, known, unsupported, not_run } = row.counts;
                     tr role="row" {
                         td role="cell" { code { (shown(&row.type_name)) } " " span.level { (shown(&row.op)) } }
-                        td.number role="cell" { (number(pass)) }
-                        td.number role="cell" { @if fail > 0 { strong.fail { (thousands(fail)) } } @else { (number(0)) } }
+                        td.number role="cell" { (number(passed)) }
+                        td.number role="cell" { @if failed > 0 { strong.fail { (thousands(failed)) } } @else { (number(0)) } }
                         td.number role="cell" { (number(known)) }
                         td.number role="cell" { (number(unsupported)) }
                         td.number role="cell" { (number(not_run)) }

@@ -212,8 +212,8 @@ fn required_rules_and_unreadable_files_change_the_outcome() {
 
 #[test]
 fn a_testee_fails_if_a_case_fails_or_it_violates_the_protocol_or_stops() {
-    let outcome = |pass, fail, unsupported, violations, gave_up| {
-        let counts = Counts { pass, fail, unsupported, ..Counts::default() };
+    let outcome = |passed, failed, unsupported, violations, gave_up| {
+        let counts = Counts { passed, failed, unsupported, ..Counts::default() };
         let outcome = Outcome::for_testee(counts, violations, gave_up);
         (outcome.status, outcome.text)
     };

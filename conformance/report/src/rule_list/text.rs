@@ -5,13 +5,11 @@ use std::fmt::Write as _;
 
 use uavspec_lint::report::rule_url;
 use uavspec_model::Rule;
+use uavspec_model::text::wrapped;
 use uavspec_probe::self_test::Row;
 use uavspec_rules::{Mutant, RULES};
 
 use super::dispute;
-
-/// The width of the text in a terminal, in columns.
-const WIDTH: usize = 80;
 
 /// Lists all rules with their sources.
 pub fn list() -> String {
@@ -27,7 +25,7 @@ pub fn list() -> String {
 /// Explains one rule.
 pub fn rule(rule: &Rule) -> String {
     let mut text = format!("{}  {}, {}\n\n", rule.id, rule.level, rule.status);
-    text += &wrapped("", "", rule.statement);
+    text += &paragraph("", rule.statement);
     text.push('\n');
     let facts = [
         ("Disputed:", dispute(rule)),
@@ -35,13 +33,12 @@ pub fn rule(rule: &Rule) -> String {
         ("Source:", Some(rule.source)),
     ];
     for (label, fact) in facts {
-        text +=
-            &fact.map_or_else(String::new, |fact| wrapped(&format!("{label:<13}"), "             ", fact));
+        text += &fact.map_or_else(String::new, |fact| paragraph(&format!("{label:<13}"), fact));
     }
     let sections = [
-        ("Why it matters", wrapped("  ", "  ", rule.why)),
+        ("Why it matters", paragraph("  ", rule.why)),
         ("Example", rule.example.lines().map(|line| format!("  {line}\n")).collect()),
-        ("How to fix", wrapped("  ", "  ", rule.fix)),
+        ("How to fix", paragraph("  ", rule.fix)),
         ("What the rule finds", super::mutants_of(rule).map(|mutant| mutant_text(&mutant)).collect()),
     ];
     for (title, section) in sections.iter().filter(|(_, section)| !section.is_empty()) {
@@ -57,28 +54,17 @@ fn mutant_text(mutant: &Mutant) -> String {
     } else {
         format!(" (also violates {})", list_ids(&mutant.also))
     };
-    wrapped("  - ", "    ", &format!("{}{also}", mutant.name))
+    paragraph("  - ", &format!("{}{also}", mutant.name))
 }
 
-/// Wraps text at [`WIDTH`]. The first line starts with `first`, and the other lines with `rest`.
-fn wrapped(first: &str, rest: &str, text: &str) -> String {
-    let mut lines = String::new();
-    let mut line = first.to_owned();
-    let mut is_empty = true;
-    for word in text.split_whitespace() {
-        if !is_empty && line.chars().count() + 1 + word.chars().count() > WIDTH {
-            lines += &line;
-            lines.push('\n');
-            rest.clone_into(&mut line);
-            is_empty = true;
-        }
-        if !is_empty {
-            line.push(' ');
-        }
-        line += word;
-        is_empty = false;
+/// Wraps a text that starts after `first`. The other lines are indented like the first one.
+fn paragraph(first: &str, text: &str) -> String {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let indent = first.chars().count();
+    if words.is_empty() {
+        return String::new();
     }
-    if is_empty { lines } else { lines + &line + "\n" }
+    format!("{first}{}\n", wrapped(&words.join(" "), indent, indent))
 }
 
 /// Formats the matrix: one line for each mutant, one column for each rule.
@@ -125,18 +111,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn wraps_long_text_and_keeps_long_words() {
-        assert_eq!(wrapped("  ", "  ", ""), "");
-        assert_eq!(wrapped("- ", "  ", "short"), "- short\n");
-        let [word, long] = ["a".repeat(40), "b".repeat(100)];
-        assert_eq!(wrapped("- ", "  ", &format!("{word} {word}")), format!("- {word}\n  {word}\n"));
-        assert_eq!(wrapped("", "", &format!("{word} {long} {word}")), format!("{word}\n{long}\n{word}\n"));
-    }
-
-    #[test]
     fn explains_a_rule_in_80_columns() {
         let text = rule(uavspec_rules::rule("PX-RANGE-01").expect("a rule"));
-        assert!(text.lines().all(|line| line.chars().count() <= WIDTH), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(text.contains("\nHow to fix\n  Check the unit"), "{text}");
     }
 }

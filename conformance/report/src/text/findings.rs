@@ -71,7 +71,7 @@ pub(super) fn write(merged: &Merged<'_>, subject: &Subject, text: &mut String) -
     let width =
         subject.findings.iter().map(|found| found.rule.len()).max().unwrap_or_default().max(MIN_WIDTH);
     let known = finding.known.as_ref();
-    let word = known.map_or_else(|| finding.verdict.name().to_owned(), |known| shown(&known.kind));
+    let word = known.map_or(finding.verdict.name(), |known| known.kind.name());
     let style = style(finding.verdict);
     let indent = width + WORD + 9;
     let content = match &subjects[..] {

@@ -24,7 +24,7 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
     }
     let known = || testee.cases.iter().filter_map(|case| Some((case, case.known.as_ref()?)));
     for (case, known) in known().take(MAX_SHOWN) {
-        writeln!(text, "{} {}: {known}", shown(&known.kind), shown(&case.name))?;
+        writeln!(text, "{} {}: {known}", known.kind, shown(&case.name))?;
     }
     let more = known().count().saturating_sub(MAX_SHOWN);
     if more > 0 {
@@ -41,10 +41,10 @@ pub(super) fn write(subject: &Subject, testee: &Testee, text: &mut String) -> fm
         writeln!(text)?;
     }
     table(testee, text)?;
-    let Counts { pass, fail, known, unsupported, not_run } = testee.counts;
+    let Counts { passed, failed, known, unsupported, not_run } = testee.counts;
     let known = if known > 0 { format!(" {known} known,") } else { String::new() };
     let counts = format!(
-        "{pass} passed, {fail} failed,{known} {unsupported} unsupported, {not_run} not run, {} restarts",
+        "{passed} passed, {failed} failed,{known} {unsupported} unsupported, {not_run} not run, {} restarts",
         testee.restarts
     );
     writeln!(text, "\n{}\n{}", wrapped(&counts, 0, 2), last_line(&subject.outcome))
@@ -56,9 +56,9 @@ fn table(testee: &Testee, text: &mut String) -> fmt::Result {
         writeln!(text, "{:<16} {:<32} {:>6} {:>6} {:>11}", "op", "type", "pass", "fail", "unsupported")?;
     }
     for row in testee.supported() {
-        let Counts { pass, fail, known, unsupported, not_run } = row.counts;
+        let Counts { passed, failed, known, unsupported, not_run } = row.counts;
         let (op, type_name) = (shown(&row.op), shown(&row.type_name));
-        writeln!(text, "{op:<16} {type_name:<32} {pass:>6} {fail:>6} {unsupported:>11}")?;
+        writeln!(text, "{op:<16} {type_name:<32} {passed:>6} {failed:>6} {unsupported:>11}")?;
         if known + not_run > 0 {
             writeln!(text, "{:<16} {known} known, {not_run} not run", "")?;
         }

@@ -12,13 +12,13 @@ use uavspec_check::{
     McapSummary, OtherRelease, Part, ReleaseMatch, Summary, TypeCount, UnknownSummary, UnreadTimes,
     check_capture,
 };
-use uavspec_model::{Location, Reason};
+use uavspec_model::{Excuse, ExcuseKind, Location, Reason};
 use uavspec_probe::RequestType;
 use uavspec_px4::comparison::Comparison;
 use uavspec_px4::json::Dialects;
 use uavspec_report::{
-    About, Action, Case, CheckedCapture, Corruption, Definition, Example, Finding, Known, Outcome, Remark,
-    Report, Row, Settings, Subject, Testee, Unreadable,
+    About, Action, Case, CheckedCapture, Corruption, Definition, Example, Finding, Outcome, Remark, Report,
+    Row, Settings, Subject, Testee, Unreadable,
 };
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::sample::Flight;
@@ -48,7 +48,7 @@ fn without_text() -> Vec<Report> {
         let reasons =
             vec![Reason { line: Some(1), ..Reason::from(String::new()) }, Reason::from(String::new())];
         let subjects = (0..subjects).map(|_| subject(&definitions)).collect();
-        let report = Report::new(action, String::new(), &definitions, subjects, file(), reasons);
+        let report = Report::new(action, String::new(), &definitions.name, subjects, file(), reasons);
         report.with_not_checked(file())
     };
     let mut tested = tested(&definitions);
@@ -288,10 +288,10 @@ fn definition_of(text: &str) -> Definition {
     Definition { file: text.to_owned(), line: 1, text: text.to_owned() }
 }
 
-fn known_as(text: &str) -> Known {
+fn known_as(text: &str) -> Excuse {
     // Links to web pages can be clicked, as the author of the list wishes.
-    let (text, link) = (text.to_owned(), Some(format!("javascript:{text}")));
-    Known { kind: text.clone(), reason: text.clone(), link, expires: Some(text) }
+    let link = Some(format!("javascript:{text}"));
+    Excuse { kind: ExcuseKind::Known, reason: text.to_owned(), link, expires: None }
 }
 
 fn testee(testee: &mut Testee, text: &str) {

@@ -26,7 +26,7 @@ fn passes_all_cases() {
     let failed: BTreeSet<String> = outcome.failures().map(|(case, _)| Case::name(case)).collect();
     assert_eq!(failed, BTreeSet::new());
     assert!(outcome.protocol_remarks.is_empty(), "{:?}", outcome.protocol_remarks);
-    assert!(!cases.is_empty() && outcome.counts().passed == cases.len(), "{:?}", outcome.counts());
+    assert!(!cases.is_empty() && outcome.counts().passed == cases.len() as u64, "{:?}", outcome.counts());
 }
 
 #[test]

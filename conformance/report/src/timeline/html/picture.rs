@@ -38,7 +38,8 @@ pub(super) fn picture(timeline: &Timeline) -> Markup {
                     @if before != Some(section(lane)) { (heading(lane, timeline)) }
                     div.lane {
                         div.name {
-                            code { (name(lane)) }
+                            // The heading contains the topic.
+                            code { (shown(&lane.name)) }
                             @if let Some(text) = &lane.label { (label(text, timeline)) }
                         }
                         svg.track height=(HEIGHT) role="img" aria-label=(description(lane)) { (track(lane, timeline)) }
@@ -63,11 +64,6 @@ fn heading(lane: &Lane, timeline: &Timeline) -> Markup {
             @if let Some(group) = &lane.group { " – " (label(group, timeline)) }
         } } }
     }
-}
-
-/// The name of a lane below the heading with its topic.
-fn name(lane: &Lane) -> String {
-    shown(&lane.name)
 }
 
 fn description(lane: &Lane) -> String {
