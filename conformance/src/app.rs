@@ -314,6 +314,11 @@ pub fn main() -> ExitCode {
     ExitCode::from(status.max(printed.err().unwrap_or(status)).code())
 }
 
+/// The first option that is given. True in the list if an option is given.
+fn first_given(options: &[(&'static str, bool)]) -> Option<&'static str> {
+    options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name)
+}
+
 /// Prints an error about a file or folder that can't be used.
 fn unreadable(path: &Path, error: impl Display) -> Status {
     Status::Unreadable.because(format_args!("{}: {error}", terminal::path(path)))

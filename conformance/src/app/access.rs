@@ -6,8 +6,8 @@ use clap::Args;
 use uavspec_model::net::tls::Trust;
 use uavspec_model::text::terminal;
 
-use super::Status;
 use super::serve::login;
+use super::{Status, first_given};
 
 /// Arguments of commands that connect to a server.
 #[derive(Args, Debug)]
@@ -35,9 +35,11 @@ impl AccessArgs {
 
     /// The first given option.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let options =
-            [("--login", self.login.is_some()), ("--ca", self.ca.is_some()), ("--insecure", self.insecure)];
-        options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+        first_given(&[
+            ("--login", self.login.is_some()),
+            ("--ca", self.ca.is_some()),
+            ("--insecure", self.insecure),
+        ])
     }
 
     /// The trusted certificates. Errors are printed.

@@ -218,7 +218,7 @@ pub(super) fn check(args: &CheckArgs) -> Exit {
             count_capture(&baselines.lists, &mut sums, &found);
             excuse_findings(&mut baselines.lists, &found.path, &mut found.result.findings);
             let subject = Subject::from_capture(found, &definitions, &settings);
-            progress.pausing(|| outputs.add(subject, &Origin::of(input), timeline.as_ref()));
+            progress.pausing(|| outputs.add(&subject, &Origin::of(input), timeline.as_ref()));
         }
         Err(error) => {
             let path = input.name();

@@ -5,7 +5,6 @@ mod word;
 use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use clap::Args;
 use uavspec_capture::names::is_capture;
@@ -71,8 +70,8 @@ pub(super) struct ExplainArgs {
     /// Also write the timeline to a file, as an HTML page with a picture: html=FILE.
     ///
     /// The page is a single file that works offline. A report never replaces an input.
-    #[arg(long, value_name = "html=FILE")]
-    report: Option<Page>,
+    #[arg(long, value_name = "html=FILE", value_parser = page)]
+    report: Option<PathBuf>,
 }
 
 fn after_long_help() -> String {
@@ -92,19 +91,10 @@ Exit status:
     )
 }
 
-/// The file for the page.
-#[derive(Clone, Debug, PartialEq, Eq)]
-struct Page(PathBuf);
-
-impl FromStr for Page {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once('=') {
-            Some(("html", path)) if !path.is_empty() => Ok(Self(path.into())),
-            _ => Err("expected html=FILE, such as html=timeline.html".to_owned()),
-        }
-    }
+/// Parses the file for the page.
+fn page(text: &str) -> Result<PathBuf, &'static str> {
+    let path = text.strip_prefix("html=").filter(|path| !path.is_empty());
+    path.map(PathBuf::from).ok_or("expected html=FILE, such as html=timeline.html")
 }
 
 /// Runs `uavspec explain`. An existing path and `-` are captures.
@@ -166,7 +156,7 @@ fn write(args: &ExplainArgs, timeline: &Timeline, language: &str) -> Result<(), 
         Format::Json => to_json(timeline),
     };
     let printed = print(&text).map_err(|error| format!("standard output: {error}"));
-    let written = args.report.as_ref().map_or(Ok(()), |Page(path)| {
+    let written = args.report.as_ref().map_or(Ok(()), |path| {
         let page = to_html(timeline, language, &super::command());
         write_file(path, |file| file.write_all(page.as_bytes()))
             .map_err(|error| format!("{}: can't write the report: {error}", terminal::path(path)))
@@ -184,7 +174,7 @@ fn check_outputs(args: &ExplainArgs) -> Result<(), Status> {
         ..Inputs::default()
     };
     let outputs: Vec<Output<'_>> =
-        args.report.iter().map(|Page(path)| Output::new("--report html", path)).collect();
+        args.report.iter().map(|path| Output::new("--report html", path)).collect();
     outputs::check(&inputs, &outputs)
 }
 

@@ -30,7 +30,10 @@ impl Found {
     pub(super) fn new(inputs: &[PathBuf]) -> Result<Self, Status> {
         let mut found = Self::default();
         for input in inputs {
-            found.add(input)?;
+            match input.to_str().filter(|text| is_object_url(text)) {
+                Some(url) => found.add_url(url)?,
+                None => found.add_path(input)?,
+            }
         }
         // If there are no captures at all, empty folders aren't failures: the outcome is that nothing was checked.
         if !found.captures.is_empty() {
@@ -46,13 +49,6 @@ impl Found {
         let (left, skipped) = (self.captures.len(), before - self.captures.len());
         terminal::eprintln!("{skipped} of {before} captures are in the tables already; {left} are left");
         left == 0 && skipped > 0
-    }
-
-    fn add(&mut self, input: &Path) -> Result<(), Status> {
-        if let Some(url) = input.to_str().filter(|text| is_object_url(text)) {
-            return self.add_url(url);
-        }
-        self.add_path(input)
     }
 
     fn add_path(&mut self, path: &Path) -> Result<(), Status> {

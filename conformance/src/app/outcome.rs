@@ -1,7 +1,5 @@
 //! The options that affect the outcome.
 
-use std::str::FromStr;
-
 use clap::Args;
 use uavspec_report::Settings;
 
@@ -16,8 +14,8 @@ pub(super) struct OutcomeArgs {
     /// Minimum coverage, such as 90%.
     ///
     /// If a smaller percentage of the topics or types in a file is fully checked, the outcome of this file is incomplete.
-    #[arg(long, value_name = "PERCENT")]
-    min_coverage: Option<Percent>,
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
+    min_coverage: Option<f64>,
     /// Exit with status 0 instead of 6 if the outcome is incomplete.
     ///
     /// The reports still contain the reasons.
@@ -25,18 +23,11 @@ pub(super) struct OutcomeArgs {
     allow_incomplete: bool,
 }
 
-/// A percentage from 0 to 100.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Percent(f64);
-
-impl FromStr for Percent {
-    type Err = &'static str;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let number: Option<f64> = text.strip_suffix('%').unwrap_or(text).parse().ok();
-        let percent = number.filter(|percent| (0.0..=100.0).contains(percent));
-        percent.map(Self).ok_or("expected a percentage from 0 to 100, such as 90%")
-    }
+/// Parses a percentage from 0 to 100.
+fn percent(text: &str) -> Result<f64, &'static str> {
+    let number: Option<f64> = text.strip_suffix('%').unwrap_or(text).parse().ok();
+    let percent = number.filter(|percent| (0.0..=100.0).contains(percent));
+    percent.ok_or("expected a percentage from 0 to 100, such as 90%")
 }
 
 impl OutcomeArgs {
@@ -44,7 +35,7 @@ impl OutcomeArgs {
     pub(super) fn settings(&self) -> Settings {
         Settings {
             are_warnings_denied: self.deny == "warning",
-            min_coverage: self.min_coverage.map(|Percent(percent)| percent),
+            min_coverage: self.min_coverage,
             allows_incomplete: self.allow_incomplete,
             ..Settings::default()
         }
@@ -57,11 +48,11 @@ mod tests {
 
     #[test]
     fn parses_percentages() {
-        for (text, percent) in [("90%", 90.0), ("0", 0.0), ("99.5%", 99.5), ("100%", 100.0)] {
-            assert_eq!(text.parse(), Ok(Percent(percent)), "{text}");
+        for (text, expected) in [("90%", 90.0), ("0", 0.0), ("99.5%", 99.5), ("100%", 100.0)] {
+            assert_eq!(percent(text), Ok(expected), "{text}");
         }
         for wrong in ["", "%", "101", "-1%", "NaN", "much"] {
-            assert!(wrong.parse::<Percent>().is_err(), "{wrong}");
+            assert!(percent(wrong).is_err(), "{wrong}");
         }
     }
 }

@@ -29,7 +29,7 @@ use super::report::{Outputs, ReportArgs};
 use super::required::{RequireArgs, uncovered};
 use super::target::Target;
 use super::test::seconds;
-use super::{Exit, Status, outcome_statuses, unreadable};
+use super::{Exit, Status, first_given, outcome_statuses, unreadable};
 
 const EXAMPLES: &str = "Examples:
   uavspec probe tcp://localhost:5001
@@ -194,7 +194,7 @@ impl ProbeArgs {
 
     /// The first given option that applies only to Flockwave servers.
     fn given_for_server(&self) -> Option<&'static str> {
-        let options = [
+        let given = first_given(&[
             ("--observe", self.observe.is_some()),
             ("--allow-commands", self.allow_commands),
             ("--only", !self.only.is_empty()),
@@ -204,21 +204,9 @@ impl ProbeArgs {
             ("--timeout", self.timeout.is_some()),
             ("--on-crash", self.on_crash.is_some()),
             ("--schema", !self.schemas.is_empty()),
-        ];
-        options
-            .into_iter()
-            .find(|(_, is_given)| *is_given)
-            .map(|(name, _)| name)
-            .or_else(|| self.access.given())
+        ]);
+        given.or_else(|| self.access.given())
     }
-}
-
-/// A server that was probed.
-struct ProbedServer {
-    url: String,
-    probed: Probed,
-    /// The duration of the probe, in milliseconds.
-    elapsed: u128,
 }
 
 fn probe_servers(args: &ProbeArgs) -> Exit {
@@ -232,64 +220,47 @@ fn probe_servers(args: &ProbeArgs) -> Exit {
     interrupt::install(&options)?;
     // The last line, even if reporting fails.
     let mut danger = Danger::new(&options.stop);
-    let mut servers = Vec::new();
-    for endpoint in args.endpoints() {
+    let (mut all, mut failed, mut unrecorded) = (Vec::new(), Vec::new(), None);
+    let mut endpoints = args.endpoints().into_iter();
+    for endpoint in endpoints.by_ref() {
+        let path = endpoint.to_string();
         let progress = Progress::steps("steps");
         let started = Clock::real().now();
-        let mut probed =
+        let probed =
             probe(endpoint, &options, &definitions, record.take(), &|done, all| progress.set(done, all));
         let elapsed = (Clock::real().now() - started).as_millis();
         drop(progress);
-        danger.known = probed.danger.take();
-        servers.push(ProbedServer { url: endpoint.to_string(), probed, elapsed });
-        if danger.known.is_some() || options.stop.is_requested() {
-            break;
-        }
-    }
-    let mut settings = args.outcome.settings();
-    settings.allows_incomplete &= !options.stop.is_requested() && danger.known.is_none();
-    Ok(report_servers(args, outputs, servers, &definitions, &required, baselines, settings))
-}
-
-/// Prints and writes the reports about servers.
-fn report_servers(
-    args: &ProbeArgs,
-    outputs: Outputs<'_>,
-    servers: Vec<ProbedServer>,
-    definitions: &Definitions,
-    required: &[&'static Rule],
-    baselines: Baselines,
-    settings: Settings,
-) -> Status {
-    let (mut all, mut unreadable, mut unrecorded) = (Vec::new(), Vec::new(), None);
-    let rest = args.endpoints().into_iter().skip(servers.len());
-    unreadable.extend(rest.map(|endpoint| not_probed(endpoint, "the probe was ended before")));
-    for ProbedServer { url: path, probed, elapsed } in servers {
         let Probed { result, requests, notes, failure, cut_short, left_out, .. } = probed;
+        danger.known = probed.danger;
         unrecorded = unrecorded.or(probed.unrecorded);
         // If nothing came from the server, the failure says everything.
         let is_silent = failure.is_some() && result.records == 0;
         if let Some(message) = &failure {
             terminal::error(format_args!("{path}: {message}"), None);
-            unreadable.push(Unreadable { path: path.clone(), message: message.clone() });
+            failed.push(Unreadable { path: path.clone(), message: message.clone() });
         }
         if !is_silent {
             // If the probe failed, what was checked says little.
             let cut_short = cut_short.or(failure).into_iter().chain(left_out).collect();
             all.push(CheckedCapture { path, result, notes, requests, cut_short, elapsed });
         }
+        if danger.known.is_some() || options.stop.is_requested() {
+            break;
+        }
     }
-    let settings = Settings { is_unrecorded: args.record.is_none(), ..settings };
-    let settings = Settings { probe: Some(reproducing_words()), ..settings };
-    let status = report(outputs, all, unreadable, definitions, required, baselines, settings);
-    match (unrecorded, &args.record) {
+    let mut settings = args.outcome.settings();
+    settings.allows_incomplete &= !options.stop.is_requested() && danger.known.is_none();
+    settings.is_unrecorded = args.record.is_none();
+    settings.probe = Some(reproducing_words());
+    let message = "not probed: the probe was ended before".to_owned();
+    let not_probed =
+        |endpoint: &Endpoint| Unreadable { path: endpoint.to_string(), message: message.clone() };
+    let unreadable = endpoints.map(not_probed).chain(failed).collect();
+    let status = report(outputs, all, unreadable, &definitions, &required, baselines, settings);
+    Ok(match (unrecorded, &args.record) {
         (Some(error), Some(path)) => status.max(unrecorded_at(path, &error)),
         _ => status,
-    }
-}
-
-fn not_probed(endpoint: &Endpoint, why: &str) -> Unreadable {
-    Unreadable { path: endpoint.to_string(), message: format!("not probed: {why}") }
+    })
 }
 
 /// Prints and writes the reports.
@@ -316,7 +287,7 @@ fn report(
     let baseline_status = baseline::write(&baselines, is_outdated);
     let settings = Settings { command: Some(super::command()), ..settings };
     for checked in all {
-        outputs.add(Subject::from_capture(checked, definitions, &settings), &Origin::default(), None);
+        outputs.add(&Subject::from_capture(checked, definitions, &settings), &Origin::default(), None);
     }
     let (totals, command) = (outputs.finish(), super::command());
     let reasons = uncovered(required, &totals);

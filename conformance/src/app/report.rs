@@ -187,14 +187,14 @@ impl Outputs<'_> {
     }
 
     /// Adds a subject to all reports. If the printed report is text, the section of the subject is printed.
-    pub(super) fn add(&mut self, subject: Subject, origin: &Origin, timeline: Option<&Timeline>) {
+    pub(super) fn add(&mut self, subject: &Subject, origin: &Origin, timeline: Option<&Timeline>) {
         if self.args.printed() == Kind::Text {
-            self.keep_error(print(&subject_text(&subject)));
+            self.keep_error(print(&subject_text(subject)));
         }
         for tables in &mut self.tables {
-            tables.add(&subject, origin, timeline);
+            tables.add(subject, origin, timeline);
         }
-        self.stream.add(&subject);
+        self.stream.add(subject);
     }
 
     /// Adds a file that can't be opened to the tables. The other reports list it at their end.

@@ -112,12 +112,12 @@ pub(super) struct ServeArgs {
     /// Simulation speed.
     ///
     /// 2 runs twice as fast as real time. Timestamps still follow the system clock.
-    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = speed)]
+    #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = |text: &str| number(text, 0.01, 100.0))]
     speed: f64,
     /// Status reports per second.
     ///
     /// 0 disables them.
-    #[arg(long, value_name = "HERTZ", default_value = "2", value_parser = rate)]
+    #[arg(long, value_name = "HERTZ", default_value = "2", value_parser = |text: &str| number(text, 0.0, 50.0))]
     rate: f64,
     /// Initial charge of the batteries.
     ///
@@ -209,7 +209,7 @@ pub(super) fn serve(args: &ServeArgs) -> Exit {
             }
         }
     }
-    bug::announce(args.bug);
+    bug::announce(args.bug.as_ref());
     wait(&server, &ending, args.time);
     if server.has_failed() {
         return Err(Status::Unreadable.because("the server stopped because of an internal error"));
@@ -247,7 +247,7 @@ fn options(args: &ServeArgs) -> Options {
         stay: args.stay,
         login: args.login.clone(),
         is_for_skybrush: args.skybrush,
-        bug: args.bug.and_then(ServedBug::of_server),
+        bug: args.bug.as_ref().and_then(|bug| bug.of_server),
         ..Options::default()
     }
 }
@@ -298,14 +298,6 @@ pub(super) fn login(text: &str) -> Result<(String, String), String> {
     } else {
         Ok((name.to_owned(), password.to_owned()))
     }
-}
-
-fn speed(text: &str) -> Result<f64, String> {
-    number(text, 0.01, 100.0)
-}
-
-fn rate(text: &str) -> Result<f64, String> {
-    number(text, 0.0, 50.0)
 }
 
 fn number(text: &str, min: f64, max: f64) -> Result<f64, String> {

@@ -1,6 +1,5 @@
 //! The targets of commands that connect to something.
 
-use std::fmt;
 use std::str::FromStr;
 
 use uavspec_flockwave::transport::endpoint::Endpoint;
@@ -23,14 +22,5 @@ impl FromStr for Target {
             return text.parse().map(Self::Vehicle);
         }
         text.parse().map(Self::Server)
-    }
-}
-
-impl fmt::Display for Target {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Server(endpoint) => endpoint.fmt(formatter),
-            Self::Vehicle(address) => address.fmt(formatter),
-        }
     }
 }

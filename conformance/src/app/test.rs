@@ -175,7 +175,7 @@ pub(super) fn test(args: &TestArgs) -> Exit {
     excuse_cases(&mut baselines.lists, &mut outcome);
     let baseline_status = baseline::write(&baselines, is_outdated);
     let subject = Subject::from_testee(&outcome, &definitions, &|case| rerun_command(args, case));
-    outputs.add(subject, &Origin::default(), None);
+    outputs.add(&subject, &Origin::default(), None);
     let (totals, command) = (outputs.finish(), super::command());
     let report = Report::of_totals(Action::Test, command, &definitions.name, totals, Vec::new(), Vec::new());
     Ok(outputs.deliver(&report.with_stale(baseline::reasons(&baselines))).max(baseline_status))

@@ -11,6 +11,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use ratatui::DefaultTerminal;
 use ratatui::crossterm::event;
 use uavspec_capture::names::is_capture;
 use uavspec_flockwave::transport::access::Access;
@@ -225,18 +226,54 @@ fn watch_live(
     sender: SyncSender<Input>,
     inputs: &Receiver<Input>,
 ) -> io::Result<()> {
+    let (url, is_coloured) = (endpoint.to_string(), has_colours());
+    let draw = |(fleet, screen): &mut (Fleet, Screen), terminal: &mut DefaultTerminal, now| {
+        let scene = Scene { fleet, codes, url: &url, is_coloured, now };
+        terminal.draw(|frame| draw(frame, &scene, screen)).map(|_| Step::Stay)
+    };
+    let take = |(fleet, screen): &mut (Fleet, Screen), input| match input {
+        Input::Server(event, now) => {
+            fleet.take(event, now);
+            Step::Stay
+        }
+        Input::Terminal(Ok(event::Event::Key(key))) => screen.press(key, fleet),
+        Input::Terminal(_) => Step::Stay,
+        Input::End => Step::Quit,
+    };
+    show(Default::default(), (sender, inputs), MAX_FRAME_TIME, draw, take)
+}
+
+/// Shows frames until the user quits. `draw` draws a frame, and `take` processes an input.
+fn show<S>(
+    mut state: S,
+    (sender, inputs): (SyncSender<Input>, &Receiver<Input>),
+    max_frame_time: Duration,
+    draw: impl Fn(&mut S, &mut DefaultTerminal, Instant) -> io::Result<Step>,
+    take: impl Fn(&mut S, Input) -> Step,
+) -> io::Result<()> {
     install_end(&sender)?;
     let _restore = Restore;
     let mut terminal = ratatui::try_init()?;
     thread::spawn(move || forward_terminal_events(&sender));
-    let url = endpoint.to_string();
-    let is_coloured = has_colours();
-    let (mut fleet, mut screen) = (Fleet::default(), Screen::default());
+    let clock = Clock::real();
     loop {
-        let now = Clock::real().now();
-        let scene = Scene { fleet: &fleet, codes, url: &url, is_coloured, now };
-        terminal.draw(|frame| draw(frame, &scene, &mut screen))?;
-        if process_inputs(inputs, now, &mut fleet, &mut screen)? == Step::Quit {
+        let drawn = clock.now();
+        let mut step = draw(&mut state, &mut terminal, drawn)?;
+        let mut due = drawn + max_frame_time;
+        while step == Step::Stay {
+            step = match clock.receive(inputs, due) {
+                Ok(Input::Terminal(Err(error))) => return Err(error),
+                Ok(input) => take(&mut state, input),
+                Err(RecvTimeoutError::Disconnected) => Step::Quit,
+                Err(RecvTimeoutError::Timeout) => break,
+            };
+            due = drawn + MIN_FRAME_TIME;
+            // A server that sends without pausing must not delay the next frame.
+            if clock.now() >= due {
+                break;
+            }
+        }
+        if step == Step::Quit {
             return Ok(());
         }
     }
@@ -255,35 +292,6 @@ fn install_end(sender: &SyncSender<Input>) -> io::Result<()> {
 /// True if the environment doesn't disable colours.
 fn has_colours() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
-}
-
-/// Processes inputs until the next frame is due. `drawn` is the time of the last frame.
-fn process_inputs(
-    inputs: &Receiver<Input>,
-    drawn: Instant,
-    fleet: &mut Fleet,
-    screen: &mut Screen,
-) -> io::Result<Step> {
-    let (clock, mut due) = (Clock::real(), drawn + MAX_FRAME_TIME);
-    loop {
-        match clock.receive(inputs, due) {
-            Ok(Input::Server(event, now)) => fleet.take(event, now),
-            Ok(Input::Terminal(event)) => {
-                if let event::Event::Key(key) = event?
-                    && screen.press(key, fleet) == Step::Quit
-                {
-                    return Ok(Step::Quit);
-                }
-            }
-            Ok(Input::End) | Err(RecvTimeoutError::Disconnected) => return Ok(Step::Quit),
-            Err(RecvTimeoutError::Timeout) => return Ok(Step::Stay),
-        }
-        due = drawn + MIN_FRAME_TIME;
-        // A server that sends without pausing must not delay the next frame.
-        if clock.now() >= due {
-            return Ok(Step::Stay);
-        }
-    }
 }
 
 /// Forwards the events of the terminal.

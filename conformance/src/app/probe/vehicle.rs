@@ -19,7 +19,7 @@ use super::application::Application;
 use super::{ProbeArgs, report, start_reports};
 use crate::app::progress::Progress;
 use crate::app::test::seconds;
-use crate::app::{Exit, Status, baseline, interrupt, library};
+use crate::app::{Exit, Status, baseline, first_given, interrupt, library};
 
 /// The default time to listen.
 const TIME: Duration = Duration::from_secs(20);
@@ -73,15 +73,14 @@ fn roles() -> impl TypedValueParser<Value = Side> {
 impl VehicleArgs {
     /// The first given option.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let options = [
+        first_given(&[
             ("--for", self.time.is_some()),
             ("--topics", !self.topics.is_empty()),
             ("--namespace", self.namespace.is_some()),
             ("--peer", !self.peer.is_empty()),
             ("--application", self.application.is_some()),
             ("--as", self.role.is_some()),
-        ];
-        options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+        ])
     }
 
     /// The names in `--topics` that aren't patterns.

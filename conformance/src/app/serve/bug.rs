@@ -1,7 +1,6 @@
 //! The bugs of `uavspec serve`.
 
 use serde_json::json;
-use uavspec_model::Rule;
 use uavspec_model::text::terminal;
 use uavspec_probe::self_test;
 use uavspec_rules::flockwave::{self, FlockwaveRule};
@@ -11,62 +10,28 @@ use super::ServeArgs;
 use crate::app::Format;
 
 /// A rule that a reference violates on purpose.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum ServedBug {
-    /// A rule for Flockwave servers.
-    Server(&'static FlockwaveRule),
-    /// A rule for PX4 vehicles.
-    Vehicle(&'static Rule, &'static Bug),
+#[derive(Clone, Debug)]
+pub(super) struct ServedBug {
+    id: &'static str,
+    description: &'static str,
+    /// The other rules that the bug violates.
+    also: Vec<&'static str>,
+    /// The bug of a Flockwave server.
+    pub(super) of_server: Option<&'static FlockwaveRule>,
+    /// The bug of a participant of a vehicle's bus.
+    pub(super) of_vehicle: Option<&'static Bug>,
 }
 
 impl ServedBug {
     /// The bug that violates a rule.
     pub(super) fn find(id: &str) -> Result<Self, String> {
-        let vehicle = || vehicle_bugs().find(|bug| bug.rule().id == id);
-        let bug = flockwave::rule(id).map(Self::Server).or_else(vehicle);
+        let bug = bugs().find(|bug| bug.id == id);
         bug.ok_or_else(|| "no bug violates this rule; --list-bugs lists all bugs".to_owned())
     }
 
-    /// The bug of a Flockwave server.
-    pub(super) fn of_server(self) -> Option<&'static FlockwaveRule> {
-        match self {
-            Self::Server(rule) => Some(rule),
-            Self::Vehicle(..) => None,
-        }
-    }
-
-    /// The bug of a participant of a vehicle's bus.
-    pub(super) fn of_vehicle(self) -> Option<&'static Bug> {
-        match self {
-            Self::Server(_) => None,
-            Self::Vehicle(_, bug) => Some(bug),
-        }
-    }
-
-    fn rule(self) -> &'static Rule {
-        match self {
-            Self::Server(FlockwaveRule { rule, .. }) | Self::Vehicle(rule, _) => rule,
-        }
-    }
-
-    fn description(self) -> &'static str {
-        match self {
-            Self::Server(FlockwaveRule { bug, .. }) => bug.description,
-            Self::Vehicle(_, bug) => bug.description,
-        }
-    }
-
-    /// The other rules that the bug violates.
-    fn also(self) -> Vec<&'static str> {
-        match self {
-            Self::Server(FlockwaveRule { bug, .. }) => bug.also.iter().map(|rule| rule.id).collect(),
-            Self::Vehicle(_, bug) => bug.also.iter().map(|also| also.rule.id).collect(),
-        }
-    }
-
     /// The options that select the reference with this bug.
-    fn options(self) -> Option<&'static str> {
-        match self.of_vehicle()?.side {
+    fn options(&self) -> Option<&'static str> {
+        match self.of_vehicle?.side {
             Side::Autopilot => Some("--px4 URL"),
             Side::Component => Some("--px4 URL --component"),
         }
@@ -75,19 +40,30 @@ impl ServedBug {
 
 /// All bugs.
 fn bugs() -> impl Iterator<Item = ServedBug> {
-    flockwave::RULES.into_iter().map(ServedBug::Server).chain(vehicle_bugs())
-}
-
-fn vehicle_bugs() -> impl Iterator<Item = ServedBug> {
-    px4::RULES.into_iter().filter_map(|entry| Some(ServedBug::Vehicle(&entry.rule, entry.bug.as_ref()?)))
+    let of_server = |rule: &'static FlockwaveRule| ServedBug {
+        id: rule.rule.id,
+        description: rule.bug.description,
+        also: rule.bug.also.iter().map(|rule| rule.id).collect(),
+        of_server: Some(rule),
+        of_vehicle: None,
+    };
+    let of_vehicle = |(id, bug): (&'static str, &'static Bug)| ServedBug {
+        id,
+        description: bug.description,
+        also: bug.also.iter().map(|also| also.rule.id).collect(),
+        of_server: None,
+        of_vehicle: Some(bug),
+    };
+    let of_vehicles = px4::RULES.into_iter().filter_map(|entry| Some((entry.rule.id, entry.bug.as_ref()?)));
+    flockwave::RULES.into_iter().map(of_server).chain(of_vehicles.map(of_vehicle))
 }
 
 /// An error if the reference doesn't have the bug.
 pub(super) fn misplaced(args: &ServeArgs) -> Option<String> {
-    let bug = args.bug?;
+    let bug = args.bug.as_ref()?;
     let given = args.px4.as_ref().map(|_| if args.component { "--px4 URL --component" } else { "--px4 URL" });
-    let id = bug.rule().id;
-    if let (Some(vehicle), Some(address)) = (bug.of_vehicle(), &args.px4)
+    let id = bug.id;
+    if let (Some(vehicle), Some(address)) = (bug.of_vehicle, &args.px4)
         && let Some(missing) = self_test::vehicle::missing(vehicle.needs, address)
     {
         return Some(format!("--bug {id} requires {missing}"));
@@ -99,16 +75,16 @@ pub(super) fn misplaced(args: &ServeArgs) -> Option<String> {
 }
 
 /// Prints the bug.
-pub(super) fn announce(bug: Option<ServedBug>) {
-    if let Some(bug) = bug {
-        terminal::eprintln!("bug {}: {}", bug.rule().id, bug.description());
+pub(super) fn announce(bug: Option<&ServedBug>) {
+    if let Some(ServedBug { id, description, .. }) = bug {
+        terminal::eprintln!("bug {id}: {description}");
     }
 }
 
 /// Prints all bugs.
 pub(super) fn list(format: Format) {
     for bug in bugs() {
-        let (id, also) = (bug.rule().id, bug.also());
+        let ServedBug { id, description, also, .. } = &bug;
         match format {
             Format::Text => {
                 let also = if also.is_empty() {
@@ -117,10 +93,10 @@ pub(super) fn list(format: Format) {
                     format!(" Also violates {}.", also.join(", "))
                 };
                 let options = bug.options().map(|options| format!(" ({options})")).unwrap_or_default();
-                terminal::println!("{id:<18} {}{also}{options}", bug.description());
+                terminal::println!("{id:<18} {description}{also}{options}");
             }
             Format::Json => {
-                let mut object = json!({ "rule": id, "what": bug.description(), "also": also });
+                let mut object = json!({ "rule": id, "what": description, "also": also });
                 if let Some(options) = bug.options() {
                     object["options"] = options.into();
                 }

@@ -10,8 +10,7 @@ use uavspec_model::text::terminal;
 use uavspec_rules::px4::Side;
 use uavspec_schema::msg::Dialect;
 
-use super::bug::{self, ServedBug};
-use super::{ServeArgs, end_on_request};
+use super::{ServeArgs, bug, end_on_request};
 use crate::app::{Exit, Format, Status, library};
 
 /// Serves a reference participant until the time has passed or the end is requested.
@@ -29,13 +28,13 @@ pub(super) fn serve_vehicle(args: &ServeArgs, address: &Address) -> Exit {
             terminal::println!("{}", json!({ "role": name, "address": address.to_string() }));
         }
     }
-    bug::announce(args.bug);
+    bug::announce(args.bug.as_ref());
     let started = Clock::real().now();
     let is_over = || {
         let is_requested = ending.try_recv() != Err(TryRecvError::Empty);
         is_requested || args.time.is_some_and(|time| Clock::real().now() >= started + time)
     };
-    let bug = args.bug.and_then(ServedBug::of_vehicle);
+    let bug = args.bug.as_ref().and_then(|bug| bug.of_vehicle);
     let served = vehicle::serve(&mut *bus, &library, &args.namespace, side, bug, &is_over);
     served.map(|()| Status::Conforms).map_err(failed)
 }

@@ -5,11 +5,12 @@ use std::net::IpAddr;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
+use std::sync::mpsc::sync_channel;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::Args;
+use ratatui::DefaultTerminal;
 use ratatui::crossterm::event;
 use uavspec_check::timeline::Texts;
 use uavspec_live::bus::{self, Address};
@@ -23,12 +24,9 @@ use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Library;
 
-use super::{
-    Input, MAX_FRAME_TIME, MIN_FRAME_TIME, Restore, WAITING_LIMIT, WatchArgs, forward_terminal_events,
-    has_colours, install_end, unusable_terminal,
-};
+use super::{Input, MAX_FRAME_TIME, WAITING_LIMIT, WatchArgs, has_colours, show, unusable_terminal};
 use crate::app::report::print_result;
-use crate::app::{Exit, Status, explain, interrupt, library};
+use crate::app::{Exit, Status, explain, first_given, interrupt, library};
 
 /// The time after which --once prints the state of a live vehicle.
 const TIME: Duration = Duration::from_secs(5);
@@ -59,12 +57,11 @@ pub(super) struct VehicleArgs {
 impl VehicleArgs {
     /// The first given option.
     pub(super) fn given(&self) -> Option<&'static str> {
-        let options = [
+        first_given(&[
             ("--definitions", self.definitions.is_some()),
             ("--language", self.language.is_some()),
             ("--peer", !self.peer.is_empty()),
-        ];
-        options.into_iter().find(|(_, is_given)| *is_given).map(|(name, _)| name)
+        ])
     }
 }
 
@@ -86,7 +83,7 @@ pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Exit {
         let live = Live { connect: &connect, clock: Clock::real(), is_stopped };
         watch_live(&live, &library, &texts, &receiving);
     });
-    let status = show_vehicle(args, &playback, &labels);
+    let status = show_or_print(args, &playback, &labels);
     IS_STOPPED.store(true, Ordering::Relaxed);
     // The receiver removes its temporary file, if it stops in time.
     let clock = Clock::real();
@@ -97,7 +94,7 @@ pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Exit {
 }
 
 /// Shows the state of a live vehicle, or prints it.
-fn show_vehicle(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
+fn show_or_print(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit {
     let clock = Clock::real();
     let started = clock.now();
     if is_once(args) {
@@ -108,7 +105,7 @@ fn show_vehicle(args: &WatchArgs, playback: &Playback, labels: &Labels) -> Exit 
         clock.sleep_until(started + args.time.unwrap_or(TIME));
         return print_once(playback, labels);
     }
-    show(playback, labels)
+    show_vehicle(playback, labels)
 }
 
 /// Removes the temporary recording if a signal ends the program.
@@ -135,7 +132,7 @@ pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Exit {
         playback.wait_for_end().map_err(|problem| failed(&labels, &problem))?;
         return print_once(&playback, &labels);
     }
-    show(&playback, &labels)
+    show_vehicle(&playback, &labels)
 }
 
 /// Loads the definitions and texts. Errors are printed.
@@ -175,66 +172,34 @@ fn print_once(playback: &Playback, labels: &Labels) -> Exit {
     Ok(Status::Conforms)
 }
 
-/// Shows the vehicle until the user quits.
-fn show(playback: &Playback, labels: &Labels) -> Exit {
-    let shown = show_live(playback, labels).map_err(unusable_terminal)?;
-    shown.map(|()| Status::Conforms).map_err(|problem| failed(labels, &problem))
-}
-
-/// Shows the vehicle until the user quits or the source turns out to be unreadable. The inner error is the problem.
-fn show_live(playback: &Playback, labels: &Labels) -> io::Result<Result<(), String>> {
+/// Shows the vehicle until the user quits or the source turns out to be unreadable.
+fn show_vehicle(playback: &Playback, labels: &Labels) -> Exit {
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
-    install_end(&sender)?;
-    let _restore = Restore;
-    let mut terminal = ratatui::try_init()?;
-    thread::spawn(move || forward_terminal_events(&sender));
     let is_coloured = has_colours();
-    let mut screen = Screen::default();
-    loop {
-        let now = Clock::real().now();
+    let draw = |screen: &mut Screen, terminal: &mut DefaultTerminal, now| {
         playback.show(|shown| {
             let Labels { source, language } = labels;
             let scene = Scene { shown, source, language, is_coloured, now };
-            terminal.draw(|frame| draw(frame, &scene, &mut screen)).map(drop)
+            terminal.draw(|frame| draw(frame, &scene, screen)).map(drop)
         })?;
-        if let Some(problem) = playback.problem() {
-            return Ok(Err(problem));
-        }
-        if process_inputs(&inputs, now, playback, &mut screen)? == Step::Quit {
-            return Ok(Ok(()));
-        }
-    }
-}
-
-/// Processes inputs until the next frame is due. `drawn` is the time of the last frame.
-fn process_inputs(
-    inputs: &Receiver<Input>,
-    drawn: Instant,
-    playback: &Playback,
-    screen: &mut Screen,
-) -> io::Result<Step> {
-    let mut due = drawn + MAX_FRAME_TIME / 2;
-    loop {
-        match Clock::real().receive(inputs, due) {
-            Ok(Input::Terminal(event)) => {
-                if let event::Event::Key(key) = event? {
-                    let (step, command) = screen.press(key);
-                    match command {
-                        Some(Command::Pause) => playback.pause(),
-                        Some(Command::Step) => playback.step(),
-                        Some(Command::Faster) => playback.accelerate(true),
-                        Some(Command::Slower) => playback.accelerate(false),
-                        None => {}
-                    }
-                    if step == Step::Quit {
-                        return Ok(Step::Quit);
-                    }
-                }
+        Ok(if playback.problem().is_some() { Step::Quit } else { Step::Stay })
+    };
+    let take = |screen: &mut Screen, input| match input {
+        Input::Terminal(Ok(event::Event::Key(key))) => {
+            let (step, command) = screen.press(key);
+            match command {
+                Some(Command::Pause) => playback.pause(),
+                Some(Command::Step) => playback.step(),
+                Some(Command::Faster) => playback.accelerate(true),
+                Some(Command::Slower) => playback.accelerate(false),
+                None => {}
             }
-            Ok(Input::Server(..)) => {}
-            Ok(Input::End) | Err(RecvTimeoutError::Disconnected) => return Ok(Step::Quit),
-            Err(RecvTimeoutError::Timeout) => return Ok(Step::Stay),
+            step
         }
-        due = drawn + MIN_FRAME_TIME;
-    }
+        Input::Terminal(_) | Input::Server(..) => Step::Stay,
+        Input::End => Step::Quit,
+    };
+    let shown = show(Screen::default(), (sender, &inputs), MAX_FRAME_TIME / 2, draw, take);
+    shown.map_err(unusable_terminal)?;
+    playback.problem().map_or(Ok(Status::Conforms), |problem| Err(failed(labels, &problem)))
 }
