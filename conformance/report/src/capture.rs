@@ -328,6 +328,8 @@ fn finding(
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use uavspec_check::check_capture;
     use uavspec_model::{Detail, Findings, Location};
     use uavspec_rules::definitions::Definitions;
@@ -364,9 +366,7 @@ mod tests {
         let definitions = Definitions::built_in();
         let subject = |bytes: &[u8], is_unrecorded| {
             let result = check_capture(bytes, None, &definitions).expect("bytes can be read");
-            let (notes, requests, cut_short) = (Vec::new(), Vec::new(), Vec::new());
-            let path = "a.jsonl".to_owned();
-            let checked = CheckedCapture { path, result, notes, requests, cut_short, elapsed: 0 };
+            let checked = CheckedCapture::new("a.jsonl".to_owned(), result, Duration::ZERO);
             Subject::from_capture(checked, &definitions, &Settings { is_unrecorded, ..Settings::default() })
         };
         let flight = subject(b"{\"topic\":\"failsafe_flags\",\"message\":{}}\n", false);

@@ -10,6 +10,8 @@
 //! input is stored unchanged; each format escapes it.
 //!
 //! ```
+//! use std::time::Duration;
+//!
 //! use uavspec_check::check_capture;
 //! use uavspec_rules::definitions::Definitions;
 //! use uavspec_report::{Action, CheckedCapture, Kind, OutcomeKind, Report, Settings, Subject};
@@ -18,14 +20,7 @@
 //! let message_type = definitions.message_of_type("px4/ArmingCheckRequest");
 //! let record = r#"{"timestamp": 7, "request_id": 30, "valid_registrations_mask": 1}"#;
 //! let result = check_capture(record.as_bytes(), message_type, &definitions)?;
-//! let checked = CheckedCapture {
-//!     path: "requests.jsonl".to_owned(),
-//!     result,
-//!     notes: Vec::new(),
-//!     requests: Vec::new(),
-//!     cut_short: Vec::new(),
-//!     elapsed: 0,
-//! };
+//! let checked = CheckedCapture::new("requests.jsonl".to_owned(), result, Duration::ZERO);
 //! let subject = Subject::from_capture(checked, &definitions, &Settings::default());
 //! let command = "uavspec check requests.jsonl".to_owned();
 //! let report = Report::new(Action::Check, command, &definitions.name, vec![subject], Vec::new(), Vec::new());
