@@ -1,6 +1,5 @@
 //! Resolves the types and messages on all pages of a package.
 
-mod depth;
 mod endless;
 mod kind;
 mod set;

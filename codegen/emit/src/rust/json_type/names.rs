@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proc_macro2::Ident;
 use uavspec_schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
-use uavspec_schema::{JsonTypeId, Package, prose};
+use uavspec_schema::{JsonTypeId, Package, graph, prose};
 
 use super::super::context::Context;
 use super::super::identifier::{self, Scope, ident};
@@ -88,54 +88,17 @@ fn contained(definition: &Definition) -> BTreeSet<u32> {
 }
 
 /// Assigns a number to each group of types that contain each other directly or indirectly.
-///
-/// This is Kosaraju's algorithm. The first search numbers the types in post-order. The second search starts from the
-/// types in descending order and follows reversed edges. Each search from an unvisited type yields one group.
 fn groups(contains: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
     let index = |id: &u32| (*id - first) as usize;
-    let inner: Vec<Vec<usize>> =
+    let steps: Vec<Vec<usize>> =
         contains.iter().map(|contained| contained.iter().map(index).collect()).collect();
-    let mut outer: Vec<Vec<usize>> = vec![Vec::new(); contains.len()];
-    for (at, contained) in inner.iter().enumerate() {
-        for contained in contained {
-            outer[*contained].push(at);
+    let mut numbers = vec![0; contains.len()];
+    for (number, group) in graph::groups(&steps).into_iter().enumerate() {
+        for member in group {
+            numbers[member] = number;
         }
     }
-    let mut left = Vec::with_capacity(contains.len());
-    let mut is_seen = vec![false; contains.len()];
-    for start in 0..contains.len() {
-        visit(&inner, start, &mut is_seen, &mut left);
-    }
-    let mut groups = vec![0; contains.len()];
-    let mut is_seen = vec![false; contains.len()];
-    for (group, start) in left.into_iter().rev().enumerate() {
-        let mut members = Vec::new();
-        visit(&outer, start, &mut is_seen, &mut members);
-        for member in members {
-            groups[member] = group;
-        }
-    }
-    groups
-}
-
-/// Appends all unvisited types reachable from `start` in post-order.
-fn visit(steps: &[Vec<usize>], start: usize, is_seen: &mut [bool], left: &mut Vec<usize>) {
-    let mut path = Vec::new();
-    if !std::mem::replace(&mut is_seen[start], true) {
-        path.push((start, 0));
-    }
-    while let Some((at, taken)) = path.last_mut() {
-        let next = steps[*at].get(*taken).copied();
-        *taken += 1;
-        match next {
-            Some(next) if !std::mem::replace(&mut is_seen[next], true) => path.push((next, 0)),
-            Some(_) => {}
-            None => {
-                left.push(*at);
-                path.pop();
-            }
-        }
-    }
+    numbers
 }
 
 /// The identifiers of the fields of a struct.

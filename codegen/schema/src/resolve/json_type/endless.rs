@@ -1,7 +1,7 @@
 //! Detects infinitely nested types.
 
-use super::depth::depths;
 use crate::diagnostic::{Diagnostic, Problem};
+use crate::graph::groups;
 use crate::json_type::{Definition, Expression, JsonType, Member};
 
 /// The maximum number of reported cycles.
@@ -43,9 +43,7 @@ pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
 /// Reports types from which long paths of references start. Types that refer to each other in a cycle are all on one
 /// path.
 fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
-    let index = |id: u32| (id - first) as usize;
-    let steps: Vec<Vec<usize>> =
-        types.iter().map(|found| references(&found.definition).into_iter().map(index).collect()).collect();
+    let steps = steps(types, first, references);
     let depths = depths(&steps);
     let is_too_deep = |at: &usize| depths[*at] > MAX_DEPTH;
     // Don't report the types that refer to a reported type.
@@ -59,6 +57,27 @@ fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
         Diagnostic::new(problem, types[at].span)
     };
     reported.map(diagnostic).collect()
+}
+
+/// An upper bound of the number of types on any path from each type, without repetitions. All types that lie on cycles
+/// with each other count as if they were on one path.
+fn depths(steps: &[Vec<usize>]) -> Vec<usize> {
+    let mut depths = vec![0_usize; steps.len()];
+    for group in groups(steps) {
+        // The depths of this group are still 0, and those of all successors are known.
+        let below = group.iter().flat_map(|at| &steps[*at]).map(|next| depths[*next]).max();
+        let depth = group.len().saturating_add(below.unwrap_or(0));
+        for at in group {
+            depths[at] = depth;
+        }
+    }
+    depths
+}
+
+/// The indices of the types that each type refers to. `references` returns the types that a definition refers to.
+fn steps(types: &[JsonType], first: u32, references: impl Fn(&Definition) -> Vec<u32>) -> Vec<Vec<usize>> {
+    let index = |id: u32| (id - first) as usize;
+    types.iter().map(|found| references(&found.definition).into_iter().map(index).collect()).collect()
 }
 
 /// The types that a definition refers to.
@@ -88,37 +107,23 @@ fn references_in(expression: &Expression) -> Vec<u32> {
 /// this point.
 fn check_size(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut diagnostics = Vec::new();
-    // The number of alternatives of each type; 0 if not yet known.
+    let steps = steps(types, first, |definition| match definition {
+        Definition::Named(found) => alternatives_of(&found.ty),
+        _ => Vec::new(),
+    });
+    // The number of alternatives of each type.
     let mut sizes = vec![0_usize; types.len()];
-    for start in 0..types.len() {
-        let mut open = vec![start];
-        while let Some(at) = open.last().copied() {
-            let steps: Vec<usize> = match &types[at].definition {
-                Definition::Named(found) => {
-                    alternatives_of(&found.ty).iter().map(|id| (id - first) as usize).collect()
-                }
-                _ => Vec::new(),
+    for at in groups(&steps).concat() {
+        sizes[at] = steps[at].iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
+        if sizes[at] > MAX_ALTERNATIVES {
+            let problem = Problem::TooManyParts {
+                name: types[at].name.clone(),
+                what: "alternatives, including those of referenced types",
+                max: MAX_ALTERNATIVES,
             };
-            let unknown: Vec<usize> = steps.iter().copied().filter(|step| sizes[*step] == 0).collect();
-            if !unknown.is_empty() {
-                open.extend(unknown);
-                continue;
-            }
-            open.pop();
-            if sizes[at] > 0 {
-                continue;
-            }
-            sizes[at] = steps.iter().map(|step| sizes[*step]).fold(1, usize::saturating_add);
-            if sizes[at] > MAX_ALTERNATIVES {
-                let problem = Problem::TooManyParts {
-                    name: types[at].name.clone(),
-                    what: "alternatives, including those of referenced types",
-                    max: MAX_ALTERNATIVES,
-                };
-                diagnostics.push(Diagnostic::new(problem, types[at].span));
-                // Don't report the types that refer to this one.
-                sizes[at] = 1;
-            }
+            diagnostics.push(Diagnostic::new(problem, types[at].span));
+            // Don't report the types that refer to this one.
+            sizes[at] = 1;
         }
     }
     diagnostics
@@ -149,12 +154,9 @@ fn alternatives_of(expression: &Expression) -> Vec<u32> {
     }
 }
 
-/// Reports each cycle of references. `steps` returns the types that a definition refers to.
-fn cycles(types: &[JsonType], first: u32, steps: impl Fn(&Definition) -> Vec<u32>) -> Vec<Diagnostic> {
-    let steps: Vec<Vec<usize>> = types
-        .iter()
-        .map(|found| steps(&found.definition).into_iter().map(|id| (id - first) as usize).collect())
-        .collect();
+/// Reports each cycle of references. `references` returns the types that a definition refers to.
+fn cycles(types: &[JsonType], first: u32, references: impl Fn(&Definition) -> Vec<u32>) -> Vec<Diagnostic> {
+    let steps = steps(types, first, references);
     let mut diagnostics = Vec::new();
     let mut is_done = vec![false; types.len()];
     let mut is_open = vec![false; types.len()];
@@ -199,4 +201,18 @@ fn report(types: &[JsonType], cycle: impl Iterator<Item = usize>) -> Diagnostic 
         diagnostic = diagnostic.with_related(other.span, "through this type");
     }
     diagnostic
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_the_types_on_the_longest_path() {
+        assert_eq!(depths(&[vec![1, 2], vec![2], vec![], vec![3]]), [3, 2, 1, 1]);
+        // 0 → 1 ⇄ 2 → 3, and 4 → 0.
+        assert_eq!(depths(&[vec![1], vec![2], vec![1, 3], vec![], vec![0, 3]]), [4, 3, 3, 1, 5]);
+        let ring: Vec<Vec<usize>> = (0..5).map(|at| vec![(at + 1) % 5]).collect();
+        assert_eq!(depths(&ring), [5; 5]);
+    }
 }
