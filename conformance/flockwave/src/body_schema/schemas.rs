@@ -1,7 +1,6 @@
 //! User-supplied JSON Schemas for message types without a definition.
 
 mod bundle;
-mod expansion;
 mod files;
 mod places;
 
@@ -16,8 +15,7 @@ use uavspec_model::json::Tree;
 use uavspec_model::text::terminal;
 use uavspec_schema::json_type::Direction;
 
-use self::bundle::{Budget, Bundle};
-use self::expansion::{MAX_SCHEMAS, Part};
+use self::bundle::{Bundle, MAX_SCHEMAS, Part};
 use self::files::SchemaFile;
 use self::places::Places;
 use super::{DefinedSchemas, Deviation, Mismatch};
@@ -105,9 +103,9 @@ impl Schemas {
     pub fn load(folders: &[PathBuf], defined: &DefinedSchemas) -> Result<Self, SchemaError> {
         let mut schemas = Self::default();
         let mut problems = Vec::new();
-        let mut budget = Budget::default();
+        let mut copied = 0;
         for folder in folders {
-            let loaded = schemas.load_folder(folder, defined, &mut budget, &mut problems);
+            let loaded = schemas.load_folder(folder, defined, &mut copied, &mut problems);
             problems.extend(loaded.err());
         }
         for (type_name, known) in &mut schemas.by_type {
@@ -122,7 +120,7 @@ impl Schemas {
         &mut self,
         folder: &Path,
         defined: &DefinedSchemas,
-        budget: &mut Budget,
+        copied: &mut usize,
         problems: &mut Vec<Problem>,
     ) -> Result<(), Problem> {
         let files = SchemaFile::read_all(folder)?;
@@ -135,7 +133,7 @@ impl Schemas {
             if types.is_empty() {
                 continue;
             }
-            match Schema::compile(&places, index, budget) {
+            match Schema::compile(&places, index, copied) {
                 Ok(schema) => self.add(types, &Arc::new(schema)),
                 Err(problem) => problems.push(problem),
             }
@@ -210,18 +208,19 @@ fn conflict(type_name: &str, known: &[Arc<Schema>]) -> Option<Problem> {
 
 impl Schema {
     /// Compiles the schema of a file.
-    fn compile(places: &Places<'_>, file: usize, budget: &mut Budget) -> Result<Self, Problem> {
-        let Bundle { parts, patterns, .. } = Bundle::new(places, file, budget)?;
-        for part in &parts {
+    fn compile(places: &Places<'_>, file: usize, copied: &mut usize) -> Result<Self, Problem> {
+        let bundle = Bundle::new(places, file, copied)?;
+        for part in &bundle.parts {
             let validity = meta_schema(part.place.draft).validate(&part.value);
             validity.map_err(|error| invalid(places, part, &error))?;
         }
-        let root = places.file(parts[0].place);
-        if !expansion::size(&parts).is_small() {
+        let root = places.file(places.root(file));
+        if !bundle.size().is_small() {
             let problem =
                 format!("too many references: expanded, they yield more than {MAX_SCHEMAS} schemas");
             return Err(Problem::new(&root.path, problem));
         }
+        let Bundle { parts, patterns, .. } = bundle;
         let validator = validator(&parts, patterns).map_err(|error| {
             let part = part_of(&error).and_then(|part| parts.get(part)).unwrap_or(&parts[0]);
             invalid(places, part, &error)

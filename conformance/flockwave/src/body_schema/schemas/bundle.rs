@@ -3,13 +3,13 @@
 //! Only these are compiled. So other schemas of the same files may be invalid, or use another draft, and the meaning of
 //! references doesn't depend on the compiler.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use jsonschema::Draft;
 use serde_json::{Map, Value, json};
+use uavspec_schema::graph;
 
 use super::Problem;
-use super::expansion::{Part, Size};
 use super::files::own_draft;
 use super::places::{Place, Places};
 
@@ -19,70 +19,58 @@ const MAX_COPIED: usize = 150_000;
 /// The number of values that a pattern counts like. A pattern takes more memory than other values.
 const PATTERN: usize = 10;
 
-/// The role of a keyword.
-enum Keyword {
-    /// The value is a reference.
-    Reference,
-    /// The value is a schema, or a list of schemas.
-    Schemas,
-    /// The value is an object whose values are schemas.
-    Map,
-    /// The value is data.
-    Data,
-    /// The keyword doesn't affect other values: it only describes, names or contains schemas.
-    None,
+/// The maximum number of schemas in a schema, in which each reference counts like a copy of its target. The compiler and
+/// the checks treat references so. Schemas that refer to each other twice per level therefore need time that doubles
+/// with each level.
+pub(super) const MAX_SCHEMAS: u64 = 100_000;
+
+/// The maximum nesting depth of values, in which each reference counts like a copy of its target. Checks recurse once
+/// per level.
+const MAX_DEPTH: u64 = 500;
+
+/// The keywords that don't affect other values: they only describe, name or contain schemas.
+const INERT: [&str; 8] =
+    ["$schema", "$id", "id", "$anchor", "$dynamicAnchor", "$recursiveAnchor", "$defs", "definitions"];
+
+/// A copy of a schema, whose references lead to other parts.
+pub(super) struct Part<'f> {
+    pub place: Place<'f>,
+    /// The location in the file, in short.
+    pub location: String,
+    pub value: Value,
+    /// The size without the targets of references.
+    size: Size,
+    /// The targets of references, each with the depth of the reference.
+    references: Vec<(u64, usize)>,
 }
 
-impl Keyword {
-    fn of(name: &str, draft: Draft) -> Self {
-        match name {
-            "$ref" | "$dynamicRef" | "$recursiveRef" if draft.is_known_keyword(name) => Self::Reference,
-            "$schema" | "$id" | "id" | "$anchor" | "$dynamicAnchor" | "$recursiveAnchor" | "$defs"
-            | "definitions" => Self::None,
-            _ if !draft.is_known_keyword(name) => Self::None,
-            "additionalItems"
-            | "additionalProperties"
-            | "allOf"
-            | "anyOf"
-            | "contains"
-            | "contentSchema"
-            | "else"
-            | "if"
-            | "items"
-            | "not"
-            | "oneOf"
-            | "prefixItems"
-            | "propertyNames"
-            | "then"
-            | "unevaluatedItems"
-            | "unevaluatedProperties" => Self::Schemas,
-            "dependencies" | "dependentSchemas" | "patternProperties" | "properties" => Self::Map,
-            _ => Self::Data,
-        }
+/// The size of a schema.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Size {
+    /// The number of schemas.
+    pub count: u64,
+    /// The number of nested values.
+    depth: u64,
+}
+
+impl Size {
+    /// Includes the size of a schema within this one.
+    fn include(&mut self, inner: Self) {
+        self.count = self.count.saturating_add(inner.count);
+        self.depth = self.depth.max(inner.depth);
     }
-}
 
-/// The number of values that may still be copied.
-pub(super) struct Budget(usize);
-
-impl Default for Budget {
-    fn default() -> Self {
-        Self(MAX_COPIED)
-    }
-}
-
-#[cfg(test)]
-impl Budget {
-    /// The number of values that were copied.
-    pub(super) fn spent(&self) -> usize {
-        MAX_COPIED - self.0
+    /// True if a schema of this size can be compiled.
+    pub(super) fn is_small(self) -> bool {
+        self.count <= MAX_SCHEMAS && self.depth <= MAX_DEPTH
     }
 }
 
 /// A schema, with copies of the schemas that it refers to.
 pub(super) struct Bundle<'f, 'p> {
     places: &'p Places<'f>,
-    budget: &'p mut Budget,
+    /// The number of values in this and earlier copies.
+    copied: &'p mut usize,
     /// The schemas. The first one is the schema itself.
     pub parts: Vec<Part<'f>>,
     /// The number of patterns.
@@ -96,87 +84,94 @@ pub(super) fn address(part: usize) -> String {
 }
 
 impl<'f, 'p> Bundle<'f, 'p> {
-    /// Copies the schema of a file.
-    pub(super) fn new(places: &'p Places<'f>, file: usize, budget: &'p mut Budget) -> Result<Self, Problem> {
-        let mut bundle = Self { places, budget, parts: Vec::new(), patterns: 0, by_value: HashMap::new() };
+    /// Copies the schema of a file. `copied` is the number of values in earlier copies.
+    pub(super) fn new(places: &'p Places<'f>, file: usize, copied: &'p mut usize) -> Result<Self, Problem> {
+        let mut bundle = Self { places, copied, parts: Vec::new(), patterns: 0, by_value: HashMap::new() };
         bundle.part(places.root(file), String::new());
         let mut next = 0;
         while next < bundle.parts.len() {
-            let place = bundle.parts[next].place;
-            let value = bundle.schema(next, place, 0)?;
+            let value = bundle.schema(next, bundle.parts[next].place.value, 0)?;
             bundle.parts[next].value = value;
             next += 1;
         }
-        bundle.charge(bundle.places.root(file), bundle.patterns * PATTERN)?;
+        bundle.charge(0, bundle.patterns * PATTERN)?;
         Ok(bundle)
+    }
+
+    /// The size of the schema, in which each reference counts like a copy of its target. References within a cycle count
+    /// once.
+    pub(super) fn size(&self) -> Size {
+        let targets = |part: &Part<'_>| part.references.iter().map(|(_, target)| *target).collect();
+        let steps: Vec<Vec<usize>> = self.parts.iter().map(targets).collect();
+        // The targets have their sizes already, except those that lead back to the part. These count 0.
+        let mut sizes = vec![Size::default(); self.parts.len()];
+        for part in graph::groups(&steps).concat() {
+            let mut total = self.parts[part].size;
+            for (depth, target) in &self.parts[part].references {
+                let target = sizes[*target];
+                total.include(Size { depth: depth + 1 + target.depth, ..target });
+            }
+            sizes[part] = total;
+        }
+        sizes[0]
     }
 
     /// The index of the part that is a copy of this schema. The copy is made later.
     fn part(&mut self, place: Place<'f>, location: String) -> usize {
         *self.by_value.entry(std::ptr::from_ref(place.value)).or_insert_with(|| {
-            self.parts.push(Part::new(place, location));
+            let (size, references) = (Size::default(), Vec::new());
+            self.parts.push(Part { place, location, value: Value::Null, size, references });
             self.parts.len() - 1
         })
     }
 
-    /// A copy of the schema at a place, without the keywords that don't affect values.
-    fn schema(&mut self, part: usize, place: Place<'f>, depth: u64) -> Result<Value, Problem> {
-        let Value::Object(members) = place.value else { return self.data(place, place.value) };
+    /// A copy of a schema, without the keywords that don't affect values.
+    fn schema(&mut self, part: usize, value: &'f Value, depth: u64) -> Result<Value, Problem> {
+        let Value::Object(members) = value else { return self.copy(part, value, &HashSet::new(), depth) };
+        let place = self.places.at(value);
         if place.draft == Draft::Unknown {
             let problem = "unknown `$schema`: use a draft of JSON Schema, e.g. \
                            `https://json-schema.org/draft/2020-12/schema`";
             return Err(self.places.problem(place, "", problem));
         }
-        if depth > 0 && own_draft(place.value).is_some_and(|draft| draft != self.parts[part].place.draft) {
-            self.charge(place, 1)?;
+        self.charge(part, 1)?;
+        if depth > 0 && own_draft(value).is_some_and(|draft| draft != self.parts[part].place.draft) {
             return Ok(json!({ "$ref": self.address(part, place, String::new(), depth) }));
         }
-        self.charge(place, 1)?;
         self.parts[part].size.include(Size { count: 1, depth });
         let is_classic = matches!(place.draft, Draft::Draft4 | Draft::Draft6 | Draft::Draft7);
         // Old drafts ignore what stands next to a reference.
         let is_alone = |name: &str| !is_classic || name == "$ref" || !members.contains_key("$ref");
+        let is_used = |name: &str| !INERT.contains(&name) && place.draft.is_known_keyword(name);
+        // The compiler also reads keywords of draft 7 that later drafts no longer list.
+        let drafts = [place.draft, Draft::Draft7];
+        let inner = drafts.iter().flat_map(|draft| draft.subresources_of(value));
+        let inner: HashSet<*const Value> = inner.map(std::ptr::from_ref).collect();
         let mut copy = Map::new();
-        for (name, member) in members.iter().filter(|(name, _)| is_alone(name)) {
-            let member = match (Keyword::of(name, place.draft), member) {
-                (Keyword::None, _) => continue,
-                (Keyword::Reference, Value::String(reference)) => {
+        for (name, member) in members.iter().filter(|(name, _)| is_alone(name) && is_used(name)) {
+            match (name.as_str(), member) {
+                ("$ref" | "$dynamicRef" | "$recursiveRef", Value::String(reference)) => {
                     if copy.contains_key("$ref") {
                         let problem = "several references in one schema: move them to `allOf`";
                         return Err(self.places.problem(place, "", problem));
                     }
-                    copy.insert("$ref".to_owned(), self.target(part, place, name, reference, depth)?);
-                    continue;
-                }
-                (Keyword::Schemas, _) => self.schemas(part, place, member, depth + 1)?,
-                (Keyword::Map, Value::Object(inner)) => {
-                    self.patterns += if name == "patternProperties" { inner.len() } else { 0 };
-                    self.map(part, place, inner, depth + 1)?
+                    let target = self.places.find(place, reference, name != "$ref");
+                    let target = target.map_err(|problem| self.places.problem(place, "", problem))?;
+                    self.charge(part, 1)?;
+                    let location = self.places.label(target, reference);
+                    copy.insert("$ref".to_owned(), self.address(part, target, location, depth).into());
                 }
                 _ => {
-                    self.patterns += usize::from(name == "pattern");
-                    self.data(place, member)?
+                    self.patterns += match (name.as_str(), member) {
+                        ("patternProperties", Value::Object(patterns)) => patterns.len(),
+                        ("pattern", _) => 1,
+                        _ => 0,
+                    };
+                    copy.insert(name.clone(), self.copy(part, member, &inner, depth + 1)?);
                 }
-            };
-            copy.insert(name.clone(), member);
+            }
         }
         Ok(Value::Object(copy))
-    }
-
-    /// The address of the target of a reference in a part.
-    fn target(
-        &mut self,
-        part: usize,
-        place: Place<'f>,
-        keyword: &str,
-        reference: &str,
-        depth: u64,
-    ) -> Result<Value, Problem> {
-        let is_dynamic = keyword != "$ref";
-        let target = self.places.find(place, reference, is_dynamic);
-        let target = target.map_err(|problem| self.places.problem(place, "", problem))?;
-        self.charge(place, 1)?;
-        Ok(self.address(part, target, self.places.label(target, reference), depth).into())
     }
 
     /// The address of the part with this target, which a part refers to.
@@ -186,61 +181,40 @@ impl<'f, 'p> Bundle<'f, 'p> {
         address(target)
     }
 
-    /// A copy of a schema or a list of schemas. Other values are copied like data.
-    fn schemas(
+    /// A copy of a value, which is data apart from these schemas in it.
+    fn copy(
         &mut self,
         part: usize,
-        place: Place<'f>,
         value: &'f Value,
+        schemas: &HashSet<*const Value>,
         depth: u64,
     ) -> Result<Value, Problem> {
-        let Value::Array(values) = value else {
-            return self.schema(part, self.places.enter(place, value), depth);
-        };
-        self.charge(place, 1)?;
-        let copies = values.iter().map(|value| self.schema(part, self.places.enter(place, value), depth + 1));
-        Ok(Value::Array(copies.collect::<Result<_, _>>()?))
-    }
-
-    /// A copy of an object of schemas. Lists of names, as in `dependencies`, are copied like data.
-    fn map(
-        &mut self,
-        part: usize,
-        place: Place<'f>,
-        members: &'f Map<String, Value>,
-        depth: u64,
-    ) -> Result<Value, Problem> {
-        self.charge(place, 1)?;
-        let mut copy = Map::new();
-        for (name, value) in members {
-            let value = self.schema(part, self.places.enter(place, value), depth + 1)?;
-            copy.insert(name.clone(), value);
+        if schemas.contains(&std::ptr::from_ref(value)) {
+            return self.schema(part, value, depth);
         }
-        Ok(Value::Object(copy))
+        self.charge(part, 1)?;
+        let mut copied = |value: &'f Value| self.copy(part, value, schemas, depth + 1);
+        Ok(match value {
+            Value::Object(members) => {
+                let copies = members.iter().map(|(name, value)| Ok((name.clone(), copied(value)?)));
+                Value::Object(copies.collect::<Result<_, Problem>>()?)
+            }
+            Value::Array(values) => Value::Array(values.iter().map(copied).collect::<Result<_, _>>()?),
+            _ => value.clone(),
+        })
     }
 
-    fn data(&mut self, place: Place<'f>, value: &Value) -> Result<Value, Problem> {
-        self.charge(place, count(value))?;
-        Ok(value.clone())
-    }
-
-    fn charge(&mut self, place: Place<'f>, values: usize) -> Result<(), Problem> {
-        self.budget.0 = self.budget.0.checked_sub(values).ok_or_else(|| {
+    /// Counts the values of a part.
+    fn charge(&mut self, part: usize, values: usize) -> Result<(), Problem> {
+        let copied = *self.copied + values;
+        if copied > MAX_COPIED {
             let problem = format!(
                 "too many references: with the schemas that they refer to, the schemas contain more than {MAX_COPIED} \
                  values"
             );
-            Problem::new(&self.places.file(place).path, problem)
-        })?;
+            return Err(Problem::new(&self.places.file(self.parts[part].place).path, problem));
+        }
+        *self.copied = copied;
         Ok(())
-    }
-}
-
-/// The number of values in a value, including itself.
-fn count(value: &Value) -> usize {
-    1 + match value {
-        Value::Object(members) => members.values().map(count).sum(),
-        Value::Array(values) => values.iter().map(count).sum(),
-        _ => 0,
     }
 }

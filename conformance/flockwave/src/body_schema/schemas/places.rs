@@ -30,7 +30,7 @@ struct Document<'f> {
     /// The index of the file.
     file: usize,
     address: Uri<String>,
-    root: Place<'f>,
+    root: &'f Value,
 }
 
 impl Document<'_> {
@@ -49,8 +49,8 @@ pub(super) struct Places<'f> {
     files: &'f [SchemaFile],
     /// The files, in their order, and then the inner documents.
     documents: Vec<Document<'f>>,
-    /// The inner documents, by the address of their value in memory.
-    inner: HashMap<*const Value, usize>,
+    /// The places of all values, by their address in memory.
+    by_value: HashMap<*const Value, Place<'f>>,
     /// The documents by address, without fragment. `None` if several documents have the address.
     by_address: HashMap<String, Option<usize>>,
     /// The files by name. `None` if several files have the name.
@@ -66,7 +66,7 @@ impl<'f> Places<'f> {
         let mut places = Self {
             files,
             documents: Vec::new(),
-            inner: HashMap::new(),
+            by_value: HashMap::new(),
             by_address: HashMap::new(),
             by_name: HashMap::new(),
             anchors: HashMap::new(),
@@ -74,22 +74,22 @@ impl<'f> Places<'f> {
         };
         for (index, file) in files.iter().enumerate() {
             let address = path_address(file)?;
-            let root = Place { document: index, draft: file.draft, value: &file.value };
             put(&mut places.by_address, address.as_str().to_owned(), index);
             put(&mut places.by_name, file.address.rsplit('/').next().unwrap_or_default(), index);
-            places.documents.push(Document { file: index, address, root });
+            places.documents.push(Document { file: index, address, root: &file.value });
         }
-        for index in 0..files.len() {
-            places.add_inner(index);
+        for (index, file) in files.iter().enumerate() {
+            places.add(Place { document: index, draft: file.draft, value: &file.value });
         }
         Ok(places)
     }
 
-    /// Adds the anchors and inner documents of a file.
-    fn add_inner(&mut self, file: usize) {
-        let mut open = vec![self.documents[file].root];
-        while let Some(place) = open.pop() {
-            let mut place = place;
+    /// Adds the values, anchors and inner documents of a file.
+    fn add(&mut self, root: Place<'f>) {
+        let file = root.document;
+        let mut open = vec![root];
+        while let Some(mut place) = open.pop() {
+            place.draft = own_draft(place.value).unwrap_or(place.draft);
             if let Value::Object(members) = place.value {
                 let text = |name: &str| members.get(name).and_then(Value::as_str);
                 let id = text(place.draft.id_keyword());
@@ -106,12 +106,12 @@ impl<'f> Places<'f> {
                     self.add_anchor(file, place, anchor);
                 }
             }
-            let children = match place.value {
-                Value::Object(members) => members.values().collect(),
-                Value::Array(values) => values.iter().collect(),
-                _ => Vec::new(),
-            };
-            open.extend(children.into_iter().map(|child| self.enter(place, child)));
+            self.by_value.insert(std::ptr::from_ref(place.value), place);
+            match place.value {
+                Value::Object(members) => open.extend(members.values().map(|value| Place { value, ..place })),
+                Value::Array(values) => open.extend(values.iter().map(|value| Place { value, ..place })),
+                _ => {}
+            }
         }
     }
 
@@ -125,17 +125,16 @@ impl<'f> Places<'f> {
         else {
             return place;
         };
-        if std::ptr::eq(place.value, &raw const self.files[file].value) {
-            put(&mut self.by_address, address.as_str().to_owned(), file);
-            self.documents[file].address = address;
-            return place;
-        }
-        let document = self.documents.len();
-        let root = Place { document, ..place };
+        let is_file = std::ptr::eq(place.value, &raw const self.files[file].value);
+        let document = if is_file { file } else { self.documents.len() };
         put(&mut self.by_address, address.as_str().to_owned(), document);
-        self.inner.insert(std::ptr::from_ref(place.value), document);
-        self.documents.push(Document { file, address, root });
-        root
+        let found = Document { file, address, root: place.value };
+        if is_file {
+            self.documents[file] = found;
+        } else {
+            self.documents.push(found);
+        }
+        Place { document, ..place }
     }
 
     fn add_anchor(&mut self, file: usize, place: Place<'f>, name: &'f str) {
@@ -147,15 +146,14 @@ impl<'f> Places<'f> {
         }
     }
 
-    /// The place of a value in the value of this place.
-    pub(super) fn enter(&self, place: Place<'f>, value: &'f Value) -> Place<'f> {
-        let document = self.inner.get(&std::ptr::from_ref(value)).copied().unwrap_or(place.document);
-        Place { document, draft: own_draft(value).unwrap_or(place.draft), value }
+    /// The place of a value in one of the files.
+    pub(super) fn at(&self, value: &'f Value) -> Place<'f> {
+        self.by_value[&std::ptr::from_ref(value)]
     }
 
     /// The root of a file.
     pub(super) fn root(&self, file: usize) -> Place<'f> {
-        self.documents[file].root
+        self.at(&self.files[file].value)
     }
 
     /// The file that contains a place.
@@ -163,15 +161,12 @@ impl<'f> Places<'f> {
         &self.files[self.documents[place.document].file]
     }
 
-    /// The location in the file to which a reference leads, in short: a JSON pointer, or an anchor.
+    /// The location in the file to which a reference leads, in short: a JSON pointer, or the reference.
     pub(super) fn label(&self, target: Place<'f>, reference: &str) -> String {
-        let fragment = reference.split_once('#').map_or("", |(_, fragment)| fragment);
-        let document = &self.documents[target.document];
-        let is_file = std::ptr::eq(document.root.value, &raw const self.file(target).value);
-        match decoded(fragment) {
-            Some(pointer) if is_file && (pointer.is_empty() || pointer.starts_with('/')) => pointer,
-            _ => format!("{}#{fragment}", if is_file { "" } else { document.name() }),
-        }
+        let (_, fragment) = reference.split_once('#').unwrap_or_default();
+        let is_in_file = target.document < self.files.len();
+        let pointer = decoded(fragment).filter(|pointer| pointer.is_empty() || pointer.starts_with('/'));
+        pointer.filter(|_| is_in_file).unwrap_or_else(|| reference.to_owned())
     }
 
     /// A problem of the schema at a place, or of a value below it.
@@ -248,23 +243,11 @@ impl<'f> Places<'f> {
     /// The place in a document with this fragment of a reference, which is a pointer or an anchor. An empty fragment
     /// means the whole document.
     fn fragment(&self, document: usize, fragment: &str) -> Option<Place<'f>> {
-        if fragment.is_empty() {
-            return Some(self.documents[document].root);
-        }
         let fragment = decoded(fragment)?;
-        let Some(pointer) = fragment.strip_prefix('/') else {
-            return self.anchors.get(&(document, fragment.as_str())).copied().flatten();
-        };
-        let step = |place: Place<'f>, token: &str| {
-            let token = token.replace("~1", "/").replace("~0", "~");
-            let value = match place.value {
-                Value::Object(members) => members.get(&token)?,
-                Value::Array(values) => values.get(token.parse::<usize>().ok()?)?,
-                _ => return None,
-            };
-            Some(self.enter(place, value))
-        };
-        pointer.split('/').try_fold(self.documents[document].root, step)
+        if fragment.is_empty() || fragment.starts_with('/') {
+            return self.documents[document].root.pointer(&fragment).map(|value| self.at(value));
+        }
+        self.anchors.get(&(document, fragment.as_str())).copied().flatten()
     }
 }
 
