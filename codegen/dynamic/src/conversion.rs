@@ -26,7 +26,6 @@
 mod build;
 mod expression;
 mod hints;
-mod json;
 mod memory;
 mod plan;
 mod request;

@@ -4,6 +4,7 @@ mod corpus;
 mod hints;
 mod memory;
 mod properties;
+mod reference;
 mod rules;
 mod steps;
 mod support;

@@ -12,7 +12,7 @@ use std::path::Path;
 use lsp_types::Position;
 use uavspec_codegen::load::Config;
 use uavspec_dynamic::Types;
-use uavspec_dynamic::conversion::{Conversions, Request, answer};
+use uavspec_dynamic::conversion::{Conversions, Converter, Request, answer};
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::source::{SourceMap, Span};
 use uavspec_schema::translation::catalogue;
@@ -117,10 +117,8 @@ fn convert(schema: &Schema, conversions: &[Conversions]) {
     let types = Types::new(schema);
     for found in conversions.iter().flat_map(|found| found.forward.iter().chain(&found.backward)) {
         let [source, target] = [found.from, found.to].map(|id| types.get(id));
-        let (Ok(message), Ok(initial)) = (source.default().to_json(), target.default().to_json()) else {
-            return;
-        };
-        let converted = found.convert_json((schema, schema), &message, &initial);
+        let Ok(converted) = Converter::new(found, source, target).convert(&source.default()) else { return };
+        let Ok(converted) = converted.to_json() else { return };
         let read = target.from_json(&converted).map(|_| ());
         assert!(!found.is_decided() || read.is_ok(), "{read:?}: {converted}");
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 use uavspec_dynamic::Types;
-use uavspec_dynamic::conversion::{Conversion, Conversions, read_hints};
+use uavspec_dynamic::conversion::{Conversion, Conversions, Converter, read_hints};
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Form, PackageInput, Schema, SourceMap, read};
 
@@ -142,7 +142,8 @@ fn cases() -> Value {
 fn converted(schema: &Schema, conversion: &Conversion) -> Vec<(Value, Value)> {
     let types = Types::new(schema);
     let (source, target) = (types.get(conversion.from), types.get(conversion.to));
-    let (size, initial) = (source.size().expect("a fixed size"), target.default().to_json().expect("JSON"));
+    let (size, converter) =
+        (source.size().expect("a fixed size"), Converter::new(conversion, source, target));
     let mut state = 7_u64;
     let mut next = || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -151,9 +152,9 @@ fn converted(schema: &Schema, conversion: &Conversion) -> Vec<(Value, Value)> {
     };
     let pairs = (0..NUM_CASES).map(|_| {
         let payload: Vec<u8> = (0..size.padded).map(|_| next()).collect();
-        let message = source.decode_uorb(&payload).expect("a message").to_json().expect("JSON");
-        let converted = conversion.convert_json((schema, schema), &message, &initial);
-        (message, converted)
+        let message = source.decode_uorb(&payload).expect("a message");
+        let converted = converter.convert(&message).expect("a message");
+        (message.to_json().expect("JSON"), converted.to_json().expect("JSON"))
     });
     pairs.collect()
 }

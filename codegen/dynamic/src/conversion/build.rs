@@ -13,7 +13,6 @@ use uavspec_schema::wording::similar;
 use uavspec_schema::{Form, MessageId, Package, Schema};
 
 use self::direction::Pairs;
-pub(super) use self::field::kind;
 use super::hints::{Decisions, Hint, Hints, Mistake, missing};
 use super::plan::{Conversion, Elements, Step, Undecided};
 use crate::breaking::{Between, Comparison, Pair};

@@ -12,6 +12,7 @@ use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Form, PackageInput, Schema, SourceMap, read};
 use uavspec_test_definitions::{add_folder, differs, extent, shared};
 
+use super::reference::convert_json;
 use super::support::PX4_HINTS;
 
 /// The converted releases, in their order. A quick run converts between the two that most of the hand-written
@@ -124,7 +125,7 @@ fn converted_messages_of_real_releases_validate() {
             let source = types.get(conversion.from).default();
             let initial = types.get(conversion.to).default().to_json().expect("JSON");
             let message = source.to_json().expect("JSON");
-            let converted = conversion.convert_json((schema, schema), &message, &initial);
+            let converted = convert_json(schema, conversion, &message, &initial);
             let read = types.get(conversion.to).from_json(&converted);
             let name = &schema.message(conversion.to).name;
             let read = read.unwrap_or_else(|error| panic!("{} {name}: {error}", pair[1]));

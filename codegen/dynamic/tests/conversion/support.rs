@@ -10,6 +10,8 @@ use uavspec_runtime::cdr::ByteOrder;
 use uavspec_schema::msg::Dialect;
 use uavspec_schema::{Form, MessageId, PackageInput, Schema, SourceMap, diagnostic, read};
 
+use super::reference::convert_json;
+
 /// The hints that the project publishes.
 pub(super) const PX4_HINTS: &str = include_str!("../../../../definitions/hints/px4.toml");
 
@@ -80,7 +82,7 @@ impl Converted {
 
     pub(super) fn run(&self, conversion: &Conversion, message: &Value) -> Value {
         let initial = self.message(conversion.to, "{}");
-        let converted = conversion.convert_json((&self.schema, &self.schema), message, &initial);
+        let converted = convert_json(&self.schema, conversion, message, &initial);
         self.check_memory(conversion, message, &converted);
         converted
     }

@@ -406,7 +406,7 @@ fn scalars(from: Scalar, to: Scalar) -> Compared {
 }
 
 /// The kind of the values of a type.
-pub(in crate::conversion) fn kind(scalar: Scalar) -> ValueKind {
+fn kind(scalar: Scalar) -> ValueKind {
     match scalar {
         Scalar::Bool => ValueKind::Bool,
         scalar if scalar.is_float() => ValueKind::Float,

@@ -4,7 +4,6 @@ use uavspec_runtime::Scalar;
 use uavspec_runtime::record::Primitive;
 
 use crate::conversion::expression::Computed;
-use crate::conversion::json::flags;
 use crate::conversion::plan::{CountLimit, Elements, Narrowing};
 
 /// The conversion of a number.
@@ -36,6 +35,13 @@ impl Number {
             (_, value) => value,
         })
     }
+}
+
+/// Moves flags to their target masks. Other bits stay the same.
+fn flags(pairs: &[(i128, i128)], value: i128) -> i128 {
+    let moved = pairs.iter().fold(0, |all, (from, _)| all | from);
+    let set = pairs.iter().filter(|(from, _)| value & from == *from && *from != 0);
+    set.fold(value & !moved, |all, (_, to)| all | to)
 }
 
 /// The number in the first bytes. Missing bytes are 0.

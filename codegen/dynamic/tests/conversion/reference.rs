@@ -1,38 +1,40 @@
-//! Converts messages in their JSON form. This is the reference for other implementations of conversions.
+//! Converts messages in their JSON form. This is the reference for conversions in memory.
 
 use serde_json::{Map, Number, Value};
+use uavspec_dynamic::Types;
+use uavspec_dynamic::conversion::{
+    Computed, Conversion, Copy, CountLimit, Elements, Narrowing, Neutral, Step,
+};
 use uavspec_runtime::Scalar;
-use uavspec_schema::{Element, Field, Schema, Shape};
+use uavspec_schema::{Element, Field, MessageId, Schema, Shape};
 
-use super::expression::{Computed, ValueKind};
-use super::plan::{Conversion, Copy, Elements, Narrowing, Neutral, Step};
-
-impl Conversion {
-    /// Converts a message in JSON form. `initial` is a message of the target type with its initial values.
-    ///
-    /// The schemas are those of the source and the target. Returns `initial` for values that don't have the source type.
-    pub fn convert_json(&self, (from, to): (&Schema, &Schema), message: &Value, initial: &Value) -> Value {
-        let (source, target) = (from.message(self.from), to.message(self.to));
-        let mut converted = Map::new();
-        for (field, step) in target.fields.iter().zip(&self.steps) {
-            let initial = initial.get(&field.name).cloned().unwrap_or_default();
-            let value = match step {
-                Step::Fill(neutral) => filled(field, *neutral, initial),
-                Step::Compute(expression) => {
-                    let read = |at: usize| computed(&source.fields[at], message.get(&source.fields[at].name));
-                    let value = number(field, expression.value(&read));
-                    spread(field, &value)
-                }
-                Step::Copy(copy) => {
-                    let value = message.get(&source.fields[copy.source].name).unwrap_or(&Value::Null);
-                    Copier { schemas: (from, to), source: &source.fields[copy.source], target: field, copy }
-                        .copied(value, &initial)
-                }
-            };
-            converted.insert(field.name.clone(), value);
-        }
-        Value::Object(converted)
+/// Converts a message in JSON form. `initial` is a message of the target type with its initial values.
+pub(super) fn convert_json(
+    schema: &Schema,
+    conversion: &Conversion,
+    message: &Value,
+    initial: &Value,
+) -> Value {
+    let (source, target) = (schema.message(conversion.from), schema.message(conversion.to));
+    let mut converted = Map::new();
+    for (field, step) in target.fields.iter().zip(&conversion.steps) {
+        let initial = initial.get(&field.name).cloned().unwrap_or_default();
+        let value = match step {
+            Step::Fill(neutral) => filled(field, *neutral, initial),
+            Step::Compute(expression) => {
+                let read = |at: usize| computed(&source.fields[at], message.get(&source.fields[at].name));
+                let value = number(field, expression.value(&read));
+                spread(field, &value)
+            }
+            Step::Copy(copy) => {
+                let value = message.get(&source.fields[copy.source].name).unwrap_or(&Value::Null);
+                Copier { schema, source: &source.fields[copy.source], target: field, copy }
+                    .copied(value, &initial)
+            }
+        };
+        converted.insert(field.name.clone(), value);
     }
+    Value::Object(converted)
 }
 
 /// A field with `value` in each element.
@@ -56,10 +58,10 @@ fn filled(field: &Field, neutral: Neutral, initial: Value) -> Value {
 fn computed(field: &Field, value: Option<&Value>) -> Computed {
     let Element::Scalar(scalar) = field.ty.element else { return Computed::Bool(false) };
     let value = value.unwrap_or(&Value::Null);
-    match super::build::kind(scalar) {
-        ValueKind::Bool => Computed::Bool(value.as_bool().unwrap_or_default()),
-        ValueKind::Int => Computed::Int(integer(value)),
-        ValueKind::Float => Computed::Float(value.as_f64().unwrap_or(f64::NAN)),
+    match scalar {
+        Scalar::Bool => Computed::Bool(value.as_bool().unwrap_or_default()),
+        scalar if scalar.is_float() => Computed::Float(value.as_f64().unwrap_or(f64::NAN)),
+        _ => Computed::Int(integer(value)),
     }
 }
 
@@ -93,7 +95,7 @@ fn float(scalar: Scalar, value: f64) -> Value {
 }
 
 struct Copier<'c> {
-    schemas: (&'c Schema, &'c Schema),
+    schema: &'c Schema,
     source: &'c Field,
     target: &'c Field,
     copy: &'c Copy,
@@ -139,15 +141,15 @@ impl Copier<'_> {
 
     /// The number of elements, limited to the length of an array that was cut.
     fn limited(&self, value: i128) -> i128 {
-        self.copy.limit.as_ref().map_or(value, |limit| limit.limited(value))
+        self.copy.limit.as_ref().map_or(value, |limit| limited(limit, value))
     }
 
     fn element(&self, value: &Value, initial: &Value) -> Value {
         match &self.copy.elements {
             Elements::Message(nested) => {
-                let types = self.schemas.1;
-                let initial = if initial.is_null() { initial_of(types, nested.to) } else { initial.clone() };
-                nested.convert_json(self.schemas, value, &initial)
+                let initial =
+                    if initial.is_null() { initial_of(self.schema, nested.to) } else { initial.clone() };
+                convert_json(self.schema, nested, value, &initial)
             }
             Elements::String(Some(bound)) => {
                 let text = value.as_str().unwrap_or_default();
@@ -157,7 +159,7 @@ impl Copier<'_> {
                 let value = integer(value);
                 let named = || pairs.iter().find(|(from, _)| *from == value).map_or(value, |(_, to)| *to);
                 // The limit of a count also converts the named values.
-                let converted = self.copy.limit.as_ref().map_or_else(named, |limit| limit.limited(value));
+                let converted = self.copy.limit.as_ref().map_or_else(named, |limit| limited(limit, value));
                 number(self.target, Computed::Int(converted))
             }
             Elements::Flags(pairs) => number(self.target, Computed::Int(flags(pairs, integer(value)))),
@@ -175,7 +177,7 @@ impl Copier<'_> {
                 }
             }
             Elements::Same | Elements::Text | Elements::String(None) => match &self.copy.limit {
-                Some(limit) => number(self.target, Computed::Int(limit.limited(integer(value)))),
+                Some(limit) => number(self.target, Computed::Int(limited(limit, integer(value)))),
                 None => value.clone(),
             },
         }
@@ -183,13 +185,18 @@ impl Copier<'_> {
 }
 
 /// The initial value of a nested message in a sequence, which the definition doesn't contain.
-fn initial_of(schema: &Schema, id: uavspec_schema::MessageId) -> Value {
-    let types = crate::Types::new(schema);
+fn initial_of(schema: &Schema, id: MessageId) -> Value {
+    let types = Types::new(schema);
     types.get(id).default().to_json().unwrap_or_default()
 }
 
+/// A count that is limited, unless it has a special meaning.
+fn limited(limit: &CountLimit, value: i128) -> i128 {
+    limit.special.get(&value).copied().unwrap_or(value.min(limit.max.into()))
+}
+
 /// Moves flags to their target masks. Other bits stay the same.
-pub(super) fn flags(pairs: &[(i128, i128)], value: i128) -> i128 {
+fn flags(pairs: &[(i128, i128)], value: i128) -> i128 {
     let moved = pairs.iter().fold(0, |all, (from, _)| all | from);
     let set = pairs.iter().filter(|(from, _)| value & from == *from && *from != 0);
     set.fold(value & !moved, |all, (_, to)| all | to)
