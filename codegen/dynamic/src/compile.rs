@@ -8,7 +8,6 @@ use uavspec_schema::value::Value;
 use uavspec_schema::{Element, Message, Schema, Shape};
 
 use super::error::Defect;
-use super::packed::{Move, Packed};
 use super::plan::{Field, GROWTH, Plan, SLOT};
 use super::step::{Bounds, Run, Sequence, Step, Width};
 use super::types::Types;
@@ -19,13 +18,6 @@ pub(super) const MAX_DEPTH: usize = 32;
 
 /// A nested message with at most this number of steps is inlined into its parent.
 const MAX_COPIED_STEPS: usize = 16;
-
-/// Maximum number of copy operations for a packed type. In an array of messages, each element counts separately. Types
-/// that need more operations are converted step by step.
-const MAX_MOVES: usize = 512;
-
-/// Maximum CDR size of a packed type in bytes. All uORB messages are smaller.
-const MAX_SIZE: usize = 1 << 16;
 
 /// A type before its layout is computed.
 #[derive(Debug)]
@@ -186,7 +178,6 @@ fn unusable(draft: &Draft, defect: Defect) -> Plan {
         is_fixed: true,
         min: 0,
         steps: Box::default(),
-        packed: None,
         has_defaults: false,
         has_bools: false,
         is_restricted: false,
@@ -218,7 +209,6 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
         size,
         is_fixed: !any(varies, |plan| !plan.is_fixed),
         min: fields.iter().fold(0_usize, |all, field| all.saturating_add(min_size(field, plans))).max(1),
-        packed: packed(&steps, size.padded, plans),
         steps: steps.into(),
         has_defaults: any(|field| field.default.as_ref().is_some_and(is_nonzero), |plan| plan.has_defaults),
         has_bools: any(|field| field.element == Element::Scalar(Scalar::Bool), |plan| plan.has_bools),
@@ -357,40 +347,6 @@ fn sequence(element: Element) -> Sequence {
         Element::String { wide, bound } => Sequence::Strings(Bounds { is_wide: wide, bound }),
         Element::Message(id) => Sequence::Messages(id.0 as usize),
     }
-}
-
-/// The copy operations for a type with these steps. Returns `None` if the type's size varies or if too many copy
-/// operations would be needed.
-fn packed(steps: &[Step], padded: usize, plans: &[Plan]) -> Option<Packed> {
-    let mut moves = Vec::new();
-    let mut size = 0;
-    flatten(steps, plans, 0, &mut size, &mut moves)?;
-    Some(Packed::new(moves, size, padded))
-}
-
-/// Appends the moves for a message whose memory form starts at `base` and whose CDR form starts at `at`.
-fn flatten(steps: &[Step], plans: &[Plan], base: usize, at: &mut usize, moves: &mut Vec<Move>) -> Option<()> {
-    for step in steps {
-        match *step {
-            Step::Copy(Run { offset, size, width, is_bool }) => {
-                let cdr = at.next_multiple_of(width as usize);
-                moves.push(Move { memory: base + offset, cdr, size, width, is_bool });
-                *at = cdr + size;
-            }
-            Step::Messages { offset, count, plan } => {
-                let plan = &plans[plan];
-                for index in 0..count {
-                    flatten(&plan.steps, plans, base + offset + index * plan.size.padded, at, moves)?;
-                }
-            }
-            Step::Empty => *at += 1,
-            Step::Strings { .. } | Step::Sequence { .. } => return None,
-        }
-        if moves.len() > MAX_MOVES || *at > MAX_SIZE {
-            return None;
-        }
-    }
-    Some(())
 }
 
 /// Appends a step, or merges it into the previous step if both copy adjacent bytes.

@@ -53,7 +53,6 @@ mod initial;
 mod json;
 pub mod members;
 mod message;
-mod packed;
 mod plan;
 mod step;
 mod text;

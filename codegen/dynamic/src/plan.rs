@@ -8,7 +8,6 @@ use uavspec_schema::{Element, Restriction, Shape, Type};
 
 use super::error::Defect;
 use super::members::Named;
-use super::packed::Packed;
 use super::step::Step;
 
 /// A compiled message type.
@@ -28,8 +27,6 @@ pub(super) struct Plan {
     pub(super) min: usize,
     /// Conversion steps between memory and CDR, in CDR order.
     pub(super) steps: Box<[Step]>,
-    /// Copy operations for the whole message, if its size is fixed and the number of operations is within the limit.
-    pub(super) packed: Option<Packed>,
     /// True if any field, including fields of nested messages, has a nonzero default.
     pub(super) has_defaults: bool,
     /// True if any field, including fields of nested messages, is a `bool`.

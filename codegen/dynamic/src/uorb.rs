@@ -78,9 +78,6 @@ pub(super) fn encode(view: DynamicView<'_>) -> Result<Vec<u8>, Error> {
     }
     let padded = view.plan.size.padded;
     let memory = view.bytes.get(view.base..).unwrap_or_default();
-    if let Some(payload) = view.plan.packed.as_ref().and_then(|packed| packed.clean(memory, padded)) {
-        return Ok(payload);
-    }
     let mut payload = vec![0; padded];
     write(view.types, view.plan, memory, &mut payload);
     Ok(payload)

@@ -17,11 +17,10 @@ pub(crate) fn decode<'t>(
     payload: &[u8],
     is_strict: bool,
 ) -> Result<DynamicMessage<'t>, Error> {
-    let buffer = match (ByteOrder::of(payload), &ty.plan.packed) {
-        (Ok(order), Some(packed)) if !is_strict => packed.read(payload, order, ty.plan.size.padded),
-        (Ok(ByteOrder::LittleEndian), _) => read::<false>(ty, payload, is_strict),
-        (Ok(ByteOrder::BigEndian), _) => read::<true>(ty, payload, is_strict),
-        (Err(_), _) => None,
+    let buffer = match ByteOrder::of(payload) {
+        Ok(ByteOrder::LittleEndian) => read::<false>(ty, payload, is_strict),
+        Ok(ByteOrder::BigEndian) => read::<true>(ty, payload, is_strict),
+        Err(_) => None,
     };
     match buffer {
         Some(buffer) => Ok(DynamicMessage { ty, buffer }),

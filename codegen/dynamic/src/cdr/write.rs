@@ -18,10 +18,9 @@ use crate::walk::{Stop, Walk, walk};
 
 /// Encodes a message as a CDR payload.
 pub(crate) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Result<Vec<u8>, Error> {
-    let payload = match (order, &view.plan.packed) {
-        (_, Some(packed)) => packed.write(view.bytes.get(view.base..).unwrap_or_default(), order),
-        (ByteOrder::LittleEndian, None) => write::<false>(view, order),
-        (ByteOrder::BigEndian, None) => write::<true>(view, order),
+    let payload = match order {
+        ByteOrder::LittleEndian => write::<false>(view, order),
+        ByteOrder::BigEndian => write::<true>(view, order),
     };
     payload.ok_or_else(|| refuse(view))
 }
