@@ -12,26 +12,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Programs that use the old name no longer compile, and user interfaces show a different word.",
     fix: "Keep the abbreviation, and change only the description.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Warning)],
-    old: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | LEAK | Water in the hull. |\n",
-    }],
-    new: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | LEAKING | Water in the hull. |\n",
-    }],
+    old: &[boats!["|   64 | LEAK | Water in the hull. |"]],
+    new: &[boats!["|   64 | LEAKING | Water in the hull. |"]],
     check: Check::ErrorCode(check),
 };
 

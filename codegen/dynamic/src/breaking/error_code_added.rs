@@ -10,27 +10,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Existing programs don't know the code, but can still derive its severity from the number.",
     fix: "No change is necessary. Choose a number with the correct severity bits.",
     breaks: &[(Category::Semantic, Level::Note)],
-    old: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | LEAK | Water in the hull. |\n",
-    }],
-    new: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | LEAK | Water in the hull. |\n\
-               |   65 | LIST | The boat heels. |\n",
-    }],
+    old: &[boats!["|   64 | LEAK | Water in the hull. |"]],
+    new: &[boats!["|   64 | LEAK | Water in the hull. |", "|   65 | LIST | The boat heels. |"]],
     check: Check::ErrorCode(check),
 };
 

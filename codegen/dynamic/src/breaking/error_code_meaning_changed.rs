@@ -10,26 +10,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Existing programs still act on the old meaning.",
     fix: "Check that the meaning is the same. For a different condition, use a new code.",
     breaks: &[(Category::Semantic, Level::Warning)],
-    old: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | LEAK | Water in the hull. |\n",
-    }],
-    new: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | LEAK | Fuel drips from the tank. |\n",
-    }],
+    old: &[boats!["|   64 | LEAK | Water in the hull. |"]],
+    new: &[boats!["|   64 | LEAK | Fuel drips from the tank. |"]],
     check: Check::ErrorCode(check),
 };
 

@@ -11,26 +11,8 @@ pub(super) const RULE: Rule = Rule {
         also react differently.",
     fix: "Keep the old number.",
     breaks: &[(Category::Semantic, Level::Error)],
-    old: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | LEAK | Water in the hull. |\n",
-    }],
-    new: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   70 | LEAK | Water in the hull. |\n",
-    }],
+    old: &[boats!["|   64 | LEAK | Water in the hull. |"]],
+    new: &[boats!["|   70 | LEAK | Water in the hull. |"]],
     check: Check::ErrorCode(check),
 };
 

@@ -10,26 +10,8 @@ pub(super) const RULE: Rule = Rule {
     why: "Existing programs show the code with its old meaning.",
     fix: "Use a new number for the new condition, and don't reuse numbers.",
     breaks: &[(Category::Source, Level::Error), (Category::Semantic, Level::Error)],
-    old: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | LEAK | Water in the hull. |\n",
-    }],
-    new: &[Example {
-        path: "boats.md",
-        text: "# Boats\n\
-               \n\
-               ## Warnings (codes 64-127)\n\
-               \n\
-               | Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               |   64 | MAST | Rigging is torn. |\n",
-    }],
+    old: &[boats!["|   64 | LEAK | Water in the hull. |"]],
+    new: &[boats!["|   64 | MAST | Rigging is torn. |"]],
     check: Check::ErrorCode(check),
 };
 

@@ -13,12 +13,7 @@ pub(super) const RULE: Rule = Rule {
         distinguish them.",
     fix: "Raise `MESSAGE_VERSION` by one, and never lower it.",
     breaks: &[(Category::Version, Level::Error)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "uint32 MESSAGE_VERSION = 0\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n",
-    }],
+    old: &[VERSIONED],
     new: &[Example {
         path: "Glider.msg",
         text: "uint32 MESSAGE_VERSION = 0\n\
@@ -27,6 +22,14 @@ pub(super) const RULE: Rule = Rule {
                float32 sink      # [m/s] Sink rate\n",
     }],
     check: Check::Message(check),
+};
+
+/// A message with a version.
+pub(super) const VERSIONED: Example = Example {
+    path: "Glider.msg",
+    text: "uint32 MESSAGE_VERSION = 0\n\
+           \n\
+           uint64 timestamp  # [us] Time since system start\n",
 };
 
 fn check(pair: &Pair<'_>, sink: &mut Sink<'_>) {

@@ -1,6 +1,6 @@
 //! `message-version-needless`: a new version without a change.
 
-use super::message_version::places;
+use super::message_version::{VERSIONED, places};
 use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
@@ -9,12 +9,7 @@ pub(super) const RULE: Rule = Rule {
     why: "Peers with the old and the new version reject each other unnecessarily.",
     fix: "Restore the version.",
     breaks: &[(Category::Version, Level::Note)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "uint32 MESSAGE_VERSION = 0\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n",
-    }],
+    old: &[VERSIONED],
     new: &[Example {
         path: "Glider.msg",
         text: "uint32 MESSAGE_VERSION = 1\n\

@@ -1,6 +1,6 @@
 //! `message-version-removed`: the version of a message was removed.
 
-use super::message_version::places;
+use super::message_version::{VERSIONED, places};
 use super::prelude::*;
 
 pub(super) const RULE: Rule = Rule {
@@ -9,12 +9,7 @@ pub(super) const RULE: Rule = Rule {
     why: "Peers can't detect later changes, and PX4's translation node ignores the message.",
     fix: "Keep `MESSAGE_VERSION`.",
     breaks: &[(Category::Version, Level::Warning)],
-    old: &[Example {
-        path: "Glider.msg",
-        text: "uint32 MESSAGE_VERSION = 0\n\
-               \n\
-               uint64 timestamp  # [us] Time since system start\n",
-    }],
+    old: &[VERSIONED],
     new: &[Example { path: "Glider.msg", text: "uint64 timestamp  # [us] Time since system start\n" }],
     check: Check::Message(check),
 };

@@ -7,3 +7,18 @@ pub(super) use uavspec_schema::{Field, glider};
 
 pub(super) use super::message::{Pair, both};
 pub(super) use super::rule::{Category, Check, Rule, Sink};
+
+/// A page with warnings, from the rows of its table.
+macro_rules! boats {
+    ($($row:literal),* $(,)?) => {
+        Example {
+            path: "boats.md",
+            text: concat!(
+                "# Boats\n\n## Warnings (codes 64-127)\n\n",
+                "| Code | Abbr | Description |\n|-----:|------|-------------|\n",
+                $($row, "\n"),*
+            ),
+        }
+    };
+}
+pub(super) use boats;
