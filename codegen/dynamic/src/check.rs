@@ -7,7 +7,7 @@ use uavspec_schema::{Element, Restriction, Shape};
 
 use super::bytes::until_nul;
 use super::plan::Field;
-use super::step::Bounds;
+use super::text::Bounds;
 use super::view::scalar_value;
 
 /// A violation of a constraint by a value.

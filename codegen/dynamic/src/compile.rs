@@ -9,15 +9,11 @@ use uavspec_schema::{Element, Message, Schema, Shape};
 
 use super::error::Defect;
 use super::plan::{Field, GROWTH, Plan, SLOT};
-use super::step::{Bounds, Run, Sequence, Step, Width};
 use super::types::Types;
 
 /// Maximum nesting depth of messages. Codecs recurse once per level, so this limit bounds the stack. JSON readers may
 /// have a lower limit (`serde_json` allows 127 nested brackets). Real messages nest up to seven levels deep.
 pub(super) const MAX_DEPTH: usize = 32;
-
-/// A nested message with at most this number of steps is inlined into its parent.
-const MAX_COPIED_STEPS: usize = 16;
 
 /// A type before its layout is computed.
 #[derive(Debug)]
@@ -177,7 +173,6 @@ fn unusable(draft: &Draft, defect: Defect) -> Plan {
         size: Size { padded: 0, no_padding: 0 },
         is_fixed: true,
         min: 0,
-        steps: Box::default(),
         has_defaults: false,
         has_bools: false,
         is_restricted: false,
@@ -203,13 +198,11 @@ fn plan(mut draft: Draft, plans: &[Plan]) -> Plan {
     let any = |in_field: fn(&Field) -> bool, in_plan: fn(&Plan) -> bool| {
         fields.iter().any(in_field) || nested(fields).any(|nested| in_plan(&plans[nested]))
     };
-    let steps = steps(fields, plans);
     let varies = |field: &Field| field.is_sequence() || matches!(field.element, Element::String { .. });
     Plan {
         size,
         is_fixed: !any(varies, |plan| !plan.is_fixed),
         min: fields.iter().fold(0_usize, |all, field| all.saturating_add(min_size(field, plans))).max(1),
-        steps: steps.into(),
         has_defaults: any(|field| field.default.as_ref().is_some_and(is_nonzero), |plan| plan.has_defaults),
         has_bools: any(|field| field.element == Element::Scalar(Scalar::Bool), |plan| plan.has_bools),
         is_restricted: fields.iter().any(|field| field.is_restricted),
@@ -301,76 +294,4 @@ fn is_restricted(field: &Field, plans: &[Plan]) -> bool {
             Element::Text(_) | Element::String { .. } => true,
             Element::Message(id) => plans[id.0 as usize].is_restricted,
         }
-}
-
-fn steps(fields: &[Field], plans: &[Plan]) -> Vec<Step> {
-    let mut steps = Vec::new();
-    if fields.is_empty() {
-        steps.push(Step::Empty);
-    }
-    for field in fields {
-        let Field { offset, .. } = *field;
-        match field.element {
-            element if field.is_sequence() => {
-                steps.push(Step::Sequence { offset, bound: field.bound(), element: sequence(element) });
-            }
-            Element::Scalar(scalar) => add(&mut steps, run(scalar, offset, field.count())),
-            Element::Text(length) => add(&mut steps, run(Scalar::Char, offset, length as usize)),
-            Element::String { wide, bound } => {
-                let bounds = Bounds { is_wide: wide, bound };
-                steps.push(Step::Strings { offset, count: field.count(), bounds });
-            }
-            Element::Message(id) => match &*plans[id.0 as usize].steps {
-                nested if field.count() == 1 && nested.len() <= MAX_COPIED_STEPS => {
-                    for step in nested {
-                        add(&mut steps, step.moved(offset));
-                    }
-                }
-                _ => steps.push(Step::Messages { offset, count: field.count(), plan: id.0 as usize }),
-            },
-        }
-    }
-    steps
-}
-
-fn run(scalar: Scalar, offset: usize, count: usize) -> Step {
-    let size = scalar.size() * count;
-    Step::Copy(Run { offset, size, width: Width::of(scalar), is_bool: scalar == Scalar::Bool })
-}
-
-fn sequence(element: Element) -> Sequence {
-    match element {
-        Element::Scalar(scalar) => {
-            Sequence::Numbers { width: Width::of(scalar), is_bool: scalar == Scalar::Bool }
-        }
-        Element::Text(_) => Sequence::Numbers { width: Width::One, is_bool: false },
-        Element::String { wide, bound } => Sequence::Strings(Bounds { is_wide: wide, bound }),
-        Element::Message(id) => Sequence::Messages(id.0 as usize),
-    }
-}
-
-/// Appends a step, or merges it into the previous step if both copy adjacent bytes.
-fn add(steps: &mut Vec<Step>, step: Step) {
-    if let (Some(Step::Copy(last)), Step::Copy(next)) = (steps.last_mut(), step)
-        && (last.width, last.is_bool) == (next.width, next.is_bool)
-        && last.offset + last.size == next.offset
-    {
-        last.size += next.size;
-        return;
-    }
-    steps.push(step);
-}
-
-impl Step {
-    /// Returns the step with its offset increased by `by`.
-    fn moved(mut self, by: usize) -> Self {
-        match &mut self {
-            Self::Copy(Run { offset, .. })
-            | Self::Strings { offset, .. }
-            | Self::Messages { offset, .. }
-            | Self::Sequence { offset, .. } => *offset += by,
-            Self::Empty => {}
-        }
-        self
-    }
 }

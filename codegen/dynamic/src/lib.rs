@@ -31,8 +31,7 @@
 //! A message is one buffer. The fields are laid out as in uORB. A uORB or `ULog` payload of a fixed-size message is
 //! therefore already in memory form, and can be read in place ([`DynamicView`]). A string or sequence has an eight-byte
 //! slot among the fields. The bytes of the string or the elements of the sequence follow the fields, and the slot
-//! contains their offset and count. A string that is not Unicode stays unchanged. For CDR, a type
-//! is compiled to a list of steps. Most steps copy numbers that are contiguous in both forms.
+//! contains their offset and count. A string that is not Unicode stays unchanged.
 //!
 //! No input causes a panic, and memory use is bounded. In memory, a message takes at most eight times as many bytes as
 //! its CDR payload or JSON text. The worst case is an array of messages that contain one `uint8` each. The limit also
@@ -54,7 +53,6 @@ mod json;
 pub mod members;
 mod message;
 mod plan;
-mod step;
 mod text;
 mod trail;
 mod types;
@@ -64,8 +62,8 @@ mod validate;
 mod view;
 mod walk;
 
+pub(crate) use self::bytes::part;
 pub use self::bytes::sequence;
-pub(crate) use self::bytes::{copy_short, part};
 pub use self::check::{Leaf, ValueType, Violation, number, whole};
 pub use self::error::{Defect, Error, Reason};
 pub use self::message::DynamicMessage;

@@ -8,7 +8,6 @@ use uavspec_schema::{Element, Restriction, Shape, Type};
 
 use super::error::Defect;
 use super::members::Named;
-use super::step::Step;
 
 /// A compiled message type.
 #[derive(Debug)]
@@ -25,8 +24,6 @@ pub(super) struct Plan {
     pub(super) is_fixed: bool,
     /// Minimum CDR size in bytes, without alignment padding.
     pub(super) min: usize,
-    /// Conversion steps between memory and CDR, in CDR order.
-    pub(super) steps: Box<[Step]>,
     /// True if any field, including fields of nested messages, has a nonzero default.
     pub(super) has_defaults: bool,
     /// True if any field, including fields of nested messages, is a `bool`.

@@ -7,6 +7,25 @@
 use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, wide_units};
 
+/// The constraints of a string.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Bounds {
+    /// True for a `wstring`.
+    pub(super) is_wide: bool,
+    /// Maximum number of characters.
+    pub(super) bound: Option<u32>,
+}
+
+impl Bounds {
+    /// The maximum number of characters and the number in `text`, if `text` has more.
+    pub(super) fn exceeded_by(self, text: &[u8]) -> Option<(u32, usize)> {
+        // A text never has more characters than bytes.
+        let bound = self.bound.filter(|bound| text.len() > *bound as usize)?;
+        let found = characters(text).count();
+        (found > bound as usize).then_some((bound, found))
+    }
+}
+
 /// Reads a `string` with its NUL. Some writers omit the NUL of an empty string. In strict mode, the text must be UTF-8.
 pub(super) fn read_narrow(bytes: &[u8], is_strict: bool) -> Result<&[u8], Fault> {
     let text = match bytes.split_last() {

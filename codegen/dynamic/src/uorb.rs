@@ -9,7 +9,6 @@ use uavspec_schema::Element;
 use super::bytes::{make_bools, part};
 use super::error::{Error, Reason};
 use super::plan::{Field, Plan};
-use super::step::{Run, Step};
 use super::trail::Trail;
 use super::types::{MessageType, Types};
 use super::view::DynamicView;
@@ -85,28 +84,22 @@ pub(super) fn encode(view: DynamicView<'_>) -> Result<Vec<u8>, Error> {
 
 /// Copies all bytes except padding, and normalizes each `bool` to 0 or 1.
 fn write(types: &Types, plan: &Plan, from: &[u8], to: &mut [u8]) {
-    for step in &plan.steps {
-        match *step {
-            Step::Copy(Run { offset, size, is_bool, .. }) => {
-                let Some(to) = to.get_mut(offset..offset + size) else { continue };
-                let from = part(from, offset, size);
-                if from.len() == size {
-                    to.copy_from_slice(from);
-                }
-                if is_bool {
-                    make_bools(to);
-                }
+    for field in &plan.fields {
+        if let Element::Message(id) = field.element {
+            for start in (0..field.count()).map(|index| field.offset + index * field.stride) {
+                let to = to.get_mut(start..start + field.stride).unwrap_or_default();
+                write(types, &types.plans[id.0 as usize], from.get(start..).unwrap_or_default(), to);
             }
-            Step::Messages { offset, count, plan } => {
-                let plan = &types.plans[plan];
-                for index in 0..count {
-                    let start = offset + index * plan.size.padded;
-                    let to = to.get_mut(start..start + plan.size.padded).unwrap_or_default();
-                    write(types, plan, from.get(start..).unwrap_or_default(), to);
-                }
-            }
-            // A fixed-size message contains none of these.
-            Step::Strings { .. } | Step::Sequence { .. } | Step::Empty => {}
+            continue;
+        }
+        let size = field.count() * field.stride;
+        let Some(to) = to.get_mut(field.offset..field.offset + size) else { continue };
+        let from = part(from, field.offset, size);
+        if from.len() == size {
+            to.copy_from_slice(from);
+        }
+        if field.element == Element::Scalar(Scalar::Bool) {
+            make_bools(to);
         }
     }
 }

@@ -1,169 +1,229 @@
 //! CDR decoder.
 
-use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding};
+use std::borrow::Cow;
 
-use super::explain;
-use crate::bytes::copy;
+use uavspec_runtime::cdr::{ByteOrder, HEADER, WIDE_UNIT, is_padding};
+use uavspec_runtime::record::Primitive as _;
+use uavspec_runtime::{Fault, Scalar};
+use uavspec_schema::{Element, Shape};
+
+use crate::bytes::reverse_each;
 use crate::error::{Error, Reason};
 use crate::message::DynamicMessage;
-use crate::plan::{GROWTH, Plan, SLOT};
-use crate::step::{Bounds, Run, Sequence, Step, Width};
-use crate::text::{read_narrow, read_wide};
+use crate::plan::{Field, GROWTH, Plan, SLOT};
+use crate::text::{Bounds, read_narrow, read_wide};
+use crate::trail::Trail;
 use crate::types::{MessageType, Types};
 
 /// Reads a message. In strict mode each `bool` must be 0 or 1, and each string must be Unicode.
+///
+/// In a fixed-size message, truncation takes precedence over an invalid `bool`. In all other cases, the first fault is
+/// returned.
 pub(crate) fn decode<'t>(
     ty: MessageType<'t>,
     payload: &[u8],
     is_strict: bool,
 ) -> Result<DynamicMessage<'t>, Error> {
-    let buffer = match ByteOrder::of(payload) {
-        Ok(ByteOrder::LittleEndian) => read::<false>(ty, payload, is_strict),
-        Ok(ByteOrder::BigEndian) => read::<true>(ty, payload, is_strict),
-        Err(_) => None,
+    let error = match read(ty, payload, is_strict) {
+        Err(error) if is_strict && ty.plan.is_fixed => error,
+        result => return result,
     };
-    match buffer {
-        Some(buffer) => Ok(DynamicMessage { ty, buffer }),
-        None => Err(explain::explain(ty, payload, is_strict).unwrap_or_else(|| Error {
-            // The only fault that the second pass doesn't detect.
-            reason: Reason::TooLarge,
-            path: ty.plan.name.to_string(),
-            offset: None,
-        })),
-    }
+    let end = read(ty, payload, false).err();
+    let end = end.filter(|error| matches!(error.reason, Reason::Fault(Fault::Truncated { .. })));
+    Err(end.unwrap_or(error))
 }
 
-fn read<const BIG: bool>(ty: MessageType<'_>, payload: &[u8], is_strict: bool) -> Option<Vec<u8>> {
-    let body = payload.get(HEADER..)?;
-    // This check bounds the allocation that follows.
-    if body.len() < ty.plan.min {
-        return None;
+fn read<'t>(ty: MessageType<'t>, payload: &[u8], is_strict: bool) -> Result<DynamicMessage<'t>, Error> {
+    let name = &ty.plan.name;
+    let error = |fault: Fault, at: usize, trail: &Trail<'_>| Error {
+        reason: Reason::Fault(fault),
+        path: trail.text(name),
+        offset: Some(at),
+    };
+    let order = ByteOrder::of(payload).map_err(|fault| error(fault, 0, &Trail::default()))?;
+    let mut reader = Reader::new(ty, payload.get(HEADER..).unwrap_or_default(), order, is_strict);
+    if let Err((fault, at)) = reader.message(ty.plan, 0) {
+        return Err(error(fault, at + HEADER, &reader.trail));
     }
-    let buffer = vec![0; ty.plan.size.padded];
-    let mut reader = Reader::<BIG> { types: ty.types, body, at: 0, buffer, is_strict };
-    reader.message(ty.plan, 0)?;
-    let left = body.len() - reader.at;
-    (left == 0 || is_padding(reader.at + HEADER, left)).then_some(reader.buffer)
+    let (end, left) = (reader.at + HEADER, reader.body.len() - reader.at);
+    if left > 0 && !is_padding(end, left) {
+        return Err(error(Fault::Trailing(left), end, &reader.trail));
+    }
+    if reader.is_too_large {
+        return Err(Error { reason: Reason::TooLarge, path: name.to_string(), offset: None });
+    }
+    Ok(DynamicMessage { ty, buffer: reader.buffer })
 }
 
-struct Reader<'b, const BIG: bool> {
+struct Reader<'b> {
     types: &'b Types,
     /// The payload after the header.
     body: &'b [u8],
     at: usize,
     buffer: Vec<u8>,
+    /// True if the buffer doesn't contain the whole message. Reading goes on, because the payload may have a fault.
+    is_too_large: bool,
+    order: ByteOrder,
     is_strict: bool,
+    trail: Trail<'b>,
 }
 
-impl<'b, const BIG: bool> Reader<'b, BIG> {
-    /// Aligns to `width`, then takes `size` bytes.
-    #[inline]
-    fn take(&mut self, size: usize, width: Width) -> Option<&'b [u8]> {
-        let mask = width as usize - 1;
-        let start = (self.at + mask) & !mask;
-        let end = start.checked_add(size)?;
-        let bytes = self.body.get(start..end)?;
-        self.at = end;
-        Some(bytes)
+/// A fault and its byte offset in the body.
+type FaultAt = (Fault, usize);
+
+impl<'b> Reader<'b> {
+    fn new(ty: MessageType<'b>, body: &'b [u8], order: ByteOrder, is_strict: bool) -> Self {
+        // A payload that is too short for the message must not cause an allocation.
+        let is_too_large = body.len() < ty.plan.min;
+        let buffer = if is_too_large { Vec::new() } else { vec![0; ty.plan.size.padded] };
+        Self { types: ty.types, body, at: 0, buffer, is_too_large, order, is_strict, trail: Trail::default() }
+    }
+
+    /// Aligns to `alignment`, a power of two, then takes `size` bytes.
+    fn take(&mut self, size: usize, alignment: usize) -> Result<&'b [u8], FaultAt> {
+        let start = self.aligned(alignment);
+        let bytes = start.checked_add(size).and_then(|end| self.body.get(start..end));
+        let Some(bytes) = bytes else {
+            let left = self.body.len().saturating_sub(start);
+            return Err((Fault::Truncated { needed: size, left }, start.min(self.body.len())));
+        };
+        self.at = start + size;
+        Ok(bytes)
+    }
+
+    fn aligned(&self, alignment: usize) -> usize {
+        (self.at + alignment - 1) & !(alignment - 1)
     }
 
     /// Reads a message into the buffer at `base`.
-    fn message(&mut self, plan: &Plan, base: usize) -> Option<()> {
-        for step in &plan.steps {
-            match *step {
-                Step::Copy(Run { offset, size, width, is_bool }) => {
-                    self.numbers(base + offset, size, width, is_bool)?;
+    fn message(&mut self, plan: &'b Plan, base: usize) -> Result<(), FaultAt> {
+        if plan.fields.is_empty() {
+            self.take(1, 1)?;
+        }
+        for field in &plan.fields {
+            self.trail.enter(&field.name);
+            self.field(field, base + field.offset)?;
+            self.trail.leave();
+        }
+        Ok(())
+    }
+
+    fn field(&mut self, field: &'b Field, at: usize) -> Result<(), FaultAt> {
+        let (start, count) =
+            if field.is_sequence() { self.sequence(field, at)? } else { (at, field.count()) };
+        match field.element {
+            Element::Scalar(scalar) => self.numbers(start, count, scalar, field.shape == Shape::Single),
+            Element::Text(length) => self.numbers(start, length as usize, Scalar::Char, false),
+            Element::String { .. } | Element::Message(_) => (0..count).try_for_each(|index| {
+                if field.shape != Shape::Single {
+                    self.trail.select(Some(index));
                 }
-                Step::Strings { offset, count, bounds } => self.strings(base + offset, count, bounds)?,
-                Step::Messages { offset, count, plan } => self.messages(base + offset, count, plan)?,
-                Step::Sequence { offset, bound, element } => self.sequence(base + offset, bound, element)?,
-                Step::Empty => {
-                    self.take(1, Width::One)?;
+                let at = start + index * field.stride;
+                match field.element {
+                    Element::String { wide, bound } => self.string(at, Bounds { is_wide: wide, bound }),
+                    Element::Message(id) => self.message(self.types.get(id).plan, at),
+                    Element::Scalar(_) | Element::Text(_) => Ok(()),
                 }
+            }),
+        }
+    }
+
+    fn numbers(&mut self, to: usize, count: usize, scalar: Scalar, is_single: bool) -> Result<(), FaultAt> {
+        if count == 0 {
+            return Ok(());
+        }
+        let size = scalar.size();
+        let start = self.aligned(size);
+        let bytes = self.take(count.saturating_mul(size), size).inspect_err(|_| {
+            if !is_single {
+                self.trail.select(Some(self.body.len().saturating_sub(start) / size));
+            }
+        })?;
+        if let Some(numbers) = self.buffer.get_mut(to..to + bytes.len()) {
+            numbers.copy_from_slice(bytes);
+            if self.order == ByteOrder::BigEndian {
+                reverse_each(numbers, size);
             }
         }
-        Some(())
-    }
-
-    #[inline]
-    fn numbers(&mut self, to: usize, size: usize, width: Width, is_bool: bool) -> Option<()> {
-        let from = self.take(size, width)?;
-        if is_bool && self.is_strict && from.iter().any(|byte| *byte > 1) {
-            return None;
+        if scalar != Scalar::Bool || !self.is_strict {
+            return Ok(());
         }
-        copy::<BIG>(from, self.buffer.get_mut(to..to + size)?, width);
-        Some(())
-    }
-
-    fn messages(&mut self, to: usize, count: usize, plan: usize) -> Option<()> {
-        let plan = &self.types.plans[plan];
-        (0..count).try_for_each(|index| self.message(plan, to + index * plan.size.padded))
-    }
-
-    fn strings(&mut self, to: usize, count: usize, bounds: Bounds) -> Option<()> {
-        (0..count).try_for_each(|index| self.string(to + index * SLOT, bounds))
-    }
-
-    fn length(&mut self) -> Option<usize> {
-        let bytes = self.take(4, Width::Four)?.first_chunk()?;
-        let length = if BIG { u32::from_be_bytes(*bytes) } else { u32::from_le_bytes(*bytes) };
-        usize::try_from(length).ok()
-    }
-
-    fn sequence(&mut self, slot: usize, bound: Option<u32>, element: Sequence) -> Option<()> {
-        let count = self.length()?;
-        if bound.is_some_and(|bound| count > bound as usize) {
-            return None;
+        let Some(index) = bytes.iter().position(|byte| *byte > 1) else { return Ok(()) };
+        if !is_single {
+            self.trail.select(Some(index));
         }
-        let (min, stride) = match element {
-            Sequence::Numbers { width, .. } => (width as usize, width as usize),
-            Sequence::Strings(_) => (4, SLOT),
-            Sequence::Messages(plan) => (self.types.plans[plan].min, self.types.plans[plan].size.padded),
+        Err((Fault::Bool(bytes[index]), start + index))
+    }
+
+    /// Reads the length of a sequence whose slot is at `slot`, and appends its elements. Returns their offset and number.
+    fn sequence(&mut self, field: &Field, slot: usize) -> Result<(usize, usize), FaultAt> {
+        let (min, least) = match field.element {
+            Element::Scalar(scalar) => (scalar.size(), scalar.size()),
+            Element::String { .. } => (4, 4),
+            Element::Text(_) => (1, 1),
+            Element::Message(id) => (1, self.types.get(id).plan.min),
         };
-        if count.checked_mul(min)? > self.body.len() - self.at {
-            return None;
-        }
-        let start = self.buffer.len();
-        let end = start + count * stride;
+        let count = self.length(field.bound(), min)?;
+        let size = count.saturating_mul(field.stride);
+        let has_room = count.saturating_mul(least) <= self.body.len() - self.at;
         // Without this limit, each nesting level could allocate memory for the whole rest of the payload.
-        if end > self.body.len() * GROWTH {
-            return None;
+        if has_room && self.buffer.len().saturating_add(size) <= self.body.len() * GROWTH {
+            return Ok((self.append(slot, count, size), count));
         }
-        self.point(slot, start, count)?;
-        self.buffer.resize(end, 0);
-        match element {
-            Sequence::Numbers { .. } if count == 0 => Some(()),
-            Sequence::Numbers { width, is_bool } => self.numbers(start, count * stride, width, is_bool),
-            Sequence::Strings(bounds) => self.strings(start, count, bounds),
-            Sequence::Messages(plan) => self.messages(start, count, plan),
-        }
+        self.is_too_large = true;
+        Ok((self.buffer.len(), count))
     }
 
-    fn string(&mut self, slot: usize, bounds: Bounds) -> Option<()> {
-        let length = self.length()?;
-        let start = self.buffer.len();
-        if bounds.is_wide {
-            let bytes = self.take(length.checked_mul(WIDE_UNIT)?, Width::One)?;
-            let order = if BIG { ByteOrder::BigEndian } else { ByteOrder::LittleEndian };
-            self.buffer.extend(read_wide(bytes, order, self.is_strict).ok()?);
+    /// Reads a length, and checks that enough bytes remain for that many elements of at least `min` bytes each.
+    fn length(&mut self, bound: Option<u32>, min: usize) -> Result<usize, FaultAt> {
+        let bytes = self.take(4, 4)?;
+        let length = match self.order {
+            ByteOrder::LittleEndian => u32::read_le(bytes),
+            ByteOrder::BigEndian => u32::read_be(bytes),
+        };
+        let found = usize::try_from(length).unwrap_or(usize::MAX);
+        if let Some(bound) = bound.filter(|bound| length > *bound) {
+            return Err((Fault::TooLong { bound, found }, self.at - 4));
+        }
+        let (needed, left) = (found.saturating_mul(min), self.body.len() - self.at);
+        if needed > left { Err((Fault::Truncated { needed, left }, self.at)) } else { Ok(found) }
+    }
+
+    fn string(&mut self, slot: usize, bounds: Bounds) -> Result<(), FaultAt> {
+        let at = self.aligned(4);
+        let text = if bounds.is_wide {
+            let length = self.length(None, WIDE_UNIT)?;
+            read_wide(self.take(length * WIDE_UNIT, 1)?, self.order, self.is_strict).map(Cow::Owned)
         } else {
-            let bytes = self.take(length, Width::One)?;
-            self.buffer.extend_from_slice(read_narrow(bytes, self.is_strict).ok()?);
+            let length = self.length(None, 1)?;
+            read_narrow(self.take(length, 1)?, self.is_strict).map(Cow::Borrowed)
+        };
+        let text = text.map_err(|fault| (fault, at))?;
+        if let Some((bound, found)) = bounds.exceeded_by(&text) {
+            return Err((Fault::TooLong { bound, found }, at));
         }
-        let text = &self.buffer[start..];
-        let length = text.len();
-        if bounds.exceeded_by(text).is_some() {
-            return None;
+        let start = self.append(slot, text.len(), text.len());
+        if let Some(to) = self.buffer.get_mut(start..start + text.len()) {
+            to.copy_from_slice(&text);
         }
-        self.point(slot, start, length)
+        Ok(())
     }
 
-    /// Writes a slot: the offset of the bytes or elements, and their number.
-    fn point(&mut self, slot: usize, start: usize, count: usize) -> Option<()> {
-        let bytes = self.buffer.get_mut(slot..slot + SLOT)?;
-        bytes[..4].copy_from_slice(&u32::try_from(start).ok()?.to_le_bytes());
-        bytes[4..].copy_from_slice(&u32::try_from(count).ok()?.to_le_bytes());
-        Some(())
+    /// Appends zeros for the bytes of a string or the elements of a sequence, and writes their offset and number to a slot.
+    /// Returns the offset.
+    fn append(&mut self, slot: usize, count: usize, size: usize) -> usize {
+        let start = self.buffer.len();
+        let numbers = (u32::try_from(start), u32::try_from(count));
+        let (Ok(first), Ok(count)) = numbers else {
+            self.is_too_large = true;
+            return start;
+        };
+        if let Some(bytes) = self.buffer.get_mut(slot..slot + SLOT) {
+            bytes[..4].copy_from_slice(&first.to_le_bytes());
+            bytes[4..].copy_from_slice(&count.to_le_bytes());
+            self.buffer.resize(start + size, 0);
+        }
+        start
     }
 }
 
@@ -189,9 +249,8 @@ mod tests {
         let ty = types.find("demo", "L20").expect("the type");
         let mut body = [1, 0, 0, 0].repeat(10);
         body.resize(1000, 0);
-        let buffer = vec![0; ty.plan.size.padded];
-        let mut reader = Reader::<false> { types: &types, body: &body, at: 0, buffer, is_strict: false };
-        assert!(reader.message(ty.plan, 0).is_none());
+        let mut reader = Reader::new(ty, &body, ByteOrder::LittleEndian, false);
+        assert!(reader.message(ty.plan, 0).is_err());
         let room = reader.buffer.len();
         assert!((5000..=8000).contains(&room), "{room} bytes allocated for a body of {}", body.len());
     }

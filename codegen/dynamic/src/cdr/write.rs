@@ -2,15 +2,14 @@
 
 use std::ops::ControlFlow;
 
-use uavspec_runtime::Fault;
 use uavspec_runtime::cdr::{ByteOrder, HEADER};
+use uavspec_runtime::{Fault, Scalar};
 use uavspec_schema::Element;
 
-use crate::bytes::{copy, part, slot};
+use crate::bytes::{make_bools, part, reverse_each, slot};
 use crate::error::{Error, Reason};
-use crate::plan::{Field, Plan, SLOT};
-use crate::step::{Bounds, Run, Sequence, Step, Width};
-use crate::text::code_units;
+use crate::plan::{Field, Plan};
+use crate::text::{Bounds, code_units};
 use crate::trail::Trail;
 use crate::types::Types;
 use crate::view::DynamicView;
@@ -18,100 +17,87 @@ use crate::walk::{Stop, Walk, walk};
 
 /// Encodes a message as a CDR payload.
 pub(crate) fn encode(view: DynamicView<'_>, order: ByteOrder) -> Result<Vec<u8>, Error> {
-    let payload = match order {
-        ByteOrder::LittleEndian => write::<false>(view, order),
-        ByteOrder::BigEndian => write::<true>(view, order),
-    };
-    payload.ok_or_else(|| refuse(view))
-}
-
-fn write<const BIG: bool>(view: DynamicView<'_>, order: ByteOrder) -> Option<Vec<u8>> {
     // The CDR form is rarely larger than the memory form plus the header.
     let mut out = Vec::with_capacity(view.bytes.len().saturating_sub(view.base) + HEADER);
     out.extend_from_slice(&order.header());
-    let mut writer = Writer::<BIG> { types: view.types, bytes: view.bytes, out };
-    writer.message(view.plan, view.base)?;
-    Some(writer.out)
+    let mut writer = Writer { types: view.types, bytes: view.bytes, order, out };
+    match writer.message(view.plan, view.base) {
+        Some(()) => Ok(writer.out),
+        None => Err(refuse(view)),
+    }
 }
 
-struct Writer<'b, const BIG: bool> {
+struct Writer<'b> {
     types: &'b Types,
     bytes: &'b [u8],
+    order: ByteOrder,
     /// The payload, preceded by its four-byte header, which is not counted when values are aligned.
     out: Vec<u8>,
 }
 
-impl<const BIG: bool> Writer<'_, BIG> {
-    /// Pads to a multiple of the width, counted from the end of the header.
-    #[inline]
-    fn align(&mut self, width: Width) {
-        let gap = (HEADER.wrapping_sub(self.out.len())) & (width as usize - 1);
-        if gap > 0 {
-            self.out.extend_from_slice(&[0; 8][..gap]);
-        }
+impl Writer<'_> {
+    /// Pads to a multiple of `size`, a power of two, counted from the end of the header.
+    fn align(&mut self, size: usize) {
+        let gap = HEADER.wrapping_sub(self.out.len()) & (size - 1);
+        self.out.extend_from_slice(&[0; 8][..gap]);
     }
 
     /// Writes the message at `base`.
     fn message(&mut self, plan: &Plan, base: usize) -> Option<()> {
-        for step in &plan.steps {
-            match *step {
-                Step::Copy(Run { offset, size, width, is_bool }) => {
-                    self.numbers(base + offset, size, width, is_bool);
-                }
-                Step::Strings { offset, count, bounds } => self.strings(base + offset, count, bounds)?,
-                Step::Messages { offset, count, plan } => self.messages(base + offset, count, plan)?,
-                Step::Sequence { offset, bound, element } => self.sequence(base + offset, bound, element)?,
-                Step::Empty => self.out.push(0),
+        if plan.fields.is_empty() {
+            self.out.push(0);
+        }
+        plan.fields.iter().try_for_each(|field| self.field(field, base + field.offset))
+    }
+
+    fn field(&mut self, field: &Field, at: usize) -> Option<()> {
+        let (start, count) = if field.is_sequence() { slot(self.bytes, at) } else { (at, field.count()) };
+        if field.bound().is_some_and(|bound| count > bound as usize) {
+            return None;
+        }
+        if field.is_sequence() {
+            self.length(count)?;
+        }
+        let mut places = (0..count).map(|index| start + index * field.stride);
+        match field.element {
+            Element::Scalar(_) if count == 0 => {}
+            Element::Scalar(scalar) => self.numbers(start, count * scalar.size(), scalar),
+            Element::Text(length) => self.numbers(start, length as usize, Scalar::Char),
+            Element::String { wide, bound } => {
+                places.try_for_each(|place| self.string(place, Bounds { is_wide: wide, bound }))?;
+            }
+            Element::Message(id) => {
+                let plan = &self.types.plans[id.0 as usize];
+                places.try_for_each(|place| self.message(plan, place))?;
             }
         }
         Some(())
     }
 
-    #[inline]
-    fn numbers(&mut self, from: usize, size: usize, width: Width, is_bool: bool) {
-        let bytes = part(self.bytes, from, size);
-        self.align(width);
-        if is_bool {
-            self.out.extend(bytes.iter().map(|byte| u8::from(*byte != 0)));
-        } else if BIG && width != Width::One {
-            let start = self.out.len();
-            self.out.resize(start + bytes.len(), 0);
-            copy::<BIG>(bytes, &mut self.out[start..], width);
-        } else {
-            self.out.extend_from_slice(bytes);
+    fn numbers(&mut self, from: usize, size: usize, scalar: Scalar) {
+        self.align(scalar.size());
+        let start = self.out.len();
+        self.out.extend_from_slice(part(self.bytes, from, size));
+        let numbers = &mut self.out[start..];
+        match (scalar, self.order) {
+            (Scalar::Bool, _) => make_bools(numbers),
+            (_, ByteOrder::BigEndian) => reverse_each(numbers, scalar.size()),
+            (_, ByteOrder::LittleEndian) => {}
         }
     }
 
-    fn messages(&mut self, from: usize, count: usize, plan: usize) -> Option<()> {
-        let plan = &self.types.plans[plan];
-        (0..count).try_for_each(|index| self.message(plan, from + index * plan.size.padded))
-    }
-
-    fn strings(&mut self, from: usize, count: usize, bounds: Bounds) -> Option<()> {
-        (0..count).try_for_each(|index| self.string(from + index * SLOT, bounds))
+    /// Writes a length or a unit of a `wstring`.
+    fn number(&mut self, number: u32) {
+        self.out.extend_from_slice(&match self.order {
+            ByteOrder::LittleEndian => number.to_le_bytes(),
+            ByteOrder::BigEndian => number.to_be_bytes(),
+        });
     }
 
     fn length(&mut self, length: usize) -> Option<()> {
         let length = u32::try_from(length).ok()?;
-        self.align(Width::Four);
-        self.out.extend_from_slice(&if BIG { length.to_be_bytes() } else { length.to_le_bytes() });
-        Some(())
-    }
-
-    fn sequence(&mut self, at: usize, bound: Option<u32>, element: Sequence) -> Option<()> {
-        let (start, count) = slot(self.bytes, at);
-        if bound.is_some_and(|bound| count > bound as usize) {
-            return None;
-        }
-        self.length(count)?;
-        match element {
-            Sequence::Numbers { .. } if count == 0 => {}
-            Sequence::Numbers { width, is_bool } => {
-                self.numbers(start, count * width as usize, width, is_bool);
-            }
-            Sequence::Strings(bounds) => self.strings(start, count, bounds)?,
-            Sequence::Messages(plan) => self.messages(start, count, plan)?,
-        }
+        self.align(4);
+        self.number(length);
         Some(())
     }
 
@@ -124,10 +110,7 @@ impl<const BIG: bool> Writer<'_, BIG> {
         if bounds.is_wide {
             let units = code_units(text)?;
             self.length(units.len())?;
-            for unit in units {
-                let unit = u32::from(unit);
-                self.out.extend_from_slice(&if BIG { unit.to_be_bytes() } else { unit.to_le_bytes() });
-            }
+            units.into_iter().for_each(|unit| self.number(unit.into()));
         } else {
             if text.contains(&0) {
                 return None;

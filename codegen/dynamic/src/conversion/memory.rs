@@ -14,7 +14,7 @@ use self::number::{Number, read, write};
 use self::place::{Place, Room};
 use super::expression::Expression;
 use super::plan::Conversion;
-use crate::{DynamicMessage, MessageType, SLOT, copy_short, part, sequence};
+use crate::{DynamicMessage, MessageType, SLOT, part, sequence};
 
 /// The maximum size of a converted message in memory, in bytes. Without a limit, a sequence of messages that gain many
 /// fields could take up much more memory than its payload.
@@ -184,7 +184,7 @@ impl Run<'_> {
         if let (Some(source), Some(target)) =
             (self.source.get(from..from + size), self.target.get_mut(to..to + size))
         {
-            copy_short(source, target);
+            target.copy_from_slice(source);
         }
     }
 
