@@ -62,12 +62,6 @@ enum Operation {
     Compute(Box<Compute>),
     /// Empties a sequence.
     Clear(usize),
-    /// Writes a number.
-    Put {
-        to: usize,
-        bytes: [u8; 8],
-        size: usize,
-    },
 }
 
 /// Bytes that are contiguous in the source and in the target.
@@ -173,7 +167,6 @@ impl Run<'_> {
                 Operation::Transfer(transfer) => self.transfer(transfer, from, to)?,
                 Operation::Compute(compute) => self.compute(compute, from, to),
                 Operation::Clear(at) => self.put(to + at, &[0; SLOT]),
-                Operation::Put { to: at, bytes, size } => self.put(to + at, &bytes[..*size]),
             }
         }
         Some(())

@@ -10,9 +10,6 @@ use crate::conversion::expression::{Computed, Expression};
 use crate::conversion::plan::{Conversion, Copy, Elements, Neutral, Step};
 use crate::{Field, MessageType, sequence};
 
-/// The operations of an array of messages are listed for each element if there are at most this number.
-const MAX_LISTED: usize = 256;
-
 /// Compiles a conversion.
 pub(super) fn program(conversion: &Conversion, source: MessageType<'_>, target: MessageType<'_>) -> Program {
     let sources = source.fields();
@@ -72,15 +69,10 @@ fn fill(field: &Field, value: Neutral, operations: &mut Vec<Operation>) {
     let Some(bytes) = neutral(field.element, value) else { return };
     match Place::of(field).room {
         Room::Varying(_) => operations.push(Operation::Clear(field.offset)),
-        Room::Fixed(count) => {
+        Room::Fixed(_) => {
             let from = Place { at: 0, stride: 0, room: Room::Fixed(0) };
-            if count == 1 {
-                operations.push(Operation::Put { to: field.offset, bytes, size: field.stride });
-            } else {
-                let element = ElementCopy::Bytes;
-                let transfer = Transfer { from, to: Place::of(field), element, rest: Some(bytes) };
-                operations.push(Operation::Transfer(Box::new(transfer)));
-            }
+            let (to, element) = (Place::of(field), ElementCopy::Bytes);
+            operations.push(Operation::Transfer(Box::new(Transfer { from, to, element, rest: Some(bytes) })));
         }
     }
 }
@@ -107,43 +99,13 @@ fn transfer(
     let Some(element) = copied else { return };
     let rest = neutral(target.element, copy.rest);
     let (from, to) = (Place::of(source), Place::of(target));
-    if let (Room::Fixed(count), Room::Fixed(length)) = (from.room, to.room)
+    if let (ElementCopy::Bytes, Room::Fixed(count), Room::Fixed(length)) = (&element, from.room, to.room)
         && (count >= length || rest.is_none())
     {
-        let copied = count.min(length);
-        match &element {
-            ElementCopy::Bytes => {
-                let size = copied * to.stride;
-                return operations.push(Operation::Copy(Span { from: from.at, to: to.at, size }));
-            }
-            ElementCopy::Message(program) if program.operations.len() * copied <= MAX_LISTED => {
-                if let Some(spans) = spans(program) {
-                    for at in 0..copied {
-                        let base = (from.at + at * from.stride, to.at + at * to.stride);
-                        operations.extend(spans.iter().map(|span| Operation::Copy(span.moved(base))));
-                    }
-                    return;
-                }
-            }
-            _ => {}
-        }
+        let size = count.min(length) * to.stride;
+        return operations.push(Operation::Copy(Span { from: from.at, to: to.at, size }));
     }
     operations.push(Operation::Transfer(Box::new(Transfer { from, to, element, rest })));
-}
-
-/// The spans of a program that only copies.
-fn spans(program: &Program) -> Option<Vec<Span>> {
-    let span = |operation: &Operation| match operation {
-        Operation::Copy(span) => Some(*span),
-        _ => None,
-    };
-    program.operations.iter().map(span).collect()
-}
-
-impl Span {
-    fn moved(self, (from, to): (usize, usize)) -> Self {
-        Self { from: from + self.from, to: to + self.to, size: self.size }
-    }
 }
 
 fn element(
