@@ -1,6 +1,7 @@
-//! Slices of buffers.
+//! Slices of buffers, and the bytes of numbers.
 
 use uavspec_runtime::record::Primitive;
+use uavspec_runtime::{Number, Scalar};
 
 /// Reverses the bytes of each number. `size` is the size of a number.
 pub(super) fn reverse_each(numbers: &mut [u8], size: usize) {
@@ -23,6 +24,23 @@ pub(super) fn slot(bytes: &[u8], at: usize) -> (usize, usize) {
 #[inline]
 pub(crate) fn part(bytes: &[u8], start: usize, length: usize) -> &[u8] {
     bytes.get(start..start + length).unwrap_or_default()
+}
+
+/// The little-endian bytes of a number, which is limited to the range of its type. Only as many bytes as the type has count.
+#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
+pub(crate) fn number_bytes(scalar: Scalar, number: Number) -> [u8; 8] {
+    let float = |value: f64| match scalar {
+        Scalar::Float32 => u64::from((value as f32).to_bits()),
+        _ => value.to_bits(),
+    };
+    let bits = match (number, scalar.integer_bounds()) {
+        (Number::Int(value), _) if scalar == Scalar::Bool => u64::from(value != 0),
+        // The truncation keeps the bytes of the type.
+        (Number::Int(value), Some((low, high))) => value.clamp(low, high) as u64,
+        (Number::Int(value), None) => float(value as f64),
+        (Number::Float(value), _) => float(value),
+    };
+    bits.to_le_bytes()
 }
 
 /// The text in a `char[N]`: all bytes before the first NUL.

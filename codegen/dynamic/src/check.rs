@@ -5,7 +5,7 @@
 use uavspec_runtime::{ConstraintKind, Number, Scalar};
 use uavspec_schema::{Element, Restriction, Shape};
 
-use super::bytes::until_nul;
+use super::bytes::{number_bytes, until_nul};
 use super::plan::Field;
 use super::text::Bounds;
 use super::view::scalar_value;
@@ -162,24 +162,15 @@ impl Violation<'_> {
 impl Leaf<'_> {
     /// The little-endian bytes of the value in memory. The value must fit into this type.
     pub fn bytes(self, scalar: Scalar) -> [u8; 8] {
-        let float = |value: f64| match scalar {
-            #[allow(clippy::cast_possible_truncation)] // rounded like any float32
-            Scalar::Float32 => u64::from((value as f32).to_bits()),
-            _ => value.to_bits(),
+        let number = match self {
+            Self::Null => Number::Float(f64::NAN),
+            Self::Bool(value) => Number::Int(value.into()),
+            Self::Int(value) => Number::Int(value),
+            Self::Float(value) if scalar.is_float() => Number::Float(value),
+            Self::Float(value) => Number::Int(whole(value).unwrap_or_default()),
+            Self::Text(_) => Number::Int(0),
         };
-        let bits = match self {
-            Self::Null => float(f64::NAN),
-            Self::Bool(value) => value.into(),
-            #[allow(clippy::cast_precision_loss)] // rounded like any float
-            Self::Int(value) if scalar.is_float() => float(value as f64),
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
-            Self::Int(value) => value as u64,
-            Self::Float(value) if scalar.is_float() => float(value),
-            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // two's complement
-            Self::Float(value) => whole(value).unwrap_or_default() as u64,
-            Self::Text(_) => 0,
-        };
-        bits.to_le_bytes()
+        number_bytes(scalar, number)
     }
 
     /// The value of an integer in any notation: JSON Schema accepts `5.0` as an integer.

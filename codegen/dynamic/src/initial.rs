@@ -1,10 +1,11 @@
 //! Initial content of a message: the defaults of its definition, and zeros elsewhere.
 
 use serde::de::value::Error;
-use uavspec_runtime::Scalar;
+use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::value::Value;
 use uavspec_schema::{Element, Shape};
 
+use super::bytes::number_bytes;
 use super::json::Builder;
 use super::message::DynamicMessage;
 use super::plan::{Field, Plan};
@@ -67,14 +68,10 @@ fn write_element(builder: &mut Builder<'_>, element: Element, at: usize, value: 
 }
 
 /// The bytes of a number, followed by zeros.
-#[allow(clippy::cast_possible_truncation)] // the parser checked the range of the value
 fn number(scalar: Scalar, value: &Value) -> [u8; 8] {
-    match (scalar, value) {
-        (_, Value::Bool(value)) => i64::from(*value).to_le_bytes(),
-        (Scalar::Float64, value) => value.as_f64().unwrap_or_default().to_le_bytes(),
-        (Scalar::Float32, value) => {
-            u64::from((value.as_f64().unwrap_or_default() as f32).to_bits()).to_le_bytes()
-        }
-        (_, value) => (value.as_int().unwrap_or_default() as i64).to_le_bytes(),
-    }
+    let number = match value {
+        Value::Bool(value) => Number::Int((*value).into()),
+        value => value.number().unwrap_or(Number::Int(0)),
+    };
+    number_bytes(scalar, number)
 }

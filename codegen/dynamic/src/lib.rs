@@ -62,8 +62,8 @@ mod validate;
 mod view;
 mod walk;
 
-pub(crate) use self::bytes::part;
 pub use self::bytes::sequence;
+pub(crate) use self::bytes::{number_bytes, part};
 pub use self::check::{Leaf, ValueType, Violation, number, whole};
 pub use self::error::{Defect, Error, Reason};
 pub use self::message::DynamicMessage;

@@ -1,10 +1,11 @@
 //! Conversion of numbers and text in memory.
 
-use uavspec_runtime::Scalar;
-use uavspec_runtime::record::Primitive;
+use uavspec_runtime::{Number as Plain, Scalar};
 
 use crate::conversion::expression::Computed;
 use crate::conversion::plan::{CountLimit, Elements, Narrowing};
+use crate::number_bytes;
+use crate::view::{Value, scalar_value};
 
 /// The conversion of a number.
 #[derive(Debug)]
@@ -44,43 +45,25 @@ fn flags(pairs: &[(i128, i128)], value: i128) -> i128 {
     set.fold(value & !moved, |all, (_, to)| all | to)
 }
 
-/// The number in the first bytes. Missing bytes are 0.
+/// The number in the first bytes, or 0 if there are too few bytes.
 pub(super) fn read(scalar: Scalar, bytes: &[u8]) -> Computed {
-    let mut padded = [0; 8];
-    for (to, from) in padded.iter_mut().zip(bytes.iter().take(scalar.size())) {
-        *to = *from;
-    }
-    let bytes = &padded[..scalar.size()];
-    match scalar {
-        Scalar::Bool => Computed::Bool(bytes[0] != 0),
-        Scalar::Byte | Scalar::Char | Scalar::UInt8 => Computed::Int(bytes[0].into()),
-        Scalar::Int8 => Computed::Int(i8::read_le(bytes).into()),
-        Scalar::Int16 => Computed::Int(i16::read_le(bytes).into()),
-        Scalar::UInt16 => Computed::Int(u16::read_le(bytes).into()),
-        Scalar::Int32 => Computed::Int(i32::read_le(bytes).into()),
-        Scalar::UInt32 => Computed::Int(u32::read_le(bytes).into()),
-        Scalar::Int64 => Computed::Int(i64::read_le(bytes).into()),
-        Scalar::UInt64 => Computed::Int(u64::read_le(bytes).into()),
-        Scalar::Float32 => Computed::Float(f32::read_le(bytes).into()),
-        Scalar::Float64 => Computed::Float(f64::read_le(bytes)),
+    let value = scalar_value(scalar, bytes);
+    match (value, value.number()) {
+        (Value::Bool(value), _) => Computed::Bool(value),
+        (_, Some(Plain::Float(value))) => Computed::Float(value),
+        (_, Some(Plain::Int(value))) => Computed::Int(value),
+        (_, None) => Computed::Int(0),
     }
 }
 
 /// The bytes of a number in the range of a type, followed by zeros.
-#[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
 pub(super) fn write(scalar: Scalar, value: Computed) -> [u8; 8] {
-    let float = |value: f64| match scalar {
-        Scalar::Float32 => u64::from((value as f32).to_bits()).to_le_bytes(),
-        _ => value.to_bits().to_le_bytes(),
+    let number = match value {
+        Computed::Bool(value) => Plain::Int(value.into()),
+        Computed::Int(value) => Plain::Int(value),
+        Computed::Float(value) => Plain::Float(value),
     };
-    match (value, scalar.integer_bounds()) {
-        (Computed::Bool(value), _) => u64::from(value).to_le_bytes(),
-        (Computed::Int(value), _) if scalar == Scalar::Bool => u64::from(value != 0).to_le_bytes(),
-        // The truncation keeps the bytes of the type.
-        (Computed::Int(value), Some((low, high))) => (value.clamp(low, high) as u64).to_le_bytes(),
-        (Computed::Int(value), None) => float(value as f64),
-        (Computed::Float(value), _) => float(value),
-    }
+    number_bytes(scalar, number)
 }
 
 /// The text in a `char[N]`, cut to at most `length` bytes without an incomplete character.
