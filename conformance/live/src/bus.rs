@@ -44,14 +44,14 @@ pub fn connect(address: &Address, peers: &[IpAddr], names: &[String]) -> Result<
         #[cfg(feature = "dds")]
         Address::Dds { domain } => dds::connect(*domain, peers),
         #[cfg(feature = "zenoh")]
-        Address::Server { scheme: Scheme::Zenoh, host, port, domain } => {
-            Ok(Box::new(zenoh::Zenoh::connect(host, *port, *domain)?))
+        Address::Server { scheme: Scheme::Zenoh, address, domain } => {
+            Ok(Box::new(zenoh::Zenoh::connect(address, *domain)?))
         }
-        Address::Server { scheme: Scheme::Foxglove, host, port, .. } => {
-            Ok(Box::new(foxglove::Foxglove::connect(&server(host, *port))?))
+        Address::Server { scheme: Scheme::Foxglove, address, .. } => {
+            Ok(Box::new(foxglove::Foxglove::connect(address)?))
         }
-        Address::Server { scheme: Scheme::Rosbridge, host, port, .. } => {
-            Ok(Box::new(rosbridge::Rosbridge::connect(&server(host, *port), names)?))
+        Address::Server { scheme: Scheme::Rosbridge, address, .. } => {
+            Ok(Box::new(rosbridge::Rosbridge::connect(address, names)?))
         }
         #[allow(unreachable_patterns, reason = "all transports may be part of the program")]
         _ => {
@@ -59,11 +59,6 @@ pub fn connect(address: &Address, peers: &[IpAddr], names: &[String]) -> Result<
             Err(format!("this program was built without {feature}: build it with `--features {feature}`"))
         }
     }
-}
-
-/// The address of a server.
-fn server(host: &str, port: u16) -> uavspec_model::net::Address {
-    uavspec_model::net::Address { host: host.to_owned(), port }
 }
 
 /// A connection to a bus.
@@ -177,6 +172,13 @@ pub struct Received {
     pub payload: Vec<u8>,
     /// True if this program sent it, in a role.
     pub is_own: bool,
+}
+
+impl Received {
+    /// A message of another program, on a bus that states no schema.
+    pub(crate) fn new(topic: Topic, encoding: Encoding, time: u64, payload: Vec<u8>) -> Self {
+        Self { topic, schema: None, encoding, time, payload, is_own: false }
+    }
 }
 
 /// The time in ns since 1970.

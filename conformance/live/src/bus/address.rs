@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use uavspec_model::net;
+
 /// The highest DDS domain whose ports exist, by the port numbers of RTPS.
 const MAX_DOMAIN: u16 = 232;
 
@@ -18,10 +20,8 @@ pub enum Address {
     Server {
         /// The protocol.
         scheme: Scheme,
-        /// The host name or IP address.
-        host: String,
-        /// The port.
-        port: u16,
+        /// The host and the port.
+        address: net::Address,
         /// The ROS domain.
         domain: u16,
     },
@@ -108,8 +108,8 @@ impl FromStr for Address {
         let scheme = scheme.ok_or("expected dds://, zenoh://, foxglove:// or rosbridge://")?;
         let (authority, query) = rest.split_once('?').unwrap_or((rest, ""));
         let domain = domain(query)?;
-        let (host, port) = host_and_port(authority.trim_end_matches('/'), scheme)?;
-        Ok(Self::Server { scheme, host, port, domain })
+        let address = server(authority.trim_end_matches('/'), scheme)?;
+        Ok(Self::Server { scheme, address, domain })
     }
 }
 
@@ -122,32 +122,22 @@ fn domain(query: &str) -> Result<u16, String> {
     domain.ok_or_else(|| format!("expected `domain=NUMBER` after `?`, found `{query}`"))
 }
 
-/// The host and the port. An IPv6 address is in brackets.
-fn host_and_port(text: &str, scheme: Scheme) -> Result<(String, u16), String> {
-    let (host, port) = match text.strip_prefix('[').and_then(|text| text.split_once(']')) {
-        Some((host, rest)) => (host, rest.strip_prefix(':')),
-        None => text.split_once(':').map_or((text, None), |(host, port)| (host, Some(port))),
-    };
-    if host.is_empty() {
-        return Err(format!(
-            "expected a host, such as {}://127.0.0.1:{}",
-            scheme.name(),
-            scheme.default_port()
-        ));
-    }
-    let port = port.map_or(Ok(scheme.default_port()), |port| {
-        port.parse().map_err(|_| format!("expected a port from 1 to 65535, found `{port}`"))
-    });
-    Ok((host.to_owned(), port?))
+/// The host and the port, if there is one.
+fn server(text: &str, scheme: Scheme) -> Result<net::Address, String> {
+    let (name, port) = (scheme.name(), scheme.default_port());
+    let has_port = text.rfind(':') > text.rfind(']');
+    let address = if has_port { text.parse() } else { format!("{text}:{port}").parse() };
+    address.map_err(|error| {
+        format!("expected a host, such as {name}://127.0.0.1:{port}, found `{text}`: {error}")
+    })
 }
 
 impl fmt::Display for Address {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Dds { domain } => write!(formatter, "dds://{domain}"),
-            Self::Server { scheme, host, port, domain } => {
-                let host = if host.contains(':') { format!("[{host}]") } else { host.clone() };
-                write!(formatter, "{}://{host}:{port}", scheme.name())?;
+            Self::Server { scheme, address, domain } => {
+                write!(formatter, "{}://{address}", scheme.name())?;
                 if *domain > 0 { write!(formatter, "?domain={domain}") } else { Ok(()) }
             }
         }
@@ -179,7 +169,7 @@ mod tests {
             ("dds://300", "from 0 to 232"),
             ("dds://x", "found `x`"),
             ("zenoh://", "a host"),
-            ("zenoh://a:99999", "found `99999`"),
+            ("zenoh://a:99999", "found `a:99999`"),
             ("zenoh://a?x=1", "`domain=NUMBER`"),
             ("mqtt://a", "zenoh://"),
             ("0", "dds://0"),

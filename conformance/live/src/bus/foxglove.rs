@@ -210,15 +210,9 @@ impl Foxglove {
             };
         };
         let (topic, schema) = (channel.topic.clone(), channel.schema.clone());
-        let encoding = channel.encoding.clone()?;
-        self.link.push(Event::Message(Received {
-            topic,
-            schema,
-            encoding,
-            time: nanoseconds(&Clock::real()),
-            payload: payload.to_vec(),
-            is_own: false,
-        }));
+        let (time, encoding) = (nanoseconds(&Clock::real()), channel.encoding.clone()?);
+        let message = Received::new(topic, encoding, time, payload.to_vec());
+        self.link.push(Event::Message(Received { schema, ..message }));
         Ok(())
     }
 

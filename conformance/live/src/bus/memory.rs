@@ -114,8 +114,7 @@ impl Bus for MemoryBus {
     fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
         let (topic, offered) = self.published.get(publisher.0).ok_or("an unknown publisher")?.clone();
         let name = Arc::clone(&topic.name);
-        let (time, payload) = (nanoseconds(&self.clock), payload.to_vec());
-        let message = Received { topic, schema: None, encoding: Encoding::Cdr, time, payload, is_own: false };
+        let message = Received::new(topic, Encoding::Cdr, nanoseconds(&self.clock), payload.to_vec());
         self.network.send_if(&Event::Message(message), self.index, |member| {
             member.subscribed.get(&name).is_some_and(|requested| is_compatible(&offered, requested))
         });

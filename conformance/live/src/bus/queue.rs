@@ -178,15 +178,7 @@ mod tests {
 
     fn message_of(topic: &str, size: usize) -> Event {
         let topic = Topic { name: topic.into(), type_name: "sky_msgs/msg/Wind".into(), type_hash: None };
-        let payload = vec![0; size];
-        Event::Message(Received {
-            topic,
-            schema: None,
-            encoding: Encoding::Cdr,
-            time: 1,
-            payload,
-            is_own: false,
-        })
+        Event::Message(Received::new(topic, Encoding::Cdr, 1, vec![0; size]))
     }
 
     /// A queue without space.

@@ -86,15 +86,8 @@ impl Rosbridge {
         {
             topic.type_name = Arc::clone(listed);
         }
-        let (topic, payload) = (topic.clone(), payload.as_bytes().to_vec());
-        let message = Received {
-            topic,
-            schema: None,
-            encoding: Encoding::Json,
-            time: nanoseconds(&Clock::real()),
-            payload,
-            is_own: false,
-        };
+        let (time, payload) = (nanoseconds(&Clock::real()), payload.as_bytes().to_vec());
+        let message = Received::new(topic.clone(), Encoding::Json, time, payload);
         self.link.push(Event::Message(message));
         Ok(())
     }

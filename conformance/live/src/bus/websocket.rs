@@ -18,6 +18,7 @@ use tungstenite::{Bytes, Error, HandshakeError, Message, WebSocket};
 use uavspec_model::clock::Clock;
 use uavspec_model::json::Tree;
 use uavspec_model::net::{Address, Stream, is_silence};
+use uavspec_model::text::start_of;
 
 use super::problems::Problems;
 use super::{Event, MAX_NAME};
@@ -310,10 +311,7 @@ fn ended(error: &Error) -> String {
 
 /// The start of a text from the server.
 pub(super) fn excerpt(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(MAX_EXCERPT) {
-        Some((end, _)) => format!("{}…", &text[..end]).into(),
-        None => text.into(),
-    }
+    start_of(text, MAX_EXCERPT)
 }
 
 /// Checks the length of a name. The name of a topic must not be empty.
@@ -335,12 +333,10 @@ pub(super) fn string<'t>(object: &'t Tree<'_>, key: &str) -> Result<&'t str, Str
 
 /// An array in a JSON object.
 pub(super) fn list<'t, 'a>(object: &'t Tree<'a>, key: &str) -> Result<&'t [Tree<'a>], String> {
-    member(
-        object,
-        key,
-        "an array",
-        |value| if let Tree::List(values) = value { Some(&**values) } else { None },
-    )
+    member(object, key, "an array", |value| match value {
+        Tree::List(values) => Some(&**values),
+        _ => None,
+    })
 }
 
 /// A member of a JSON object. `read` returns `None` if it has another type.

@@ -27,6 +27,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use uavspec_model::clock::Clock;
+use uavspec_model::net::Address;
 use uavspec_model::{Durability, Endpoint, EndpointKind, Qos};
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
@@ -104,8 +105,8 @@ impl Query {
 
 impl Zenoh {
     /// Connects to a router or a peer.
-    pub(super) fn connect(host: &str, port: u16, domain: u16) -> Result<Self, String> {
-        let session = open(host, port)?;
+    pub(super) fn connect(address: &Address, domain: u16) -> Result<Self, String> {
+        let session = open(address)?;
         let (sender, queue) = queue();
         let node =
             declare_token(&session, &token::node_token(domain, &session.zid().to_string(), &NODE[1..]))?;
@@ -292,16 +293,16 @@ fn shown(type_name: &str, hash: Option<&str>) -> String {
 }
 
 /// Opens a session that connects to an address, and uses neither other connections nor multicast.
-fn open(host: &str, port: u16) -> Result<Session, String> {
+fn open(address: &Address) -> Result<Session, String> {
+    let host = &address.host;
     // Zenoh's addresses may contain options.
     if !host.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"-._:".contains(&byte)) {
         return Err(format!("expected a host name or an IP address, found `{}`", host.escape_debug()));
     }
-    let host = if host.contains(':') { format!("[{host}]") } else { host.to_owned() };
     let timeout = CONNECT_TIMEOUT.as_millis().to_string();
     let settings = [
         ("mode", "\"client\""),
-        ("connect/endpoints", &format!("[\"tcp/{host}:{port}\"]")),
+        ("connect/endpoints", &format!("[\"tcp/{address}\"]")),
         ("connect/timeout_ms", &timeout),
         ("connect/exit_on_failure", "true"),
         ("transport/unicast/open_timeout", &timeout),
@@ -317,7 +318,7 @@ fn open(host: &str, port: u16) -> Result<Session, String> {
     zenoh::open(config).wait().map_err(|error| {
         let (seconds, reason) = (CONNECT_TIMEOUT.as_secs(), reason(&error));
         format!(
-            "no connection to a Zenoh router at {host}:{port} within {seconds} s: {reason}; \
+            "no connection to a Zenoh router at {address} within {seconds} s: {reason}; \
              start a router such as rmw_zenohd, or correct the address"
         )
     })

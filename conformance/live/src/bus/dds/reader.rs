@@ -44,38 +44,28 @@ impl Readers {
 /// Passes on serialized messages.
 pub(crate) struct RawAdapter;
 
-/// The identifiers of encodings. rustdds doesn't return their bytes.
-const ENCODINGS: [(RepresentationIdentifier, [u8; 2]); 17] = {
+/// All encodings that rustdds knows.
+const ENCODINGS: [RepresentationIdentifier; 17] = {
     use RepresentationIdentifier as Id;
     [
-        (Id::CDR_LE, [0, 1]),
-        (Id::CDR_BE, [0, 0]),
-        (Id::PL_CDR_BE, [0, 2]),
-        (Id::PL_CDR_LE, [0, 3]),
-        (Id::XML, [0, 4]),
-        (Id::XCDR2_BE, [0, 6]),
-        (Id::XCDR2_LE, [0, 7]),
-        (Id::D_CDR2_BE, [0, 8]),
-        (Id::D_CDR2_LE, [0, 9]),
-        (Id::PL_XCDR2_BE, [0, 10]),
-        (Id::PL_XCDR2_LE, [0, 11]),
-        (Id::CDR2_BE, [0, 0x10]),
-        (Id::CDR2_LE, [0, 0x11]),
-        (Id::PL_CDR2_BE, [0, 0x12]),
-        (Id::PL_CDR2_LE, [0, 0x13]),
-        (Id::D_CDR_BE, [0, 0x14]),
-        (Id::D_CDR_LE, [0, 0x15]),
+        Id::CDR_LE,
+        Id::CDR_BE,
+        Id::PL_CDR_BE,
+        Id::PL_CDR_LE,
+        Id::XML,
+        Id::XCDR2_BE,
+        Id::XCDR2_LE,
+        Id::D_CDR2_BE,
+        Id::D_CDR2_LE,
+        Id::PL_XCDR2_BE,
+        Id::PL_XCDR2_LE,
+        Id::CDR2_BE,
+        Id::CDR2_LE,
+        Id::PL_CDR2_BE,
+        Id::PL_CDR2_LE,
+        Id::D_CDR_BE,
+        Id::D_CDR_LE,
     ]
-};
-
-const SUPPORTED: [RepresentationIdentifier; ENCODINGS.len()] = {
-    let mut supported = [RepresentationIdentifier::CDR_LE; ENCODINGS.len()];
-    let mut index = 0;
-    while index < ENCODINGS.len() {
-        supported[index] = ENCODINGS[index].0;
-        index += 1;
-    }
-    supported
 };
 
 impl DeserializerAdapter<Vec<u8>> for RawAdapter {
@@ -83,7 +73,7 @@ impl DeserializerAdapter<Vec<u8>> for RawAdapter {
     type Decoded = Vec<u8>;
 
     fn supported_encodings() -> &'static [RepresentationIdentifier] {
-        &SUPPORTED
+        &ENCODINGS
     }
 
     fn transform_decoded(decoded: Vec<u8>) -> Vec<u8> {
@@ -104,13 +94,8 @@ impl Decode<'_, Vec<u8>> for RawDecoder {
     type Error = Infallible;
 
     fn decode_bytes(self, body: &[u8], encoding: RepresentationIdentifier) -> Result<Vec<u8>, Infallible> {
-        let known = ENCODINGS.iter().find(|(id, _)| *id == encoding);
-        let [first, second] = known.map_or([0xff, 0xff], |(_, bytes)| *bytes);
-        let mut payload = Vec::with_capacity(body.len() + 4);
         // rustdds drops the options, which state the number of padding bytes at most.
-        payload.extend_from_slice(&[first, second, 0, 0]);
-        payload.extend_from_slice(body);
-        Ok(payload)
+        Ok([&encoding.to_bytes(), &[0; 2], body].concat())
     }
 }
 

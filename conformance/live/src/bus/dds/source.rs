@@ -113,15 +113,7 @@ impl Source {
             self.report_lost(guid, missing, events);
         }
         let time = nanoseconds(message.receive_instant);
-        let payload = message.sample;
-        events.send(Event::Message(Received {
-            topic,
-            schema: None,
-            encoding: Encoding::Cdr,
-            time,
-            payload,
-            is_own: false,
-        }));
+        events.send(Event::Message(Received::new(topic, Encoding::Cdr, time, message.sample)));
     }
 
     /// The state of a publisher whose next message has this sequence number.

@@ -46,14 +46,8 @@ impl Intake {
             None if mem::replace(&mut state.is_reported, true) => {}
             None => self.report_attachment(),
         }
-        self.sender.send(Event::Message(Received {
-            topic: self.topic.clone(),
-            schema: None,
-            encoding: Encoding::Cdr,
-            time: nanoseconds(&Clock::real()),
-            payload: sample.payload().to_bytes().into_owned(),
-            is_own: false,
-        }));
+        let (time, payload) = (nanoseconds(&Clock::real()), sample.payload().to_bytes().into_owned());
+        self.sender.send(Event::Message(Received::new(self.topic.clone(), Encoding::Cdr, time, payload)));
     }
 
     fn lost(&self, count: u64) {

@@ -4,6 +4,7 @@ use std::net::TcpListener;
 use std::time::Duration;
 
 use uavspec_model::clock::Clock;
+use uavspec_model::net::Address;
 use uavspec_model::{Durability, EndpointKind, Qos, Reliability};
 use uavspec_test_support::{LIMIT, deadline, wait_for};
 use zenoh::liveliness::LivelinessToken;
@@ -39,7 +40,7 @@ impl Router {
     }
 
     fn connect(&self) -> Zenoh {
-        Zenoh::connect("127.0.0.1", self.port, 0).expect("a connection")
+        Zenoh::connect(&address("127.0.0.1", self.port), 0).expect("a connection")
     }
 
     fn announce(&mut self, kind: EndpointKind, topic: &Topic, qos: Qos) {
@@ -56,6 +57,10 @@ impl Router {
         let attachment = Attachment { sequence, time: 0, publisher: [1; 16] }.format();
         self.session.put(key, [0, 1, 0, 0, 7]).attachment(attachment).wait().expect("published");
     }
+}
+
+fn address(host: &str, port: u16) -> Address {
+    Address { host: host.to_owned(), port }
 }
 
 fn topic(name: &str, hash: Option<&str>) -> Topic {
@@ -194,7 +199,7 @@ fn reports_the_end_of_the_router() {
 
 #[test]
 fn a_missing_router_is_an_error() {
-    let error = Zenoh::connect("127.0.0.1", 1, 0).err().unwrap_or_default();
+    let error = Zenoh::connect(&address("127.0.0.1", 1), 0).err().unwrap_or_default();
     assert!(error.contains("no connection to a Zenoh router at 127.0.0.1:1"), "{error}");
-    assert!(Zenoh::connect("a#b", 1, 0).err().unwrap_or_default().contains("expected a host name"));
+    assert!(Zenoh::connect(&address("a#b", 1), 0).err().unwrap_or_default().contains("expected a host name"));
 }
