@@ -27,15 +27,13 @@ mod tests;
 use std::collections::{BTreeMap, HashSet};
 use std::fs::File;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use globset::GlobSet;
 use uavspec_capture::mcap::Reader;
-use uavspec_check::{
-    CaptureResult, Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording,
-};
+use uavspec_check::{Checked, LiveBag, Observer, check_path, choose_for_path, choose_for_recording};
 use uavspec_model::clock::Clock;
 use uavspec_model::text::plural;
 use uavspec_model::{ApplicationType, Endpoint, EndpointKind, Qos};
@@ -93,6 +91,21 @@ pub struct Progress {
     pub findings: usize,
 }
 
+impl Options {
+    /// Listens to all topics for a time, without a role.
+    pub fn new(time: Duration) -> Self {
+        Self {
+            time,
+            topics: None,
+            role: None,
+            namespace: None,
+            application: None,
+            record: None,
+            is_stopped: Box::new(|| false),
+        }
+    }
+}
+
 /// Listens to a bus, and checks all messages. Returns the findings, with the definitions that were used.
 ///
 /// # Errors
@@ -104,33 +117,40 @@ pub fn probe(
     on_progress: &dyn Fn(&Progress),
 ) -> io::Result<Checked> {
     let (path, _temporary) = recording(options)?;
-    let recorder = Recorder::create(&path)?;
-    let mut probe = Probe::new(bus, options, recorder, on_progress);
+    let definitions;
+    let mut probe = Probe::new(bus, options, Recorder::create(&path)?, on_progress, &|_| {});
     let started = probe.start(library);
     if started.is_err() {
-        probe.withdraw();
+        // The first error is reported.
+        let _ = probe.withdraw();
     }
-    let definitions = started?;
-    let mut live = LiveBag::new(&definitions, None);
-    let listened =
-        replay(probe.recorder.path(), &mut live).and_then(|()| probe.listen(options.time, Some(&mut live)));
+    definitions = started?;
+    probe.check(&definitions, None)?;
+    let listened = probe.listen(options.time);
     // A component must unregister, even if the recording can't be written.
     let last = probe.withdraw();
     listened?;
-    for event in last.into_iter().chain(probe.bus.remaining_losses()) {
-        probe.recorder.record(&event, Some(&mut live))?;
+    for event in last?.into_iter().chain(probe.bus.remaining_losses()) {
+        probe.recorder.record(&event)?;
     }
-    probe.note_rest();
-    probe.record_notes(Some(&mut live))?;
-    let Probe { mut recorder, cut_short, .. } = probe;
+    let Probe { mut recorder, omitted, cut_short, .. } = probe;
+    if omitted > 0 {
+        recorder.note(&format!("… and {}", plural(omitted, "more note")))?;
+    }
     if let Some(reason) = cut_short {
-        recorder.cut_short(&reason, Some(&mut live))?;
+        recorder.cut_short(&reason)?;
     }
-    let (path, size) = recorder.finish()?;
-    conclude(&path, library, &definitions, live.finish(size))
+    let result = recorder.finish()?;
+    // If topics that appeared later show another release, the recording is checked again.
+    let is_same = Arc::ptr_eq(&choose_for_path(&path, library)?, &definitions);
+    match result.filter(|_| is_same) {
+        Some(result) => Ok(Checked { result, definitions }),
+        None => check_path(&path, None, library, &|input| input),
+    }
 }
 
-/// Passes the messages of a bus to an observer. Returns the reason why the connection ended, if it ended before the time.
+/// Passes the messages of a bus to an observer, and its events to a function. Returns the reason why the connection ended,
+/// if it ended before the time.
 ///
 /// # Errors
 /// Fails if the temporary file, which shows the release, can't be written or read.
@@ -139,20 +159,21 @@ pub(crate) fn observe(
     library: &Library,
     options: &Options,
     observer: &mut dyn Observer,
+    on_event: &dyn Fn(&Event),
 ) -> io::Result<Option<String>> {
     let (path, temporary) = recording(options)?;
-    let mut probe = Probe::new(bus, options, Recorder::create(&path)?, &|_| {});
+    let definitions;
+    let mut probe = Probe::new(bus, options, Recorder::create(&path)?, &|_| {}, on_event);
     // Without messages, nothing shows the release.
     while probe.progress.messages == 0 && probe.cut_short.is_none() && probe.elapsed() < options.time {
-        probe.listen(options.time.min(probe.elapsed() + START), None)?;
+        probe.listen(options.time.min(probe.elapsed() + START))?;
     }
     probe.recorder.flush()?;
-    let definitions = choose_for_recording(probe.recorder.path(), library)?;
-    let mut live = LiveBag::new(&definitions, Some(observer));
-    replay(probe.recorder.path(), &mut live)?;
+    definitions = choose_for_recording(&path, library)?;
+    probe.check(&definitions, Some(observer))?;
     probe.recorder.discard();
     drop(temporary);
-    probe.listen(options.time, Some(&mut live))?;
+    probe.listen(options.time)?;
     Ok(probe.cut_short)
 }
 
@@ -165,36 +186,11 @@ fn recording(options: &Options) -> io::Result<(PathBuf, Option<Temporary>)> {
     Ok((file.path().to_owned(), Some(file)))
 }
 
-/// Checks the records that were written before the release was chosen.
-fn replay(path: &Path, live: &mut LiveBag<'_>) -> io::Result<()> {
-    let mut reader = Reader::new(File::open(path)?);
-    while let Some(item) = reader.next()? {
-        // The file has no end yet.
-        if !matches!(item.event, uavspec_capture::mcap::Event::Problem(_)) {
-            live.record(item.event);
-        }
-    }
-    Ok(())
-}
-
-/// The final result. If topics that appeared later show another release, the recording is checked again.
-fn conclude(
-    path: &Path,
-    library: &Library,
-    definitions: &Arc<Definitions>,
-    result: CaptureResult,
-) -> io::Result<Checked> {
-    if Arc::ptr_eq(&choose_for_path(path, library)?, definitions) {
-        return Ok(Checked { result, definitions: Arc::clone(definitions) });
-    }
-    check_path(path, None, library, &|input| input)
-}
-
 /// A running probe.
 struct Probe<'p> {
     bus: &'p mut dyn Bus,
     options: &'p Options,
-    recorder: Recorder,
+    recorder: Recorder<'p>,
     actors: Vec<Actor>,
     /// The endpoints that exist before the roles join, by id. `None` if no role joins any more.
     endpoints: Option<BTreeMap<String, Endpoint>>,
@@ -203,15 +199,12 @@ struct Probe<'p> {
     subscribed: HashSet<Topic>,
     progress: Progress,
     on_progress: &'p dyn Fn(&Progress),
-    /// The problems with topics that the bus refused. They weren't recorded yet.
-    refused: Vec<String>,
+    on_event: &'p dyn Fn(&Event),
     /// True if the maximum number of topics was reported.
     is_full: bool,
     notes: Vec<String>,
     /// The number of notes beyond the maximum.
     omitted: u64,
-    /// The number of notes that were recorded.
-    recorded: usize,
     cut_short: Option<String>,
 }
 
@@ -219,8 +212,9 @@ impl<'p> Probe<'p> {
     fn new(
         bus: &'p mut dyn Bus,
         options: &'p Options,
-        recorder: Recorder,
+        recorder: Recorder<'p>,
         on_progress: &'p dyn Fn(&Progress),
+        on_event: &'p dyn Fn(&Event),
     ) -> Self {
         let clock = bus.clock();
         let has_roles = options.role.is_some() || options.application.is_some();
@@ -235,17 +229,34 @@ impl<'p> Probe<'p> {
             subscribed: HashSet::new(),
             progress: Progress::default(),
             on_progress,
-            refused: Vec::new(),
+            on_event,
             is_full: false,
             notes: Vec::new(),
             omitted: 0,
-            recorded: 0,
             cut_short: None,
         }
     }
 
     fn elapsed(&self) -> Duration {
         self.clock.now() - self.started
+    }
+
+    /// Checks the records that were written before the release was chosen, and all later ones.
+    fn check(
+        &mut self,
+        definitions: &'p Definitions,
+        observer: Option<&'p mut dyn Observer>,
+    ) -> io::Result<()> {
+        let mut live = LiveBag::new(definitions, observer);
+        let mut reader = Reader::new(File::open(self.recorder.path())?);
+        while let Some(item) = reader.next()? {
+            // The file has no end yet.
+            if !matches!(item.event, uavspec_capture::mcap::Event::Problem(_)) {
+                live.record(item.event);
+            }
+        }
+        self.recorder.live = Some(live);
+        Ok(())
     }
 
     /// Joins the bus in all roles of the probe.
@@ -278,7 +289,7 @@ impl<'p> Probe<'p> {
             Ok((mut actor, endpoints)) => {
                 actor.discover(known);
                 self.actors.push(actor);
-                endpoints.iter().try_for_each(|endpoint| self.recorder.record(endpoint, None))
+                endpoints.iter().try_for_each(|endpoint| self.recorder.record(endpoint))
             }
             Err(problem) => {
                 self.cut_short = Some(problem);
@@ -289,7 +300,7 @@ impl<'p> Probe<'p> {
 
     /// Records events until the release of the vehicle can be chosen. The roles then join in this release.
     fn start(&mut self, library: &Library) -> io::Result<Arc<Definitions>> {
-        self.listen(START.min(self.options.time), None)?;
+        self.listen(START.min(self.options.time))?;
         self.recorder.flush()?;
         let definitions = choose_for_recording(self.recorder.path(), library)?;
         self.join_all(&definitions, library)?;
@@ -298,18 +309,18 @@ impl<'p> Probe<'p> {
     }
 
     /// Ends the roles. Returns their last messages.
-    fn withdraw(&mut self) -> Vec<Event> {
-        let mut last = Vec::new();
-        for mut actor in std::mem::take(&mut self.actors) {
-            last.extend(actor.leave(self.bus));
-            let problems = std::mem::take(&mut actor.problems);
-            problems.into_iter().chain(actor.notes()).for_each(|note| self.note(note));
+    fn withdraw(&mut self) -> io::Result<Vec<Event>> {
+        let mut actors = std::mem::take(&mut self.actors);
+        let last = actors.iter_mut().flat_map(|actor| actor.leave(self.bus)).collect();
+        for actor in actors {
+            let notes = actor.notes();
+            actor.problems.into_iter().chain(notes).try_for_each(|note| self.note(note))?;
         }
-        last
+        Ok(last)
     }
 
     /// Records events until a time after the start.
-    fn listen(&mut self, until: Duration, mut live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+    fn listen(&mut self, until: Duration) -> io::Result<()> {
         let end = self.started + until;
         let mut shown = self.clock.now();
         while self.cut_short.is_none() && self.clock.now() < end {
@@ -321,22 +332,26 @@ impl<'p> Probe<'p> {
             let deadline = end.min(self.clock.now() + NOTICE_TIME);
             let Step { received, sent } = step(&mut self.actors, self.bus, deadline);
             for event in received.iter().chain(&sent) {
-                self.recorder.record(event, live.as_deref_mut())?;
+                self.record(event)?;
             }
             if let Some(event) = received {
-                self.follow(event);
+                self.follow(event)?;
             }
-            self.record_notes(live.as_deref_mut())?;
             if self.clock.now() > shown + NOTICE_TIME {
                 shown = self.clock.now();
-                self.show(live.as_deref());
+                self.show();
             }
         }
         Ok(())
     }
 
+    fn record(&mut self, event: &Event) -> io::Result<()> {
+        (self.on_event)(event);
+        self.recorder.record(event)
+    }
+
     /// Subscribes to new topics, and notes problems.
-    fn follow(&mut self, event: Event) {
+    fn follow(&mut self, event: Event) -> io::Result<()> {
         match event {
             Event::Endpoint(endpoint) => {
                 if let Some(known) = &mut self.endpoints
@@ -345,7 +360,7 @@ impl<'p> Probe<'p> {
                     known.insert(endpoint.id.clone(), endpoint.clone());
                 }
                 if endpoint.kind == EndpointKind::Publisher {
-                    self.subscribe(endpoint);
+                    self.subscribe(endpoint)?;
                 }
             }
             Event::Ended(id) => {
@@ -354,14 +369,16 @@ impl<'p> Probe<'p> {
                 }
             }
             Event::Message(_) => self.progress.messages += 1,
-            Event::Problem(problem) => self.note(problem),
+            Event::Problem(problem) => self.note(problem)?,
             Event::Closed(reason) => self.cut_short = Some(reason),
             Event::Lost { .. } | Event::Unreadable(_) => {}
         }
+        Ok(())
     }
 
-    /// Subscribes to the topic of a publisher if the user selected it.
-    fn subscribe(&mut self, publisher: Endpoint) {
+    /// Subscribes to the topic of a publisher if the user selected it. A later check of the recording reports refused topics
+    /// as well.
+    fn subscribe(&mut self, publisher: Endpoint) -> io::Result<()> {
         let is_selected = self.options.topics.as_ref().is_none_or(|topics| topics.is_match(&publisher.topic));
         let topic = Topic {
             name: publisher.topic.into(),
@@ -369,64 +386,50 @@ impl<'p> Probe<'p> {
             type_hash: publisher.type_hash.map(Into::into),
         };
         if !is_selected || self.subscribed.contains(&topic) {
-            return;
+            return Ok(());
         }
         if self.subscribed.len() >= MAX_ENDPOINTS {
-            if !std::mem::replace(&mut self.is_full, true) {
-                let limit =
-                    format!("only the first {MAX_ENDPOINTS} topics are received: select fewer with --topics");
-                self.refused.push(limit);
+            if std::mem::replace(&mut self.is_full, true) {
+                return Ok(());
             }
-            return;
+            let limit =
+                format!("only the first {MAX_ENDPOINTS} topics are received: select fewer with --topics");
+            return self.record(&Event::Unreadable(limit));
         }
         self.subscribed.insert(topic.clone());
+        let name = topic.name.escape_debug();
         if !topic.name.starts_with('/') {
             // In DDS, such names belong to services and parameters.
-            if !publisher.is_matched_by_qos {
-                let name = topic.name.escape_debug();
-                self.note(format!("{name}: not checked, because the names of ROS topics start with `/`"));
+            if publisher.is_matched_by_qos {
+                return Ok(());
             }
-            return;
+            return self.note(format!("{name}: not checked, because the names of ROS topics start with `/`"));
         }
         self.progress.topics += 1;
-        if let Err(problem) = self.bus.subscribe(&topic, &Qos::WEAKEST) {
-            self.refused.push(format!("{}: {problem}", topic.name.escape_debug()));
+        match self.bus.subscribe(&topic, &Qos::WEAKEST) {
+            Ok(()) => Ok(()),
+            Err(problem) => self.record(&Event::Unreadable(format!("{name}: {problem}"))),
         }
     }
 
-    /// Writes the new notes and the refused topics to the recording, so that a later check reports them as well.
-    fn record_notes(&mut self, mut live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
-        for text in std::mem::take(&mut self.refused) {
-            self.recorder.record(&Event::Unreadable(text), live.as_deref_mut())?;
+    /// Writes a note to the recording, once.
+    fn note(&mut self, text: String) -> io::Result<()> {
+        if self.notes.contains(&text) {
+            return Ok(());
         }
-        for note in &self.notes[self.recorded..] {
-            self.recorder.note(note, live.as_deref_mut())?;
+        if self.notes.len() >= MAX_NOTES {
+            self.omitted += 1;
+            return Ok(());
         }
-        self.recorded = self.notes.len();
+        self.recorder.note(&text)?;
+        self.notes.push(text);
         Ok(())
     }
 
-    fn note(&mut self, text: String) {
-        if self.notes.contains(&text) {
-            return;
-        }
-        if self.notes.len() < MAX_NOTES {
-            self.notes.push(text);
-        } else {
-            self.omitted += 1;
-        }
-    }
-
-    /// Notes the number of the notes beyond the maximum.
-    fn note_rest(&mut self) {
-        if self.omitted > 0 {
-            self.notes.push(format!("… and {}", plural(self.omitted, "more note")));
-        }
-    }
-
-    fn show(&mut self, live: Option<&LiveBag<'_>>) {
+    fn show(&mut self) {
         self.progress.elapsed = self.elapsed();
-        self.progress.findings = live.map_or(0, |live| live.findings().groups().count());
+        self.progress.findings =
+            self.recorder.live.as_ref().map_or(0, |live| live.findings().groups().count());
         (self.on_progress)(&self.progress);
     }
 }

@@ -267,9 +267,9 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// The output.
-    pub fn output(&self) -> &W {
-        &self.output
+    /// The number of bytes written so far.
+    pub fn size(&self) -> u64 {
+        self.position
     }
 
     /// Writes the summary and the end of the file. Returns the output.

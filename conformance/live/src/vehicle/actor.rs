@@ -137,7 +137,7 @@ impl Actor {
 
     /// Ends the role.
     pub(super) fn leave(&mut self, bus: &mut dyn Bus) -> Vec<Event> {
-        let messages = self.role.leave(self.now());
+        let messages = self.role.leave();
         self.send(bus, messages)
     }
 
@@ -208,8 +208,8 @@ fn requested(index: usize, bug: Option<&Bug>) -> Qos {
 
 /// A message of this program, for the recording.
 fn recorded(topic: &Topic, payload: Vec<u8>, clock: &Clock) -> Event {
-    let (topic, time) = (topic.clone(), nanoseconds(clock));
-    Event::Message(Received { topic, schema: None, encoding: Encoding::Cdr, time, payload, is_own: true })
+    let message = Received::new(topic.clone(), Encoding::Cdr, nanoseconds(clock), payload);
+    Event::Message(Received { is_own: true, ..message })
 }
 
 /// An endpoint of this program, for the recording. It has no type hash, so that a vehicle of another release isn't

@@ -306,10 +306,6 @@ impl Role for Autopilot {
         self.next_request.into_iter().chain(self.next_state).min()
     }
 
-    fn leave(&mut self, _: u64) -> Vec<Sent> {
-        Vec::new()
-    }
-
     fn notes(&self) -> Vec<String> {
         let note = match (self.count, self.replies) {
             (0, _) => "no component registered",

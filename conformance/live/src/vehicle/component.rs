@@ -230,7 +230,7 @@ impl Role for Component {
         self.members.iter().filter_map(|member| member.due).min()
     }
 
-    fn leave(&mut self, _: u64) -> Vec<Sent> {
+    fn leave(&mut self) -> Vec<Sent> {
         self.members.iter_mut().filter_map(Member::leave).collect()
     }
 
@@ -308,7 +308,7 @@ mod tests {
         let left: UnregisterExtComponent = component.tick(end)[0].read().expect("a message");
         assert_eq!(left.arming_check_id, 1);
         assert_eq!(replies(&mut component, 2).len(), 1);
-        let left = component.leave(end);
+        let left = component.leave();
         assert_eq!(left.len(), 1);
         assert!(replies(&mut component, 3).is_empty());
     }

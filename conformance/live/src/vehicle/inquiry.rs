@@ -153,10 +153,6 @@ impl Role for Inquiry {
         self.current.as_ref().map(|question| question.due)
     }
 
-    fn leave(&mut self, _: u64) -> Vec<Sent> {
-        Vec::new()
-    }
-
     fn notes(&self) -> Vec<String> {
         let waiting = self.current.iter().map(|question| &question.topic).chain(&self.waiting);
         let unanswered: Vec<&String> = self.unanswered.iter().chain(waiting).collect();

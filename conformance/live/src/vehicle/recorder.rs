@@ -10,7 +10,7 @@ use ::mcap::records::MessageHeader;
 use uavspec_capture::mcap::{
     self, APPLICATION, CUT_SHORT, ENDPOINT, LOST, NOTE, OWN, Packing, UNREADABLE, Writer, metadata_body,
 };
-use uavspec_check::{HASH, LiveBag};
+use uavspec_check::{CaptureResult, HASH, LiveBag};
 use uavspec_model::ApplicationType;
 
 use crate::bus::{Encoding, Event, Received, Schema, Topic};
@@ -25,9 +25,11 @@ pub(super) const MAX_SIZE: u64 = 8 << 30;
 type Key = (Topic, Option<Arc<Schema>>, Encoding, bool);
 
 /// Writes a bag. Each record can be checked at the same time.
-pub(super) struct Recorder {
+pub(super) struct Recorder<'d> {
+    /// Checks the same records, once the release is known.
+    pub(super) live: Option<LiveBag<'d>>,
     /// `None` if further events are only checked.
-    writer: Option<Writer<Counted>>,
+    writer: Option<Writer<BufWriter<File>>>,
     path: PathBuf,
     /// The id and the next sequence number of each channel.
     channels: HashMap<Key, (u16, u32)>,
@@ -35,32 +37,13 @@ pub(super) struct Recorder {
     schemas: HashMap<(Arc<str>, Option<Arc<Schema>>), u16>,
 }
 
-/// A file that counts the written bytes.
-struct Counted {
-    file: BufWriter<File>,
-    size: u64,
-}
-
-impl Write for Counted {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let length = self.file.write(bytes)?;
-        self.size += length as u64;
-        Ok(length)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.file.flush()
-    }
-}
-
-impl Recorder {
+impl Recorder<'_> {
     /// Creates the file.
     pub(super) fn create(path: &Path) -> io::Result<Self> {
-        let output = Counted { file: BufWriter::new(File::create(path)?), size: 0 };
-        let mut writer = Writer::new(output, "ros2")?;
+        let mut writer = Writer::new(BufWriter::new(File::create(path)?), "ros2")?;
         writer.set_packing(Some(Packing::Lz4))?;
         let (channels, schemas) = (HashMap::new(), HashMap::new());
-        Ok(Self { writer: Some(writer), path: path.to_owned(), channels, schemas })
+        Ok(Self { live: None, writer: Some(writer), path: path.to_owned(), channels, schemas })
     }
 
     /// The path of the file.
@@ -70,7 +53,7 @@ impl Recorder {
 
     /// The size of the file so far, in bytes.
     pub(super) fn size(&self) -> u64 {
-        self.writer.as_ref().map_or(0, |writer| writer.output().size)
+        self.writer.as_ref().map_or(0, Writer::size)
     }
 
     /// Writes all events so far to the file.
@@ -83,24 +66,23 @@ impl Recorder {
         self.writer = None;
     }
 
-    /// Writes the end of the file. Returns its path and its size.
-    pub(super) fn finish(self) -> io::Result<(PathBuf, u64)> {
-        let Some(writer) = self.writer else { return Ok((self.path, 0)) };
-        let Counted { mut file, size } = writer.finish()?;
-        file.flush()?;
-        Ok((self.path, size))
+    /// Writes the end of the file. Returns the result of the check, if there is one.
+    pub(super) fn finish(self) -> io::Result<Option<CaptureResult>> {
+        if let Some(writer) = self.writer {
+            writer.finish()?.flush()?;
+        }
+        let size = std::fs::metadata(&self.path)?.len();
+        Ok(self.live.map(|live| live.finish(size)))
     }
 
-    /// Writes an event. `live` checks the same records.
-    pub(super) fn record(&mut self, event: &Event, live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+    /// Writes an event.
+    pub(super) fn record(&mut self, event: &Event) -> io::Result<()> {
         match event {
-            Event::Endpoint(endpoint) => self.metadata(ENDPOINT, &endpoint.to_values(), live),
-            Event::Ended(id) => self.metadata(ENDPOINT, &[("id".to_owned(), id.clone())].into(), live),
-            Event::Lost { topic, count } => self.lost(topic, *count, live),
-            Event::Unreadable(text) => {
-                self.metadata(UNREADABLE, &[("text".to_owned(), text.clone())].into(), live)
-            }
-            Event::Message(message) => self.message(message, live),
+            Event::Endpoint(endpoint) => self.metadata(ENDPOINT, &endpoint.to_values()),
+            Event::Ended(id) => self.metadata(ENDPOINT, &[("id".to_owned(), id.clone())].into()),
+            Event::Lost { topic, count } => self.lost(topic, *count),
+            Event::Unreadable(text) => self.metadata(UNREADABLE, &[("text".to_owned(), text.clone())].into()),
+            Event::Message(message) => self.message(message),
             // The probe writes notes and the reason of the end.
             Event::Problem(_) | Event::Closed(_) => Ok(()),
         }
@@ -108,41 +90,36 @@ impl Recorder {
 
     /// Writes a type of the application.
     pub(super) fn application(&mut self, ty: &ApplicationType) -> io::Result<()> {
-        self.metadata(APPLICATION, &ty.to_values(), None)
+        self.metadata(APPLICATION, &ty.to_values())
     }
 
     /// Writes a notable event.
-    pub(super) fn note(&mut self, text: &str, live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
-        self.metadata(NOTE, &[("text".to_owned(), text.to_owned())].into(), live)
+    pub(super) fn note(&mut self, text: &str) -> io::Result<()> {
+        self.metadata(NOTE, &[("text".to_owned(), text.to_owned())].into())
     }
 
     /// Writes the reason why the recording was cut short.
-    pub(super) fn cut_short(&mut self, reason: &str, live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
-        self.metadata(CUT_SHORT, &[("reason".to_owned(), reason.to_owned())].into(), live)
+    pub(super) fn cut_short(&mut self, reason: &str) -> io::Result<()> {
+        self.metadata(CUT_SHORT, &[("reason".to_owned(), reason.to_owned())].into())
     }
 
-    fn lost(&mut self, topic: &str, count: u64, live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+    fn lost(&mut self, topic: &str, count: u64) -> io::Result<()> {
         let values = [("count".to_owned(), count.to_string()), ("topic".to_owned(), topic.to_owned())];
-        self.metadata(LOST, &values.into(), live)
+        self.metadata(LOST, &values.into())
     }
 
-    fn metadata(
-        &mut self,
-        name: &str,
-        values: &BTreeMap<String, String>,
-        live: Option<&mut LiveBag<'_>>,
-    ) -> io::Result<()> {
+    fn metadata(&mut self, name: &str, values: &BTreeMap<String, String>) -> io::Result<()> {
         let body = metadata_body(name, values);
         if let Some(writer) = &mut self.writer {
             writer.metadata(&body)?;
         }
-        if let Some(live) = live {
+        if let Some(live) = &mut self.live {
             live.record(mcap::Event::Metadata { body: &body });
         }
         Ok(())
     }
 
-    fn message(&mut self, message: &Received, mut live: Option<&mut LiveBag<'_>>) -> io::Result<()> {
+    fn message(&mut self, message: &Received) -> io::Result<()> {
         let key = (message.topic.clone(), message.schema.clone(), message.encoding, message.is_own);
         let is_full = self.channels.len() >= MAX_CHANNELS;
         let (channel, sequence) = match self.channels.get_mut(&key) {
@@ -150,15 +127,15 @@ impl Recorder {
                 *sequence = sequence.wrapping_add(1);
                 (*id, *sequence)
             }
-            None if is_full => return self.lost(&key.0.name, 1, live),
-            None => (self.channel(key, live.as_deref_mut())?, 0),
+            None if is_full => return self.lost(&key.0.name, 1),
+            None => (self.channel(key)?, 0),
         };
         let (log_time, publish_time) = (message.time, message.time);
         if let Some(writer) = &mut self.writer {
             let header = MessageHeader { channel_id: channel, sequence, log_time, publish_time };
             writer.message(&header, &message.payload)?;
         }
-        if let Some(live) = live {
+        if let Some(live) = &mut self.live {
             let payload = &message.payload;
             live.record(mcap::Event::Message { channel, time: log_time, publish_time, sequence, payload });
         }
@@ -166,9 +143,9 @@ impl Recorder {
     }
 
     /// Declares a channel. Returns its id.
-    fn channel(&mut self, key: Key, mut live: Option<&mut LiveBag<'_>>) -> io::Result<u16> {
+    fn channel(&mut self, key: Key) -> io::Result<u16> {
         let (topic, schema, encoding, is_own) = &key;
-        let schema = self.schema(topic, schema.as_ref(), live.as_deref_mut())?;
+        let schema = self.schema(topic, schema.as_ref())?;
         let id = u16::try_from(self.channels.len()).map_err(io::Error::other)?;
         let encoding = match encoding {
             Encoding::Cdr => "cdr",
@@ -180,7 +157,7 @@ impl Recorder {
         if let Some(writer) = &mut self.writer {
             writer.channel((id, schema), (&topic.name, encoding), &metadata)?;
         }
-        if let Some(live) = live {
+        if let Some(live) = &mut self.live {
             let (topic, encoding) = (topic.name.to_string(), encoding.to_owned());
             live.record(mcap::Event::Channel { id, schema, topic, encoding, metadata });
         }
@@ -190,12 +167,7 @@ impl Recorder {
 
     /// Declares the schema of a topic. Returns its id. Most buses state only the name of the type: the text is empty
     /// then, as in the bags of `ros2 bag record`.
-    fn schema(
-        &mut self,
-        topic: &Topic,
-        schema: Option<&Arc<Schema>>,
-        live: Option<&mut LiveBag<'_>>,
-    ) -> io::Result<u16> {
+    fn schema(&mut self, topic: &Topic, schema: Option<&Arc<Schema>>) -> io::Result<u16> {
         let key = (Arc::clone(&topic.type_name), schema.cloned());
         if let Some(id) = self.schemas.get(&key) {
             return Ok(*id);
@@ -206,7 +178,7 @@ impl Recorder {
         if let Some(writer) = &mut self.writer {
             writer.schema(id, (&topic.type_name, encoding), text)?;
         }
-        if let Some(live) = live {
+        if let Some(live) = &mut self.live {
             let (name, encoding) = (topic.type_name.to_string(), encoding.to_owned());
             live.record(mcap::Event::Schema { id, name, encoding, text });
         }

@@ -29,12 +29,12 @@ pub(crate) trait Role {
     fn next_tick(&self) -> Option<u64>;
 
     /// Ends the role. Returns the last messages to send.
-    fn leave(&mut self, now: u64) -> Vec<Sent>;
-
-    /// Notable events for the report.
-    fn notes(&self) -> Vec<String> {
+    fn leave(&mut self) -> Vec<Sent> {
         Vec::new()
     }
+
+    /// Notable events for the report.
+    fn notes(&self) -> Vec<String>;
 }
 
 /// The purpose of a role.

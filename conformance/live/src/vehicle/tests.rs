@@ -1,7 +1,6 @@
 //! Tests of probes over a bus within the process.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::thread;
 
 use uavspec_model::{ApplicationType, Findings, Qos, Reliability};
@@ -51,19 +50,6 @@ fn fly_as(bus: &mut MemoryBus, flight: &Flight<'_>, has_hashes: bool, is_flown: 
     }
 }
 
-fn options(time: Duration, record: Option<&Path>) -> Options {
-    let record = record.map(Path::to_path_buf);
-    Options {
-        time,
-        topics: None,
-        role: None,
-        namespace: None,
-        application: None,
-        record,
-        is_stopped: Box::new(|| false),
-    }
-}
-
 /// The numbers of findings, by rule and subject.
 fn counts(findings: &Findings) -> BTreeMap<(&'static str, String), u64> {
     findings.groups().map(|group| ((group.rule.id, group.subject.clone()), group.count)).collect()
@@ -71,7 +57,7 @@ fn counts(findings: &Findings) -> BTreeMap<(&'static str, String), u64> {
 
 /// Probes while `act` uses the network. Also checks the recording, which must have the same findings.
 fn probed(time: Duration, act: impl FnOnce(&Network, &Clock) + Send) -> Checked {
-    probed_with(options(time, None), act)
+    probed_with(Options::new(time), act)
 }
 
 fn probed_with(options: Options, act: impl FnOnce(&Network, &Clock) + Send) -> Checked {
@@ -179,7 +165,7 @@ fn topics_that_appear_late_choose_the_release_again() {
 
 #[test]
 fn names_of_topics_show_the_release_of_a_vehicle_without_type_hashes() {
-    let options = Options { role: Some(Side::Component), ..options(LONG, None) };
+    let options = Options { role: Some(Side::Component), ..Options::new(LONG) };
     let found = probed_with(options, |network, clock| {
         let library = Library::release("px4@1.15").expect("a release");
         let mut flight = Flight::new(library.base());
@@ -195,7 +181,7 @@ fn names_of_topics_show_the_release_of_a_vehicle_without_type_hashes() {
 
 #[test]
 fn several_components_answer_the_same_requests() {
-    let options = Options { role: Some(Side::Component), ..options(LONG, None) };
+    let options = Options { role: Some(Side::Component), ..Options::new(LONG) };
     let found = probed_with(options, |network, clock| {
         let end = clock.now() + LONG;
         let is_over = || clock.now() > end;
@@ -225,7 +211,7 @@ fn only_selected_topics_are_received() {
         .add(globset::Glob::new("/fmu/out/failsafe*").expect("a pattern"))
         .build()
         .expect("patterns");
-    let options = Options { topics: Some(topics), ..options(TIME, None) };
+    let options = Options { topics: Some(topics), ..Options::new(TIME) };
     let flying = |network: &Network, clock: &Clock| {
         fly(&mut network.connect("/px4", clock), &Flight::new(&definitions), |_| true);
     };
@@ -238,7 +224,7 @@ fn only_selected_topics_are_received() {
 fn compared_with(release: &str) -> Checked {
     let library = Library::release(release).expect("a release");
     let application = ApplicationType::all(&library.base().schema);
-    let options = Options { application: Some(application), ..options(LONG, None) };
+    let options = Options { application: Some(application), ..Options::new(LONG) };
     probed_with(options, |network, clock| {
         let end = clock.now() + LONG;
         let is_over = || clock.now() > end;
@@ -267,7 +253,7 @@ fn an_application_with_the_definitions_of_the_vehicle_conforms() {
 /// Probes a reference participant of a release as the other one.
 fn probed_reference(release: &str, namespace: &str, side: Side) -> Checked {
     let role = if side == Side::Autopilot { Side::Component } else { Side::Autopilot };
-    probed_with(Options { role: Some(role), ..options(LONG, None) }, |network, clock| {
+    probed_with(Options { role: Some(role), ..Options::new(LONG) }, |network, clock| {
         let end = clock.now() + LONG;
         let is_over = || clock.now() > end;
         let library = Library::release(release).expect("a release");
@@ -303,7 +289,7 @@ fn roles_use_the_namespace_of_the_vehicle() {
 #[test]
 fn several_vehicles_require_a_choice() {
     let found =
-        probed_with(Options { role: Some(Side::Component), ..options(TIME, None) }, |network, clock| {
+        probed_with(Options { role: Some(Side::Component), ..Options::new(TIME) }, |network, clock| {
             for topic in ["/a/fmu/out/wind", "/b/fmu/out/wind"] {
                 network.send(&Event::Endpoint(Endpoint::publisher(topic)), usize::MAX);
             }
@@ -315,7 +301,7 @@ fn several_vehicles_require_a_choice() {
 
 #[test]
 fn vehicles_that_left_need_no_choice() {
-    let found = probed_with(Options { role: Some(Side::Component), ..options(TIME, None) }, |network, _| {
+    let found = probed_with(Options { role: Some(Side::Component), ..Options::new(TIME) }, |network, _| {
         let [gone, present] = ["/a/fmu/out/wind", "/b/fmu/out/wind"].map(Endpoint::publisher);
         let ended = Event::Ended(gone.id.clone());
         for event in [Event::Endpoint(gone), ended, Event::Endpoint(present)] {
@@ -404,7 +390,7 @@ fn refused_topics_and_late_losses_make_the_outcome_incomplete() {
     let (network, library) = (Network::default(), Library::built_in());
     let mut bus = Refusing(network.connect("/probe", &Clock::simulated()));
     network.send(&Event::Endpoint(Endpoint::publisher("/wind")), usize::MAX);
-    let found = probe(&mut bus, &library, &options(TIME, None), &|_| {}).expect("a result");
+    let found = probe(&mut bus, &library, &Options::new(TIME), &|_| {}).expect("a result");
     let lost = "3 messages of /wind were lost before they were recorded";
     assert_eq!(gaps(&found), ["/wind: refused", lost]);
     assert_eq!(outcome(found), OutcomeKind::Incomplete);

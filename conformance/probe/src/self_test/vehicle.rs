@@ -164,13 +164,10 @@ impl Case {
         // A component compares its definitions with those of the flight controller.
         let is_component = self.role == Some(Side::Component);
         let options = Options {
-            time: place.time,
-            topics: None,
-            namespace: None,
             role: self.role,
             application: is_component.then(|| ApplicationType::all(&library.newest_px4().schema)),
             record: Some(record.to_path_buf()),
-            is_stopped: Box::new(|| false),
+            ..Options::new(place.time)
         };
         thread::scope(|scope| {
             let references = (1..).zip(self.references).map(|(index, side)| {

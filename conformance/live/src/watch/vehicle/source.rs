@@ -1,20 +1,19 @@
 //! The sources of messages: live vehicles and captures.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use uavspec_capture::input::Input;
 use uavspec_check::timeline::Texts;
 use uavspec_check::{Checked, Summary, check_input};
-use uavspec_model::Qos;
 use uavspec_model::clock::Clock;
 use uavspec_model::text::plural;
 use uavspec_rules::definitions::Library;
 
 use super::TOPICS;
 use super::playback::{Playback, Watcher};
-use crate::bus::{Bus, Event, Publisher, Topic};
+use crate::bus::{Bus, Event};
 use crate::vehicle::{Options, observe};
 use crate::watch::fleet::Link;
 
@@ -44,18 +43,15 @@ pub fn watch_live(live: &Live<'_>, library: &Library, texts: &Texts, playback: &
                 playback.forget_channels();
                 playback.set_link(Link::Connected);
                 is_first = false;
-                let options = Options {
-                    time: MAX_TIME,
-                    topics: topics(),
-                    role: None,
-                    namespace: None,
-                    application: None,
-                    record: None,
-                    is_stopped: Box::new(live.is_stopped),
-                };
-                let mut tap = Tap { bus: &mut *bus, playback };
+                let is_stopped = Box::new(live.is_stopped);
+                let options = Options { topics: topics(), is_stopped, ..Options::new(MAX_TIME) };
                 let mut watcher = Watcher { playback, texts, clock: live.clock.clone() };
-                match observe(&mut tap, library, &options, &mut watcher) {
+                let on_event = |event: &Event| match event {
+                    Event::Lost { count, .. } => playback.lose(*count),
+                    Event::Unreadable(problem) | Event::Problem(problem) => playback.note(problem.clone()),
+                    Event::Endpoint(_) | Event::Ended(_) | Event::Message(_) | Event::Closed(_) => {}
+                };
+                match observe(&mut *bus, library, &options, &mut watcher, &on_event) {
                     Ok(reason) => reason.unwrap_or_default(),
                     Err(error) => format!("can't write a temporary file: {error}"),
                 }
@@ -79,48 +75,6 @@ fn topics() -> Option<GlobSet> {
         }
     }
     set.build().ok()
-}
-
-/// Notes the problems of a bus.
-struct Tap<'t> {
-    bus: &'t mut dyn Bus,
-    playback: &'t Playback,
-}
-
-impl Bus for Tap<'_> {
-    fn receive(&mut self, deadline: Instant) -> Option<Event> {
-        let event = self.bus.receive(deadline)?;
-        match &event {
-            Event::Lost { count, .. } => self.playback.lose(*count),
-            Event::Unreadable(problem) | Event::Problem(problem) => self.playback.note(problem.clone()),
-            Event::Endpoint(_) | Event::Ended(_) | Event::Message(_) | Event::Closed(_) => {}
-        }
-        Some(event)
-    }
-
-    fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
-        let subscribed = self.bus.subscribe(topic, qos);
-        if let Err(problem) = &subscribed {
-            self.playback.note(format!("{}: {problem}", topic.name));
-        }
-        subscribed
-    }
-
-    fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String> {
-        self.bus.advertise(topic, qos)
-    }
-
-    fn publish(&mut self, publisher: Publisher, payload: &[u8]) -> Result<(), String> {
-        self.bus.publish(publisher, payload)
-    }
-
-    fn clock(&self) -> Clock {
-        self.bus.clock()
-    }
-
-    fn is_matched_by_qos(&self) -> bool {
-        self.bus.is_matched_by_qos()
-    }
 }
 
 /// Replays a capture. `watcher` waits until a message is due.
