@@ -20,7 +20,7 @@ use uavspec_live::watch::codes::Codes;
 use uavspec_live::watch::fleet::{Fleet, Link};
 use uavspec_live::watch::list::table;
 use uavspec_live::watch::screen::{Screen, Step};
-use uavspec_live::watch::session::{Event, Session};
+use uavspec_live::watch::session::{self, Event};
 use uavspec_live::watch::view::{Scene, draw};
 use uavspec_model::clock::Clock;
 use uavspec_rules::definitions::Definitions;
@@ -153,18 +153,16 @@ fn watch_server(args: &WatchArgs, endpoint: &Endpoint) -> Exit {
     let access = Access::new(args.access.login.clone(), args.access.trust()?);
     let codes = Codes::new(&Definitions::built_in());
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
-    let session = {
+    let on_event = {
         let sender = sender.clone();
-        let on_event = move |event| sender.send(Input::Server(event, Clock::real().now())).is_ok();
-        Session::start(endpoint.clone(), access, on_event)
+        move |event| sender.send(Input::Server(event, Clock::real().now())).is_ok()
     };
-    let status = if args.once || !io::stdout().is_terminal() {
+    session::start(endpoint.clone(), access, on_event);
+    if args.once || !io::stdout().is_terminal() {
         watch_once(args.time.unwrap_or(TIME), endpoint, &codes, &inputs)
     } else {
         watch_live(endpoint, &codes, sender, &inputs).map(|()| Status::Conforms).map_err(unusable_terminal)
-    };
-    drop(session);
-    status
+    }
 }
 
 /// Waits until all UAVs have reported their state, and prints the table.

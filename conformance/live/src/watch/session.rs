@@ -1,6 +1,5 @@
 //! A thread that receives from a server, sends requests, and reconnects if the connection is lost.
 
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::time::Duration;
 use std::{io, thread};
 
@@ -19,7 +18,7 @@ const CONNECT_LIMIT: Duration = Duration::from_secs(10);
 /// requests every few seconds.
 const SILENCE_LIMIT: Duration = Duration::from_secs(15);
 
-/// The interval between checks for due requests and for the end of the session.
+/// The interval between checks for due requests.
 const POLL_INTERVAL: Duration = Duration::from_millis(100);
 
 /// The pause before the first attempt to reconnect. It doubles with each attempt.
@@ -42,97 +41,62 @@ pub enum Event {
     },
 }
 
-/// A thread that watches a server. The thread ends when the session is dropped.
-pub struct Session {
-    _end: Sender<()>,
-}
-
-impl Session {
-    /// Watches a server. The thread ends if `on_event` returns false. While `on_event` blocks, no messages are
-    /// received.
-    pub fn start(
-        endpoint: Endpoint,
-        access: Access,
-        on_event: impl FnMut(Event) -> bool + Send + 'static,
-    ) -> Self {
-        let (end, ended) = channel::<()>();
-        let is_over = move |pause| ended.recv_timeout(pause) == Err(RecvTimeoutError::Disconnected);
-        thread::spawn(move || {
-            let (on_event, is_over) = (Box::new(on_event), Box::new(is_over));
-            let mut watch = Watch { endpoint, access, on_event, is_over };
-            // The only possible error is that the session has ended.
-            let _ = watch.run();
-        });
-        Self { _end: end }
-    }
-}
-
-/// The session has ended.
-struct Closed;
-
-struct Watch {
-    endpoint: Endpoint,
-    access: Access,
-    on_event: Box<dyn FnMut(Event) -> bool + Send>,
-    /// Waits for some time, and returns true if the session has ended.
-    is_over: Box<dyn Fn(Duration) -> bool + Send>,
-}
-
-impl Watch {
-    fn run(&mut self) -> Result<(), Closed> {
+/// Watches a server in another thread, until `on_event` returns false. While `on_event` blocks, no messages are received.
+pub fn start(endpoint: Endpoint, access: Access, mut on_event: impl FnMut(Event) -> bool + Send + 'static) {
+    thread::spawn(move || {
+        let clock = Clock::real();
         let mut pause = FIRST_PAUSE;
         loop {
-            let mut has_received = false;
-            let reason = match connect_with(&self.endpoint, &self.access, Clock::real().now() + CONNECT_LIMIT)
-            {
-                Ok(mut client) => self.run_connection(&mut *client, &mut has_received)?,
+            let reason = match connect_with(&endpoint, &access, clock.now() + CONNECT_LIMIT) {
+                Ok(mut client) => {
+                    let poller = Poller::new(matches!(endpoint, Endpoint::Http { .. }), clock.now());
+                    let on_message = |message| {
+                        pause = FIRST_PAUSE;
+                        on_event(Event::Received(message))
+                    };
+                    let Some(reason) = run_connection(&mut *client, poller, on_message) else { return };
+                    reason
+                }
                 Err(error) => error.to_string(),
             };
-            if has_received {
-                pause = FIRST_PAUSE;
+            if !on_event(Event::Lost { reason, pause }) {
+                return;
             }
-            self.emit(Event::Lost { reason, pause })?;
-            if (self.is_over)(pause) {
-                return Err(Closed);
-            }
+            clock.sleep(pause);
             pause = (pause * 2).min(LAST_PAUSE);
         }
-    }
+    });
+}
 
-    /// Exchanges messages until the connection ends, and returns the reason.
-    fn run_connection(&mut self, client: &mut dyn Client, has_received: &mut bool) -> Result<String, Closed> {
-        let mut poller = Poller::new(matches!(self.endpoint, Endpoint::Http { .. }), Clock::real().now());
-        let mut last = Clock::real().now();
-        let mut close_reason = None;
-        loop {
-            if (self.is_over)(Duration::ZERO) {
-                return Err(Closed);
+/// Exchanges messages until the connection ends, and returns the reason. `None` if `on_message` returned false.
+fn run_connection(
+    client: &mut dyn Client,
+    mut poller: Poller,
+    mut on_message: impl FnMut(Message) -> bool,
+) -> Option<String> {
+    let clock = Clock::real();
+    let mut last = clock.now();
+    let mut close_reason = None;
+    loop {
+        let message = match exchange(client, &mut poller) {
+            Ok(Received::Message(bytes)) => Message::read(&bytes),
+            Ok(Received::OtherEvent(_)) => continue,
+            Ok(Received::TooLong) => Message { refs: None, content: Content::Unreadable },
+            Ok(Received::Silence) if clock.now() < last + SILENCE_LIMIT => continue,
+            Ok(Received::Silence) => return Some(format!("no message for {} s", SILENCE_LIMIT.as_secs())),
+            Ok(Received::End) => {
+                return Some(close_reason.unwrap_or_else(|| "the server closed the connection".to_owned()));
             }
-            let message = match exchange(client, &mut poller) {
-                Ok(Received::Message(bytes)) => Message::read(&bytes),
-                Ok(Received::OtherEvent(_)) => continue,
-                Ok(Received::TooLong) => Message { refs: None, content: Content::Unreadable },
-                Ok(Received::Silence) if Clock::real().now() < last + SILENCE_LIMIT => continue,
-                Ok(Received::Silence) => {
-                    return Ok(format!("no message for {} s", SILENCE_LIMIT.as_secs()));
-                }
-                Ok(Received::End) => {
-                    return Ok(close_reason.unwrap_or_else(|| "the server closed the connection".to_owned()));
-                }
-                Err(error) => return Ok(close_reason.unwrap_or_else(|| error.to_string())),
-            };
-            last = Clock::real().now();
-            *has_received = true;
-            poller.take(&message, last);
-            if let Content::Closing(reason) = &message.content {
-                close_reason = Some(format!("the server closed the connection: {reason}"));
-            }
-            self.emit(Event::Received(message))?;
+            Err(error) => return Some(close_reason.unwrap_or_else(|| error.to_string())),
+        };
+        last = clock.now();
+        poller.take(&message, last);
+        if let Content::Closing(reason) = &message.content {
+            close_reason = Some(format!("the server closed the connection: {reason}"));
         }
-    }
-
-    fn emit(&mut self, event: Event) -> Result<(), Closed> {
-        if (self.on_event)(event) { Ok(()) } else { Err(Closed) }
+        if !on_message(message) {
+            return None;
+        }
     }
 }
 

@@ -18,7 +18,7 @@ use uavspec_test_support::{deadline, extent, wait_for};
 use super::roster::UAV_LIMIT;
 use crate::watch::fleet::{Fleet, Link};
 use crate::watch::message::Content;
-use crate::watch::session::{Event, Session};
+use crate::watch::session::{self, Event};
 
 /// The transports, with the suffixes of their URLs.
 const TRANSPORTS: [(Transport, &str); 5] = [
@@ -33,7 +33,6 @@ const TRANSPORTS: [(Transport, &str); 5] = [
 struct Watched {
     fleet: Fleet,
     events: Receiver<Event>,
-    _session: Session,
     /// The number of notifications and the number of responses that contained states.
     reported: [usize; 2],
 }
@@ -45,10 +44,8 @@ impl Watched {
 
     fn with(url: &str, access: Access) -> Self {
         let (sender, events) = sync_channel(4);
-        let session = Session::start(url.parse().expect("an endpoint"), access, move |event| {
-            sender.send(event).is_ok()
-        });
-        Self { fleet: Fleet::default(), events, _session: session, reported: [0; 2] }
+        session::start(url.parse().expect("an endpoint"), access, move |event| sender.send(event).is_ok());
+        Self { fleet: Fleet::default(), events, reported: [0; 2] }
     }
 
     /// Processes events until a condition is met.
