@@ -34,7 +34,7 @@ pub use self::label::{Item, Label, Texts};
 use self::lane::Lanes;
 pub use self::lane::{Change, Lane, LaneKind, MAX_ALL_CHANGES, MAX_CHANGES, Part, Severity, Value};
 use self::px4::{Px4, TOPICS};
-pub use self::px4::{event_part, flags, number, required_flags, state_value, text, topic_name};
+pub use self::px4::{flags, number, reply_events, required_flags, state_value, text, topic_name};
 use self::session::{Session, TYPES};
 use crate::{
     CaptureResult, Checked, Clock, Observer, Part as CheckedPart, PartResult, Reading, ReleaseMatch, Summary,

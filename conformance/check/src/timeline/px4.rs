@@ -14,7 +14,7 @@ use uavspec_schema::msg::Dialect;
 use uavspec_schema::value::Value as ConstantValue;
 use uavspec_schema::{Form, MessageId};
 
-pub use self::arming::text;
+pub use self::arming::{reply_events, text};
 use self::requirements::Requirements;
 pub use self::requirements::required_flags;
 use super::context::Context;
@@ -445,7 +445,7 @@ fn event(values: DynamicView<'_>, subject: &str, context: &mut Context<'_>) {
 
 /// Describes an event. The upper 8 bits of its id are the component, and the other bits are the event's number. The id 0
 /// means no event.
-pub fn event_part(values: DynamicView<'_>) -> Option<Part> {
+fn event_part(values: DynamicView<'_>) -> Option<Part> {
     let id = number(values, "id").filter(|id| *id != 0)?;
     let levels = number(values, "log_levels");
     let levels = levels.map(|levels| format!(", log levels {} and {}", levels >> 4, levels & 0xf));

@@ -4,53 +4,36 @@ use std::collections::BTreeMap;
 
 use uavspec_rules::definitions::Definitions;
 use uavspec_runtime::Severity;
-
-/// An error code of the definitions.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Code {
-    /// The abbreviation for small displays.
-    pub abbreviation: Option<String>,
-    /// The meaning.
-    pub meaning: String,
-}
+use uavspec_schema::ErrorCode;
 
 /// The error codes of the definitions.
 #[derive(Clone, Debug, Default)]
-pub struct Codes(BTreeMap<u32, Code>);
+pub struct Codes(BTreeMap<u32, ErrorCode>);
 
 impl Codes {
     /// Collects the codes of all tables.
     pub fn new(definitions: &Definitions) -> Self {
         let tables = definitions.schema.packages.iter().flat_map(|package| &package.error_tables);
-        let codes = tables.flat_map(|table| &table.codes).map(|code| {
-            let known = Code { abbreviation: code.abbreviation.clone(), meaning: code.description.clone() };
-            (code.code, known)
-        });
-        Self(codes.collect())
+        Self(tables.flat_map(|table| &table.codes).map(|code| (code.code, code.clone())).collect())
     }
 
-    /// Looks up a code.
-    pub(crate) fn get(&self, code: u32) -> Option<&Code> {
-        self.0.get(&code)
+    fn abbreviation(&self, code: u32) -> Option<&str> {
+        self.0.get(&code)?.abbreviation.as_deref()
     }
 
     /// The abbreviation of a code, or its number.
     pub(crate) fn short(&self, code: u32) -> String {
-        let abbreviation = self.get(code).and_then(|known| known.abbreviation.clone());
-        abbreviation.unwrap_or_else(|| code.to_string())
+        self.abbreviation(code).map_or_else(|| code.to_string(), str::to_owned)
     }
 
     /// The number of a code, and its abbreviation if it has one.
     pub(crate) fn named(&self, code: u32) -> String {
-        match self.get(code).and_then(|known| known.abbreviation.as_deref()) {
-            Some(abbreviation) => format!("{code} {abbreviation}"),
-            None => code.to_string(),
-        }
+        self.abbreviation(code).map_or_else(|| code.to_string(), |short| format!("{code} {short}"))
     }
 
     /// The meaning of a code, or a note that it is unknown.
     pub(crate) fn meaning(&self, code: u32) -> &str {
-        self.get(code).map_or("unknown code", |known| &known.meaning)
+        self.0.get(&code).map_or("unknown code", |known| &known.description)
     }
 }
 

@@ -51,9 +51,10 @@ impl Uav {
 }
 
 /// The state of the connection.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Link {
     /// No message has been received yet.
+    #[default]
     Connecting,
     /// The server responds.
     Connected,
@@ -67,7 +68,7 @@ pub enum Link {
 }
 
 /// A fleet.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Fleet {
     /// The state of the connection.
     pub link: Link,
@@ -82,24 +83,10 @@ pub struct Fleet {
     /// True if the server has sent a list of its UAVs.
     has_list: bool,
     clock: Option<(Instant, i64)>,
+    /// The time of the first message.
+    first: Option<Instant>,
     rate: Rate,
     uavs: Roster<Uav>,
-}
-
-impl Default for Fleet {
-    fn default() -> Self {
-        Self {
-            link: Link::Connecting,
-            server: None,
-            remark: None,
-            unreadable: 0,
-            is_overfull: false,
-            has_list: false,
-            clock: None,
-            rate: Rate::default(),
-            uavs: Roster::default(),
-        }
-    }
 }
 
 impl Fleet {
@@ -116,7 +103,8 @@ impl Fleet {
             self.link = Link::Connected;
             self.remark = None;
         }
-        self.rate.count(now);
+        self.first.get_or_insert(now);
+        self.rate.count(self.elapsed(now));
         match message.content {
             Content::Server(server) => self.server = Some(server),
             Content::Time(time) => self.clock = Some((now, time)),
@@ -196,7 +184,12 @@ impl Fleet {
 
     /// The number of messages per second.
     pub(crate) fn rate(&self, now: Instant) -> f64 {
-        self.rate.per_second(now)
+        self.rate.per_second(self.elapsed(now))
+    }
+
+    /// The time since the first message.
+    fn elapsed(&self, now: Instant) -> Duration {
+        self.first.map_or(Duration::ZERO, |first| now.saturating_duration_since(first))
     }
 
     /// The number of UAVs whose most severe error code has this severity.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::state::{Battery, Field, Position};
+use super::state::{Battery, Field};
 
 /// The text for a missing value.
 pub(super) const MISSING_VALUE: &str = "-";
@@ -49,12 +49,8 @@ pub(super) fn fixed(number: i64, digits: u32, decimals: u32) -> String {
 }
 
 /// Latitude and longitude in degrees.
-pub(super) fn coordinates(position: Option<&Field<Position>>, decimals: u32) -> [String; 2] {
-    let degrees = |number| fixed(number, 7, decimals);
-    [
-        part(position, |position| &position.latitude, degrees),
-        part(position, |position| &position.longitude, degrees),
-    ]
+pub(super) fn coordinates(position: Option<&Field<[Field<i64>; 5]>>, decimals: u32) -> [String; 2] {
+    [0, 1].map(|at| part(position, |position| &position[at], |number| fixed(number, 7, decimals)))
 }
 
 /// Formats millimetres as metres.

@@ -7,63 +7,53 @@ use ratatui::text::Span;
 
 use super::codes::{Codes, severity_name};
 use super::fleet::{Fleet, Uav};
-use super::format::{MISSING_VALUE, age, charge, coordinates, field, metres, part, volts};
+use super::format::{MISSING_VALUE, field};
 use super::order::Order;
-use super::words::shown_id;
+use super::view::table::{Kind, text};
 
-const TITLES: [&str; 11] =
-    ["ID", "SEVERITY", "MODE", "VOLT", "CHARGE", "LATITUDE", "LONGITUDE", "AMSL", "AHL", "AGL", "AGE"];
+/// The columns with their titles.
+const COLUMNS: [(Kind, &str); 11] = [
+    (Kind::Id, "ID"),
+    (Kind::Severity, "SEVERITY"),
+    (Kind::Mode, "MODE"),
+    (Kind::Voltage, "VOLT"),
+    (Kind::Charge, "CHARGE"),
+    (Kind::Latitude, "LATITUDE"),
+    (Kind::Longitude, "LONGITUDE"),
+    (Kind::AboveSea, "AMSL"),
+    (Kind::AboveHome, "AHL"),
+    (Kind::AboveGround, "AGL"),
+    (Kind::Age, "AGE"),
+];
 
 /// Renders the table.
 pub fn table(fleet: &Fleet, codes: &Codes, now: Instant) -> String {
     let mut uavs: Vec<(&str, &Uav)> = fleet.uavs().collect();
     uavs.sort_by(|one, other| Order::Id.compare(*one, *other));
-    let rows: Vec<([String; 11], String)> =
-        uavs.iter().map(|(id, uav)| (cells(fleet, id, uav, now), errors(uav, codes))).collect();
-    let mut widths = TITLES.map(str::len);
-    for (cells, _) in &rows {
-        for (width, cell) in widths.iter_mut().zip(cells) {
-            *width = (*width).max(Span::raw(cell).width());
-        }
-    }
-    let mut table = line(&TITLES, &widths, "ERRORS");
+    let mut rows = vec![(COLUMNS.map(|(_, title)| title.to_owned()), "ERRORS".to_owned())];
+    rows.extend(uavs.into_iter().map(|(id, uav)| {
+        let cells = COLUMNS.map(|(kind, _)| match kind {
+            Kind::Severity => uav.worst().map_or(MISSING_VALUE, severity_name).to_owned(),
+            _ => text(fleet, (id, uav), kind, 7, now),
+        });
+        (cells, errors(uav, codes))
+    }));
+    let widths: [usize; 11] =
+        std::array::from_fn(|at| rows.iter().map(|(cells, _)| width(&cells[at])).max().unwrap_or_default());
+    let mut table = String::new();
     for (cells, errors) in &rows {
-        table.push_str(&line(&cells.each_ref().map(String::as_str), &widths, errors));
+        for (cell, column) in cells.iter().zip(widths) {
+            // `format!` pads by characters, not by display width.
+            let space = column - width(cell) + 2;
+            let _ = write!(table, "{cell}{:space$}", "");
+        }
+        let _ = writeln!(table, "{errors}");
     }
     table
 }
 
-fn line(cells: &[&str; 11], widths: &[usize; 11], last: &str) -> String {
-    let mut line = String::new();
-    for (cell, width) in cells.iter().zip(widths) {
-        // `format!` pads by characters, not by display width.
-        let space = width.saturating_sub(Span::raw(*cell).width()) + 2;
-        let _ = write!(line, "{cell}{:space$}", "");
-    }
-    line.push_str(last);
-    line.push('\n');
-    line
-}
-
-fn cells(fleet: &Fleet, id: &str, uav: &Uav, now: Instant) -> [String; 11] {
-    let state = uav.state.as_ref();
-    let position = state.map(|state| &state.position);
-    let battery = state.map(|state| &state.battery);
-    let [latitude, longitude] = coordinates(position, 7);
-    let mode = state.map_or_else(|| MISSING_VALUE.to_owned(), |state| field(&state.mode, Clone::clone));
-    [
-        shown_id(id),
-        uav.worst().map_or(MISSING_VALUE, severity_name).to_owned(),
-        mode,
-        part(battery, |battery| &battery.voltage, volts),
-        charge(battery),
-        latitude,
-        longitude,
-        part(position, |position| &position.above_sea, metres),
-        part(position, |position| &position.above_home, metres),
-        part(position, |position| &position.above_ground, metres),
-        age(fleet.age(uav, now)),
-    ]
+fn width(text: &str) -> usize {
+    Span::raw(text).width()
 }
 
 fn errors(uav: &Uav, codes: &Codes) -> String {

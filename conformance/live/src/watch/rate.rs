@@ -1,6 +1,6 @@
 //! The rate of messages.
 
-use std::time::Instant;
+use std::time::Duration;
 
 /// The number of seconds over which the rate is averaged.
 const WINDOW: u64 = 5;
@@ -11,16 +11,14 @@ const NUM_SECONDS: usize = 6;
 /// Counts messages per second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rate {
-    start: Option<Instant>,
     /// The most recent seconds and the number of messages in each, latest first.
     seconds: [(u64, u32); NUM_SECONDS],
 }
 
 impl Rate {
-    /// Counts a message.
-    pub(super) fn count(&mut self, now: Instant) {
-        let start = *self.start.get_or_insert(now);
-        let second = now.saturating_duration_since(start).as_secs();
+    /// Counts a message. `elapsed` is the time since the first one.
+    pub(super) fn count(&mut self, elapsed: Duration) {
+        let second = elapsed.as_secs();
         if self.seconds[0].0 != second {
             self.seconds.rotate_right(1);
             self.seconds[0] = (second, 0);
@@ -30,9 +28,8 @@ impl Rate {
     }
 
     /// The average number per second over the completed seconds of the window.
-    pub(super) fn per_second(&self, now: Instant) -> f64 {
-        let Some(start) = self.start else { return 0.0 };
-        let second = now.saturating_duration_since(start).as_secs();
+    pub(super) fn per_second(&self, elapsed: Duration) -> f64 {
+        let second = elapsed.as_secs();
         let window = second.saturating_sub(WINDOW)..second;
         let counted = self.seconds.iter().filter(|(second, _)| window.contains(second));
         let sum: u32 = counted.map(|(_, count)| *count).fold(0, u32::saturating_add);
@@ -43,16 +40,11 @@ impl Rate {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Duration;
-
-    use uavspec_model::clock::Clock;
-
     use super::*;
 
     #[test]
     fn averages_over_completed_seconds() {
-        let start = Clock::simulated().now();
-        let at = |seconds: f64| start + Duration::from_secs_f64(seconds);
+        let at = Duration::from_secs_f64;
         let mut rate = Rate::default();
         let per_second = |rate: &Rate, seconds: f64| format!("{:.2}", rate.per_second(at(seconds)));
         assert_eq!(per_second(&rate, 1.0), "0.00");

@@ -1,21 +1,21 @@
-//! The state of the screen: the page, the selected UAV, the order and the filter. Keys change this state.
+//! The states of the screens: the page, the selected UAV, the order and the filter. Keys change these states.
 
 use ratatui::crossterm::event::{KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
 
 use super::fleet::{Fleet, Uav};
 use super::order::Order;
-use super::words::shown_id;
+use super::words::truncated;
 
 /// The maximum length of the filter, in bytes.
 const FILTER_LIMIT: usize = 64;
 
-/// A page of the screen.
+/// A page of a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Page {
-    /// All UAVs.
+    /// All UAVs, or the vehicle.
     #[default]
-    Fleet,
-    /// All UAVs, while the user types a filter.
+    Main,
+    /// The main page, while the user types a filter.
     Filter,
     /// The details of one UAV.
     Details,
@@ -32,23 +32,95 @@ pub enum Step {
     Quit,
 }
 
-/// The state of the screen.
+/// The page, the filter and the scroll position of a screen.
 #[derive(Debug, Default)]
-pub struct Screen {
+pub struct Pages {
     /// The current page.
     pub page: Page,
+    /// The text that visible UAVs or flags must contain.
+    pub filter: String,
+    /// The first visible line.
+    pub first_line: usize,
+    /// The number of visible lines in the last frame.
+    pub height: usize,
+}
+
+impl Pages {
+    /// Handles a key that all screens have. Returns another key of the main page as an error.
+    pub(super) fn press(&mut self, key: KeyEvent) -> Result<Step, KeyCode> {
+        if key.kind == KeyEventKind::Release {
+            return Ok(Step::Stay);
+        }
+        if key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL) {
+            return Ok(Step::Quit);
+        }
+        match (self.page, key.code) {
+            (Page::Filter, KeyCode::Enter) => self.page = Page::Main,
+            (Page::Filter, KeyCode::Esc) => {
+                self.filter.clear();
+                self.page = Page::Main;
+            }
+            (Page::Filter, KeyCode::Backspace) => _ = self.filter.pop(),
+            (Page::Filter, KeyCode::Char(character)) => {
+                if !character.is_control() && self.filter.len() < FILTER_LIMIT {
+                    self.filter.push(character);
+                }
+            }
+            (_, KeyCode::Char('q')) => return Ok(Step::Quit),
+            // The first Esc clears the filter.
+            (Page::Main, KeyCode::Esc) if self.filter.is_empty() => return Ok(Step::Quit),
+            (Page::Main, KeyCode::Esc) => self.filter.clear(),
+            (Page::Main | Page::Details, KeyCode::Char('?')) => self.open(Page::Help),
+            (Page::Main, KeyCode::Char('/')) => self.open(Page::Filter),
+            (Page::Main | Page::Filter, other) => return Err(other),
+            (Page::Details, KeyCode::Esc | KeyCode::Enter | KeyCode::Backspace) => self.page = Page::Main,
+            (Page::Details, other) => _ = self.scroll(other),
+            (Page::Help, other) if self.scroll(other) => {}
+            (Page::Help, _) => self.open(Page::Main),
+        }
+        Ok(Step::Stay)
+    }
+
+    /// Shows the start of a page.
+    fn open(&mut self, page: Page) {
+        self.page = page;
+        self.first_line = 0;
+    }
+
+    /// Scrolls a page. Returns true if the key is a scroll key.
+    pub(super) fn scroll(&mut self, key: KeyCode) -> bool {
+        let line = self.moved(self.first_line, key);
+        self.first_line = line.unwrap_or(self.first_line);
+        line.is_some()
+    }
+
+    /// The place of a line after a scroll key. `None` for other keys.
+    fn moved(&self, line: usize, key: KeyCode) -> Option<usize> {
+        let page = self.height.max(1);
+        Some(match key {
+            KeyCode::Up | KeyCode::Char('k') => line.saturating_sub(1),
+            KeyCode::Down | KeyCode::Char('j') => line + 1,
+            KeyCode::PageUp => line.saturating_sub(page),
+            KeyCode::PageDown => line + page,
+            KeyCode::Home | KeyCode::Char('g') => 0,
+            // The caller reduces this value to the last line.
+            KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
+            _ => return None,
+        })
+    }
+}
+
+/// The state of the screen of a fleet.
+#[derive(Debug, Default)]
+pub struct Screen {
+    /// The page, the filter and the scroll position.
+    pub pages: Pages,
     /// The order of the UAVs.
     pub order: Order,
-    /// The text that the ids of visible UAVs must contain.
-    pub filter: String,
     /// The id of the selected UAV.
     pub selected: Option<String>,
     /// The first visible row of the list.
     pub first_row: usize,
-    /// The first visible line of the other pages.
-    pub first_line: usize,
-    /// The number of visible rows in the last frame.
-    pub height: usize,
     /// The selected UAV's row in the last frame. If the UAV leaves, this row determines which neighbour is selected.
     row: usize,
 }
@@ -56,8 +128,8 @@ pub struct Screen {
 impl Screen {
     /// The visible UAVs in order.
     pub(crate) fn rows<'f>(&self, fleet: &'f Fleet) -> Vec<(&'f str, &'f Uav)> {
-        let filter = self.filter.to_lowercase();
-        let matches = |id: &str| filter.is_empty() || shown_id(id).to_lowercase().contains(&filter);
+        let filter = self.pages.filter.to_lowercase();
+        let matches = |id: &str| filter.is_empty() || truncated(id).to_lowercase().contains(&filter);
         let mut rows: Vec<(&str, &Uav)> = fleet.uavs().filter(|(id, _)| matches(id)).collect();
         rows.sort_by(|one, other| self.order.compare(*one, *other));
         rows
@@ -65,7 +137,7 @@ impl Screen {
 
     /// Ensures that a row is selected and visible on a screen with `height` rows. Returns the selected row.
     pub(crate) fn select_row(&mut self, rows: &[(&str, &Uav)], height: usize) -> Option<usize> {
-        self.height = height;
+        self.pages.height = height;
         let last = rows.len().checked_sub(1)?;
         let selected = self.selected.as_deref();
         let found = rows.iter().position(|(id, _)| Some(*id) == selected);
@@ -80,127 +152,27 @@ impl Screen {
 
     /// Handles a key.
     pub fn press(&mut self, key: KeyEvent, fleet: &Fleet) -> Step {
-        if key.kind == KeyEventKind::Release {
-            return Step::Stay;
-        }
-        if key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL) {
-            return Step::Quit;
-        }
-        match self.page {
-            Page::Fleet => return self.press_on_fleet(key.code, fleet),
-            Page::Filter => self.press_on_filter(key.code, fleet),
-            Page::Details => return self.press_on_details(key.code),
-            Page::Help => match key.code {
-                KeyCode::Char('q') => return Step::Quit,
-                other if self.scroll(other) => {}
-                _ => self.page = Page::Fleet,
-            },
-        }
-        Step::Stay
-    }
-
-    fn press_on_fleet(&mut self, key: KeyCode, fleet: &Fleet) -> Step {
-        match key {
-            KeyCode::Char('q') => return Step::Quit,
-            // The first Esc clears the filter.
-            KeyCode::Esc if self.filter.is_empty() => return Step::Quit,
-            KeyCode::Esc => self.filter.clear(),
-            KeyCode::Char('?') => self.open(Page::Help),
-            KeyCode::Char('/') => self.page = Page::Filter,
-            KeyCode::Char('s') => {
+        match self.pages.press(key) {
+            Ok(step) => return step,
+            Err(KeyCode::Char('s')) => {
                 self.order = self.order.next();
                 // Select the first UAV in the new order.
                 self.first_row = 0;
                 self.row = 0;
                 self.selected = None;
             }
-            KeyCode::Enter if self.selected.is_some() => self.open(Page::Details),
-            other => self.move_selection(other, fleet),
+            Err(KeyCode::Enter) if self.selected.is_some() => self.pages.open(Page::Details),
+            Err(other) => self.move_selection(other, fleet),
         }
         Step::Stay
-    }
-
-    fn press_on_filter(&mut self, key: KeyCode, fleet: &Fleet) {
-        match key {
-            KeyCode::Enter => self.page = Page::Fleet,
-            KeyCode::Esc => {
-                self.filter.clear();
-                self.page = Page::Fleet;
-            }
-            other if typed(&mut self.filter, other) => {}
-            other => self.move_selection(other, fleet),
-        }
-    }
-
-    fn press_on_details(&mut self, key: KeyCode) -> Step {
-        match key {
-            KeyCode::Char('q') => return Step::Quit,
-            KeyCode::Char('?') => self.open(Page::Help),
-            KeyCode::Esc | KeyCode::Enter | KeyCode::Backspace => self.page = Page::Fleet,
-            other => {
-                self.scroll(other);
-            }
-        }
-        Step::Stay
-    }
-
-    /// Shows the start of a page.
-    fn open(&mut self, page: Page) {
-        self.page = page;
-        self.first_line = 0;
-    }
-
-    /// Scrolls a page. Returns true if the key is a scroll key.
-    fn scroll(&mut self, key: KeyCode) -> bool {
-        let line = scrolled(self.first_line, self.height, key);
-        self.first_line = line.unwrap_or(self.first_line);
-        line.is_some()
     }
 
     fn move_selection(&mut self, key: KeyCode, fleet: &Fleet) {
         let rows = self.rows(fleet);
-        let Some(row) = self.select_row(&rows, self.height) else { return };
-        let page = self.height.max(1);
-        let row = match key {
-            KeyCode::Up | KeyCode::Char('k') => row.saturating_sub(1),
-            KeyCode::Down | KeyCode::Char('j') => row + 1,
-            KeyCode::PageUp => row.saturating_sub(page),
-            KeyCode::PageDown => row + page,
-            KeyCode::Home | KeyCode::Char('g') => 0,
-            KeyCode::End | KeyCode::Char('G') => rows.len(),
-            _ => row,
-        };
-        let row = row.min(rows.len().saturating_sub(1));
-        self.selected = rows.get(row).map(|(id, _)| (*id).to_owned());
+        let Some(row) = self.select_row(&rows, self.pages.height) else { return };
+        let row = self.pages.moved(row, key).unwrap_or(row).min(rows.len() - 1);
+        self.selected = Some(rows[row].0.to_owned());
     }
-}
-
-/// The first visible line of a page after a scroll key. `None` for other keys.
-pub(super) fn scrolled(first_line: usize, height: usize, key: KeyCode) -> Option<usize> {
-    let page = height.max(1);
-    Some(match key {
-        KeyCode::Up | KeyCode::Char('k') => first_line.saturating_sub(1),
-        KeyCode::Down | KeyCode::Char('j') => first_line + 1,
-        KeyCode::PageUp => first_line.saturating_sub(page),
-        KeyCode::PageDown => first_line + page,
-        KeyCode::Home | KeyCode::Char('g') => 0,
-        // Drawing the page reduces this value to the last line.
-        KeyCode::End | KeyCode::Char('G') => usize::MAX / 2,
-        _ => return None,
-    })
-}
-
-/// Changes a filter by a key. Returns false if the key doesn't belong to a text.
-pub(super) fn typed(filter: &mut String, key: KeyCode) -> bool {
-    match key {
-        KeyCode::Backspace => _ = filter.pop(),
-        KeyCode::Char(character) if !character.is_control() && filter.len() < FILTER_LIMIT => {
-            filter.push(character);
-        }
-        KeyCode::Char(_) => {}
-        _ => return false,
-    }
-    true
 }
 
 #[cfg(test)]
@@ -277,7 +249,7 @@ mod tests {
         press(&mut screen, &fleet, &[typed('s'), typed('/'), typed('R'), typed('-'), typed('1'), typed('q')]);
         assert_eq!((screen.rows(&fleet).len(), screen.selected.as_deref()), (0, Some("glider-1")));
         press(&mut screen, &fleet, &[KeyCode::Backspace, KeyCode::Enter]);
-        assert_eq!((screen.rows(&fleet).len(), screen.page), (4, Page::Fleet));
+        assert_eq!((screen.rows(&fleet).len(), screen.pages.page), (4, Page::Main));
         assert_eq!(press(&mut screen, &fleet, &[KeyCode::Esc]), Step::Stay);
         assert_eq!(screen.rows(&fleet).len(), 12);
         assert_eq!(press(&mut screen, &fleet, &[KeyCode::Esc]), Step::Quit);
@@ -290,18 +262,20 @@ mod tests {
         for (key, page) in [
             (KeyCode::Enter, Page::Details),
             (KeyCode::Down, Page::Details),
-            (KeyCode::Esc, Page::Fleet),
+            (KeyCode::Esc, Page::Main),
             (typed('?'), Page::Help),
-            (typed('x'), Page::Fleet),
+            (typed('x'), Page::Main),
             (typed('/'), Page::Filter),
-            (KeyCode::Esc, Page::Fleet),
+            (KeyCode::Esc, Page::Main),
         ] {
             assert_eq!(press(&mut screen, &fleet, &[key]), Step::Stay);
-            assert_eq!(screen.page, page, "{key:?}");
+            assert_eq!(screen.pages.page, page, "{key:?}");
         }
         assert_eq!(press(&mut screen, &fleet, &[KeyCode::Enter, typed('q')]), Step::Quit);
         let interrupt = KeyEvent::new(typed('c'), KeyModifiers::CONTROL);
-        assert_eq!(Screen { page: Page::Filter, ..Screen::default() }.press(interrupt, &fleet), Step::Quit);
+        let mut screen = Screen::default();
+        screen.pages.page = Page::Filter;
+        assert_eq!(screen.press(interrupt, &fleet), Step::Quit);
     }
 
     #[test]

@@ -45,34 +45,6 @@ impl<T> Field<T> {
     }
 }
 
-/// The position of a UAV.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Position {
-    /// The latitude, in 1e-7 degrees.
-    pub latitude: Field<i64>,
-    /// The longitude, in 1e-7 degrees.
-    pub longitude: Field<i64>,
-    /// The altitude above mean sea level, in millimetres.
-    pub above_sea: Field<i64>,
-    /// The altitude above the home position, in millimetres.
-    pub above_home: Field<i64>,
-    /// The altitude above the ground, in millimetres.
-    pub above_ground: Field<i64>,
-}
-
-/// The satellite navigation data of a UAV.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Gps {
-    /// The kind of fix, from 0 to 7.
-    pub fix: Field<i64>,
-    /// The number of satellites.
-    pub satellites: Field<i64>,
-    /// The horizontal accuracy, in millimetres.
-    pub horizontal: Field<i64>,
-    /// The vertical accuracy, in millimetres.
-    pub vertical: Field<i64>,
-}
-
 /// The state of a battery.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Battery {
@@ -104,12 +76,14 @@ pub struct State {
     pub timestamp: Field<i64>,
     /// The mode.
     pub mode: Field<String>,
-    /// The global position.
-    pub position: Field<Position>,
+    /// Latitude and longitude in 1e-7 degrees, and the altitudes above mean sea level, the home position and the ground
+    /// in millimetres.
+    pub position: Field<[Field<i64>; 5]>,
     /// The position in local coordinates, in millimetres.
     pub position_xyz: Field<[Field<i64>; 3]>,
-    /// The satellite navigation data.
-    pub gps: Field<Gps>,
+    /// The kind of satellite fix from 0 to 7, the number of satellites, and the horizontal and vertical accuracy in
+    /// millimetres.
+    pub gps: Field<[Field<i64>; 4]>,
     /// The heading, in tenths of degrees.
     pub heading: Field<i64>,
     /// Roll, pitch and yaw, in tenths of degrees.
@@ -149,16 +123,20 @@ impl State {
             "id" => self.id = text(value),
             "timestamp" => self.timestamp = integer(value),
             "mode" => self.mode = text(value),
-            "position" => self.position = position(value),
-            "positionXYZ" => self.position_xyz = triple(value),
-            "gps" => self.gps = gps(value),
+            "position" => self.position = entries(value),
+            "positionXYZ" => self.position_xyz = entries(value),
+            "gps" => self.gps = entries(value),
             "heading" => self.heading = integer(value),
-            "attitude" => self.attitude = triple(value),
-            "velocity" => self.velocity = triple(value),
-            "velocityXYZ" => self.velocity_xyz = triple(value),
+            "attitude" => self.attitude = entries(value),
+            "velocity" => self.velocity = entries(value),
+            "velocityXYZ" => self.velocity_xyz = entries(value),
             "battery" => self.battery = battery(value),
             "light" => self.light = integer(value),
-            "rssi" => self.rssi = Field::new(list(value).map(|values| integers(values))),
+            "rssi" => {
+                self.rssi = Field::new(
+                    list(value).map(|values| values.iter().take(VALUE_LIMIT).map(integer).collect()),
+                )
+            }
             "errors" => self.errors = Field::new(list(value).map(errors)),
             "debug" => self.debug = text(value),
             other if self.others.len() < OTHER_LIMIT => {
@@ -187,31 +165,8 @@ fn entry(values: &[Tree<'_>], index: usize) -> Field<i64> {
     values.get(index).filter(|value| **value != Tree::Null).map_or(Field::Absent, integer)
 }
 
-fn integers(values: &[Tree<'_>]) -> Vec<Field<i64>> {
-    values.iter().take(VALUE_LIMIT).map(integer).collect()
-}
-
-fn triple(value: &Tree<'_>) -> Field<[Field<i64>; 3]> {
-    Field::new(list(value).map(|values| [0, 1, 2].map(|index| entry(values, index))))
-}
-
-fn position(value: &Tree<'_>) -> Field<Position> {
-    Field::new(list(value).map(|values| Position {
-        latitude: entry(values, 0),
-        longitude: entry(values, 1),
-        above_sea: entry(values, 2),
-        above_home: entry(values, 3),
-        above_ground: entry(values, 4),
-    }))
-}
-
-fn gps(value: &Tree<'_>) -> Field<Gps> {
-    Field::new(list(value).map(|values| Gps {
-        fix: entry(values, 0),
-        satellites: entry(values, 1),
-        horizontal: entry(values, 2),
-        vertical: entry(values, 3),
-    }))
+fn entries<const N: usize>(value: &Tree<'_>) -> Field<[Field<i64>; N]> {
+    Field::new(list(value).map(|values| std::array::from_fn(|index| entry(values, index))))
 }
 
 fn battery(value: &Tree<'_>) -> Field<Battery> {
@@ -253,10 +208,9 @@ mod tests {
                 "gps": {}, "heading": 3.5, "heading": 450, "wind": [1, 2], "rssi": [80, null]}"#,
         );
         assert_eq!(state.mode, Field::Invalid);
-        let position = state.position.known().expect("a list");
-        assert_eq!((&position.latitude, &position.longitude), (&Field::Known(504_980_000), &Field::Invalid));
-        let altitudes = [&position.above_sea, &position.above_home, &position.above_ground];
-        assert_eq!(altitudes, [&Field::Absent, &Field::Known(-1500), &Field::Absent]);
+        let position =
+            [Field::Known(504_980_000), Field::Invalid, Field::Absent, Field::Known(-1500), Field::Absent];
+        assert_eq!(state.position, Field::Known(position));
         let battery =
             Battery { voltage: Field::Absent, percent: Field::Absent, is_charging: Field::Known(true) };
         assert_eq!(state.battery, Field::Known(battery));

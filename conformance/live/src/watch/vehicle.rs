@@ -13,18 +13,16 @@ mod battery;
 mod components;
 mod flags;
 pub mod playback;
-pub mod screen;
 pub mod source;
 #[cfg(test)]
 pub(crate) mod tests;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use uavspec_check::timeline::{Part, Texts, number, state_value, topic_name};
 use uavspec_dynamic::DynamicView;
-use uavspec_model::clock::Clock;
 use uavspec_model::{Channel, Message};
 use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::Interest;
@@ -32,7 +30,7 @@ use uavspec_schema::MessageId;
 
 pub(crate) use self::battery::{Batteries, Battery};
 pub(crate) use self::components::{Component, Components, Readiness};
-pub(crate) use self::flags::{Flag, Flags, Known};
+pub(crate) use self::flags::{Flag, Flags, Groups, Known, filtered};
 use super::rate::Rate;
 
 /// The topics that the display needs.
@@ -84,8 +82,8 @@ pub struct Vehicle {
     /// The number of messages that can't be read, on the topics of the display.
     pub unreadable: u64,
     rate: Rate,
-    /// The time of the first message, by both clocks.
-    first: Option<(u64, Instant)>,
+    /// The time of the first message.
+    first: Option<u64>,
     channels: Vec<Option<(&'static str, MessageId)>>,
 }
 
@@ -191,16 +189,8 @@ impl Vehicle {
     fn count(&mut self, time: u64) {
         self.messages += 1;
         self.latest = Some(self.latest.map_or(time, |latest| latest.max(time)));
-        self.first.get_or_insert_with(|| (time, Clock::real().now()));
-        if let Some(now) = self.instant(time) {
-            self.rate.count(now);
-        }
-    }
-
-    /// The instant of a time in µs, on an arbitrary scale.
-    fn instant(&self, time: u64) -> Option<Instant> {
-        let (first, start) = self.first?;
-        start.checked_add(Duration::from_micros(time.saturating_sub(first)))
+        self.first.get_or_insert(time);
+        self.rate.count(self.elapsed(time));
     }
 
     /// True if a topic of the display has a message.
@@ -214,12 +204,12 @@ impl Vehicle {
 
     /// The number of messages per second.
     pub(crate) fn rate(&self, now: u64) -> f64 {
-        self.instant(now).map_or(0.0, |now| self.rate.per_second(now))
+        self.rate.per_second(self.elapsed(now))
     }
 
     /// The time from the first message to a time.
     pub(crate) fn elapsed(&self, now: u64) -> Duration {
-        Duration::from_micros(self.first.map_or(0, |(first, _)| now.saturating_sub(first)))
+        self.first.map_or(Duration::ZERO, |first| age(first, now))
     }
 }
 

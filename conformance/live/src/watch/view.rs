@@ -3,7 +3,7 @@
 mod details;
 mod foot;
 mod head;
-mod table;
+pub(super) mod table;
 mod theme;
 pub mod vehicle;
 mod wrap;
@@ -17,7 +17,8 @@ use ratatui::text::{Line, Span};
 use self::theme::Theme;
 use super::codes::Codes;
 use super::fleet::{Fleet, Uav};
-use super::screen::{Page, Screen};
+use super::screen::{Page, Pages, Screen};
+use super::words::truncated;
 
 /// The data to draw.
 #[derive(Debug)]
@@ -46,33 +47,71 @@ const MIDDLE_WIDTH: u16 = 80;
 /// The minimum height at which the table is followed by the error codes of the selected UAV.
 const NOTED_HEIGHT: u16 = 16;
 
+/// The gap between columns of lines.
+const GAP: u16 = 2;
+
+/// The keys, and an explanation of the columns.
+const KEYS: [(&str, &str); 8] = [
+    ("↑ ↓ j k", "move; also PgUp, PgDn, Home, End"),
+    ("Enter", "show details of the selected UAV; Enter or Esc returns"),
+    ("s", "sort by id, severity or charge"),
+    ("/", "filter by id; Esc clears the filter"),
+    ("?", "show this page"),
+    ("q", "quit; also Esc and Ctrl-C"),
+    ("", ""),
+    (
+        "",
+        "A dash means that the UAV doesn't report the value; ? means that the value has the wrong type. A plus after \
+          the charge means that the battery is charging. AMSL, AHL and AGL are altitudes in metres above mean sea \
+          level, the home position and the ground. AGE is the time since the last state; UAVs with an age of 10 \
+          seconds or more are dimmed. F, E, W and i show the severity of the most severe error code: fatal, error, \
+          warning or info. The description of this code is shown after the list of codes.",
+    ),
+];
+
 /// Draws the screen.
 pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen) {
     let area = frame.area();
-    let head = head::lines(scene, area.width);
+    let order = format!("sort: {}", screen.order.name());
+    let keys =
+        [("q", "quit"), ("s", &*order), ("/", "filter"), ("?", "help"), ("Enter", "details"), ("↑↓", "move")];
+    let foot = foot::line(&screen.pages, &keys, scene.theme(), area.width);
+    let middle = draw_frame(frame, head::lines(scene, area.width), foot);
+    match screen.pages.page {
+        Page::Main | Page::Filter => draw_fleet(frame, scene, screen, middle, area.height),
+        Page::Details => {
+            let id = screen.selected.as_deref().unwrap_or_default();
+            let lines = details::lines(scene, id, usize::from(middle.width));
+            draw_columns(frame, vec![lines], &mut screen.pages, middle);
+        }
+        Page::Help => {
+            draw_columns(frame, vec![foot::help(&KEYS, middle.width)], &mut screen.pages, middle);
+        }
+    }
+}
+
+/// Draws the first lines and the last line of a screen. Returns the area between them.
+fn draw_frame(frame: &mut Frame<'_>, head: Vec<Ends<'_>>, foot: Ends<'_>) -> Rect {
     let head_height = u16::try_from(head.len()).unwrap_or(u16::MAX);
     let parts = [Constraint::Length(head_height), Constraint::Min(0), Constraint::Length(1)];
-    let [top, middle, bottom] = Layout::vertical(parts).areas(area);
+    let [top, middle, bottom] = Layout::vertical(parts).areas(frame.area());
     for (line, row) in head.into_iter().zip(top.rows()) {
         line.draw(frame, row);
     }
-    match screen.page {
-        Page::Fleet | Page::Filter => draw_fleet(frame, scene, screen, middle, area.height),
-        Page::Details => {
-            let id = screen.selected.as_deref().unwrap_or_default();
-            draw_lines(frame, details::lines(scene, id, usize::from(middle.width)), screen, middle);
-        }
-        Page::Help => draw_lines(frame, foot::help(middle.width), screen, middle),
-    }
-    foot::line(screen, scene.theme(), bottom.width).draw(frame, bottom);
+    foot.draw(frame, bottom);
+    middle
 }
 
-/// Draws the visible lines of a page.
-fn draw_lines(frame: &mut Frame<'_>, lines: Vec<Line<'_>>, screen: &mut Screen, area: Rect) {
-    screen.height = usize::from(area.height);
-    screen.first_line = screen.first_line.min(lines.len().saturating_sub(screen.height));
-    for (line, row) in lines.into_iter().skip(screen.first_line).zip(area.rows()) {
-        frame.render_widget(line, row);
+/// Draws the visible lines of columns with the same width.
+fn draw_columns(frame: &mut Frame<'_>, columns: Vec<Vec<Line<'_>>>, pages: &mut Pages, area: Rect) {
+    pages.height = usize::from(area.height);
+    let longest = columns.iter().map(Vec::len).max().unwrap_or_default();
+    pages.first_line = pages.first_line.min(longest.saturating_sub(pages.height));
+    let areas = Layout::horizontal(columns.iter().map(|_| Constraint::Fill(1))).spacing(GAP).split(area);
+    for (lines, area) in columns.into_iter().zip(areas.iter()) {
+        for (line, row) in lines.into_iter().skip(pages.first_line).zip(area.rows()) {
+            frame.render_widget(wrap::clipped(line, usize::from(row.width)), row);
+        }
     }
 }
 
@@ -96,7 +135,7 @@ fn draw_fleet(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, are
 
 /// Draws the most severe error codes of a UAV, with their meanings.
 fn draw_note(frame: &mut Frame<'_>, scene: &Scene<'_>, id: &str, uav: &Uav, area: Rect) {
-    let mut lines = vec![Line::styled(super::words::shown_id(id), scene.theme().title())];
+    let mut lines = vec![Line::styled(truncated(id), scene.theme().title())];
     lines.extend(uav.refusal.iter().map(|reason| Line::raw(format!("no state: {reason}"))));
     lines.extend(uav.codes().iter().map(|code| table::describe_code(scene, *code)));
     for (line, row) in lines.into_iter().zip(area.rows()) {

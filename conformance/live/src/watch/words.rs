@@ -1,21 +1,13 @@
 //! Truncates and escapes texts from a server.
 
-use uavspec_model::text::shown;
+use uavspec_model::text::{shown, start_of};
 
 /// The maximum length of a text, in characters.
 const TEXT_LIMIT: usize = 80;
 
 /// Truncates a text, and escapes its special characters, so that the terminal shows it on one line.
 pub(super) fn truncated(text: &str) -> String {
-    match text.char_indices().nth(TEXT_LIMIT) {
-        None => shown(text),
-        Some((end, _)) => format!("{}…", shown(&text[..end])),
-    }
-}
-
-/// An id for display.
-pub(super) fn shown_id(id: &str) -> String {
-    truncated(id)
+    shown(&start_of(text, TEXT_LIMIT))
 }
 
 #[cfg(test)]

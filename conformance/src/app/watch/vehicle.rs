@@ -15,9 +15,8 @@ use ratatui::crossterm::event;
 use uavspec_check::timeline::Texts;
 use uavspec_live::bus::{self, Address};
 use uavspec_live::vehicle::remove_recordings;
-use uavspec_live::watch::screen::Step;
+use uavspec_live::watch::screen::{Pages, Step};
 use uavspec_live::watch::vehicle::playback::{Kind, Playback, Watcher};
-use uavspec_live::watch::vehicle::screen::{Command, Screen};
 use uavspec_live::watch::vehicle::source::{Live, replay, watch_live};
 use uavspec_live::watch::view::vehicle::{Scene, draw, text};
 use uavspec_model::clock::Clock;
@@ -176,30 +175,20 @@ fn print_once(playback: &Playback, labels: &Labels) -> Exit {
 fn show_vehicle(playback: &Playback, labels: &Labels) -> Exit {
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
     let is_coloured = has_colours();
-    let draw = |screen: &mut Screen, terminal: &mut DefaultTerminal, now| {
+    let draw = |pages: &mut Pages, terminal: &mut DefaultTerminal, now| {
         playback.show(|shown| {
             let Labels { source, language } = labels;
             let scene = Scene { shown, source, language, is_coloured, now };
-            terminal.draw(|frame| draw(frame, &scene, screen)).map(drop)
+            terminal.draw(|frame| draw(frame, &scene, pages)).map(drop)
         })?;
         Ok(if playback.problem().is_some() { Step::Quit } else { Step::Stay })
     };
-    let take = |screen: &mut Screen, input| match input {
-        Input::Terminal(Ok(event::Event::Key(key))) => {
-            let (step, command) = screen.press(key);
-            match command {
-                Some(Command::Pause) => playback.pause(),
-                Some(Command::Step) => playback.step(),
-                Some(Command::Faster) => playback.accelerate(true),
-                Some(Command::Slower) => playback.accelerate(false),
-                None => {}
-            }
-            step
-        }
+    let take = |pages: &mut Pages, input| match input {
+        Input::Terminal(Ok(event::Event::Key(key))) => playback.press(pages, key),
         Input::Terminal(_) | Input::Server(..) => Step::Stay,
         Input::End => Step::Quit,
     };
-    let shown = show(Screen::default(), (sender, &inputs), MAX_FRAME_TIME / 2, draw, take);
+    let shown = show(Pages::default(), (sender, &inputs), MAX_FRAME_TIME / 2, draw, take);
     shown.map_err(unusable_terminal)?;
     playback.problem().map_or(Ok(Status::Conforms), |problem| Err(failed(labels, &problem)))
 }

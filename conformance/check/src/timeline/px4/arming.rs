@@ -61,14 +61,7 @@ impl Arming {
         let Some(lane) = lane else { return };
         let can_run = number(values, VERDICT) != Some(0);
         let mut parts = vec![Part::new(if can_run { "true" } else { "false" }, None)];
-        if let Some(FieldValue::Array(events)) = values.get("events") {
-            let used = number(values, "num_events").and_then(|count| usize::try_from(count).ok());
-            let events = events.iter().take(used.unwrap_or_default());
-            parts.extend(events.filter_map(|event| match event {
-                FieldValue::Message(event) => event_part(event),
-                _ => None,
-            }));
-        }
+        parts.extend(reply_events(values));
         // The requirements of the mode, and the problems of the health component.
         for Defined { name, value, .. } in defined(id, values, context.definitions) {
             if matches!(value, FieldValue::Bool(true)) && name != VERDICT {
@@ -131,6 +124,18 @@ impl Arming {
             }
         }
     }
+}
+
+/// The events in a reply.
+pub fn reply_events(values: DynamicView<'_>) -> Vec<Part> {
+    let Some(FieldValue::Array(events)) = values.get("events") else { return Vec::new() };
+    let used = number(values, "num_events").and_then(|count| usize::try_from(count).ok());
+    let events = events.iter().take(used.unwrap_or_default());
+    let parts = events.filter_map(|event| match event {
+        FieldValue::Message(event) => event_part(event),
+        _ => None,
+    });
+    parts.collect()
 }
 
 /// The subject of a component's replies.

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use uavspec_check::timeline::{Part, event_part, number, text};
-use uavspec_dynamic::{DynamicView, Value as FieldValue};
+use uavspec_check::timeline::{Part, number, reply_events, text};
+use uavspec_dynamic::DynamicView;
 
 /// The maximum number of components. PX4 supports far fewer components.
 const MAX_COMPONENTS: usize = 64;
@@ -94,7 +94,7 @@ impl Components {
         let Some(id) = number(values, "registration_id") else { return false };
         let Some(component) = self.component(id) else { return false };
         let can_run = number(values, "can_arm_and_run").map(|value| value != 0);
-        let reasons = reasons(values);
+        let reasons = reply_events(values);
         let is_changed =
             component.can_run != can_run || component.reasons != reasons || component.unanswered >= LATE;
         component.replied = Some(time);
@@ -136,16 +136,4 @@ impl Components {
         let mut all = self.all.values();
         all.find(|component| component.mode == Some(mode)).and_then(|component| component.name.as_deref())
     }
-}
-
-/// The events in a reply.
-fn reasons(values: DynamicView<'_>) -> Vec<Part> {
-    let Some(FieldValue::Array(events)) = values.get("events") else { return Vec::new() };
-    let used = number(values, "num_events").and_then(|count| usize::try_from(count).ok());
-    let events = events.iter().take(used.unwrap_or_default());
-    let parts = events.filter_map(|event| match event {
-        FieldValue::Message(event) => event_part(event),
-        _ => None,
-    });
-    parts.collect()
 }

@@ -31,7 +31,7 @@ pub struct Flags {
 }
 
 /// The constant part of a flag.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Known {
     /// The name of the field.
     pub name: String,
@@ -47,10 +47,10 @@ pub(crate) struct Known {
 
 /// The value of a flag.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-struct State {
+pub(crate) struct State {
     number: i128,
     /// The value, if the field has constants.
-    value: Option<Value>,
+    pub value: Option<Value>,
     /// The modes that require the flag to be clear.
     modes: i128,
 }
@@ -60,22 +60,14 @@ struct State {
 pub(crate) struct Flag<'f> {
     /// The constant part.
     pub known: &'f Known,
-    /// The value, if the field has constants.
-    pub value: Option<&'f Value>,
+    /// The value.
+    pub state: &'f State,
     /// The severity. Flags that aren't set are normal.
     pub severity: Severity,
-    /// The number of modes that the flag blocks.
-    pub num_modes: u32,
 }
 
-/// Modes that can't run, for the same reasons.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Blocked {
-    /// The numbers of the modes.
-    pub modes: Vec<i128>,
-    /// The indices of the flags.
-    flags: Vec<usize>,
-}
+/// Flags by group.
+pub(crate) type Groups<'f> = Vec<Vec<Flag<'f>>>;
 
 impl Flags {
     /// Takes a message. Returns true if a flag or a requirement changes.
@@ -96,22 +88,17 @@ impl Flags {
         self.states.is_empty()
     }
 
-    /// All flags. In a mode, the flags that it requires to be clear are errors.
-    pub(crate) fn all(&self, mode: Option<i128>) -> impl Iterator<Item = Flag<'_>> {
-        let known = self.known.as_deref().unwrap_or_default();
-        known.iter().zip(&self.states).map(move |(known, state)| Flag {
-            known,
-            value: state.value.as_ref(),
-            severity: state.severity(known, mode),
-            num_modes: if state.number == 0 { 0 } else { state.modes.count_ones() },
-        })
+    /// All flags with their values.
+    fn all(&self) -> impl Iterator<Item = (&Known, &State)> {
+        self.known.as_deref().unwrap_or_default().iter().zip(&self.states)
     }
 
-    /// The flags by group, in the order of the definition.
-    fn groups(&self, mode: Option<i128>) -> Vec<Vec<Flag<'_>>> {
-        let mut groups: Vec<Vec<Flag<'_>>> = Vec::new();
-        for flag in self.all(mode) {
-            match groups.iter_mut().find(|group| group[0].known.group == flag.known.group) {
+    /// The flags by group, in the order of the definition. In a mode, the flags that it requires to be clear are errors.
+    fn groups(&self, mode: Option<i128>) -> Groups<'_> {
+        let mut groups: Groups<'_> = Vec::new();
+        for (known, state) in self.all() {
+            let flag = Flag { known, state, severity: state.severity(known, mode) };
+            match groups.iter_mut().find(|group| group[0].known.group == known.group) {
                 Some(group) => group.push(flag),
                 None => groups.push(vec![flag]),
             }
@@ -120,59 +107,57 @@ impl Flags {
     }
 
     /// The flags that are set, by group. The most severe come first.
-    pub(crate) fn set(&self, mode: Option<i128>) -> Vec<Vec<Flag<'_>>> {
-        let rank = |flag: &Flag<'_>| std::cmp::Reverse((flag.severity, flag.num_modes));
-        let mut groups = self.groups(mode);
+    pub(crate) fn set(&self, mode: Option<i128>) -> Groups<'_> {
+        let rank = |flag: &Flag<'_>| std::cmp::Reverse((flag.severity, flag.num_modes()));
+        let mut groups = filtered(self.groups(mode), |flag| flag.severity > Severity::Normal);
         for group in &mut groups {
-            group.retain(|flag| flag.severity > Severity::Normal);
             group.sort_by_key(rank);
         }
-        groups.retain(|group| !group.is_empty());
         groups.sort_by_key(|group| group.first().map(rank));
         groups
     }
 
     /// The flags that aren't set, by group. The requirements without a flag are left out.
-    pub(crate) fn clear(&self, mode: Option<i128>) -> Vec<Vec<Flag<'_>>> {
-        let mut groups = self.groups(mode);
-        for group in &mut groups {
-            group.retain(|flag| {
-                flag.severity == Severity::Normal && !flag.known.name.starts_with(REQUIREMENT)
-            });
-        }
-        groups.retain(|group| !group.is_empty());
-        groups
+    pub(crate) fn clear(&self, mode: Option<i128>) -> Groups<'_> {
+        filtered(self.groups(mode), |flag| {
+            flag.severity == Severity::Normal && !flag.known.name.starts_with(REQUIREMENT)
+        })
     }
 
-    /// The modes whose requirements aren't met. Modes with the same reasons are together.
-    pub(crate) fn blocked(&self) -> Vec<Blocked> {
-        let known = self.known.as_deref().unwrap_or_default();
-        let mut found: Vec<Blocked> = Vec::new();
+    /// The modes whose requirements aren't met, with the reasons. Modes with the same reasons are together.
+    pub(crate) fn blocked(&self) -> Vec<(Vec<i128>, Vec<&Known>)> {
+        let mut found: Vec<(Vec<i128>, Vec<&Known>)> = Vec::new();
         for mode in 0..NUM_MODES {
             // Modes such as Land can't be armed in, but they can run.
-            let is_blocking = |at: &usize| {
-                let state = &self.states[*at];
-                state.number != 0 && state.modes & (1 << mode) != 0 && known[*at].name != PREVENT_ARMING
+            let is_blocking = |(known, state): &(&Known, &State)| {
+                state.number != 0 && state.modes & (1 << mode) != 0 && known.name != PREVENT_ARMING
             };
-            let flags: Vec<usize> = (0..self.states.len()).filter(is_blocking).collect();
-            match found.iter_mut().find(|blocked| blocked.flags == flags) {
-                _ if flags.is_empty() => {}
-                Some(blocked) => blocked.modes.push(mode),
-                None => found.push(Blocked { modes: vec![mode], flags }),
+            let reasons: Vec<&Known> = self.all().filter(is_blocking).map(|(known, _)| known).collect();
+            match found.iter_mut().find(|(_, known)| *known == reasons) {
+                _ if reasons.is_empty() => {}
+                Some((modes, _)) => modes.push(mode),
+                None => found.push((vec![mode], reasons)),
             }
         }
         found
     }
 
-    /// The reasons for which modes can't run.
-    pub(crate) fn reasons(&self, blocked: &Blocked) -> impl Iterator<Item = &Known> {
-        let known = self.known.as_deref().unwrap_or_default();
-        blocked.flags.iter().filter_map(|at| known.get(*at))
-    }
-
     /// The name of a mode, if it is known.
     pub(crate) fn mode(&self, mode: i128) -> Option<&Part> {
         self.modes.get(&mode)
+    }
+}
+
+/// The flags that meet a condition. Groups without flags are left out.
+pub(crate) fn filtered<'f>(groups: Groups<'f>, is_kept: impl Fn(&Flag<'_>) -> bool) -> Groups<'f> {
+    let kept = groups.into_iter().map(|group| group.into_iter().filter(&is_kept).collect::<Vec<_>>());
+    kept.filter(|group| !group.is_empty()).collect()
+}
+
+impl Flag<'_> {
+    /// The number of modes that the flag blocks.
+    pub(crate) fn num_modes(&self) -> u32 {
+        if self.state.number == 0 { 0 } else { self.state.modes.count_ones() }
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use ratatui::crossterm::event::KeyCode;
 use serde_json::{Value, json};
 use uavspec_check::observe_capture;
 use uavspec_check::timeline::Severity;
@@ -22,6 +23,7 @@ use super::*;
 use crate::bus::memory::Network;
 use crate::bus::{Bus as _, Event, Topic};
 use crate::watch::fleet::Link;
+use crate::watch::screen::{Pages, Step};
 
 /// The round after which a component doesn't reply.
 const LAST_REPLY: u64 = 30;
@@ -135,7 +137,7 @@ fn flags_that_the_mode_requires_come_first() {
             ]
         );
         let blocked: Vec<Vec<i128>> =
-            shown.vehicle.flags.blocked().into_iter().map(|blocked| blocked.modes).collect();
+            shown.vehicle.flags.blocked().into_iter().map(|(modes, _)| modes).collect();
         assert_eq!(blocked, [vec![2, 4], vec![3], vec![5], vec![23]]);
     });
 }
@@ -187,6 +189,22 @@ fn batteries_state_their_charge_and_warning() {
     });
 }
 
+#[test]
+fn keys_control_the_playback() {
+    let playback = Playback::new(Kind::Replay, Clock::simulated());
+    let mut pages = Pages::default();
+    let mut press = |key: char| {
+        assert_eq!(playback.press(&mut pages, KeyCode::Char(key).into()), Step::Stay);
+        playback.show(|shown| (shown.state.is_paused, shown.state.speed()))
+    };
+    let states: Vec<_> = " p.+-----".chars().map(&mut press).collect();
+    let speeds = [1.0, 1.0, 1.0, 2.0, 1.0, 0.5, 0.25, 0.25, 0.25];
+    let is_paused = [true, false, true, true, true, true, true, true, true];
+    assert_eq!(states, is_paused.into_iter().zip(speeds).collect::<Vec<_>>());
+    assert!(press('/').0);
+    assert_eq!(press('p'), (true, 0.25), "it belongs to the filter");
+}
+
 /// Waits until a condition is met.
 fn wait_until(playback: &Playback, clock: &Clock, condition: impl Fn(&Shown<'_>) -> bool) {
     let end = clock.now() + Duration::from_secs(1_000);
@@ -217,10 +235,10 @@ fn replays_pause_step_and_continue() {
         let first = messages();
         playback.step();
         wait_until(&playback, &clock, |shown| shown.vehicle.messages > first);
-        assert!(playback.show(|shown| shown.is_paused && !shown.is_ended));
+        assert!(playback.show(|shown| shown.state.is_paused && shown.state.end.is_none()));
         playback.pause();
-        playback.accelerate(true);
-        wait_until(&playback, &clock, |shown| shown.is_ended);
+        playback.accelerate(1);
+        wait_until(&playback, &clock, |shown| shown.state.end.is_some());
         assert_eq!(playback.wait_for_end(), Ok(()));
         replaying.join().expect("no panic");
     });
@@ -294,11 +312,11 @@ fn live_vehicles_are_shown_and_reconnected() {
         });
         network.send(&Event::Lost { topic: "/fmu/out/failsafe_flags".into(), count: 7 }, usize::MAX);
         network.send(&Event::Problem("a broken datagram".to_owned()), usize::MAX);
-        wait_until(&playback, &clock, |shown| shown.lost == 7 && shown.notes.len() == 1);
+        wait_until(&playback, &clock, |shown| shown.state.lost == 7 && shown.state.notes.len() == 1);
         playback.pause();
         let messages = playback.show(|shown| shown.vehicle.messages);
         fly(20);
-        wait_until(&playback, &clock, |shown| shown.waiting > 0);
+        wait_until(&playback, &clock, |shown| !shown.state.waiting.is_empty());
         assert_eq!(playback.show(|shown| shown.vehicle.messages), messages, "the display is paused");
         playback.step();
         assert!(playback.show(|shown| shown.vehicle.messages) > messages);
@@ -307,9 +325,9 @@ fn live_vehicles_are_shown_and_reconnected() {
         wait_until(
             &playback,
             &clock,
-            |shown| matches!(shown.link, Link::Lost { reason, .. } if reason == "the vehicle left"),
+            |shown| matches!(&shown.state.link, Link::Lost { reason, .. } if reason == "the vehicle left"),
         );
-        wait_until(&playback, &clock, |shown| *shown.link == Link::Connected);
+        wait_until(&playback, &clock, |shown| shown.state.link == Link::Connected);
         drop(stop);
         watching.join().expect("no panic");
     });

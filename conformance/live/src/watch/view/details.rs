@@ -7,19 +7,19 @@ use super::super::codes::severity_name;
 use super::super::format::{
     INVALID_VALUE, MISSING_VALUE, age, coordinates, field, fixed, metres, number, volts,
 };
-use super::super::state::{Battery, Errors, Field, Gps, Position, State};
-use super::super::words::shown_id;
+use super::super::state::{Battery, Errors, Field, State};
+use super::super::words::truncated;
 use super::Scene;
-use super::wrap::wrapped;
+use super::wrap::labelled;
 
 /// The width of the column of field names.
 const INDENT: usize = 13;
 
 pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'static>> {
     let Some(uav) = scene.fleet.get(id) else {
-        return vec![Line::raw(format!("{} has left the fleet", shown_id(id)))];
+        return vec![Line::raw(format!("{} has left the fleet", truncated(id)))];
     };
-    let mut lines = vec![Line::styled(shown_id(id), scene.theme().title())];
+    let mut lines = vec![Line::styled(truncated(id), scene.theme().title())];
     let received = age(scene.fleet.age(uav, scene.now));
     let mut fields = vec![(
         "reported",
@@ -32,29 +32,24 @@ pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'stat
         fields.extend(others);
     }
     for (name, value) in fields {
-        lines.extend(labelled(name, &value, width));
+        lines.extend(row(name, value, width));
     }
     if let Some(state) = &uav.state {
         match &state.errors {
             Field::Known(errors) => lines.extend(describe_errors(scene, errors, width)),
-            other => lines.extend(labelled("errors", &field(other, |_| String::new()), width)),
+            other => lines.extend(row("errors", field(other, |_| String::new()), width)),
         }
     }
     lines
 }
 
 /// A field, wrapped into lines.
-fn labelled(name: &str, value: &str, width: usize) -> Vec<Line<'static>> {
-    let parts = wrapped(value, width.saturating_sub(INDENT));
-    let lines = parts.into_iter().enumerate().map(|(number, part)| {
-        let name = if number == 0 { name } else { "" };
-        Line::raw(format!("{name:INDENT$}{part}"))
-    });
-    lines.collect()
+fn row(name: &str, value: String, width: usize) -> Vec<Line<'static>> {
+    labelled(name, value, INDENT, width)
 }
 
 fn values(state: &State, id: &str) -> Vec<(&'static str, String)> {
-    let own_id = field(&state.id, |own| if *own == shown_id(id) { "same".to_owned() } else { own.clone() });
+    let own_id = field(&state.id, |own| if *own == truncated(id) { "same".to_owned() } else { own.clone() });
     vec![
         ("own id", own_id),
         ("timestamp", number(&state.timestamp, |time| format!("{time} ms"))),
@@ -74,21 +69,16 @@ fn values(state: &State, id: &str) -> Vec<(&'static str, String)> {
     ]
 }
 
-fn position(position: &Field<Position>) -> String {
-    if position.known().is_none() {
-        return field(position, |_| String::new());
-    }
-    let [latitude, longitude] = coordinates(Some(position), 7);
-    format!("latitude {latitude}°, longitude {longitude}°")
+fn position(position: &Field<[Field<i64>; 5]>) -> String {
+    field(position, |_| {
+        let [latitude, longitude] = coordinates(Some(position), 7);
+        format!("latitude {latitude}°, longitude {longitude}°")
+    })
 }
 
-fn altitudes(position: &Field<Position>) -> String {
-    field(position, |position| {
-        let heights = [
-            (&position.above_sea, "mean sea level"),
-            (&position.above_home, "home"),
-            (&position.above_ground, "ground"),
-        ];
+fn altitudes(position: &Field<[Field<i64>; 5]>) -> String {
+    field(position, |[_, _, sea, home, ground]| {
+        let heights = [(sea, "mean sea level"), (home, "home"), (ground, "ground")];
         let heights =
             heights.map(|(height, reference)| format!("{} m above {reference}", number(height, metres)));
         heights.join(", ")
@@ -118,13 +108,13 @@ fn speed(value: i64) -> String {
     format!("{} m/s", metres(value))
 }
 
-fn gps(gps: &Gps) -> String {
+fn gps([fix, satellites, horizontal, vertical]: &[Field<i64>; 4]) -> String {
     format!(
         "fix {}, {} satellites, accuracy {} m horizontal and {} m vertical",
-        number(&gps.fix, integer),
-        number(&gps.satellites, integer),
-        number(&gps.horizontal, metres),
-        number(&gps.vertical, metres),
+        number(fix, integer),
+        number(satellites, integer),
+        number(horizontal, metres),
+        number(vertical, metres),
     )
 }
 
@@ -156,20 +146,19 @@ fn signals(values: &[Field<i64>]) -> String {
 fn describe_errors(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line<'static>> {
     let mut lines = Vec::new();
     if errors.codes.is_empty() && errors.invalid == 0 {
-        lines.extend(labelled("errors", "none", width));
+        lines.extend(row("errors", "none".to_owned(), width));
     }
     for code in &errors.codes {
         let severity = Severity::of(*code);
         let name = format!("{:<8}{}", severity_name(severity), scene.codes.named(*code));
         lines.push(Line::default());
         lines.push(Line::from(Span::styled(name, scene.theme().severity(severity))));
-        let meaning = wrapped(scene.codes.meaning(*code), width.saturating_sub(8));
-        lines.extend(meaning.into_iter().map(|part| Line::raw(format!("{:8}{part}", ""))));
+        lines.extend(labelled("", scene.codes.meaning(*code), 8, width));
     }
     if errors.invalid > 0 || errors.more > 0 {
         let text =
             format!("{INVALID_VALUE}: {} of the wrong type, {} not shown", errors.invalid, errors.more);
-        lines.extend(labelled("errors", &text, width));
+        lines.extend(row("errors", text, width));
     }
     lines
 }

@@ -8,33 +8,59 @@ use uavspec_runtime::Severity;
 
 use super::super::codes::{severity_letter, severity_name};
 use super::super::fleet::Link;
+use super::theme::Theme;
 use super::{Ends, MIDDLE_WIDTH, Scene, spaced};
+
+/// The lines above a page.
+pub(super) struct Head<'h> {
+    /// The source of the messages.
+    pub(super) source: Span<'h>,
+    /// The software of the source.
+    pub(super) software: Span<'h>,
+    /// The state of the connection.
+    pub(super) link: Line<'h>,
+    /// The state of the fleet or the vehicle.
+    pub(super) state: Line<'h>,
+    /// The rate of messages.
+    pub(super) rate: String,
+    /// Problems and remarks.
+    pub(super) problems: Vec<String>,
+}
+
+impl<'h> Head<'h> {
+    pub(super) fn lines(self, theme: Theme, width: u16) -> Vec<Ends<'h>> {
+        let mut lines = if width < MIDDLE_WIDTH {
+            vec![
+                Ends::new(self.source, self.link),
+                Ends::new(self.software, self.rate),
+                Ends::new(self.state, Line::default()),
+            ]
+        } else {
+            vec![Ends::new(spaced([self.source, self.software]), self.link), Ends::new(self.state, self.rate)]
+        };
+        let problems = self.problems.into_iter().map(|problem| Line::styled(problem, theme.server_error()));
+        lines.extend(problems.map(|problem| Ends::new(problem, Line::default())));
+        lines
+    }
+}
 
 pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
     let theme = scene.theme();
-    let url = Span::styled(scene.url, theme.title());
-    let server = Span::raw(scene.fleet.server.as_deref().unwrap_or_default());
-    let link = Line::styled(link_text(&scene.fleet.link, scene.now), theme.link(&scene.fleet.link));
-    let rate = scene.fleet.rate(scene.now);
-    let rate = if rate < 100.0 { format!("{rate:.1}") } else { format!("{rate:.0}") };
-    let mut lines = if width < MIDDLE_WIDTH {
-        vec![
-            Ends::new(url, link),
-            Ends::new(server, format!("{rate} msg/s")),
-            Ends::new(counts(scene, severity_letter), Line::default()),
-        ]
-    } else {
-        vec![
-            Ends::new(spaced([url, server]), link),
-            Ends::new(counts(scene, severity_name), format!("{rate} messages/s")),
-        ]
+    let head = Head {
+        source: Span::styled(scene.url, theme.title()),
+        software: Span::raw(scene.fleet.server.as_deref().unwrap_or_default()),
+        link: Line::styled(link_text(&scene.fleet.link, scene.now), theme.link(&scene.fleet.link)),
+        state: counts(scene, if width < MIDDLE_WIDTH { severity_letter } else { severity_name }),
+        rate: rate_text(scene.fleet.rate(scene.now), width),
+        problems: server_errors(scene),
     };
-    lines.extend(
-        server_errors(scene)
-            .into_iter()
-            .map(|server_error| Ends::new(Line::styled(server_error, theme.server_error()), Line::default())),
-    );
-    lines
+    head.lines(theme, width)
+}
+
+/// A rate of messages.
+pub(super) fn rate_text(rate: f64, width: u16) -> String {
+    let unit = if width < MIDDLE_WIDTH { "msg/s" } else { "messages/s" };
+    if rate < 100.0 { format!("{rate:.1} {unit}") } else { format!("{rate:.0} {unit}") }
 }
 
 /// The state of a connection.

@@ -1,6 +1,6 @@
 //! The table of the fleet, with the columns that fit the screen.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Rect};
@@ -10,12 +10,12 @@ use ratatui::widgets::{Row, Table};
 use uavspec_runtime::Severity;
 
 use super::super::codes::{severity_letter, severity_name};
-use super::super::fleet::{Link, Uav};
+use super::super::fleet::{Fleet, Link, Uav};
 use super::super::format::{
     INVALID_VALUE, MISSING_VALUE, age, charge, coordinates, field, first_sentence, metres, part, volts,
 };
 use super::super::screen::Screen;
-use super::super::words::shown_id;
+use super::super::words::truncated;
 use super::wrap::clipped;
 use super::{MIDDLE_WIDTH, Scene};
 
@@ -27,7 +27,7 @@ const STALE: Duration = Duration::from_secs(10);
 
 /// The content of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+pub(in crate::watch) enum Kind {
     Id,
     Mark,
     Severity,
@@ -53,7 +53,7 @@ struct Column {
     has_numbers: bool,
 }
 
-const fn text(kind: Kind, title: &'static str, width: u16) -> Column {
+const fn word(kind: Kind, title: &'static str, width: u16) -> Column {
     Column { kind, title, width, has_numbers: false }
 }
 
@@ -64,33 +64,33 @@ const fn number(kind: Kind, title: &'static str, width: u16) -> Column {
 /// The columns of narrow screens. The first column is as wide as the longest id, up to the given width. The last column
 /// uses the remaining space.
 const NARROW_COLUMNS: [Column; 6] = [
-    text(Kind::Id, "ID", 12),
-    text(Kind::Mark, "", 1),
-    text(Kind::Mode, "MODE", 7),
+    word(Kind::Id, "ID", 12),
+    word(Kind::Mark, "", 1),
+    word(Kind::Mode, "MODE", 7),
     number(Kind::Charge, "BAT", 5),
     number(Kind::Age, "AGE", 5),
-    text(Kind::Errors, "ERRORS", 0),
+    word(Kind::Errors, "ERRORS", 0),
 ];
 
 /// The columns of screens of medium width.
 const MEDIUM_COLUMNS: [Column; 10] = [
-    text(Kind::Id, "ID", 16),
-    text(Kind::Mark, "", 1),
-    text(Kind::Mode, "MODE", 8),
+    word(Kind::Id, "ID", 16),
+    word(Kind::Mark, "", 1),
+    word(Kind::Mode, "MODE", 8),
     number(Kind::Voltage, "VOLT", 4),
     number(Kind::Charge, "BAT", 5),
     number(Kind::Latitude, "LAT", 9),
     number(Kind::Longitude, "LON", 10),
     number(Kind::AboveHome, "AHL", 6),
     number(Kind::Age, "AGE", 5),
-    text(Kind::Errors, "ERRORS", 0),
+    word(Kind::Errors, "ERRORS", 0),
 ];
 
 /// The columns of wide screens.
 const WIDE_COLUMNS: [Column; 12] = [
-    text(Kind::Id, "ID", 24),
-    text(Kind::Severity, "SEVERITY", 8),
-    text(Kind::Mode, "MODE", 10),
+    word(Kind::Id, "ID", 24),
+    word(Kind::Severity, "SEVERITY", 8),
+    word(Kind::Mode, "MODE", 10),
     number(Kind::Voltage, "VOLT", 4),
     number(Kind::Charge, "BAT", 5),
     number(Kind::Latitude, "LATITUDE", 11),
@@ -99,7 +99,7 @@ const WIDE_COLUMNS: [Column; 12] = [
     number(Kind::AboveHome, "AHL", 6),
     number(Kind::AboveGround, "AGL", 6),
     number(Kind::Age, "AGE", 5),
-    text(Kind::Errors, "ERRORS", 0),
+    word(Kind::Errors, "ERRORS", 0),
 ];
 
 pub(super) fn draw(
@@ -131,7 +131,7 @@ fn columns<'i>(width: u16, ids: impl Iterator<Item = &'i str>) -> Vec<Column> {
         MIDDLE_WIDTH..WIDE_WIDTH => MEDIUM_COLUMNS.to_vec(),
         WIDE_WIDTH.. => WIDE_COLUMNS.to_vec(),
     };
-    let longest = ids.map(|id| Span::raw(shown_id(id)).width()).max().unwrap_or_default();
+    let longest = ids.map(|id| Span::raw(truncated(id)).width()).max().unwrap_or_default();
     let longest = u16::try_from(longest).unwrap_or(u16::MAX);
     if let Some(first) = columns.first_mut() {
         first.width = longest.clamp(2, first.width);
@@ -155,13 +155,27 @@ fn is_stale(scene: &Scene<'_>, uav: &Uav) -> bool {
 }
 
 fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
+    match kind {
+        Kind::Mark | Kind::Severity => severity(scene, uav, kind == Kind::Mark),
+        Kind::Errors => errors(scene, uav),
+        // One unit in the fifth decimal place is about one metre.
+        _ => Line::raw(text(scene.fleet, (id, uav), kind, 5, scene.now)),
+    }
+}
+
+/// The text of a cell, unless it has several styles. `decimals` are those of coordinates.
+pub(in crate::watch) fn text(
+    fleet: &Fleet,
+    (id, uav): (&str, &Uav),
+    kind: Kind,
+    decimals: u32,
+    now: Instant,
+) -> String {
     let state = uav.state.as_ref();
     let (position, battery) = (state.map(|state| &state.position), state.map(|state| &state.battery));
-    // One unit in the fifth decimal place is about one metre.
-    let [latitude, longitude] = coordinates(position, 5);
-    let text = match kind {
-        Kind::Id => shown_id(id),
-        Kind::Mark | Kind::Severity => return severity(scene, uav, kind == Kind::Mark),
+    let [latitude, longitude] = coordinates(position, decimals);
+    match kind {
+        Kind::Id => truncated(id),
         Kind::Mode => {
             state.map_or_else(|| MISSING_VALUE.to_owned(), |state| field(&state.mode, Clone::clone))
         }
@@ -169,13 +183,12 @@ fn cell<'c>(scene: &Scene<'_>, id: &str, uav: &Uav, kind: Kind) -> Line<'c> {
         Kind::Charge => charge(battery),
         Kind::Latitude => latitude,
         Kind::Longitude => longitude,
-        Kind::AboveSea => part(position, |position| &position.above_sea, metres),
-        Kind::AboveHome => part(position, |position| &position.above_home, metres),
-        Kind::AboveGround => part(position, |position| &position.above_ground, metres),
-        Kind::Age => age(scene.fleet.age(uav, scene.now)),
-        Kind::Errors => return errors(scene, uav),
-    };
-    Line::raw(text)
+        Kind::AboveSea => part(position, |[_, _, sea, ..]| sea, metres),
+        Kind::AboveHome => part(position, |[.., home, _]| home, metres),
+        Kind::AboveGround => part(position, |[.., ground]| ground, metres),
+        Kind::Age => age(fleet.age(uav, now)),
+        Kind::Mark | Kind::Severity | Kind::Errors => String::new(),
+    }
 }
 
 /// The highest severity, as a letter or a word.

@@ -6,20 +6,15 @@ mod sections;
 use std::time::Instant;
 
 use ratatui::Frame;
-use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::Line;
 
-use super::foot::{help_lines, keys_line};
 use super::theme::Theme;
-use super::{Ends, wrap};
+use super::{GAP, draw_columns, draw_frame, foot};
+use crate::watch::screen::{Page, Pages};
 use crate::watch::vehicle::playback::{Kind, Shown};
-use crate::watch::vehicle::screen::{Page, Screen};
 
 /// The minimum width at which the sections are in two columns.
 const WIDE: u16 = 120;
-
-/// The gap between the columns.
-const GAP: u16 = 2;
 
 /// The width of the text for scripts.
 const TEXT_WIDTH: u16 = 100;
@@ -64,21 +59,26 @@ impl Scene<'_> {
 }
 
 /// Draws the screen.
-pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen) {
-    let area = frame.area();
-    let head = head::lines(scene, area.width);
-    let head_height = u16::try_from(head.len()).unwrap_or(u16::MAX);
-    let parts = [Constraint::Length(head_height), Constraint::Min(0), Constraint::Length(1)];
-    let [top, middle, bottom] = Layout::vertical(parts).areas(area);
-    for (line, row) in head.into_iter().zip(top.rows()) {
-        line.draw(frame, row);
-    }
-    if screen.page == Page::Help {
-        draw_columns(frame, vec![help_lines(&KEYS, middle.width)], screen, middle);
-    } else {
-        draw_columns(frame, columns(scene, &screen.filter, middle.width), screen, middle);
-    }
-    foot(scene, screen, bottom.width).draw(frame, bottom);
+pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, pages: &mut Pages) {
+    let width = frame.area().width;
+    let pause = ("p", if scene.shown.state.is_paused { "continue" } else { "pause" });
+    let keys = [
+        ("q", "quit"),
+        pause,
+        (".", "step"),
+        ("/", "filter"),
+        ("?", "help"),
+        ("↑↓", "scroll"),
+        ("+-", "speed"),
+    ];
+    let keys = if scene.shown.kind == Kind::Replay { &keys[..] } else { &keys[..6] };
+    let foot = foot::line(pages, keys, scene.theme(), width);
+    let middle = draw_frame(frame, head::lines(scene, width), foot);
+    let columns = match pages.page {
+        Page::Help => vec![foot::help(&KEYS, width)],
+        _ => columns(scene, &pages.filter, width),
+    };
+    draw_columns(frame, columns, pages, middle);
 }
 
 /// The sections, in one or two columns.
@@ -106,37 +106,6 @@ fn one_column(scene: &Scene<'_>, filter: &str, width: u16) -> Vec<Line<'static>>
         sections::clear_flags(scene, filter, width),
     ];
     sections.concat()
-}
-
-/// Draws the visible lines of columns with the same width.
-fn draw_columns(frame: &mut Frame<'_>, columns: Vec<Vec<Line<'_>>>, screen: &mut Screen, area: Rect) {
-    screen.height = usize::from(area.height);
-    let longest = columns.iter().map(Vec::len).max().unwrap_or_default();
-    screen.first_line = screen.first_line.min(longest.saturating_sub(screen.height));
-    let areas = Layout::horizontal(columns.iter().map(|_| Constraint::Fill(1))).spacing(GAP).split(area);
-    for (lines, area) in columns.into_iter().zip(areas.iter()) {
-        for (line, row) in lines.into_iter().skip(screen.first_line).zip(area.rows()) {
-            frame.render_widget(wrap::clipped(line, usize::from(row.width)), row);
-        }
-    }
-}
-
-/// The last line: the most important keys, and the filter.
-fn foot<'l>(scene: &Scene<'_>, screen: &Screen, width: u16) -> Ends<'l> {
-    let theme = scene.theme();
-    let pause = ("p", if scene.shown.is_paused { "continue" } else { "pause" });
-    let mut keys = match screen.page {
-        Page::Filter => return Ends::new(format!("/{}_", screen.filter), "Enter apply  Esc clear"),
-        Page::Help => vec![("q", "quit"), ("Esc", "back"), ("↑↓", "scroll")],
-        Page::Vehicle => {
-            vec![("q", "quit"), pause, (".", "step"), ("/", "filter"), ("?", "help"), ("↑↓", "scroll")]
-        }
-    };
-    if screen.page == Page::Vehicle && scene.shown.kind == Kind::Replay {
-        keys.push(("+-", "speed"));
-    }
-    let filter = if screen.filter.is_empty() { String::new() } else { format!("/{}", screen.filter) };
-    Ends::new(keys_line(&keys, theme, width), Line::styled(filter, theme.title()))
 }
 
 /// The state as text.

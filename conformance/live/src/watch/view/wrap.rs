@@ -62,6 +62,25 @@ pub(super) fn wrapped(text: &str, width: usize) -> Vec<String> {
     lines
 }
 
+/// A label with a text after it, which is wrapped into lines. The label has a column of this width.
+pub(super) fn labelled<'t>(
+    label: impl Into<Span<'t>>,
+    text: impl Into<Span<'t>>,
+    column: usize,
+    width: usize,
+) -> Vec<Line<'static>> {
+    let (label, text) = (label.into(), text.into());
+    let parts = wrapped(&text.content, width.saturating_sub(column));
+    let lines = parts.into_iter().enumerate().map(|(number, part)| {
+        let first = if number == 0 { &*label.content } else { "" };
+        Line::from(vec![
+            Span::styled(format!("{first:column$}"), label.style),
+            Span::styled(part, text.style),
+        ])
+    });
+    lines.collect()
+}
+
 /// The number of bytes at the start of a text that fit into a width.
 fn fitting_length(text: &str, width: usize) -> usize {
     let mut taken = 0;

@@ -6,57 +6,45 @@ use uavspec_check::timeline::Part;
 use uavspec_model::text::{plural, shown, thousands};
 
 use super::Scene;
+use crate::watch::fleet::Link;
 use crate::watch::format;
 use crate::watch::vehicle::age;
-use crate::watch::vehicle::playback::Kind;
-use crate::watch::view::head::link_text;
-use crate::watch::view::{Ends, MIDDLE_WIDTH, spaced};
+use crate::watch::vehicle::playback::{Kind, Shown};
+use crate::watch::view::head::{Head, link_text, rate_text};
+use crate::watch::view::{Ends, spaced};
 use crate::watch::words::truncated;
 
 pub(super) fn lines(scene: &Scene<'_>, width: u16) -> Vec<Ends<'static>> {
-    let theme = scene.theme();
-    let source = Span::styled(shown(scene.source), theme.title());
-    let release = Span::raw(scene.shown.vehicle.release.as_deref().map(shown).unwrap_or_default());
+    let (theme, vehicle, now) = (scene.theme(), scene.shown.vehicle, scene.shown.now);
     let (link, link_style) = link(scene);
-    let link = Line::styled(link, link_style);
-    let (state, rate) = (spaced(state(scene)), rate(scene, width));
-    let mut lines = if width < MIDDLE_WIDTH {
-        vec![Ends::new(source, link), Ends::new(release, rate), Ends::new(state, Line::default())]
-    } else {
-        vec![Ends::new(spaced([source, release]), link), Ends::new(state, rate)]
+    let age = format::age(vehicle.latest.map(|latest| age(latest, now)));
+    let head = Head {
+        source: Span::styled(shown(scene.source), theme.title()),
+        software: Span::raw(vehicle.release.as_deref().map(shown).unwrap_or_default()),
+        link: Line::styled(link, link_style),
+        state: spaced(state(scene)),
+        rate: format!("{}, last {age} ago", rate_text(vehicle.rate(now), width)),
+        problems: notes(scene),
     };
-    let notes = notes(scene).into_iter().map(|note| Line::styled(note, theme.server_error()));
-    lines.extend(notes.map(|note| Ends::new(note, Line::default())));
-    lines
+    head.lines(theme, width)
 }
 
 /// The state of the connection or the replay.
 fn link(scene: &Scene<'_>) -> (String, Style) {
-    let theme = scene.theme();
-    let state = scene.shown;
+    let (theme, Shown { state, vehicle, kind, now }) = (scene.theme(), scene.shown);
     let paused = theme.colour(Color::Yellow);
-    let at = format!("{:.1} s", state.vehicle.elapsed(state.now).as_secs_f64());
-    match state.kind {
+    let at = format!("{:.1} s", vehicle.elapsed(*now).as_secs_f64());
+    match kind {
         Kind::Live if state.is_paused => {
-            let changes = plural(state.waiting, "change");
+            let changes = plural(state.waiting.len(), "change");
             (format!("paused, {changes} waiting"), paused)
         }
-        Kind::Live => (link_text(state.link, scene.now), theme.link(state.link)),
-        Kind::Replay if state.is_ended => (format!("end at {at}"), theme.title()),
+        Kind::Live => (link_text(&state.link, scene.now), theme.link(&state.link)),
+        Kind::Replay if state.end.is_some() => (format!("end at {at}"), theme.title()),
         Kind::Replay if state.is_paused => (format!("paused at {at}"), paused),
-        Kind::Replay => (format!("{}× at {at}", state.speed), theme.colour(Color::Green)),
+        Kind::Replay => (format!("{}× at {at}", state.speed()), theme.colour(Color::Green)),
         Kind::State(_) => (format!("at {at}"), theme.title()),
     }
-}
-
-/// The messages per second, and the age of the last message.
-fn rate(scene: &Scene<'_>, width: u16) -> String {
-    let state = scene.shown;
-    let rate = state.vehicle.rate(state.now);
-    let rate = if rate < 100.0 { format!("{rate:.1}") } else { format!("{rate:.0}") };
-    let unit = if width < MIDDLE_WIDTH { "msg/s" } else { "messages/s" };
-    let age = format::age(state.vehicle.latest.map(|latest| age(latest, state.now)));
-    format!("{rate} {unit}, last {age} ago")
 }
 
 /// The arming state, the mode and the result of the checks.
@@ -86,10 +74,9 @@ fn state(scene: &Scene<'_>) -> Vec<Span<'static>> {
 
 /// Problems and remarks.
 fn notes(scene: &Scene<'_>) -> Vec<String> {
-    use crate::watch::fleet::Link;
-    let state = scene.shown;
+    let (state, vehicle) = (scene.shown.state, scene.shown.vehicle);
     let mut notes = Vec::new();
-    if let Link::Lost { reason, .. } = state.link {
+    if let Link::Lost { reason, .. } = &state.link {
         notes.push(shown(reason));
     }
     notes.extend(state.notes.iter().map(|note| shown(note)));
@@ -97,11 +84,11 @@ fn notes(scene: &Scene<'_>) -> Vec<String> {
         let messages = if state.lost == 1 { "message was" } else { "messages were" };
         notes.push(format!("{} {messages} lost", thousands(state.lost)));
     }
-    if state.vehicle.unreadable > 0 {
-        let count = plural(state.vehicle.unreadable, "message");
+    if vehicle.unreadable > 0 {
+        let count = plural(vehicle.unreadable, "message");
         notes.push(format!("{count} can't be read: `uavspec probe` or `uavspec check` names the reasons"));
     }
-    if let Some(topic) = state.vehicle.ambiguous {
+    if let Some(topic) = vehicle.ambiguous {
         notes.push(format!("several channels carry {topic}: the display mixes their vehicles"));
     }
     notes

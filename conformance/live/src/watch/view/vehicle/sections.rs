@@ -7,9 +7,9 @@ use uavspec_model::text::{plural, shown};
 
 use super::Scene;
 use crate::watch::format;
-use crate::watch::vehicle::{Battery, Component, Flag, Known, Readiness, Vehicle, age};
+use crate::watch::vehicle::{Battery, Component, Flag, Groups, Known, Readiness, Vehicle, age, filtered};
 use crate::watch::view::theme::Theme;
-use crate::watch::view::wrap::wrapped;
+use crate::watch::view::wrap::{labelled, wrapped};
 use crate::watch::words::truncated;
 
 /// The width of the first column.
@@ -31,8 +31,8 @@ pub(super) fn set_flags(scene: &Scene<'_>, filter: &str, width: usize) -> Lines 
     let (theme, vehicle) = (scene.theme(), scene.shown.vehicle);
     if vehicle.flags.is_empty() {
         let text = missing(vehicle, "failsafe_flags");
-        return [title(theme, "FAILSAFE FLAGS", ""), row("", Style::new(), &text, theme.faint(), width)]
-            .concat();
+        let row = row("", Span::styled(text, theme.faint()), width);
+        return [title(theme, "FAILSAFE FLAGS", ""), row].concat();
     }
     let mode = vehicle.status.mode;
     let groups = vehicle.flags.set(mode);
@@ -43,7 +43,7 @@ pub(super) fn set_flags(scene: &Scene<'_>, filter: &str, width: usize) -> Lines 
         lines.push(Line::styled(group_name(scene, &group), theme.faint()));
         for flag in &group {
             let (word, style) = severity(theme, flag.severity);
-            lines.extend(row(word, style, &description(scene, flag), Style::new(), width));
+            lines.extend(row(Span::styled(word, style), description(scene, flag), width));
         }
     }
     lines
@@ -66,18 +66,13 @@ pub(super) fn clear_flags(scene: &Scene<'_>, filter: &str, width: usize) -> Line
 }
 
 /// The flags whose name, label or group contains a text.
-fn matching<'f>(scene: &Scene<'_>, groups: Vec<Vec<Flag<'f>>>, filter: &str) -> Vec<Vec<Flag<'f>>> {
+fn matching<'f>(scene: &Scene<'_>, groups: Groups<'f>, filter: &str) -> Groups<'f> {
     let filter = filter.to_lowercase();
-    let matches = |flag: &Flag<'_>| {
+    filtered(groups, |flag| {
         let group = flag.known.group.as_ref().map(|group| group.in_language(scene.language));
         let texts = [&*flag.known.name, &label(scene, flag.known), group.unwrap_or_default()];
         texts.iter().any(|text| text.to_lowercase().contains(&filter))
-    };
-    let groups = groups.into_iter().map(|mut group| {
-        group.retain(matches);
-        group
-    });
-    groups.filter(|group| !group.is_empty()).collect()
+    })
 }
 
 fn group_name(scene: &Scene<'_>, group: &[Flag<'_>]) -> String {
@@ -87,9 +82,11 @@ fn group_name(scene: &Scene<'_>, group: &[Flag<'_>]) -> String {
 
 /// The label of a flag with its value, its name and the number of modes that it blocks.
 fn description(scene: &Scene<'_>, flag: &Flag<'_>) -> String {
-    let value = flag.value.map(|value| format!(": {}", value_text(scene, value)));
-    let modes =
-        if flag.num_modes == 0 { String::new() } else { format!(" [{}]", plural(flag.num_modes, "mode")) };
+    let value = flag.state.value.as_ref().map(|value| format!(": {}", value_text(scene, value)));
+    let modes = match flag.num_modes() {
+        0 => String::new(),
+        count => format!(" [{}]", plural(count, "mode")),
+    };
     let text = label(scene, flag.known);
     let name = if text == flag.known.name { String::new() } else { format!("  {}", flag.known.name) };
     format!("{text}{}{name}{modes}", value.unwrap_or_default())
@@ -116,11 +113,11 @@ pub(super) fn modes(scene: &Scene<'_>, width: usize) -> Lines {
     if blocked.is_empty() {
         return Vec::new();
     }
-    let count: usize = blocked.iter().map(|blocked| blocked.modes.len()).sum();
+    let count: usize = blocked.iter().map(|(modes, _)| modes.len()).sum();
     let mut lines = title(theme, "MODES THAT CAN'T RUN", &count.to_string());
-    for blocked in &blocked {
-        let names: Vec<String> = blocked.modes.iter().map(|mode| mode_name(scene, *mode)).collect();
-        let reasons: Vec<String> = vehicle.flags.reasons(blocked).map(|known| label(scene, known)).collect();
+    for (modes, reasons) in &blocked {
+        let names: Vec<String> = modes.iter().map(|mode| mode_name(scene, *mode)).collect();
+        let reasons: Vec<String> = reasons.iter().map(|known| label(scene, known)).collect();
         let text = format!("{}: {}", names.join(", "), reasons.join("; "));
         lines.extend(wrapped(&text, width).into_iter().map(Line::raw));
     }
@@ -148,7 +145,7 @@ pub(super) fn batteries(scene: &Scene<'_>, width: usize) -> Lines {
         let severe = battery.warning.as_ref().map_or(Severity::Normal, |warning| warning.severity);
         let (_, style) = severity(theme, severe);
         let text = battery_text(scene, battery);
-        lines.extend(row(&format!("battery {id}"), Style::new(), &text, style, width));
+        lines.extend(row(format!("battery {id}"), Span::styled(text, style), width));
     }
     lines
 }
@@ -174,7 +171,7 @@ pub(super) fn components(scene: &Scene<'_>, width: usize) -> Lines {
     let (theme, components) = (scene.theme(), &scene.shown.vehicle.components);
     let mut lines = title(theme, "EXTERNAL COMPONENTS", &components.all.len().to_string());
     if components.all.is_empty() && !components.has_request {
-        lines.extend(row("", Style::new(), "no arming_check_request yet", theme.faint(), width));
+        lines.extend(row("", Span::styled("no arming_check_request yet", theme.faint()), width));
     }
     let mut all: Vec<(&i128, &Component)> = components.all.iter().collect();
     all.sort_by_key(|(_, component)| component.readiness());
@@ -186,15 +183,14 @@ pub(super) fn components(scene: &Scene<'_>, width: usize) -> Lines {
             Readiness::Ready => ("ready", Severity::Normal),
         };
         let (_, style) = severity(theme, severe);
-        lines.extend(row(word, style, &component_text(scene, *id, component), Style::new(), width));
+        lines.extend(row(Span::styled(word, style), component_text(scene, *id, component), width));
         for reason in &component.reasons {
-            let text = part_text(scene, reason);
-            lines.extend(row("", Style::new(), &text, Style::new(), width));
+            lines.extend(row("", part_text(scene, reason), width));
         }
     }
     if let Some(name) = &components.refused {
         let text = format!("the vehicle refused the registration of `{}`", truncated(name));
-        lines.extend(row("refused", theme.server_error(), &text, Style::new(), width));
+        lines.extend(row(Span::styled("refused", theme.server_error()), text, width));
     }
     lines
 }
@@ -234,13 +230,8 @@ fn title(theme: Theme, text: &str, more: &str) -> Lines {
 }
 
 /// A row with a word in the first column, wrapped into lines.
-fn row(word: &str, word_style: Style, text: &str, style: Style, width: usize) -> Lines {
-    let parts = wrapped(text, width.saturating_sub(INDENT));
-    let lines = parts.into_iter().enumerate().map(|(number, part)| {
-        let word = if number == 0 { word } else { "" };
-        Line::from(vec![Span::styled(format!("{word:<INDENT$}"), word_style), Span::styled(part, style)])
-    });
-    lines.collect()
+fn row<'t>(word: impl Into<Span<'t>>, text: impl Into<Span<'t>>, width: usize) -> Lines {
+    labelled(word, text, INDENT, width)
 }
 
 fn severity(theme: Theme, severity: Severity) -> (&'static str, Style) {

@@ -13,6 +13,7 @@ use uavspec_rules::definitions::Definitions;
 use uavspec_test_support::extent;
 
 use super::*;
+use crate::watch::vehicle::playback::Playback;
 use crate::watch::vehicle::tests::{after, grounded, library};
 
 /// The state of a vehicle that can't arm.
@@ -28,12 +29,14 @@ fn scene<'s>(shown: &'s Shown<'s>, language: &'s str, is_coloured: bool) -> Scen
 
 /// Draws a frame after these keys.
 fn frame(scene: &Scene<'_>, keys: &str, (width, height): (u16, u16)) -> Buffer {
-    let mut screen = Screen::default();
+    let playback = Playback::new(Kind::Replay, Clock::simulated());
+    let mut pages = Pages::default();
     let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("a terminal");
-    terminal.draw(|frame| draw(frame, scene, &mut screen)).expect("it is drawn");
+    terminal.draw(|frame| draw(frame, scene, &mut pages)).expect("it is drawn");
     for key in keys.chars() {
-        screen.press(if key == '\n' { KeyCode::Enter } else { KeyCode::Char(key) }.into());
-        terminal.draw(|frame| draw(frame, scene, &mut screen)).expect("it is drawn");
+        let key = if key == '\n' { KeyCode::Enter } else { KeyCode::Char(key) };
+        playback.press(&mut pages, key.into());
+        terminal.draw(|frame| draw(frame, scene, &mut pages)).expect("it is drawn");
     }
     terminal.backend().buffer().clone()
 }
