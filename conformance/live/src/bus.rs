@@ -107,6 +107,25 @@ pub struct Topic {
     pub type_hash: Option<Arc<str>>,
 }
 
+impl Topic {
+    /// The ROS name of a type: `px4_msgs/msg/VehicleStatus` for `px4_msgs::msg::dds_::VehicleStatus_`. Other types keep
+    /// their name.
+    pub fn ros_type(name: &str) -> String {
+        match name.strip_suffix('_').and_then(|name| name.rsplit_once("::dds_::")) {
+            Some((scope, last)) => format!("{}/{last}", scope.replace("::", "/")),
+            None => name.to_owned(),
+        }
+    }
+
+    /// The DDS name of the type: `px4_msgs::msg::dds_::VehicleStatus_` for `px4_msgs/msg/VehicleStatus`.
+    pub fn dds_type(&self) -> String {
+        match self.type_name.rsplit_once('/') {
+            Some((scope, last)) => format!("{}::dds_::{last}_", scope.replace('/', "::")),
+            None => self.type_name.to_string(),
+        }
+    }
+}
+
 /// The encoding of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Encoding {
@@ -184,4 +203,22 @@ impl Received {
 /// The time in ns since 1970.
 pub(crate) fn nanoseconds(clock: &Clock) -> u64 {
     u64::try_from(clock.since_1970().as_nanos()).unwrap_or(u64::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_types_are_converted_in_both_directions() {
+        for (dds, ros) in [
+            ("px4_msgs::msg::dds_::VehicleStatus_", "px4_msgs/msg/VehicleStatus"),
+            ("ShapeType", "ShapeType"),
+            ("a::b_", "a::b_"),
+        ] {
+            assert_eq!(Topic::ros_type(dds), ros);
+            let topic = Topic { name: "/a".into(), type_name: ros.into(), type_hash: None };
+            assert_eq!(topic.dds_type(), dds);
+        }
+    }
 }

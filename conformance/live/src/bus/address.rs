@@ -68,18 +68,9 @@ impl Address {
         }
     }
 
-    /// True if participants can announce type hashes.
-    pub fn announces_types(&self) -> bool {
-        !matches!(self, Self::Dds { .. })
-    }
-
-    /// True if the encapsulation header of a message is sent unchanged. rustdds writes its own.
-    pub fn keeps_headers(&self) -> bool {
-        !matches!(self, Self::Dds { .. })
-    }
-
-    /// True if a publisher and a subscriber exchange messages only if their quality of service is compatible.
-    pub fn is_matched_by_qos(&self) -> bool {
+    /// True for a DDS domain. Its participants exchange messages only if their quality of service is compatible. rustdds
+    /// doesn't announce type hashes, and writes its own encapsulation headers.
+    pub fn is_dds(&self) -> bool {
         matches!(self, Self::Dds { .. })
     }
 

@@ -130,7 +130,7 @@ impl Bus for DdsBus {
     fn advertise(&mut self, topic: &Topic, qos: &Qos) -> Result<Publisher, String> {
         let Connection { writers, publisher, participant, .. } = self.connection()?;
         let policies = qos::to_policies(&Qos { history: stored(qos), ..qos.clone() });
-        let (name, type_name) = (names::topic_to_dds(&topic.name), names::type_to_dds(&topic.type_name));
+        let (name, type_name) = (names::topic_to_dds(&topic.name), topic.dds_type());
         let created = participant
             .create_topic(name, type_name, &policies, TopicKind::NoKey)
             .and_then(|topic| publisher.create_datawriter_no_key(&topic, Some(policies)));

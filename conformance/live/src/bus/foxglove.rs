@@ -33,6 +33,9 @@ const OTHER_KINDS: std::ops::RangeInclusive<u8> = 2..=5;
 /// A part of the status with which `foxglove_bridge` reports that it drops messages. It doesn't name their topics.
 const DROPPED: &str = "buffer limit";
 
+const NO_PUBLISHING: &str = "clients can't publish: add `clientPublish` to the server's capabilities, for example in the \
+                             parameter `capabilities` of foxglove_bridge";
+
 /// The client doesn't offer `foxglove.sdk.v1.1`, which moves schemas to a table. Servers still support the version before.
 const SERVICE: Service = Service {
     example: "foxglove_bridge (port 8765)",
@@ -42,8 +45,8 @@ const SERVICE: Service = Service {
 /// A connection to a Foxglove server.
 pub(super) struct Foxglove {
     link: Link,
-    /// The description of the server.
-    server: Option<Server>,
+    /// Whether clients can publish. An error is the reason. `None` until the server described itself.
+    publishing: Option<Result<(), &'static str>>,
     channels: HashMap<u64, Channel>,
     /// The topics to receive. Some may have no channel yet.
     wanted: HashSet<Arc<str>>,
@@ -55,15 +58,6 @@ pub(super) struct Foxglove {
     publishers: usize,
     /// The size of the schemas of all channels, in bytes.
     schemas: usize,
-    /// True if channels beyond the limit were reported.
-    is_full: bool,
-}
-
-/// The properties of a server.
-struct Server {
-    can_publish: bool,
-    /// True if clients may publish CDR.
-    accepts_cdr: bool,
 }
 
 impl Foxglove {
@@ -77,17 +71,16 @@ impl Foxglove {
     fn greet(link: Link, until: Instant) -> Result<Self, String> {
         let mut client = Self {
             link,
-            server: None,
+            publishing: None,
             channels: HashMap::new(),
             wanted: HashSet::new(),
             subscriptions: HashMap::new(),
             last: 0,
             publishers: 0,
             schemas: 0,
-            is_full: false,
         };
-        while client.server.is_none() {
-            if !step(&mut client, until) && client.server.is_none() {
+        while client.publishing.is_none() {
+            if !step(&mut client, until) && client.publishing.is_none() {
                 let none = || "expected `serverInfo` of a Foxglove server, received none in time".to_owned();
                 return Err(client.link.closed().unwrap_or_else(none));
             }
@@ -98,9 +91,12 @@ impl Foxglove {
     fn server_info(&mut self, info: &Tree<'_>) -> Result<(), String> {
         let contain = |names: &[Tree<'_>], name: &str| names.iter().any(|known| known.as_str() == Some(name));
         let encodings = list(info, "supportedEncodings");
-        self.server = Some(Server {
-            can_publish: contain(list(info, "capabilities")?, "clientPublish"),
-            accepts_cdr: encodings.map_or(true, |names| contain(names, "cdr")),
+        self.publishing = Some(if !contain(list(info, "capabilities")?, "clientPublish") {
+            Err(NO_PUBLISHING)
+        } else if encodings.is_ok_and(|names| !contain(names, "cdr")) {
+            Err("clients can't publish CDR: the server supports only other encodings")
+        } else {
+            Ok(())
         });
         Ok(())
     }
@@ -122,7 +118,10 @@ impl Foxglove {
         let (id, mut channel) = Channel::read(described)?;
         self.remove(id);
         if self.channels.len() >= MAX_ENDPOINTS {
-            self.report_limit();
+            self.link.unreadable(format!(
+                "ignored the channels after the first {MAX_ENDPOINTS}: limit the topics of the server, for example \
+                 with the parameter `topic_whitelist` of foxglove_bridge"
+            ));
             return Ok(None);
         }
         let total = self.schemas + channel.schema_size();
@@ -130,18 +129,9 @@ impl Foxglove {
             channel.refuse(format!("expected at most {MAX_SCHEMAS} bytes of schemas, found {total} bytes"));
         }
         self.schemas += channel.schema_size();
-        self.link.push(Event::Endpoint(channel.endpoint(id)));
+        self.link.push(channel.endpoint(id));
         self.channels.insert(id, channel);
         Ok(Some(id))
-    }
-
-    fn report_limit(&mut self) {
-        if !std::mem::replace(&mut self.is_full, true) {
-            self.link.unreadable(format!(
-                "ignored the channels after the first {MAX_ENDPOINTS}: limit the topics of the server, for example \
-                 with the parameter `topic_whitelist` of foxglove_bridge"
-            ));
-        }
     }
 
     fn unadvertised(&mut self, ids: &[Tree<'_>]) {
@@ -286,13 +276,8 @@ impl Bus for Foxglove {
     /// Advertises a topic. The server chooses the quality of service.
     fn advertise(&mut self, topic: &Topic, _: &Qos) -> Result<Publisher, String> {
         check_name("topic", &topic.name)?;
-        let Some(Server { can_publish: true, accepts_cdr }) = &self.server else {
-            return Err("clients can't publish: add `clientPublish` to the server's capabilities, for example in the \
-                        parameter `capabilities` of foxglove_bridge"
-                .to_owned());
-        };
-        if !accepts_cdr {
-            return Err("clients can't publish CDR: the server supports only other encodings".to_owned());
+        if let Some(Err(reason)) = self.publishing {
+            return Err(reason.to_owned());
         }
         if self.publishers >= MAX_ENDPOINTS {
             return Err(format!("expected at most {MAX_ENDPOINTS} publishers"));

@@ -1,6 +1,7 @@
 //! A bus within a process, for the self-test and for tests. Like DDS, it compares the quality of service, and like Zenoh,
 //! it announces type hashes. Its threads wait by simulated time.
 
+use std::collections::hash_map::Entry;
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -93,15 +94,14 @@ impl Bus for MemoryBus {
     }
 
     fn subscribe(&mut self, topic: &Topic, qos: &Qos) -> Result<(), String> {
-        let is_new = {
-            let subscribed = &mut self.network.members()[self.index].subscribed;
-            let is_new = !subscribed.contains_key(&topic.name);
-            subscribed.entry(Arc::clone(&topic.name)).or_insert_with(|| qos.clone());
-            is_new
-        };
-        if is_new {
-            self.announce(EndpointKind::Subscriber, topic, qos);
+        if let Entry::Vacant(place) =
+            self.network.members()[self.index].subscribed.entry(Arc::clone(&topic.name))
+        {
+            place.insert(qos.clone());
+        } else {
+            return Ok(());
         }
+        self.announce(EndpointKind::Subscriber, topic, qos);
         Ok(())
     }
 

@@ -9,12 +9,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
+use uavspec_model::Qos;
 use uavspec_model::clock::Clock;
 use uavspec_model::json::Tree;
 use uavspec_model::net::Address;
-use uavspec_model::{Endpoint, EndpointKind, Qos};
 
-use super::websocket::{CONNECT_LIMIT, Link, Protocol, Service, check_name, excerpt, list, receive, string};
+use super::websocket::{
+    CONNECT_LIMIT, Link, Protocol, Service, check_name, excerpt, list, publisher, receive, string,
+};
 use super::{Bus, Encoding, Event, MAX_ENDPOINTS, Publisher, Received, Topic, nanoseconds};
 
 const SERVICE: Service = Service { example: "rosbridge_websocket (port 9090)", subprotocols: "" };
@@ -38,7 +40,10 @@ const ONLY_JSON: &str =
 /// A connection to a rosbridge server.
 pub(super) struct Rosbridge {
     link: Link,
-    listing: Listing,
+    /// The time of the next request for the list of topics, or the end of the time for its answer.
+    due: Instant,
+    /// True if the list was requested.
+    is_requested: bool,
     /// The number of requests for the list that have no answer yet. A slow answer may follow the next request.
     unanswered: usize,
     /// True if the latest request for the list failed.
@@ -53,21 +58,13 @@ pub(super) struct Rosbridge {
     names: Vec<String>,
 }
 
-/// The state of the list of topics.
-#[derive(Clone, Copy)]
-enum Listing {
-    /// The list is requested at this time.
-    Due(Instant),
-    /// The list was requested at this time.
-    Requested(Instant),
-}
-
 impl Rosbridge {
     /// Connects. `names` are the topics to receive if rosapi isn't available. An error describes the problem.
     pub(super) fn connect(address: &Address, names: &[String]) -> Result<Self, String> {
         Ok(Self {
             link: Link::open(&SERVICE, address, Clock::real().now() + CONNECT_LIMIT)?,
-            listing: Listing::Due(Clock::real().now()),
+            due: Clock::real().now(),
+            is_requested: false,
             unanswered: 0,
             has_failed: false,
             is_reported: false,
@@ -98,7 +95,7 @@ impl Rosbridge {
             return self.link.problem(format!("received an answer of {LIST_SERVICE} without a request"));
         };
         self.unanswered = unanswered;
-        self.listing = Listing::Due(Clock::real().now() + LIST_INTERVAL);
+        self.pause();
         match self.listed(response) {
             Ok(()) => self.has_failed = false,
             Err(reason) => self.fail(&reason),
@@ -137,7 +134,7 @@ impl Rosbridge {
             self.link.push(Event::Ended(name.clone()));
         }
         for (name, ty) in topics.iter().filter(|(name, ty)| self.topics.get(*name) != Some(ty)) {
-            self.link.push(Event::Endpoint(publisher(name, ty)));
+            self.link.push(publisher(name.clone(), name, ty));
         }
         self.topics = topics;
     }
@@ -145,7 +142,7 @@ impl Rosbridge {
     /// Continues without a list until the next request.
     fn fail(&mut self, reason: &str) {
         self.has_failed = true;
-        self.listing = Listing::Due(Clock::real().now() + LIST_INTERVAL);
+        self.pause();
         let remedy = if self.names.is_empty() {
             "Start rosapi_node in addition to rosbridge, or name the topics with --topics"
         } else {
@@ -155,6 +152,11 @@ impl Rosbridge {
             self.link.problem(format!("{LIST_SERVICE} doesn't list the topics: {reason}. {remedy}"));
         }
         self.subscribe_names();
+    }
+
+    /// Waits until the next request.
+    fn pause(&mut self) {
+        (self.due, self.is_requested) = (Clock::real().now() + LIST_INTERVAL, false);
     }
 
     /// Subscribes to the named topics from which no message was received. The server finds out their types, and refuses
@@ -182,7 +184,7 @@ impl Rosbridge {
     }
 
     fn request_list(&mut self) {
-        self.listing = Listing::Requested(Clock::real().now());
+        (self.due, self.is_requested) = (Clock::real().now() + LIST_LIMIT, true);
         self.unanswered = self.unanswered.saturating_add(1);
         let request = json!({ "op": "call_service", "id": LIST_ID, "service": LIST_SERVICE, "args": {} });
         // An error closes the connection, which is an event.
@@ -223,18 +225,14 @@ impl Protocol for Rosbridge {
     }
 
     fn poll(&mut self) -> Option<Instant> {
-        let now = Clock::real().now();
-        match self.listing {
-            Listing::Due(time) if time <= now => self.request_list(),
-            Listing::Requested(time) if time + LIST_LIMIT <= now => {
+        if self.due <= Clock::real().now() {
+            if self.is_requested {
                 self.fail(&format!("no answer within {LIST_LIMIT:?}"));
+            } else {
+                self.request_list();
             }
-            Listing::Due(_) | Listing::Requested(_) => {}
         }
-        Some(match self.listing {
-            Listing::Due(time) => time,
-            Listing::Requested(time) => time + LIST_LIMIT,
-        })
+        Some(self.due)
     }
 }
 
@@ -297,20 +295,6 @@ fn listed_topic<'t>(name: &'t Tree<'_>, ty: &'t Tree<'_>) -> Result<(&'t str, &'
     check_name("topic", name)?;
     check_name("type", ty)?;
     Ok((name, ty))
-}
-
-/// A listed topic as a publisher.
-fn publisher(name: &str, type_name: &str) -> Endpoint {
-    Endpoint {
-        id: name.to_owned(),
-        kind: EndpointKind::Publisher,
-        node: None,
-        topic: name.to_owned(),
-        type_name: type_name.to_owned(),
-        type_hash: None,
-        qos: None,
-        is_matched_by_qos: false,
-    }
 }
 
 #[cfg(test)]

@@ -19,6 +19,7 @@ use uavspec_model::clock::Clock;
 use uavspec_model::json::Tree;
 use uavspec_model::net::{Address, Stream, is_silence};
 use uavspec_model::text::start_of;
+use uavspec_model::{Endpoint, EndpointKind};
 
 use super::problems::Problems;
 use super::{Event, MAX_NAME};
@@ -324,6 +325,20 @@ pub(super) fn check_name(kind: &str, name: &str) -> Result<(), String> {
         ));
     }
     Ok(())
+}
+
+/// The event for a topic that a server lists: a publisher whose node and quality of service aren't known.
+pub(super) fn publisher(id: String, topic: &str, type_name: &str) -> Event {
+    Event::Endpoint(Endpoint {
+        id,
+        kind: EndpointKind::Publisher,
+        node: None,
+        topic: topic.to_owned(),
+        type_name: type_name.to_owned(),
+        type_hash: None,
+        qos: None,
+        is_matched_by_qos: false,
+    })
 }
 
 /// A string in a JSON object.

@@ -177,7 +177,7 @@ impl Zenoh {
             // The type is unknown.
             return None;
         }
-        let mut topics = self.publications.iter().map(Publication::topic);
+        let mut topics = self.publications.iter().map(|publication| &publication.topic);
         let topic = topics.find(|topic| {
             *topic.name == *subscriber.topic
                 && (&*topic.type_name, topic.type_hash.as_deref()) != (type_name, hash)

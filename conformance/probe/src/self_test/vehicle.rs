@@ -87,13 +87,13 @@ pub fn cases() -> Vec<Case> {
 /// The property that a bus lacks to show a bug, with an example of a bus that has it.
 pub fn missing(needs: Needs, address: &Address) -> Option<&'static str> {
     match needs {
-        Needs::TypeHashes if !address.announces_types() => {
+        Needs::TypeHashes if address.is_dds() => {
             Some("a bus that announces type hashes, such as zenoh://HOST:PORT")
         }
-        Needs::Qos if !address.is_matched_by_qos() => Some(
+        Needs::Qos if !address.is_dds() => Some(
             "a bus that matches publishers and subscribers by their quality of service, such as dds://DOMAIN",
         ),
-        Needs::Headers if !address.keeps_headers() => {
+        Needs::Headers if address.is_dds() => {
             Some("a bus that sends encapsulation headers unchanged, such as zenoh://HOST:PORT")
         }
         Needs::Nothing | Needs::TypeHashes | Needs::Headers | Needs::Qos => None,

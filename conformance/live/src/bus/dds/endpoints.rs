@@ -1,12 +1,12 @@
 //! The endpoints of other participants.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use rustdds::discovery::{DiscoveredReaderData, DiscoveredWriterData};
 use rustdds::{EndpointDescription, GUID, QosPolicies};
 use uavspec_model::{Durability, Endpoint, EndpointKind, Qos, Reliability};
 
-use super::super::{Event, MAX_ENDPOINTS, MAX_NAME};
+use super::super::{Event, MAX_ENDPOINTS, MAX_NAME, Topic};
 use super::partitions::Partitions;
 use super::{names, qos};
 
@@ -72,7 +72,7 @@ impl<'a> Found<'a> {
             kind: self.kind,
             node,
             topic: names::topic_to_ros(self.topic).to_owned(),
-            type_name: names::type_to_ros(self.type_name).into_owned(),
+            type_name: Topic::ros_type(self.type_name),
             type_hash: names::type_hash(self.user_data).map(str::to_owned),
             qos: Some(Qos { partitions, ..qos::from_policies(&self.qos, self.kind) }),
             is_matched_by_qos: true,
@@ -153,18 +153,14 @@ impl Endpoints {
         events.extend(self.known.remove(&guid).map(|endpoint| Event::Ended(endpoint.id)));
     }
 
-    /// Removes the endpoints that aren't in `present`.
-    pub(crate) fn retain(&mut self, present: &HashSet<GUID>, events: &mut Vec<Event>) {
-        self.remove_all(|guid| !present.contains(&guid), events);
-    }
-
     /// Removes a participant with its endpoints.
     pub(crate) fn remove_participant(&mut self, participant: Prefix, events: &mut Vec<Event>) {
         self.participants.remove(&participant);
         self.remove_all(|guid| prefix(guid) == participant, events);
     }
 
-    fn remove_all(&mut self, is_removed: impl Fn(GUID) -> bool, events: &mut Vec<Event>) {
+    /// Removes the endpoints that meet a condition.
+    pub(crate) fn remove_all(&mut self, is_removed: impl Fn(GUID) -> bool, events: &mut Vec<Event>) {
         let removed = self.known.extract_if(|guid, _| is_removed(*guid));
         events.extend(removed.map(|(_, endpoint)| Event::Ended(endpoint.id)));
     }

@@ -1,7 +1,5 @@
 //! Names and type hashes of ROS in DDS.
 
-use std::borrow::Cow;
-
 use super::super::MAX_NAME;
 
 /// The ROS name of a topic: `/fmu/out/x` for `rt/fmu/out/x`. Topics that aren't ROS topics keep their name.
@@ -12,23 +10,6 @@ pub(crate) fn topic_to_ros(name: &str) -> &str {
 /// The DDS name of a topic: `rt/fmu/out/x` for `/fmu/out/x`.
 pub(crate) fn topic_to_dds(name: &str) -> String {
     if name.starts_with('/') { format!("rt{name}") } else { name.to_owned() }
-}
-
-/// The ROS name of a type: `px4_msgs/msg/VehicleStatus` for `px4_msgs::msg::dds_::VehicleStatus_`. Other types keep their
-/// name.
-pub(crate) fn type_to_ros(name: &str) -> Cow<'_, str> {
-    match name.strip_suffix('_').and_then(|name| name.rsplit_once("::dds_::")) {
-        Some((scope, last)) => Cow::Owned(format!("{}/{last}", scope.replace("::", "/"))),
-        None => Cow::Borrowed(name),
-    }
-}
-
-/// The DDS name of a type: `px4_msgs::msg::dds_::VehicleStatus_` for `px4_msgs/msg/VehicleStatus`.
-pub(crate) fn type_to_dds(name: &str) -> String {
-    match name.rsplit_once('/') {
-        Some((scope, last)) => format!("{}::dds_::{last}_", scope.replace('/', "::")),
-        None => name.to_owned(),
-    }
 }
 
 /// The type hash in the user data of an endpoint: `typehash=RIHS01_…;`.
@@ -54,14 +35,6 @@ mod tests {
         for (dds, ros) in [("rt/fmu/out/x", "/fmu/out/x"), ("rtx/y", "rtx/y"), ("ros_info", "ros_info")] {
             assert_eq!(topic_to_ros(dds), ros);
             assert_eq!(topic_to_dds(ros), dds);
-        }
-        for (dds, ros) in [
-            ("px4_msgs::msg::dds_::VehicleStatus_", "px4_msgs/msg/VehicleStatus"),
-            ("ShapeType", "ShapeType"),
-            ("a::b_", "a::b_"),
-        ] {
-            assert_eq!(type_to_ros(dds), ros);
-            assert_eq!(type_to_dds(ros), dds);
         }
     }
 

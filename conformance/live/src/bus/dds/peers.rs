@@ -6,7 +6,7 @@
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddrV4, UdpSocket};
 
-use uavspec_model::clock::Clock;
+use rustdds::Timestamp;
 
 /// The number of participants that are found on a peer.
 const PARTICIPANTS: u16 = 10;
@@ -97,10 +97,7 @@ fn announcement(identity: &Identity, local: Ipv4Addr, sequence: u32) -> Vec<u8> 
 
 /// The time, in seconds and fractions of 2^-32 s.
 fn timestamp() -> [u8; 8] {
-    let now = Clock::real().since_1970();
-    let fraction = (u64::from(now.subsec_nanos()) << 32) / 1_000_000_000;
-    let ticks = (now.as_secs() << 32) | fraction;
-    ticks.rotate_left(32).to_le_bytes()
+    Timestamp::now().to_ticks().rotate_left(32).to_le_bytes()
 }
 
 fn parameters(bytes: &mut Vec<u8>, identity: &Identity, local: Ipv4Addr) {

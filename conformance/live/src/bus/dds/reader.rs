@@ -33,7 +33,7 @@ impl Readers {
     /// Creates a subscriber of a topic. All subscribers store the same number of messages, which DDS doesn't announce.
     pub(crate) fn create(&self, topic: &Topic, qos: &Qos) -> Result<RawReader, String> {
         let policies = qos::to_policies(&Qos { history: Some(History::KeepLast(DEPTH)), ..qos.clone() });
-        let (name, type_name) = (names::topic_to_dds(&topic.name), names::type_to_dds(&topic.type_name));
+        let (name, type_name) = (names::topic_to_dds(&topic.name), topic.dds_type());
         self.participant
             .create_topic(name, type_name, &policies, TopicKind::NoKey)
             .and_then(|topic| self.subscriber.create_simple_datareader_no_key(&topic, Some(policies)))

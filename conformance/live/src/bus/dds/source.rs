@@ -1,6 +1,7 @@
 //! Subscribed topics.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use rustdds::mio1::{Interest, Registry, Token};
 use rustdds::no_key::DeserializedCacheChange;
@@ -108,10 +109,10 @@ impl Source {
             return;
         }
         publisher.count(number);
-        let (topic, missing) = (publisher.topic.clone(), publisher.missing);
-        if !is_reliable && missing > 0 {
-            self.report_lost(guid, missing, events);
+        if !is_reliable {
+            publisher.report_lost(publisher.missing, events);
         }
+        let topic = publisher.topic.clone();
         let time = nanoseconds(message.receive_instant);
         events.send(Event::Message(Received::new(topic, Encoding::Cdr, time, message.sample)));
     }
@@ -135,24 +136,11 @@ impl Source {
 
     /// Reports the messages that have been missing since the last call.
     pub(crate) fn report_missing(&mut self, events: &Sender) {
-        let mut lost = Vec::new();
-        for (guid, publisher) in &mut self.publishers {
+        for publisher in self.publishers.values_mut() {
             let count = publisher.overdue.min(publisher.missing);
             publisher.overdue = publisher.missing - count;
-            if count > 0 {
-                lost.push((*guid, count));
-            }
+            publisher.report_lost(count, events);
         }
-        for (guid, count) in lost {
-            self.report_lost(guid, count, events);
-        }
-    }
-
-    fn report_lost(&mut self, guid: GUID, count: u64, events: &Sender) {
-        if let Some(publisher) = self.publishers.get_mut(&guid) {
-            publisher.missing -= count;
-        }
-        events.send(Event::Lost { topic: self.topic.name.clone(), count });
     }
 }
 
@@ -160,6 +148,14 @@ impl Publisher {
     /// True if a later message has arrived already, or the same one.
     fn is_late(&self, number: i64) -> bool {
         number <= self.last && self.last.abs_diff(number) <= MAX_LATENESS
+    }
+
+    /// Reports missing messages as lost.
+    fn report_lost(&mut self, count: u64, events: &Sender) {
+        if count > 0 {
+            self.missing -= count;
+            events.send(Event::Lost { topic: Arc::clone(&self.topic.name), count });
+        }
     }
 
     /// Counts missing messages. A low sequence number is a message that was missing.

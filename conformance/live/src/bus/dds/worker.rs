@@ -331,7 +331,7 @@ impl State {
             present.insert(found.guid);
             self.endpoints.add(&found, &mut events)?;
         }
-        self.endpoints.retain(&present, &mut events);
+        self.endpoints.remove_all(|guid| !present.contains(&guid), &mut events);
         self.report(events);
         for source in &mut self.sources {
             source.report_missing(&self.events);

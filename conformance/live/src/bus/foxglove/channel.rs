@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use uavspec_model::json::Tree;
-use uavspec_model::{Endpoint, EndpointKind};
 
-use crate::bus::websocket::{check_name, member, string};
-use crate::bus::{Encoding, Schema, Topic};
+use crate::bus::websocket::{check_name, member, publisher, string};
+use crate::bus::{Encoding, Event, Schema, Topic};
 
 /// The maximum size of a schema, in bytes.
 const MAX_SCHEMA: usize = 1 << 20;
@@ -59,17 +58,8 @@ impl Channel {
     }
 
     /// The channel as a publisher.
-    pub(super) fn endpoint(&self, id: u64) -> Endpoint {
-        Endpoint {
-            id: endpoint_id(id),
-            kind: EndpointKind::Publisher,
-            node: None,
-            topic: self.topic.name.to_string(),
-            type_name: self.topic.type_name.to_string(),
-            type_hash: None,
-            qos: None,
-            is_matched_by_qos: false,
-        }
+    pub(super) fn endpoint(&self, id: u64) -> Event {
+        publisher(endpoint_id(id), &self.topic.name, &self.topic.type_name)
     }
 }
 

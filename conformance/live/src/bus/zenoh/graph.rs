@@ -1,7 +1,6 @@
 //! The endpoints of other participants.
 
 use std::collections::HashMap;
-use std::mem;
 
 use uavspec_model::Endpoint;
 
@@ -35,8 +34,6 @@ pub(super) fn appeared(key: &str, own_session: &str) -> Option<Event> {
 #[derive(Default)]
 pub(super) struct Graph {
     endpoints: HashMap<String, Endpoint>,
-    /// True if the limit of the endpoints was reported.
-    is_full: bool,
     problems: Problems,
 }
 
@@ -47,10 +44,8 @@ impl Graph {
         match event {
             Event::Endpoint(endpoint) if self.endpoints.contains_key(&endpoint.id) => None,
             Event::Endpoint(_) if self.endpoints.len() >= MAX_ENDPOINTS => {
-                let is_first = !mem::replace(&mut self.is_full, true);
-                is_first.then(|| {
-                    Event::Unreadable(format!("found more than {MAX_ENDPOINTS} endpoints: ignored the rest"))
-                })
+                let text = format!("found more than {MAX_ENDPOINTS} endpoints: ignored the rest");
+                self.problems.unreadable(text)
             }
             Event::Endpoint(endpoint) => {
                 self.endpoints.insert(endpoint.id.clone(), endpoint.clone());

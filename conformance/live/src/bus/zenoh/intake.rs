@@ -7,7 +7,7 @@ use uavspec_model::clock::Clock;
 use zenoh::sample::{Sample, SampleKind};
 
 use super::attachment::Attachment;
-use super::sequence::{Delivery, Observation, Sequences};
+use super::sequence::{Delivery, Sequences};
 use crate::bus::queue::Sender;
 use crate::bus::{Encoding, Event, Received, Topic, nanoseconds};
 
@@ -39,9 +39,9 @@ impl Intake {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         match sample.attachment().and_then(|bytes| Attachment::parse(&bytes.to_bytes())) {
             Some(attachment) => match state.sequences.observe(&attachment, delivery) {
-                Observation::Repeated => return,
-                Observation::New => {}
-                Observation::After(count) => self.lost(count),
+                None => return,
+                Some(0) => {}
+                Some(count) => self.lost(count),
             },
             None if mem::replace(&mut state.is_reported, true) => {}
             None => self.report_attachment(),

@@ -18,7 +18,7 @@ pub(super) fn publication_key(domain: u16, topic: &Topic) -> Result<String, Stri
 fn topic_key(domain: u16, topic: &Topic, hash: &str) -> Result<String, String> {
     let name = topic.name.trim_matches('/');
     check_name("topic", name)?;
-    let type_name = dds_type(&topic.type_name);
+    let type_name = topic.dds_type();
     check_name("type", &type_name)?;
     if hash != "*" {
         check_name("type hash", hash)?;
@@ -38,19 +38,6 @@ fn check_name(kind: &str, name: &str) -> Result<(), String> {
     Err(format!("expected a {kind} of letters, digits, `_` and `/`, found `{}`", shown.escape_debug()))
 }
 
-/// The ROS name of a type: `px4_msgs::msg::dds_::VehicleStatus_` becomes `px4_msgs/msg/VehicleStatus`.
-pub(super) fn ros_type(name: &str) -> String {
-    let parts = name.split_once("::dds_::").and_then(|(path, name)| Some((path, name.strip_suffix('_')?)));
-    parts.map_or_else(|| name.to_owned(), |(path, name)| format!("{}/{name}", path.replace("::", "/")))
-}
-
-/// The name of a type in keys. The inverse of [`ros_type`].
-pub(super) fn dds_type(name: &str) -> String {
-    let parts = name.rsplit_once('/');
-    parts
-        .map_or_else(|| name.to_owned(), |(path, name)| format!("{}::dds_::{name}_", path.replace('/', "::")))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -65,7 +52,6 @@ mod tests {
         let key = "0/fmu/out/a/p::msg::dds_::A_/RIHS01_1";
         assert_eq!(subscription_key(0, &hashed), Ok(key.to_owned()));
         assert_eq!(publication_key(0, &hashed), Ok(key.to_owned()));
-        assert_eq!(ros_type("p::msg::dds_::A_"), "p/msg/A");
     }
 
     #[test]

@@ -21,7 +21,7 @@ const MAX_STORED: usize = 64;
 
 /// A publisher.
 pub(super) struct Publication {
-    topic: Topic,
+    pub(super) topic: Topic,
     publisher: pubsub::Publisher<'static>,
     id: [u8; 16],
     sequence: i64,
@@ -70,11 +70,6 @@ impl Publication {
         let token = session.liveliness().declare_token(token.to_owned()).wait();
         let token = token.map_err(|error| failure("announce", key, &error))?;
         Ok(Self { topic, publisher, id, sequence: 0, store, session: session.clone(), _token: token })
-    }
-
-    /// The topic.
-    pub(super) fn topic(&self) -> &Topic {
-        &self.topic
     }
 
     /// Publishes a message.

@@ -16,17 +16,6 @@ pub(super) enum Delivery {
     Stored,
 }
 
-/// The relation of a message to earlier ones of its publisher.
-#[derive(Debug, PartialEq, Eq)]
-pub(super) enum Observation {
-    /// The message is new.
-    New,
-    /// The message is new, and this number of messages is missing before it.
-    After(u64),
-    /// The message arrived before, or is older than live messages.
-    Repeated,
-}
-
 /// The numbers of all publishers of a topic.
 #[derive(Default)]
 pub(super) struct Sequences(HashMap<[u8; 16], Sequence>);
@@ -41,8 +30,9 @@ struct Sequence {
 }
 
 impl Sequences {
-    /// Compares a message with earlier ones.
-    pub(super) fn observe(&mut self, attachment: &Attachment, delivery: Delivery) -> Observation {
+    /// The number of messages that are missing before a message. `None` if the message arrived before, or is older than live
+    /// messages.
+    pub(super) fn observe(&mut self, attachment: &Attachment, delivery: Delivery) -> Option<u64> {
         // Real topics have few publishers. If a peer invents more, only gaps are forgotten.
         if self.0.len() >= MAX_PUBLISHERS && !self.0.contains_key(&attachment.publisher) {
             self.0.clear();
@@ -57,27 +47,25 @@ impl Sequences {
 
 impl Sequence {
     /// Observes a live message. Only these show gaps: a publisher stores only its latest messages.
-    fn live(&mut self, number: i64) -> Observation {
+    fn live(&mut self, number: i64) -> Option<u64> {
         let Some(highest) = self.live else {
             self.live = Some(number);
             let is_known = self.stored.is_some_and(|stored| number <= stored);
-            return if is_known { Observation::Repeated } else { Observation::New };
+            return (!is_known).then_some(0);
         };
         self.live = Some(highest.max(number));
-        match number.checked_sub(highest).and_then(|step| u64::try_from(step).ok()) {
-            Some(step) if step > 1 => Observation::After(step - 1),
-            _ => Observation::New,
-        }
+        let step = number.checked_sub(highest).and_then(|step| u64::try_from(step).ok());
+        Some(step.unwrap_or_default().saturating_sub(1))
     }
 
     /// Observes a stored message. It is new if it's newer than other stored messages, and no live message has arrived: an
     /// older message would be out of order.
-    fn stored(&mut self, number: i64) -> Observation {
+    fn stored(&mut self, number: i64) -> Option<u64> {
         if self.live.is_some() || self.stored.is_some_and(|stored| number <= stored) {
-            return Observation::Repeated;
+            return None;
         }
         self.stored = Some(number);
-        Observation::New
+        Some(0)
     }
 }
 
@@ -85,7 +73,7 @@ impl Sequence {
 mod tests {
     use super::*;
 
-    fn observe(sequences: &mut Sequences, publisher: u8, sequence: i64, delivery: Delivery) -> Observation {
+    fn observe(sequences: &mut Sequences, publisher: u8, sequence: i64, delivery: Delivery) -> Option<u64> {
         sequences.observe(&Attachment { sequence, time: 0, publisher: [publisher; 16] }, delivery)
     }
 
@@ -93,35 +81,35 @@ mod tests {
     fn counts_gaps_of_each_publisher() {
         let mut sequences = Sequences::default();
         let mut live = |publisher, number| observe(&mut sequences, publisher, number, Delivery::Live);
-        assert_eq!(live(1, 10), Observation::New);
-        assert_eq!(live(2, 1), Observation::New);
-        assert_eq!(live(1, 11), Observation::New);
-        assert_eq!(live(1, 15), Observation::After(3));
-        assert_eq!(live(1, 12), Observation::New);
-        assert_eq!(live(1, 16), Observation::New);
-        assert_eq!(live(2, 2), Observation::New);
+        assert_eq!(live(1, 10), Some(0));
+        assert_eq!(live(2, 1), Some(0));
+        assert_eq!(live(1, 11), Some(0));
+        assert_eq!(live(1, 15), Some(3));
+        assert_eq!(live(1, 12), Some(0));
+        assert_eq!(live(1, 16), Some(0));
+        assert_eq!(live(2, 2), Some(0));
     }
 
     #[test]
     fn keeps_messages_of_publishers_that_never_count() {
         let mut sequences = Sequences::default();
         for _ in 0..3 {
-            assert_eq!(observe(&mut sequences, 1, 0, Delivery::Live), Observation::New);
+            assert_eq!(observe(&mut sequences, 1, 0, Delivery::Live), Some(0));
         }
     }
 
     #[test]
     fn stored_messages_show_no_gaps_and_arrive_once() {
         let mut sequences = Sequences::default();
-        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Stored), Observation::New);
-        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Stored), Observation::Repeated);
-        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Live), Observation::Repeated);
-        assert_eq!(observe(&mut sequences, 1, 6, Delivery::Live), Observation::New);
-        assert_eq!(observe(&mut sequences, 1, 6, Delivery::Stored), Observation::Repeated);
-        assert_eq!(observe(&mut sequences, 3, 8, Delivery::Live), Observation::New);
-        assert_eq!(observe(&mut sequences, 3, 7, Delivery::Stored), Observation::Repeated);
-        assert_eq!(observe(&mut sequences, 2, 9, Delivery::Stored), Observation::New);
-        assert_eq!(observe(&mut sequences, 2, 12, Delivery::Live), Observation::New);
+        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Stored), Some(0));
+        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Stored), None);
+        assert_eq!(observe(&mut sequences, 1, 5, Delivery::Live), None);
+        assert_eq!(observe(&mut sequences, 1, 6, Delivery::Live), Some(0));
+        assert_eq!(observe(&mut sequences, 1, 6, Delivery::Stored), None);
+        assert_eq!(observe(&mut sequences, 3, 8, Delivery::Live), Some(0));
+        assert_eq!(observe(&mut sequences, 3, 7, Delivery::Stored), None);
+        assert_eq!(observe(&mut sequences, 2, 9, Delivery::Stored), Some(0));
+        assert_eq!(observe(&mut sequences, 2, 12, Delivery::Live), Some(0));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use uavspec_model::{EndpointKind, Qos};
 
-use super::keys::{NO_HASH, dds_type, ros_type};
+use super::keys::NO_HASH;
 use super::qos::{format_qos, parse_qos};
 use crate::bus::{MAX_NAME, Topic};
 
@@ -70,7 +70,7 @@ impl Token {
         let (namespace, node) = self.node.rsplit_once('/').unwrap_or(("", &self.node));
         let (type_name, hash) = match &*self.topic.type_name {
             "" => (NO_TYPE.0.to_owned(), NO_TYPE.1),
-            name => (mangle(&dds_type(name)), self.topic.type_hash.as_deref().unwrap_or(NO_HASH)),
+            _ => (mangle(&self.topic.dds_type()), self.topic.type_hash.as_deref().unwrap_or(NO_HASH)),
         };
         let (session, namespace, topic) = (&self.session, mangle(namespace), mangle(&self.topic.name));
         let qos = format_qos(&self.qos);
@@ -103,7 +103,7 @@ fn checked<'a>(name: &str, part: Option<&'a str>) -> Result<&'a str, String> {
 fn parse_topic<'a>(next: &mut impl FnMut(&'static str) -> Result<&'a str, String>) -> Result<Topic, String> {
     let name = demangle(next("topic")?).into();
     let (type_name, hash) = (demangle(next("type")?), next("type hash")?);
-    let type_name = if type_name == NO_TYPE.0 { String::new() } else { ros_type(&type_name) };
+    let type_name = if type_name == NO_TYPE.0 { String::new() } else { Topic::ros_type(&type_name) };
     let has_hash = hash != NO_HASH && hash != NO_TYPE.1;
     Ok(Topic { name, type_name: type_name.into(), type_hash: has_hash.then(|| hash.into()) })
 }
