@@ -54,7 +54,7 @@ use crate::bus::{Bus, Event, MAX_ENDPOINTS, Topic};
 /// The time after which the release of the vehicle is chosen. Publishers are discovered until then.
 const START: Duration = Duration::from_millis(1_500);
 
-/// The maximum time until the probe notices that it was asked to stop.
+/// The maximum time until the probe or a reference notices that it was asked to stop.
 const NOTICE_TIME: Duration = Duration::from_millis(50);
 
 /// The maximum number of notes. Further ones are only counted.
@@ -117,15 +117,15 @@ pub fn probe(
     on_progress: &dyn Fn(&Progress),
 ) -> io::Result<Checked> {
     let (path, _temporary) = recording(options)?;
-    let definitions;
+    let mut chosen = None;
     let mut probe = Probe::new(bus, options, Recorder::create(&path)?, on_progress, &|_| {});
     let started = probe.start(library);
     if started.is_err() {
         // The first error is reported.
         let _ = probe.withdraw();
     }
-    definitions = started?;
-    probe.check(&definitions, None)?;
+    let definitions = &*chosen.insert(started?);
+    probe.check(definitions, None)?;
     let listened = probe.listen(options.time);
     // A component must unregister, even if the recording can't be written.
     let last = probe.withdraw();
@@ -142,9 +142,9 @@ pub fn probe(
     }
     let result = recorder.finish()?;
     // If topics that appeared later show another release, the recording is checked again.
-    let is_same = Arc::ptr_eq(&choose_for_path(&path, library)?, &definitions);
+    let is_same = Arc::ptr_eq(&choose_for_path(&path, library)?, definitions);
     match result.filter(|_| is_same) {
-        Some(result) => Ok(Checked { result, definitions }),
+        Some(result) => Ok(Checked { result, definitions: Arc::clone(definitions) }),
         None => check_path(&path, None, library, &|input| input),
     }
 }
@@ -162,15 +162,15 @@ pub(crate) fn observe(
     on_event: &dyn Fn(&Event),
 ) -> io::Result<Option<String>> {
     let (path, temporary) = recording(options)?;
-    let definitions;
+    let mut chosen = None;
     let mut probe = Probe::new(bus, options, Recorder::create(&path)?, &|_| {}, on_event);
     // Without messages, nothing shows the release.
     while probe.progress.messages == 0 && probe.cut_short.is_none() && probe.elapsed() < options.time {
         probe.listen(options.time.min(probe.elapsed() + START))?;
     }
     probe.recorder.flush()?;
-    definitions = choose_for_recording(&path, library)?;
-    probe.check(&definitions, Some(observer))?;
+    let definitions = &*chosen.insert(choose_for_recording(&path, library)?);
+    probe.check(definitions, Some(observer))?;
     probe.recorder.discard();
     drop(temporary);
     probe.listen(options.time)?;
@@ -248,7 +248,7 @@ impl<'p> Probe<'p> {
         observer: Option<&'p mut dyn Observer>,
     ) -> io::Result<()> {
         let mut live = LiveBag::new(definitions, observer);
-        let mut reader = Reader::new(File::open(self.recorder.path())?);
+        let mut reader = Reader::new(File::open(&self.recorder.path)?);
         while let Some(item) = reader.next()? {
             // The file has no end yet.
             if !matches!(item.event, uavspec_capture::mcap::Event::Problem(_)) {
@@ -302,7 +302,7 @@ impl<'p> Probe<'p> {
     fn start(&mut self, library: &Library) -> io::Result<Arc<Definitions>> {
         self.listen(START.min(self.options.time))?;
         self.recorder.flush()?;
-        let definitions = choose_for_recording(self.recorder.path(), library)?;
+        let definitions = choose_for_recording(&self.recorder.path, library)?;
         self.join_all(&definitions, library)?;
         self.recorder.flush()?;
         Ok(definitions)

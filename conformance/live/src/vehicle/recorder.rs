@@ -30,7 +30,7 @@ pub(super) struct Recorder<'d> {
     pub(super) live: Option<LiveBag<'d>>,
     /// `None` if further events are only checked.
     writer: Option<Writer<BufWriter<File>>>,
-    path: PathBuf,
+    pub(super) path: PathBuf,
     /// The id and the next sequence number of each channel.
     channels: HashMap<Key, (u16, u32)>,
     /// The ids of the schemas, by the name of the type.
@@ -44,11 +44,6 @@ impl Recorder<'_> {
         writer.set_packing(Some(Packing::Lz4))?;
         let (channels, schemas) = (HashMap::new(), HashMap::new());
         Ok(Self { live: None, writer: Some(writer), path: path.to_owned(), channels, schemas })
-    }
-
-    /// The path of the file.
-    pub(super) fn path(&self) -> &Path {
-        &self.path
     }
 
     /// The size of the file so far, in bytes.

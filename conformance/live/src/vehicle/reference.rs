@@ -2,19 +2,16 @@
 
 use std::slice;
 use std::sync::Arc;
-use std::time::Duration;
 
 use uavspec_rules::definitions::Library;
 use uavspec_rules::px4::{Bug, Side};
 
+use super::NOTICE_TIME;
 use super::actor::{Actor, role, step};
 use super::namespace::Namespace;
 use super::release::Release;
 use super::role::Purpose;
 use crate::bus::{Bus, Event};
-
-/// The maximum time until a reference notices that it was asked to stop.
-const NOTICE_TIME: Duration = Duration::from_millis(50);
 
 /// Takes part in arming checks until `is_over` returns true, with the newest release, or the release that the user demands.
 /// `bug` makes the reference violate a rule.

@@ -8,9 +8,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::TempPath;
 
 /// The temporary recordings of this process.
-static PATHS: Paths = Paths(Mutex::new(BTreeSet::new()));
+static PATHS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-struct Paths(Mutex<BTreeSet<PathBuf>>);
+fn paths() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    PATHS.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A temporary recording, which is removed when it is dropped.
 pub(super) struct Temporary(TempPath);
@@ -19,7 +21,7 @@ impl Temporary {
     /// Creates an empty file.
     pub(super) fn create() -> io::Result<Self> {
         let file = tempfile::Builder::new().prefix("uavspec-").suffix(".mcap").tempfile()?.into_temp_path();
-        PATHS.lock().insert(file.to_path_buf());
+        paths().insert(file.to_path_buf());
         Ok(Self(file))
     }
 
@@ -31,25 +33,19 @@ impl Temporary {
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        PATHS.lock().remove(self.path());
+        paths().remove(self.path());
     }
 }
 
 /// Removes all temporary recordings. Must be called before the process exits without waiting for its threads.
 pub fn remove_recordings() {
-    PATHS.remove();
+    remove(std::mem::take(&mut *paths()));
 }
 
-impl Paths {
-    fn lock(&self) -> MutexGuard<'_, BTreeSet<PathBuf>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn remove(&self) {
-        for path in std::mem::take(&mut *self.lock()) {
-            // The file may be gone already, and nobody can react to an error.
-            let _ = std::fs::remove_file(path);
-        }
+fn remove(paths: BTreeSet<PathBuf>) {
+    for path in paths {
+        // The file may be gone already, and nobody can react to an error.
+        let _ = std::fs::remove_file(path);
     }
 }
 
@@ -62,18 +58,16 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let [first, second] = ["a", "b"].map(|name| folder.path().join(name));
         std::fs::write(&first, "data").expect("a file");
-        let paths = Paths(Mutex::new([first.clone(), second].into()));
-        paths.remove();
+        remove([first.clone(), second].into());
         assert!(!first.exists());
-        assert!(paths.lock().is_empty());
     }
 
     #[test]
     fn forgets_files_that_were_dropped() {
         let temporary = Temporary::create().expect("a file");
         let path = temporary.path().to_owned();
-        assert!(path.exists() && PATHS.lock().contains(&path));
+        assert!(path.exists() && paths().contains(&path));
         drop(temporary);
-        assert!(!path.exists() && !PATHS.lock().contains(&path));
+        assert!(!path.exists() && !paths().contains(&path));
     }
 }
