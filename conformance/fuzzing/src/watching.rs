@@ -12,7 +12,7 @@ use uavspec_live::watch::fleet::Fleet;
 use uavspec_live::watch::message::Message;
 use uavspec_live::watch::screen::Screen;
 use uavspec_live::watch::session::Event;
-use uavspec_live::watch::view::{Scene, draw};
+use uavspec_live::watch::view::{Scene, Theme, draw};
 use uavspec_model::clock::Clock;
 use uavspec_rules::flockwave::sample::Session;
 
@@ -36,7 +36,8 @@ pub(super) fn datagrams(data: &[u8]) {
         screen.press(key.into(), &fleet);
         let Ok(mut terminal) = Terminal::new(TestBackend::new(80, 24));
         let now = now + Duration::from_secs(1);
-        let scene = Scene { fleet: &fleet, codes: &CODES, url: "udp://hill:5001", is_coloured: true, now };
+        let theme = Theme { is_coloured: true };
+        let scene = Scene { fleet: &fleet, codes: &CODES, url: "udp://hill:5001", theme, now };
         let Ok(_) = terminal.draw(|frame| draw(frame, &scene, &mut screen));
         for cell in &terminal.backend().buffer().content {
             assert!(!cell.symbol().contains(char::is_control), "{:?}", cell.symbol());

@@ -21,7 +21,7 @@ use uavspec_live::watch::fleet::{Fleet, Link};
 use uavspec_live::watch::list::table;
 use uavspec_live::watch::screen::{Screen, Step};
 use uavspec_live::watch::session::{self, Event};
-use uavspec_live::watch::view::{Scene, draw};
+use uavspec_live::watch::view::{Scene, Theme, draw};
 use uavspec_model::clock::Clock;
 use uavspec_rules::definitions::Definitions;
 
@@ -224,9 +224,9 @@ fn watch_live(
     sender: SyncSender<Input>,
     inputs: &Receiver<Input>,
 ) -> io::Result<()> {
-    let (url, is_coloured) = (endpoint.to_string(), has_colours());
+    let (url, theme) = (endpoint.to_string(), theme());
     let draw = |(fleet, screen): &mut (Fleet, Screen), terminal: &mut DefaultTerminal, now| {
-        let scene = Scene { fleet, codes, url: &url, is_coloured, now };
+        let scene = Scene { fleet, codes, url: &url, theme, now };
         terminal.draw(|frame| draw(frame, &scene, screen)).map(|_| Step::Stay)
     };
     let take = |(fleet, screen): &mut (Fleet, Screen), input| match input {
@@ -287,9 +287,9 @@ fn install_end(sender: &SyncSender<Input>) -> io::Result<()> {
     ctrlc::set_handler(on_signal).map_err(io::Error::other)
 }
 
-/// True if the environment doesn't disable colours.
-fn has_colours() -> bool {
-    std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+/// The styles, without colours if the environment disables them.
+fn theme() -> Theme {
+    Theme { is_coloured: std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty()) }
 }
 
 /// Forwards the events of the terminal.

@@ -120,7 +120,7 @@ impl Fleet {
                     self.update_uav(&id, state, is_answer, now);
                 }
             }
-            Content::Gone(ids) => ids.iter().for_each(|id| self.uavs.remove(id)),
+            Content::Gone(ids) => ids.iter().for_each(|id| drop(self.uavs.members.remove(id))),
             Content::Closing(reason) => {
                 self.remark = Some(format!("the server is closing the connection: {reason}"));
             }
@@ -131,7 +131,7 @@ impl Fleet {
     }
 
     fn update_uav(&mut self, id: &str, state: Result<State, String>, is_answer: bool, now: Instant) {
-        let known = if state.is_ok() { self.uavs.admit(id) } else { self.uavs.get_mut(id) };
+        let known = if state.is_ok() { self.uavs.admit(id) } else { self.uavs.members.get_mut(id) };
         match known {
             Some(member) => {
                 if state.is_ok() && !is_answer {
@@ -145,22 +145,22 @@ impl Fleet {
 
     /// The number of UAVs.
     pub(crate) fn len(&self) -> usize {
-        self.uavs.len()
+        self.uavs.members.len()
     }
 
     /// True if there are no UAVs.
     pub fn is_empty(&self) -> bool {
-        self.uavs.len() == 0
+        self.uavs.members.is_empty()
     }
 
     /// The UAVs with their ids.
     pub(crate) fn uavs(&self) -> impl Iterator<Item = (&str, &Uav)> {
-        self.uavs.iter().map(|(id, member)| (id, &member.value))
+        self.uavs.members.iter().map(|(id, member)| (id.as_str(), &member.value))
     }
 
     /// The UAV with this id.
     pub(crate) fn get(&self, id: &str) -> Option<&Uav> {
-        self.uavs.get(id).map(|member| &member.value)
+        self.uavs.members.get(id).map(|member| &member.value)
     }
 
     /// True if the server has sent a list of its UAVs, and a state or refusal for each UAV.

@@ -31,19 +31,14 @@ const CHUNK: usize = 50;
 /// The maximum total length of the ids in a request, in bytes.
 const CHUNK_BYTES: usize = 4 << 10;
 
-/// The pending request for states.
-struct Pending {
-    id: String,
-    until: Instant,
-}
-
 /// Chooses requests for the state of a fleet.
 pub(super) struct Poller {
     is_one_shot: bool,
     /// The UAVs, with the time of the last request or report for each.
     roster: Roster<Option<Instant>>,
     waiting: VecDeque<Value>,
-    pending: Option<Pending>,
+    /// The id of the pending request for states, and the end of its time.
+    pending: Option<(String, Instant)>,
     next_list: Instant,
     next_time: Instant,
     next_search: Instant,
@@ -79,7 +74,7 @@ impl Poller {
             self.next_list = now + LIST_PERIOD;
             return Some(self.request(&json!({ "type": "UAV-LIST" })));
         }
-        self.pending = self.pending.take().filter(|pending| pending.until > now);
+        self.pending = self.pending.take().filter(|(_, until)| *until > now);
         if self.pending.is_some() || self.next_search > now {
             return None;
         }
@@ -89,14 +84,14 @@ impl Poller {
             return None;
         }
         let request = self.request(&json!({ "type": "UAV-INF", "ids": ids }));
-        self.pending = Some(Pending { id: self.id(), until: now + ANSWER_LIMIT });
+        self.pending = Some((self.id(), now + ANSWER_LIMIT));
         Some(request)
     }
 
     /// Processes a message.
     pub(super) fn take(&mut self, message: &Message, now: Instant) {
-        let is_response = self.pending.as_ref().is_some_and(|pending| match &message.refs {
-            Some(refs) => *refs == pending.id,
+        let is_response = self.pending.as_ref().is_some_and(|(id, _)| match &message.refs {
+            Some(refs) => refs == id,
             // A response without an envelope doesn't name its request.
             None => self.is_one_shot && matches!(message.content, Content::States(_) | Content::Refused(_)),
         });
@@ -119,7 +114,7 @@ impl Poller {
                     }
                 }
             }
-            Content::Gone(ids) => ids.iter().for_each(|id| self.roster.remove(id)),
+            Content::Gone(ids) => ids.iter().for_each(|id| drop(self.roster.members.remove(id))),
             _ => {}
         }
     }
@@ -129,8 +124,9 @@ impl Poller {
         let is_due = |last: Option<Instant>| last.is_none_or(|last| now.duration_since(last) >= SILENCE);
         let mut due: Vec<(Option<Instant>, &str)> = self
             .roster
+            .members
             .iter()
-            .map(|(id, member)| (member.value, id))
+            .map(|(id, member)| (member.value, id.as_str()))
             .filter(|(last, _)| is_due(*last))
             .collect();
         due.sort_unstable();
@@ -141,7 +137,7 @@ impl Poller {
         });
         let ids: Vec<String> = due.map(|(_, id)| id.to_owned()).collect();
         for id in &ids {
-            if let Some(member) = self.roster.get_mut(id) {
+            if let Some(member) = self.roster.members.get_mut(id) {
                 member.value = Some(now);
             }
         }

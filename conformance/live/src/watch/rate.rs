@@ -3,16 +3,13 @@
 use std::time::Duration;
 
 /// The number of seconds over which the rate is averaged.
-const WINDOW: u64 = 5;
-
-/// The number of counters: one for each second of the window, and one for the current second.
-const NUM_SECONDS: usize = 6;
+const WINDOW: usize = 5;
 
 /// Counts messages per second.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rate {
-    /// The most recent seconds and the number of messages in each, latest first.
-    seconds: [(u64, u32); NUM_SECONDS],
+    /// The current second and those of the window, with the number of messages in each, latest first.
+    seconds: [(u64, u32); WINDOW + 1],
 }
 
 impl Rate {
@@ -30,7 +27,7 @@ impl Rate {
     /// The average number per second over the completed seconds of the window.
     pub(super) fn per_second(&self, elapsed: Duration) -> f64 {
         let second = elapsed.as_secs();
-        let window = second.saturating_sub(WINDOW)..second;
+        let window = second.saturating_sub(WINDOW as u64)..second;
         let counted = self.seconds.iter().filter(|(second, _)| window.contains(second));
         let sum: u32 = counted.map(|(_, count)| *count).fold(0, u32::saturating_add);
         let over = u32::try_from(window.end - window.start).unwrap_or(u32::MAX);

@@ -32,34 +32,13 @@ pub(super) struct Member<T> {
 }
 
 /// UAVs by their ids.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Roster<T> {
-    members: BTreeMap<String, Member<T>>,
-}
-
-impl<T> Default for Roster<T> {
-    fn default() -> Self {
-        Self { members: BTreeMap::new() }
-    }
+    /// The UAVs. Only [`admit`](Self::admit) adds them.
+    pub(super) members: BTreeMap<String, Member<T>>,
 }
 
 impl<T: Default> Roster<T> {
-    pub(super) fn len(&self) -> usize {
-        self.members.len()
-    }
-
-    pub(super) fn iter(&self) -> impl Iterator<Item = (&str, &Member<T>)> {
-        self.members.iter().map(|(id, member)| (id.as_str(), member))
-    }
-
-    pub(super) fn get(&self, id: &str) -> Option<&Member<T>> {
-        self.members.get(id)
-    }
-
-    pub(super) fn get_mut(&mut self, id: &str) -> Option<&mut Member<T>> {
-        self.members.get_mut(id)
-    }
-
     /// Returns the UAV with this id, which is added if necessary. `None` if a limit is exceeded.
     pub(super) fn admit(&mut self, id: &str) -> Option<&mut Member<T>> {
         if !self.members.contains_key(id) {
@@ -85,11 +64,6 @@ impl<T: Default> Roster<T> {
         let admitted = list.ids.iter().filter(|id| self.admit(id).is_some()).count();
         list.is_whole && admitted == list.ids.len()
     }
-
-    /// Removes a UAV.
-    pub(super) fn remove(&mut self, id: &str) {
-        self.members.remove(id);
-    }
 }
 
 #[cfg(test)]
@@ -103,7 +77,7 @@ mod tests {
     }
 
     fn ids(roster: &Roster<u8>) -> Vec<&str> {
-        roster.iter().map(|(id, _)| id).collect()
+        roster.members.keys().map(String::as_str).collect()
     }
 
     #[test]
@@ -130,7 +104,7 @@ mod tests {
         }
         assert!(roster.admit("one too many").is_none());
         assert!(roster.admit("glider-0").is_some());
-        assert_eq!(roster.len(), UAV_LIMIT);
+        assert_eq!(roster.members.len(), UAV_LIMIT);
         assert!(
             !roster.update(&List { is_whole: false, ..list(&["one too many"]) }, Clock::simulated().now())
         );

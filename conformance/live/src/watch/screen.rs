@@ -55,7 +55,8 @@ impl Pages {
             return Ok(Step::Quit);
         }
         match (self.page, key.code) {
-            (Page::Filter, KeyCode::Enter) => self.page = Page::Main,
+            (Page::Filter, KeyCode::Enter)
+            | (Page::Details, KeyCode::Esc | KeyCode::Enter | KeyCode::Backspace) => self.page = Page::Main,
             (Page::Filter, KeyCode::Esc) => {
                 self.filter.clear();
                 self.page = Page::Main;
@@ -73,7 +74,6 @@ impl Pages {
             (Page::Main | Page::Details, KeyCode::Char('?')) => self.open(Page::Help),
             (Page::Main, KeyCode::Char('/')) => self.open(Page::Filter),
             (Page::Main | Page::Filter, other) => return Err(other),
-            (Page::Details, KeyCode::Esc | KeyCode::Enter | KeyCode::Backspace) => self.page = Page::Main,
             (Page::Details, other) => _ = self.scroll(other),
             (Page::Help, other) if self.scroll(other) => {}
             (Page::Help, _) => self.open(Page::Main),

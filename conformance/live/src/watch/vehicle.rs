@@ -17,7 +17,7 @@ pub mod source;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -28,7 +28,7 @@ use uavspec_rules::definitions::Definitions;
 use uavspec_rules::px4::Interest;
 use uavspec_schema::MessageId;
 
-pub(crate) use self::battery::{Batteries, Battery};
+pub(crate) use self::battery::Battery;
 pub(crate) use self::components::{Component, Components, Readiness};
 pub(crate) use self::flags::{Flag, Flags, Groups, Known, filtered};
 use super::rate::Rate;
@@ -67,8 +67,8 @@ pub struct Vehicle {
     pub status: Status,
     /// The failsafe flags.
     pub flags: Flags,
-    /// The batteries.
-    pub batteries: Batteries,
+    /// The batteries, by number or instance.
+    pub batteries: BTreeMap<i128, Battery>,
     /// The external components.
     pub components: Components,
     /// The number of messages.
@@ -178,7 +178,7 @@ impl Vehicle {
                 is_changed
             }
             "failsafe_flags" => self.flags.message(values, meaning),
-            "battery_status" => self.batteries.message(channel.multi_id, values, meaning),
+            "battery_status" => battery::message(&mut self.batteries, channel.multi_id, values, meaning),
             "arming_check_request" => self.components.request(values),
             "arming_check_reply" => self.components.reply(values, time),
             "register_ext_component_reply" => self.components.registered(values),
@@ -198,7 +198,7 @@ impl Vehicle {
         let has_components = self.components.has_request || !self.components.all.is_empty();
         has_components
             || !self.flags.is_empty()
-            || !self.batteries.0.is_empty()
+            || !self.batteries.is_empty()
             || self.status != Status::default()
     }
 

@@ -14,7 +14,7 @@ use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::{Line, Span};
 
-use self::theme::Theme;
+pub use self::theme::Theme;
 use super::codes::Codes;
 use super::fleet::{Fleet, Uav};
 use super::screen::{Page, Pages, Screen};
@@ -29,16 +29,10 @@ pub struct Scene<'s> {
     pub codes: &'s Codes,
     /// The URL of the server.
     pub url: &'s str,
-    /// True if colours are enabled. Words and bold text convey the same information.
-    pub is_coloured: bool,
+    /// The styles.
+    pub theme: Theme,
     /// The time of drawing.
     pub now: Instant,
-}
-
-impl Scene<'_> {
-    fn theme(&self) -> Theme {
-        Theme { is_coloured: self.is_coloured }
-    }
 }
 
 /// The minimum width for the medium layout.
@@ -75,7 +69,7 @@ pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen) {
     let order = format!("sort: {}", screen.order.name());
     let keys =
         [("q", "quit"), ("s", &*order), ("/", "filter"), ("?", "help"), ("Enter", "details"), ("↑↓", "move")];
-    let foot = foot::line(&screen.pages, &keys, scene.theme(), area.width);
+    let foot = foot::line(&screen.pages, &keys, scene.theme, area.width);
     let middle = draw_frame(frame, head::lines(scene, area.width), foot);
     match screen.pages.page {
         Page::Main | Page::Filter => draw_fleet(frame, scene, screen, middle, area.height),
@@ -124,7 +118,7 @@ fn draw_fleet(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, are
     if rows.is_empty() {
         let is_filtered = !scene.fleet.is_empty();
         let text = if is_filtered { "no id contains this text" } else { "no UAVs yet" };
-        frame.render_widget(Line::styled(text, scene.theme().faint()), rest);
+        frame.render_widget(Line::styled(text, scene.theme.faint()), rest);
         return;
     }
     table::draw(frame, scene, screen, &rows, rest);
@@ -135,7 +129,7 @@ fn draw_fleet(frame: &mut Frame<'_>, scene: &Scene<'_>, screen: &mut Screen, are
 
 /// Draws the most severe error codes of a UAV, with their meanings.
 fn draw_note(frame: &mut Frame<'_>, scene: &Scene<'_>, id: &str, uav: &Uav, area: Rect) {
-    let mut lines = vec![Line::styled(truncated(id), scene.theme().title())];
+    let mut lines = vec![Line::styled(truncated(id), scene.theme.title())];
     lines.extend(uav.refusal.iter().map(|reason| Line::raw(format!("no state: {reason}"))));
     lines.extend(uav.codes().iter().map(|code| table::describe_code(scene, *code)));
     for (line, row) in lines.into_iter().zip(area.rows()) {

@@ -17,13 +17,14 @@ use uavspec_live::bus::{self, Address};
 use uavspec_live::vehicle::remove_recordings;
 use uavspec_live::watch::screen::{Pages, Step};
 use uavspec_live::watch::vehicle::playback::{Kind, Playback, Watcher};
-use uavspec_live::watch::vehicle::source::{Live, replay, watch_live};
+use uavspec_live::watch::vehicle::source::{replay, watch_live};
+use uavspec_live::watch::view::Theme;
 use uavspec_live::watch::view::vehicle::{Scene, draw, text};
 use uavspec_model::clock::Clock;
 use uavspec_model::text::terminal;
 use uavspec_rules::definitions::Library;
 
-use super::{Input, MAX_FRAME_TIME, WAITING_LIMIT, WatchArgs, has_colours, show, unusable_terminal};
+use super::{Input, MAX_FRAME_TIME, WAITING_LIMIT, WatchArgs, show, theme, unusable_terminal};
 use crate::app::report::print_result;
 use crate::app::{Exit, Status, explain, first_given, interrupt, library};
 
@@ -79,8 +80,8 @@ pub(super) fn watch_vehicle(args: &WatchArgs, address: &Address) -> Exit {
     let receiver = thread::spawn(move || {
         let connect = || bus::connect(&address, &peers, &[]);
         let is_stopped = || IS_STOPPED.load(Ordering::Relaxed);
-        let live = Live { connect: &connect, clock: Clock::real(), is_stopped };
-        watch_live(&live, &library, &texts, &receiving);
+        let watcher = Watcher { playback: &receiving, texts: &texts, clock: Clock::real() };
+        watch_live(&connect, is_stopped, &library, watcher);
     });
     let status = show_or_print(args, &playback, &labels);
     IS_STOPPED.store(true, Ordering::Relaxed);
@@ -128,7 +129,7 @@ pub(super) fn watch_capture(args: &WatchArgs, path: &Path) -> Exit {
         replay(&path, &library, watcher);
     });
     if is_once {
-        playback.wait_for_end().map_err(|problem| failed(&labels, &problem))?;
+        playback.wait_for_start().map_err(|problem| failed(&labels, &problem))?;
         return print_once(&playback, &labels);
     }
     show_vehicle(&playback, &labels)
@@ -159,7 +160,7 @@ fn print_once(playback: &Playback, labels: &Labels) -> Exit {
             shown,
             source: &labels.source,
             language: &labels.language,
-            is_coloured: false,
+            theme: Theme { is_coloured: false },
             now: Clock::real().now(),
         };
         (text(&scene), !shown.vehicle.has_state())
@@ -174,11 +175,11 @@ fn print_once(playback: &Playback, labels: &Labels) -> Exit {
 /// Shows the vehicle until the user quits or the source turns out to be unreadable.
 fn show_vehicle(playback: &Playback, labels: &Labels) -> Exit {
     let (sender, inputs) = sync_channel(WAITING_LIMIT);
-    let is_coloured = has_colours();
+    let theme = theme();
     let draw = |pages: &mut Pages, terminal: &mut DefaultTerminal, now| {
         playback.show(|shown| {
             let Labels { source, language } = labels;
-            let scene = Scene { shown, source, language, is_coloured, now };
+            let scene = Scene { shown, source, language, theme, now };
             terminal.draw(|frame| draw(frame, &scene, pages)).map(drop)
         })?;
         Ok(if playback.problem().is_some() { Step::Quit } else { Step::Stay })

@@ -11,10 +11,6 @@ use super::Meaning;
 /// The maximum number of batteries. PX4 supports four.
 const MAX_BATTERIES: usize = 16;
 
-/// The batteries, by number or instance.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Batteries(pub BTreeMap<i128, Battery>);
-
 /// A battery. Values that aren't known are `None`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Battery {
@@ -30,22 +26,20 @@ pub struct Battery {
     pub faults: i128,
 }
 
-impl Batteries {
-    /// Takes a message. Returns true if the state changes.
-    pub(super) fn message(
-        &mut self,
-        instance: Option<u8>,
-        values: DynamicView<'_>,
-        meaning: Meaning<'_>,
-    ) -> bool {
-        let id = number(values, "id").filter(|id| *id > 0);
-        let id = id.unwrap_or_else(|| i128::from(instance.unwrap_or_default()) + 1);
-        if self.0.len() >= MAX_BATTERIES && !self.0.contains_key(&id) {
-            return false;
-        }
-        let battery = Battery::read(values, meaning);
-        self.0.insert(id, battery.clone()) != Some(battery)
+/// Takes a message. Returns true if the state of the batteries changes.
+pub(super) fn message(
+    batteries: &mut BTreeMap<i128, Battery>,
+    instance: Option<u8>,
+    values: DynamicView<'_>,
+    meaning: Meaning<'_>,
+) -> bool {
+    let id = number(values, "id").filter(|id| *id > 0);
+    let id = id.unwrap_or_else(|| i128::from(instance.unwrap_or_default()) + 1);
+    if batteries.len() >= MAX_BATTERIES && !batteries.contains_key(&id) {
+        return false;
     }
+    let battery = Battery::read(values, meaning);
+    batteries.insert(id, battery.clone()) != Some(battery)
 }
 
 impl Battery {

@@ -201,22 +201,13 @@ impl Playback {
 
     /// Waits until a connection exists or can't be made, or until a replay ends. Returns the problem.
     pub fn wait_for_start(&self) -> Result<(), String> {
-        let state = self.wait(|state| state.link == Link::Connecting && state.end.is_none());
+        let is_starting = |state: &mut State| state.link == Link::Connecting && state.end.is_none();
+        let state = self.clock.wait_while((&self.state, &self.changed), None, is_starting);
         match (&state.link, &state.end) {
             (_, Some(result)) => result.clone(),
             (Link::Lost { reason, .. }, None) => Err(reason.clone()),
             (Link::Connected | Link::Connecting, None) => Ok(()),
         }
-    }
-
-    /// Waits until a replay ends. Returns the problem.
-    pub fn wait_for_end(&self) -> Result<(), String> {
-        self.wait(|state| state.end.is_none()).end.clone().unwrap_or(Ok(()))
-    }
-
-    /// Waits while a condition holds.
-    fn wait(&self, condition: impl Fn(&State) -> bool) -> MutexGuard<'_, State> {
-        self.clock.wait_while((&self.state, &self.changed), None, |state| condition(state))
     }
 
     /// The reason why a replay can't be read.

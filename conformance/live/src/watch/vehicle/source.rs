@@ -5,14 +5,12 @@ use std::time::Duration;
 
 use globset::{Glob, GlobSet, GlobSetBuilder};
 use uavspec_capture::input::Input;
-use uavspec_check::timeline::Texts;
 use uavspec_check::{Checked, Summary, check_input};
-use uavspec_model::clock::Clock;
 use uavspec_model::text::plural;
 use uavspec_rules::definitions::Library;
 
 use super::TOPICS;
-use super::playback::{Playback, Watcher};
+use super::playback::Watcher;
 use crate::bus::{Bus, Event};
 use crate::vehicle::{Options, observe};
 use crate::watch::fleet::Link;
@@ -23,34 +21,28 @@ const PAUSE: Duration = Duration::from_secs(2);
 /// The maximum time of a connection. After it, the display connects again.
 const MAX_TIME: Duration = Duration::from_secs(365 * 24 * 60 * 60);
 
-/// The functions that a live source needs.
-pub struct Live<'l> {
-    /// Connects to the vehicle.
-    pub connect: &'l dyn Fn() -> Result<Box<dyn Bus>, String>,
-    /// The clock of the vehicle.
-    pub clock: Clock,
-    /// Returns true if the display has ended.
-    pub is_stopped: fn() -> bool,
-}
-
 /// Receives the messages of a vehicle. Connects again if the connection ends. Returns only if the first connection fails
-/// or the display ends.
-pub fn watch_live(live: &Live<'_>, library: &Library, texts: &Texts, playback: &Playback) {
+/// or the display ends, which `is_stopped` tells.
+pub fn watch_live(
+    connect: &dyn Fn() -> Result<Box<dyn Bus>, String>,
+    is_stopped: fn() -> bool,
+    library: &Library,
+    mut watcher: Watcher<'_>,
+) {
+    let (playback, clock) = (watcher.playback, watcher.clock.clone());
+    let on_event = |event: &Event| match event {
+        Event::Lost { count, .. } => playback.lose(*count),
+        Event::Unreadable(problem) | Event::Problem(problem) => playback.note(problem.clone()),
+        Event::Endpoint(_) | Event::Ended(_) | Event::Message(_) | Event::Closed(_) => {}
+    };
+    let options = Options { topics: topics(), is_stopped: Box::new(is_stopped), ..Options::new(MAX_TIME) };
     let mut is_first = true;
-    while !(live.is_stopped)() {
-        let reason = match (live.connect)() {
+    while !is_stopped() {
+        let reason = match connect() {
             Ok(mut bus) => {
                 playback.forget_channels();
                 playback.set_link(Link::Connected);
                 is_first = false;
-                let is_stopped = Box::new(live.is_stopped);
-                let options = Options { topics: topics(), is_stopped, ..Options::new(MAX_TIME) };
-                let mut watcher = Watcher { playback, texts, clock: live.clock.clone() };
-                let on_event = |event: &Event| match event {
-                    Event::Lost { count, .. } => playback.lose(*count),
-                    Event::Unreadable(problem) | Event::Problem(problem) => playback.note(problem.clone()),
-                    Event::Endpoint(_) | Event::Ended(_) | Event::Message(_) | Event::Closed(_) => {}
-                };
                 match observe(&mut *bus, library, &options, &mut watcher, &on_event) {
                     Ok(reason) => reason.unwrap_or_default(),
                     Err(error) => format!("can't write a temporary file: {error}"),
@@ -58,11 +50,11 @@ pub fn watch_live(live: &Live<'_>, library: &Library, texts: &Texts, playback: &
             }
             Err(problem) => problem,
         };
-        playback.set_link(Link::Lost { reason, again: live.clock.now() + PAUSE });
+        playback.set_link(Link::Lost { reason, again: clock.now() + PAUSE });
         if is_first {
             return;
         }
-        live.clock.sleep(PAUSE);
+        clock.sleep(PAUSE);
     }
 }
 

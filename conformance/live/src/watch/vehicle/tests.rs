@@ -18,7 +18,7 @@ use uavspec_schema::fingerprint::ros_name;
 use uavspec_schema::translation::Translations;
 
 use super::playback::{Kind, Playback, Shown, Watcher};
-use super::source::{Live, replay, watch_live};
+use super::source::{replay, watch_live};
 use super::*;
 use crate::bus::memory::Network;
 use crate::bus::{Bus as _, Event, Topic};
@@ -183,7 +183,7 @@ fn a_component_that_leaves_is_removed() {
 fn batteries_state_their_charge_and_warning() {
     let library = library();
     after(&grounded(library.base()), |shown| {
-        let battery = &shown.vehicle.batteries.0[&1];
+        let battery = &shown.vehicle.batteries[&1];
         assert_eq!((battery.percent, battery.tenth_volts), (Some(18), Some(143)));
         assert_eq!(battery.warning.as_ref().map(|warning| warning.severity), Some(Severity::Warning));
     });
@@ -239,7 +239,7 @@ fn replays_pause_step_and_continue() {
         playback.pause();
         playback.accelerate(1);
         wait_until(&playback, &clock, |shown| shown.state.end.is_some());
-        assert_eq!(playback.wait_for_end(), Ok(()));
+        assert_eq!(playback.wait_for_start(), Ok(()));
         replaying.join().expect("no panic");
     });
 }
@@ -299,8 +299,8 @@ fn live_vehicles_are_shown_and_reconnected() {
         let watching = clock.spawn(scope, |clock| {
             let connect = || Ok(Box::new(network.connect("/watch", clock)) as Box<dyn crate::bus::Bus>);
             let is_stopped = || IS_STOPPED.load(Ordering::Relaxed);
-            let live = Live { connect: &connect, clock: clock.clone(), is_stopped };
-            watch_live(&live, &library, &texts, &playback);
+            let watcher = Watcher { playback: &playback, texts: &texts, clock: clock.clone() };
+            watch_live(&connect, is_stopped, &library, watcher);
         });
         playback.wait_for_start().expect("a connection");
         clock.sleep(Duration::from_millis(500));
@@ -337,7 +337,7 @@ fn live_vehicles_are_shown_and_reconnected() {
 fn the_first_connection_must_succeed() {
     let clock = Clock::simulated();
     let playback = Playback::new(Kind::Live, clock.clone());
-    let live = Live { connect: &|| Err("nobody listens".to_owned()), clock, is_stopped: || false };
-    watch_live(&live, &Library::built_in(), &texts(), &playback);
+    let watcher = Watcher { playback: &playback, texts: &texts(), clock };
+    watch_live(&|| Err("nobody listens".to_owned()), || false, &Library::built_in(), watcher);
     assert_eq!(playback.wait_for_start(), Err("nobody listens".to_owned()));
 }

@@ -19,7 +19,7 @@ pub(super) fn lines(scene: &Scene<'_>, id: &str, width: usize) -> Vec<Line<'stat
     let Some(uav) = scene.fleet.get(id) else {
         return vec![Line::raw(format!("{} has left the fleet", truncated(id)))];
     };
-    let mut lines = vec![Line::styled(truncated(id), scene.theme().title())];
+    let mut lines = vec![Line::styled(truncated(id), scene.theme.title())];
     let received = age(scene.fleet.age(uav, scene.now));
     let mut fields = vec![(
         "reported",
@@ -152,7 +152,7 @@ fn describe_errors(scene: &Scene<'_>, errors: &Errors, width: usize) -> Vec<Line
         let severity = Severity::of(*code);
         let name = format!("{:<8}{}", severity_name(severity), scene.codes.named(*code));
         lines.push(Line::default());
-        lines.push(Line::from(Span::styled(name, scene.theme().severity(severity))));
+        lines.push(Line::from(Span::styled(name, scene.theme.severity(severity))));
         lines.extend(labelled("", scene.codes.meaning(*code), 8, width));
     }
     if errors.invalid > 0 || errors.more > 0 {

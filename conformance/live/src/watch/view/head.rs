@@ -45,7 +45,7 @@ impl<'h> Head<'h> {
 }
 
 pub(super) fn lines<'s>(scene: &'s Scene<'_>, width: u16) -> Vec<Ends<'s>> {
-    let theme = scene.theme();
+    let theme = scene.theme;
     let head = Head {
         source: Span::styled(scene.url, theme.title()),
         software: Span::raw(scene.fleet.server.as_deref().unwrap_or_default()),
@@ -80,7 +80,7 @@ pub(super) fn link_text(link: &Link, now: Instant) -> String {
 fn counts<'s>(scene: &Scene<'_>, name: fn(Severity) -> &'static str) -> Line<'s> {
     let count = scene.fleet.len();
     let uavs = plural(count, "UAV");
-    let theme = scene.theme();
+    let theme = scene.theme;
     let by_severity = Severity::ALL.into_iter().rev().map(|severity| {
         let count = scene.fleet.count(severity);
         let style = if count == 0 { theme.faint() } else { theme.severity(severity) };

@@ -43,63 +43,55 @@ pub(in crate::watch) enum Kind {
     Errors,
 }
 
-/// A column.
-#[derive(Clone, Copy, Debug)]
-struct Column {
-    kind: Kind,
-    title: &'static str,
-    width: u16,
+impl Kind {
     /// True if the column contains numbers. Numbers are right-aligned.
-    has_numbers: bool,
+    fn is_number(self) -> bool {
+        !matches!(self, Self::Id | Self::Mark | Self::Severity | Self::Mode | Self::Errors)
+    }
 }
 
-const fn word(kind: Kind, title: &'static str, width: u16) -> Column {
-    Column { kind, title, width, has_numbers: false }
-}
-
-const fn number(kind: Kind, title: &'static str, width: u16) -> Column {
-    Column { kind, title, width, has_numbers: true }
-}
+/// A column: its content, its title and its width.
+type Column = (Kind, &'static str, u16);
 
 /// The columns of narrow screens. The first column is as wide as the longest id, up to the given width. The last column
 /// uses the remaining space.
 const NARROW_COLUMNS: [Column; 6] = [
-    word(Kind::Id, "ID", 12),
-    word(Kind::Mark, "", 1),
-    word(Kind::Mode, "MODE", 7),
-    number(Kind::Charge, "BAT", 5),
-    number(Kind::Age, "AGE", 5),
-    word(Kind::Errors, "ERRORS", 0),
+    (Kind::Id, "ID", 12),
+    (Kind::Mark, "", 1),
+    (Kind::Mode, "MODE", 7),
+    (Kind::Charge, "BAT", 5),
+    (Kind::Age, "AGE", 5),
+    (Kind::Errors, "ERRORS", 0),
 ];
 
 /// The columns of screens of medium width.
 const MEDIUM_COLUMNS: [Column; 10] = [
-    word(Kind::Id, "ID", 16),
-    word(Kind::Mark, "", 1),
-    word(Kind::Mode, "MODE", 8),
-    number(Kind::Voltage, "VOLT", 4),
-    number(Kind::Charge, "BAT", 5),
-    number(Kind::Latitude, "LAT", 9),
-    number(Kind::Longitude, "LON", 10),
-    number(Kind::AboveHome, "AHL", 6),
-    number(Kind::Age, "AGE", 5),
-    word(Kind::Errors, "ERRORS", 0),
+    (Kind::Id, "ID", 16),
+    (Kind::Mark, "", 1),
+    (Kind::Mode, "MODE", 8),
+    (Kind::Voltage, "VOLT", 4),
+    (Kind::Charge, "BAT", 5),
+    (Kind::Latitude, "LAT", 9),
+    (Kind::Longitude, "LON", 10),
+    (Kind::AboveHome, "AHL", 6),
+    (Kind::Age, "AGE", 5),
+    (Kind::Errors, "ERRORS", 0),
 ];
 
 /// The columns of wide screens.
 const WIDE_COLUMNS: [Column; 12] = [
-    word(Kind::Id, "ID", 24),
-    word(Kind::Severity, "SEVERITY", 8),
-    word(Kind::Mode, "MODE", 10),
-    number(Kind::Voltage, "VOLT", 4),
-    number(Kind::Charge, "BAT", 5),
-    number(Kind::Latitude, "LATITUDE", 11),
-    number(Kind::Longitude, "LONGITUDE", 12),
-    number(Kind::AboveSea, "AMSL", 7),
-    number(Kind::AboveHome, "AHL", 6),
-    number(Kind::AboveGround, "AGL", 6),
-    number(Kind::Age, "AGE", 5),
-    word(Kind::Errors, "ERRORS", 0),
+    (Kind::Id, "ID", 24),
+    (Kind::Severity, "SEVERITY", 8),
+    (Kind::Mode, "MODE", 10),
+    (Kind::Voltage, "VOLT", 4),
+    (Kind::Charge, "BAT", 5),
+    (Kind::Latitude, "LATITUDE", 11),
+    (Kind::Longitude, "LONGITUDE", 12),
+    (Kind::AboveSea, "AMSL", 7),
+    (Kind::AboveHome, "AHL", 6),
+    (Kind::AboveGround, "AGL", 6),
+    (Kind::Age, "AGE", 5),
+    (Kind::Errors, "ERRORS", 0),
 ];
 
 pub(super) fn draw(
@@ -111,15 +103,15 @@ pub(super) fn draw(
 ) {
     let shown: Vec<_> = rows.iter().skip(screen.first_row).take(usize::from(area.height)).collect();
     let columns = columns(area.width, shown.iter().map(|(id, _)| *id));
-    let theme = scene.theme();
-    let titles = columns.iter().map(|column| aligned(Line::raw(column.title), *column));
+    let theme = scene.theme;
+    let titles = columns.iter().map(|column| aligned(Line::raw(column.1), *column));
     let lines = shown.into_iter().map(|(id, uav)| {
-        let cells = columns.iter().map(|column| aligned(cell(scene, id, uav, column.kind), *column));
+        let cells = columns.iter().map(|column| aligned(cell(scene, id, uav, column.0), *column));
         let style = if is_stale(scene, uav) { theme.faint() } else { Style::new() };
         let is_selected = screen.selected.as_deref() == Some(*id);
         Row::new(cells).style(if is_selected { style.patch(theme.selected()) } else { style })
     });
-    let widths = columns.iter().map(|column| Constraint::Length(column.width));
+    let widths = columns.iter().map(|(.., width)| Constraint::Length(*width));
     let table = Table::new(lines, widths).header(Row::new(titles).style(theme.title()));
     frame.render_widget(table, area);
 }
@@ -133,20 +125,20 @@ fn columns<'i>(width: u16, ids: impl Iterator<Item = &'i str>) -> Vec<Column> {
     };
     let longest = ids.map(|id| Span::raw(truncated(id)).width()).max().unwrap_or_default();
     let longest = u16::try_from(longest).unwrap_or(u16::MAX);
-    if let Some(first) = columns.first_mut() {
-        first.width = longest.clamp(2, first.width);
+    if let Some((.., first)) = columns.first_mut() {
+        *first = longest.clamp(2, *first);
     }
     let gaps = u16::try_from(columns.len()).unwrap_or(u16::MAX).saturating_sub(1);
-    let taken: u16 = columns.iter().map(|column| column.width).sum::<u16>() + gaps;
-    if let Some(last) = columns.last_mut() {
-        last.width = width.saturating_sub(taken);
+    let taken: u16 = columns.iter().map(|(.., width)| width).sum::<u16>() + gaps;
+    if let Some((.., last)) = columns.last_mut() {
+        *last = width.saturating_sub(taken);
     }
     columns
 }
 
-fn aligned(line: Line<'_>, column: Column) -> Line<'_> {
-    let line = clipped(line, usize::from(column.width));
-    if column.has_numbers { line.right_aligned() } else { line }
+fn aligned(line: Line<'_>, (kind, _, width): Column) -> Line<'_> {
+    let line = clipped(line, usize::from(width));
+    if kind.is_number() { line.right_aligned() } else { line }
 }
 
 fn is_stale(scene: &Scene<'_>, uav: &Uav) -> bool {
@@ -195,7 +187,7 @@ pub(in crate::watch) fn text(
 fn severity<'c>(scene: &Scene<'_>, uav: &Uav, is_letter: bool) -> Line<'c> {
     let Some(severity) = uav.worst() else { return Line::default() };
     let name = if is_letter { severity_letter(severity) } else { severity_name(severity) };
-    Line::styled(name, scene.theme().severity(severity))
+    Line::styled(name, scene.theme.severity(severity))
 }
 
 /// The abbreviated error codes of a UAV, and the meaning of the most severe one.
@@ -210,14 +202,14 @@ fn errors<'c>(scene: &Scene<'_>, uav: &Uav) -> Line<'c> {
         if number > 0 {
             spans.push(Span::raw(", "));
         }
-        spans.push(Span::styled(scene.codes.short(*code), scene.theme().severity(Severity::of(*code))));
+        spans.push(Span::styled(scene.codes.short(*code), scene.theme.severity(Severity::of(*code))));
     }
     if errors.and_then(|errors| errors.known()).is_some_and(|errors| errors.invalid > 0) {
         spans.push(Span::raw(format!(" {INVALID_VALUE}")));
     }
     if let Some(code) = uav.codes().first() {
         let meaning = format!(" – {}", first_sentence(scene.codes.meaning(*code)));
-        spans.push(Span::styled(meaning, scene.theme().faint()));
+        spans.push(Span::styled(meaning, scene.theme.faint()));
     }
     Line::from(spans)
 }
@@ -227,7 +219,7 @@ pub(super) fn describe_code<'l>(scene: &Scene<'_>, code: u32) -> Line<'l> {
     let severity = Severity::of(code);
     let name = Span::styled(
         format!("{:<7} {}", severity_name(severity), scene.codes.named(code)),
-        scene.theme().severity(severity),
+        scene.theme.severity(severity),
     );
     Line::from(vec![name, Span::raw(format!(": {}", first_sentence(scene.codes.meaning(code))))])
 }

@@ -90,8 +90,13 @@ impl Watched {
     fn draw(&mut self, width: u16, height: u16, is_coloured: bool, seconds: u64) -> Picture {
         let mut terminal = Terminal::new(TestBackend::new(width, height)).expect("a terminal");
         let now = self.start + Duration::from_secs(seconds);
-        let scene =
-            Scene { fleet: &self.fleet, codes: &self.codes, url: "tcp://hill:5001", is_coloured, now };
+        let scene = Scene {
+            fleet: &self.fleet,
+            codes: &self.codes,
+            url: "tcp://hill:5001",
+            theme: Theme { is_coloured },
+            now,
+        };
         terminal.draw(|frame| draw(frame, &scene, &mut self.screen)).expect("it is drawn");
         Picture { buffer: terminal.backend().buffer().clone() }
     }

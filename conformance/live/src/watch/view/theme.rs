@@ -7,8 +7,9 @@ use super::super::fleet::Link;
 
 /// The styles of the screen.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Theme {
-    pub(super) is_coloured: bool,
+pub struct Theme {
+    /// True if colours are enabled. Words and bold text convey the same information.
+    pub is_coloured: bool,
 }
 
 impl Theme {

@@ -46,16 +46,10 @@ pub struct Scene<'s> {
     pub source: &'s str,
     /// The language of the labels.
     pub language: &'s str,
-    /// True if colours are enabled. Words and bold text convey the same information.
-    pub is_coloured: bool,
+    /// The styles.
+    pub theme: Theme,
     /// The time of drawing.
     pub now: Instant,
-}
-
-impl Scene<'_> {
-    fn theme(&self) -> Theme {
-        Theme { is_coloured: self.is_coloured }
-    }
 }
 
 /// Draws the screen.
@@ -72,40 +66,29 @@ pub fn draw(frame: &mut Frame<'_>, scene: &Scene<'_>, pages: &mut Pages) {
         ("+-", "speed"),
     ];
     let keys = if scene.shown.kind == Kind::Replay { &keys[..] } else { &keys[..6] };
-    let foot = foot::line(pages, keys, scene.theme(), width);
+    let foot = foot::line(pages, keys, scene.theme, width);
     let middle = draw_frame(frame, head::lines(scene, width), foot);
-    let columns = match pages.page {
-        Page::Help => vec![foot::help(&KEYS, width)],
-        _ => columns(scene, &pages.filter, width),
+    let columns = if pages.page == Page::Help {
+        vec![foot::help(&KEYS, width)]
+    } else {
+        columns(scene, &pages.filter, width)
     };
     draw_columns(frame, columns, pages, middle);
 }
 
 /// The sections, in one or two columns.
 fn columns(scene: &Scene<'_>, filter: &str, width: u16) -> Vec<Vec<Line<'static>>> {
-    if width < WIDE {
-        return vec![one_column(scene, filter, width)];
+    let is_wide = width >= WIDE;
+    let width = usize::from(if is_wide { (width - GAP) / 2 } else { width });
+    let (set, clear) =
+        (sections::set_flags(scene, filter, width), sections::clear_flags(scene, filter, width));
+    let (modes, batteries) = (sections::modes(scene, width), sections::batteries(scene, width));
+    let components = sections::components(scene, width);
+    if is_wide {
+        vec![[set, modes].concat(), [batteries, components, clear].concat()]
+    } else {
+        vec![[set, components, batteries, modes, clear].concat()]
     }
-    let width = usize::from((width - GAP) / 2);
-    let left = [sections::set_flags(scene, filter, width), sections::modes(scene, width)];
-    let right = [
-        sections::batteries(scene, width),
-        sections::components(scene, width),
-        sections::clear_flags(scene, filter, width),
-    ];
-    vec![left.concat(), right.concat()]
-}
-
-fn one_column(scene: &Scene<'_>, filter: &str, width: u16) -> Vec<Line<'static>> {
-    let width = usize::from(width);
-    let sections = [
-        sections::set_flags(scene, filter, width),
-        sections::components(scene, width),
-        sections::batteries(scene, width),
-        sections::modes(scene, width),
-        sections::clear_flags(scene, filter, width),
-    ];
-    sections.concat()
 }
 
 /// The state as text.
@@ -114,7 +97,7 @@ pub fn text(scene: &Scene<'_>) -> String {
         let joined = format!("{}  {}", line.left, line.right);
         joined.trim_end().to_owned() + "\n"
     });
-    let lines = one_column(scene, "", TEXT_WIDTH);
+    let lines = columns(scene, "", TEXT_WIDTH).concat();
     head.chain(lines.into_iter().map(|line| line.to_string().trim_end().to_owned() + "\n")).collect()
 }
 

@@ -15,7 +15,7 @@ use crate::watch::view::{Ends, spaced};
 use crate::watch::words::truncated;
 
 pub(super) fn lines(scene: &Scene<'_>, width: u16) -> Vec<Ends<'static>> {
-    let (theme, vehicle, now) = (scene.theme(), scene.shown.vehicle, scene.shown.now);
+    let (theme, vehicle, now) = (scene.theme, scene.shown.vehicle, scene.shown.now);
     let (link, link_style) = link(scene);
     let age = format::age(vehicle.latest.map(|latest| age(latest, now)));
     let head = Head {
@@ -31,7 +31,7 @@ pub(super) fn lines(scene: &Scene<'_>, width: u16) -> Vec<Ends<'static>> {
 
 /// The state of the connection or the replay.
 fn link(scene: &Scene<'_>) -> (String, Style) {
-    let (theme, Shown { state, vehicle, kind, now }) = (scene.theme(), scene.shown);
+    let (theme, Shown { state, vehicle, kind, now }) = (scene.theme, scene.shown);
     let paused = theme.colour(Color::Yellow);
     let at = format!("{:.1} s", vehicle.elapsed(*now).as_secs_f64());
     match kind {
@@ -49,7 +49,7 @@ fn link(scene: &Scene<'_>) -> (String, Style) {
 
 /// The arming state, the mode and the result of the checks.
 fn state(scene: &Scene<'_>) -> Vec<Span<'static>> {
-    let theme = scene.theme();
+    let theme = scene.theme;
     let status = &scene.shown.vehicle.status;
     let name = |part: &Option<Part>| part.as_ref().map(|part| truncated(&part.name));
     let failed = |text: &str| Span::styled(text.to_owned(), theme.server_error());

@@ -7,7 +7,7 @@ use uavspec_model::text::{plural, shown};
 
 use super::Scene;
 use crate::watch::format;
-use crate::watch::vehicle::{Battery, Component, Flag, Groups, Known, Readiness, Vehicle, age, filtered};
+use crate::watch::vehicle::{Battery, Component, Flag, Groups, Known, Readiness, age, filtered};
 use crate::watch::view::theme::Theme;
 use crate::watch::view::wrap::{labelled, wrapped};
 use crate::watch::words::truncated;
@@ -17,20 +17,15 @@ const INDENT: usize = 10;
 
 type Lines = Vec<Line<'static>>;
 
-/// The reason why a topic isn't shown.
-pub(super) fn missing(vehicle: &Vehicle, topic: &str) -> String {
-    if vehicle.undecided.contains(topic) {
-        format!("{topic} of an unknown release: name it with --definitions, such as px4@1.18")
-    } else {
-        format!("no {topic} yet: the vehicle must publish this topic")
-    }
-}
-
 /// The flags that are set, by group, most severe first.
 pub(super) fn set_flags(scene: &Scene<'_>, filter: &str, width: usize) -> Lines {
-    let (theme, vehicle) = (scene.theme(), scene.shown.vehicle);
+    let (theme, vehicle) = (scene.theme, scene.shown.vehicle);
     if vehicle.flags.is_empty() {
-        let text = missing(vehicle, "failsafe_flags");
+        let text = if vehicle.undecided.contains("failsafe_flags") {
+            "failsafe_flags of an unknown release: name it with --definitions, such as px4@1.18"
+        } else {
+            "no failsafe_flags yet: the vehicle must publish this topic"
+        };
         let row = row("", Span::styled(text, theme.faint()), width);
         return [title(theme, "FAILSAFE FLAGS", ""), row].concat();
     }
@@ -51,7 +46,7 @@ pub(super) fn set_flags(scene: &Scene<'_>, filter: &str, width: usize) -> Lines 
 
 /// The flags that aren't set, by group.
 pub(super) fn clear_flags(scene: &Scene<'_>, filter: &str, width: usize) -> Lines {
-    let (theme, vehicle) = (scene.theme(), scene.shown.vehicle);
+    let (theme, vehicle) = (scene.theme, scene.shown.vehicle);
     let groups = matching(scene, vehicle.flags.clear(vehicle.status.mode), filter);
     if groups.is_empty() {
         return Vec::new();
@@ -108,7 +103,7 @@ fn in_language(scene: &Scene<'_>, label: &Label) -> String {
 
 /// The modes whose requirements aren't met.
 pub(super) fn modes(scene: &Scene<'_>, width: usize) -> Lines {
-    let (theme, vehicle) = (scene.theme(), scene.shown.vehicle);
+    let (theme, vehicle) = (scene.theme, scene.shown.vehicle);
     let blocked = vehicle.flags.blocked();
     if blocked.is_empty() {
         return Vec::new();
@@ -136,7 +131,7 @@ fn mode_name(scene: &Scene<'_>, mode: i128) -> String {
 
 /// The batteries.
 pub(super) fn batteries(scene: &Scene<'_>, width: usize) -> Lines {
-    let (theme, batteries) = (scene.theme(), &scene.shown.vehicle.batteries.0);
+    let (theme, batteries) = (scene.theme, &scene.shown.vehicle.batteries);
     if batteries.is_empty() {
         return Vec::new();
     }
@@ -168,7 +163,7 @@ fn battery_text(scene: &Scene<'_>, battery: &Battery) -> String {
 
 /// The external components.
 pub(super) fn components(scene: &Scene<'_>, width: usize) -> Lines {
-    let (theme, components) = (scene.theme(), &scene.shown.vehicle.components);
+    let (theme, components) = (scene.theme, &scene.shown.vehicle.components);
     let mut lines = title(theme, "EXTERNAL COMPONENTS", &components.all.len().to_string());
     if components.all.is_empty() && !components.has_request {
         lines.extend(row("", Span::styled("no arming_check_request yet", theme.faint()), width));

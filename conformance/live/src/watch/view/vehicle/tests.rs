@@ -24,7 +24,13 @@ fn with_vehicle<T>(show: impl FnOnce(&Shown<'_>) -> T) -> T {
 }
 
 fn scene<'s>(shown: &'s Shown<'s>, language: &'s str, is_coloured: bool) -> Scene<'s> {
-    Scene { shown, source: "flight.ulg", language, is_coloured, now: Clock::simulated().now() }
+    Scene {
+        shown,
+        source: "flight.ulg",
+        language,
+        theme: Theme { is_coloured },
+        now: Clock::simulated().now(),
+    }
 }
 
 /// Draws a frame after these keys.
