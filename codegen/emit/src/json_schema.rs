@@ -177,8 +177,8 @@ impl<'s> Emitter<'s> {
 
     fn file(&self, target: Target) -> OutputFile {
         let here = self.address(target);
-        let head = head(here.id(&self.options.base), &here.stem());
-        let members = head.iter().chain(self.definition(target));
+        let mut members = head(here.id(&self.options.base), &here.stem());
+        members.extend_from_slice(self.definition(target));
         OutputFile {
             path: here.path(),
             text: tree::print(members, &|other| here.refer_to(self.address(other))),
@@ -209,7 +209,7 @@ impl<'s> Emitter<'s> {
         members.push(member("description", describe(package)));
         members.push(member("anyOf", any));
         members.push(member("$defs", Node::Object(entries.collect())));
-        let text = tree::print(members.iter(), &|target| address::within_bundle(&definition(target)));
+        let text = tree::print(members, &|target| address::within_bundle(&definition(target)));
         Some(OutputFile { path: address::bundle_path(package), text })
     }
 

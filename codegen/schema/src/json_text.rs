@@ -6,7 +6,6 @@
 use std::io::{self, Write};
 
 use serde::Serialize;
-use serde_json::ser::{CharEscape, CompactFormatter, Formatter, PrettyFormatter, Serializer};
 
 use crate::characters::is_hidden;
 use crate::terminal::Command;
@@ -18,13 +17,13 @@ pub fn pretty(value: &(impl Serialize + ?Sized)) -> String {
 
 /// Writes a value on several lines, with a final line break. Fails for a value whose keys aren't strings.
 pub fn write_pretty(value: &(impl Serialize + ?Sized), to: &mut dyn Write) -> io::Result<()> {
-    value.serialize(&mut Serializer::with_formatter(&mut *to, Escaping(PrettyFormatter::new())))?;
+    serde_json::to_writer_pretty(Escaping(&mut *to), value)?;
     writeln!(to)
 }
 
 /// Formats a value on one line.
 pub fn compact(value: &(impl Serialize + ?Sized)) -> String {
-    text(|to| Ok(value.serialize(&mut Serializer::with_formatter(to, Escaping(CompactFormatter)))?))
+    text(|to| Ok(serde_json::to_writer(Escaping(to), value)?))
 }
 
 /// The written text; empty for a value whose keys aren't strings. Writing to memory can't fail.
@@ -33,65 +32,33 @@ fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
     write(&mut text).map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
 }
 
-/// Escapes hidden characters and commands in strings.
-struct Escaping<F>(F);
+/// Escapes hidden characters and commands in the parts of JSON that the serializer writes.
+struct Escaping<W>(W);
 
-impl<F: Formatter> Formatter for Escaping<F> {
-    fn write_string_fragment<W: Write + ?Sized>(&mut self, to: &mut W, text: &str) -> io::Result<()> {
-        // A quotation mark precedes.
+impl<W: Write> Write for Escaping<W> {
+    fn write(&mut self, part: &[u8]) -> io::Result<usize> {
+        // The serializer writes whole characters.
+        let text = str::from_utf8(part).map_err(io::Error::other)?;
+        // In a string, a quotation mark precedes.
         let mut command = Command::Text;
         let mut start = 0;
         for (at, character) in text.char_indices() {
             let is_invisible = is_hidden(character) || matches!(character, '\u{200c}' | '\u{200d}');
-            if is_invisible || command.is_completed_by(character) {
-                self.0.write_string_fragment(to, &text[start..at])?;
+            // A line break is between values. In a string, it is already an escape.
+            if character != '\n' && (is_invisible || command.is_completed_by(character)) {
+                self.0.write_all(&part[start..at])?;
                 for unit in character.encode_utf16(&mut [0; 2]) {
-                    write!(to, "\\u{unit:04x}")?;
+                    write!(self.0, "\\u{unit:04x}")?;
                 }
                 start = at + character.len_utf8();
             }
         }
-        self.0.write_string_fragment(to, &text[start..])
+        self.0.write_all(&part[start..])?;
+        Ok(part.len())
     }
 
-    fn write_char_escape<W: Write + ?Sized>(&mut self, to: &mut W, escape: CharEscape) -> io::Result<()> {
-        self.0.write_char_escape(to, escape)
-    }
-
-    fn begin_array<W: Write + ?Sized>(&mut self, to: &mut W) -> io::Result<()> {
-        self.0.begin_array(to)
-    }
-
-    fn end_array<W: Write + ?Sized>(&mut self, to: &mut W) -> io::Result<()> {
-        self.0.end_array(to)
-    }
-
-    fn begin_array_value<W: Write + ?Sized>(&mut self, to: &mut W, is_first: bool) -> io::Result<()> {
-        self.0.begin_array_value(to, is_first)
-    }
-
-    fn end_array_value<W: Write + ?Sized>(&mut self, to: &mut W) -> io::Result<()> {
-        self.0.end_array_value(to)
-    }
-
-    fn begin_object<W: Write + ?Sized>(&mut self, to: &mut W) -> io::Result<()> {
-        self.0.begin_object(to)
-    }
-
-    fn end_object<W: Write + ?Sized>(&mut self, to: &mut W) -> io::Result<()> {
-        self.0.end_object(to)
-    }
-
-    fn begin_object_key<W: Write + ?Sized>(&mut self, to: &mut W, is_first: bool) -> io::Result<()> {
-        self.0.begin_object_key(to, is_first)
-    }
-
-    fn begin_object_value<W: Write + ?Sized>(&mut self, to: &mut W) -> io::Result<()> {
-        self.0.begin_object_value(to)
-    }
-
-    fn end_object_value<W: Write + ?Sized>(&mut self, to: &mut W) -> io::Result<()> {
-        self.0.end_object_value(to)
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
     }
 }
 
