@@ -330,67 +330,54 @@ fn set_tokens(found: &JsonType, name: &Ident, set: &Set) -> TokenStream {
 
 fn set_body(doc: &TokenStream, name: &Ident, set: &Set) -> TokenStream {
     let openness = ident(if set.is_open { "open" } else { "closed" });
-    let other_doc = documentation("Any value other than the named ones.");
-    match &set.values {
+    let (call, ty, values): (_, _, Vec<_>) = match &set.values {
         SetValues::Integers(values) => {
-            let names = variant_names(values.iter().map(|found| number_name(found.value)), set.is_open);
-            let other = set.is_open.then(|| quote!(#other_doc Unnamed(i64)));
-            let declarations =
-                declarations(&names, values.iter().map(|found| (&found.description, found.value)));
-            let entries = names.iter().zip(values).map(|(variant, found)| {
-                let value = literals::integer(found.value.into());
-                quote!(#variant #value;)
-            });
-            quote! {
-                #doc
-                #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-                pub enum #name {
-                    #(#declarations,)*
-                    #other
-                }
-
-                ::uavspec_runtime::json_integers! { #name #openness; #(#entries)* }
-            }
+            let entry = |found: &SetValue<i64>| {
+                let text = value_text(&found.value.to_string(), &found.description);
+                (number_name(found.value), text, literals::integer(found.value.into()))
+            };
+            (quote!(json_integers), quote!(i64), values.iter().map(entry).collect())
         }
         SetValues::Strings(values) => {
-            let names = variant_names(values.iter().map(|found| pascal_case(&found.value)), set.is_open);
-            let other =
-                set.is_open.then(|| quote!(#other_doc Unnamed(::uavspec_runtime::alloc::string::String)));
-            let declarations =
-                declarations(&names, values.iter().map(|found| (&found.description, &found.value)));
-            let entries = names.iter().zip(values).map(|(variant, found)| {
-                let value = &found.value;
-                quote!(#variant #value;)
-            });
-            let copy = (!set.is_open).then(|| quote!(Copy,));
-            quote! {
-                #doc
-                #[derive(Clone, #copy Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-                pub enum #name {
-                    #(#declarations,)*
-                    #other
-                }
-
-                ::uavspec_runtime::json_strings! { #name #openness; #(#entries)* }
-            }
+            let entry = |SetValue { value, description }: &SetValue<String>| {
+                (pascal_case(value), value_text(value, description), quote!(#value))
+            };
+            let ty = quote!(::uavspec_runtime::alloc::string::String);
+            (quote!(json_strings), ty, values.iter().map(entry).collect())
         }
+    };
+    let names = variant_names(values.iter().map(|(name, ..)| name.clone()), set.is_open);
+    let declarations = names.iter().zip(&values).map(|(variant, (_, text, _))| {
+        let doc = documentation(text);
+        quote!(#doc #variant)
+    });
+    let entries = names.iter().zip(&values).map(|(variant, (.., value))| quote!(#variant #value;));
+    let other = set.is_open.then(|| {
+        let doc = documentation("Any value other than the named ones.");
+        quote!(#doc Unnamed(#ty))
+    });
+    let is_copied = !set.is_open || matches!(set.values, SetValues::Integers(_));
+    let copy = is_copied.then(|| quote!(Copy,));
+    quote! {
+        #doc
+        #[derive(Clone, #copy Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum #name {
+            #(#declarations,)*
+            #other
+        }
+
+        ::uavspec_runtime::#call! { #name #openness; #(#entries)* }
     }
 }
 
-fn declarations<'v, T: ToString>(
-    names: &'v [Ident],
-    values: impl Iterator<Item = (&'v String, T)>,
-) -> impl Iterator<Item = TokenStream> {
-    names.iter().zip(values).map(|(variant, (description, value))| {
-        let value = prose::code(&value.to_string());
-        let text = if description.is_empty() {
-            format!("{value}.")
-        } else {
-            format!("{value}: {}", prose::block(description))
-        };
-        let doc = documentation(&text);
-        quote!(#doc #variant)
-    })
+/// The documentation of a value.
+fn value_text(value: &str, description: &str) -> String {
+    let value = prose::code(value);
+    if description.is_empty() {
+        format!("{value}.")
+    } else {
+        format!("{value}: {}", prose::block(description))
+    }
 }
 
 /// Unique variant names, which also differ from the name of the variant for unnamed values.
