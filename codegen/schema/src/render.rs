@@ -20,7 +20,7 @@ use crate::finding::Finding;
 use crate::parallel::in_parts;
 use crate::prose::visible;
 use crate::source::{Located, SourceMap, Span};
-use crate::terminal::{Command, GuardedLines, guarded, shown};
+use crate::terminal::{Command, guarded, shown};
 
 /// Maximum number of diagnostics shown per source. A file with more diagnostics is probably not a definition.
 const MAX_PER_SOURCE: usize = 200;
@@ -41,48 +41,28 @@ pub fn render(diagnostics: &[Diagnostic], sources: &SourceMap, styled: bool) -> 
 /// Renders `findings` in the given order, with colours if `styled`. Consecutive findings that differ only in category
 /// are shown as one.
 pub fn findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> String {
-    let add = |text: &mut String, finding: &str| {
-        text.push_str(finding);
-        text.push('\n');
-    };
-    render_parts(findings, sources, styled, add).concat()
-}
-
-/// Like [`findings`], but in several parts, which are ready to be printed one after the other.
-pub fn guarded_findings(findings: &[Finding], sources: &SourceMap, styled: bool) -> Vec<GuardedLines> {
-    render_parts(findings, sources, styled, GuardedLines::push)
-}
-
-/// Renders findings in one or more parts. `add` adds a rendered finding and a line break to a part.
-fn render_parts<P: Default + Send>(
-    findings: &[Finding],
-    sources: &SourceMap,
-    styled: bool,
-    add: impl Fn(&mut P, &str) + Sync,
-) -> Vec<P> {
     let is_in_same_source =
         |left: &Finding, right: &Finding| sources.source_of(left.span) == sources.source_of(right.span);
     let by_source: Vec<&[Finding]> = findings.chunk_by(is_in_same_source).collect();
-    in_parts(&by_source, |by_source| {
-        let mut part = P::default();
-        in_sources(by_source, sources, styled, &mut |text| add(&mut part, text));
-        part
-    })
+    in_parts(&by_source, |by_source| in_sources(by_source, sources, styled)).concat()
 }
 
-/// Renders the findings of several sources. Calls `add` with each rendered finding.
-fn in_sources(by_source: &[&[Finding]], sources: &SourceMap, styled: bool, add: &mut dyn FnMut(&str)) {
+/// Renders the findings of several sources.
+fn in_sources(by_source: &[&[Finding]], sources: &SourceMap, styled: bool) -> String {
     let renderer = if styled { Renderer::styled() } else { Renderer::plain() };
+    let mut text = String::new();
     for in_source in by_source {
         for same in in_source.chunk_by(Finding::is_same_change).take(MAX_PER_SOURCE) {
-            add(&renderer.render(&[group(same, sources)]));
+            text += &renderer.render(&[group(same, sources)]);
+            text.push('\n');
         }
         let count = in_source.chunk_by(Finding::is_same_change).count();
         if let Some(more) = count.checked_sub(MAX_PER_SOURCE).filter(|more| *more > 0) {
             let path = shown(sources.path(sources.source_of(in_source[0].span)));
-            add(&format!("… and {more} more in {path}"));
+            text.extend(["… and ", &more.to_string(), " more in ", &path, "\n"]);
         }
     }
+    text
 }
 
 /// Renders another tool's error at a source location, without the `error: ` prefix and without colours.

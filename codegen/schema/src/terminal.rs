@@ -11,10 +11,10 @@ mod print;
 mod shown;
 
 pub(crate) use self::command::Command;
-pub use self::guard::{Guard, GuardedLines, guarded};
+pub use self::guard::{Guard, guarded};
 pub use self::parse::{parse, parse_as};
 pub use self::print::{
-    error, error_with_details, finish, print, print_error, print_lines, print_unguarded, stderr, stdout,
+    error, error_with_details, finish, print, print_error, print_unguarded, stderr, stdout,
 };
 pub use self::shown::{MAX_SHOWN, path, shown};
 

@@ -7,15 +7,15 @@ use uavspec_schema::diagnostic::{Diagnostic, Level};
 use uavspec_schema::failure::Failure;
 use uavspec_schema::identity::Identity;
 use uavspec_schema::render;
-use uavspec_schema::terminal::{self, GuardedLines};
+use uavspec_schema::terminal;
 use uavspec_schema::wording::plural;
 
 use crate::load::Loaded;
 
-/// Prints lines to standard output, with colours if enabled.
-pub(super) fn print_results(render: impl FnOnce(bool) -> Vec<GuardedLines>) {
+/// Prints a text to standard output, with colours if enabled.
+pub(super) fn print_results(render: impl FnOnce(bool) -> String) {
     let is_plain = anstream::AutoStream::choice(&io::stdout()) == anstream::ColorChoice::Never;
-    terminal::print_lines(&render(!is_plain));
+    terminal::print(format_args!("{}", render(!is_plain)));
 }
 
 /// Prints a machine-readable report, whose format escapes all text.

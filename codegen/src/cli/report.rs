@@ -13,7 +13,7 @@ use uavspec_schema::failure::Failure;
 use uavspec_schema::finding::Finding;
 use uavspec_schema::render;
 use uavspec_schema::source::{SourceId, SourceMap};
-use uavspec_schema::terminal::{self, GuardedLines, guarded};
+use uavspec_schema::terminal::{self, guarded};
 
 use self::target::{FormatName, Target};
 use super::print::{print_report, print_results, protect_inputs};
@@ -115,7 +115,7 @@ pub(super) struct Results<'r> {
 impl Results<'_> {
     fn to_text(&self, format: FormatName, sources: &SourceMap) -> String {
         let Some(format) = format.format() else {
-            return render::findings(self.findings, sources, false) + &self.end();
+            return self.rendered(sources, false);
         };
         let entries = self.findings.iter().map(|finding| Entry::of(finding, sources)).collect();
         let report = Report { command: self.totals.command, rules: self.rules.clone(), entries };
@@ -123,19 +123,13 @@ impl Results<'_> {
     }
 
     /// The results as text for a terminal.
-    fn to_lines(&self, sources: &SourceMap, styled: bool) -> Vec<GuardedLines> {
-        let mut parts = render::guarded_findings(self.findings, sources, styled);
-        parts.push(GuardedLines::of(&self.end()));
-        parts
-    }
-
-    /// The totals at the end of a text.
-    fn end(&self) -> String {
-        let gap = if self.findings.is_empty() { "" } else { "\n" };
+    fn rendered(&self, sources: &SourceMap, styled: bool) -> String {
+        let mut text = render::findings(self.findings, sources, styled);
+        text += if self.findings.is_empty() { "" } else { "\n" };
+        // The table would repeat the last line.
         match self.totals.rules.len() {
-            // The table would repeat the last line.
-            0 | 1 => format!("{gap}{}\n", self.totals.headline()),
-            _ => format!("{gap}{}", self.totals.to_text()),
+            0 | 1 => text + &self.totals.headline() + "\n",
+            _ => text + &self.totals.to_text(),
         }
     }
 
@@ -173,7 +167,7 @@ impl ReportArgs {
             format @ FormatName::Text if self.summary => {
                 terminal::print(format_args!("{}", results.to_summary(format)));
             }
-            FormatName::Text => print_results(|styled| results.to_lines(sources, styled)),
+            FormatName::Text => print_results(|styled| results.rendered(sources, styled)),
             format if self.summary => print_report(&results.to_summary(format)),
             format => print_report(&results.to_text(format, sources)),
         }

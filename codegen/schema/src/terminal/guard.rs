@@ -87,32 +87,6 @@ impl Filter {
     }
 }
 
-/// Guarded lines of an output, as a [`Guard`] would write them. After the end of a line, a guard starts afresh, so lines
-/// can be guarded in several threads and printed one after the other.
-#[derive(Debug, Default)]
-pub struct GuardedLines(String);
-
-impl GuardedLines {
-    /// Guards the lines of a text. Adds a missing line break at its end.
-    pub fn of(text: &str) -> Self {
-        let mut lines = Self::default();
-        lines.push(text.strip_suffix('\n').unwrap_or(text));
-        lines
-    }
-
-    /// Adds a text and a line break.
-    pub(crate) fn push(&mut self, text: &str) {
-        let mut filter = Filter::default();
-        filter.push_all(text, &mut self.0);
-        filter.push('\n', &mut self.0);
-    }
-
-    /// The lines as text.
-    pub(super) fn text(&self) -> &str {
-        &self.0
-    }
-}
-
 /// A writer that passes on lines, tabs, colours and text effects. It escapes other control characters, invisible
 /// characters and commands of CI systems.
 #[derive(Debug)]
@@ -225,21 +199,6 @@ mod tests {
             prop_assert_eq!(written(&parts), written(&[text.as_bytes()]));
             if !text.contains(ESCAPE) {
                 prop_assert_eq!(written(&[text.as_bytes()]), guarded(&text));
-            }
-        }
-
-        #[test]
-        fn is_the_same_for_lines_that_are_guarded_apart(
-            texts in proptest::collection::vec("([a-c:#\\[ \t\n\u{1b}m1é\u{7}]|vso){0,8}", 0..6),
-        ) {
-            let mut apart = GuardedLines::default();
-            for text in &texts {
-                apart.push(text);
-            }
-            let whole: String = texts.iter().map(|text| format!("{text}\n")).collect();
-            prop_assert_eq!(apart.text(), written(&[whole.as_bytes()]));
-            if !texts.is_empty() {
-                prop_assert_eq!(GuardedLines::of(&whole).0, apart.0);
             }
         }
     }

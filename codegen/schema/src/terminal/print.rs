@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Write as _};
 use std::io::{self, Write};
 use std::sync::{Mutex, PoisonError};
 
-use super::guard::{ESCAPE, Guard, GuardedLines};
+use super::guard::{ESCAPE, Guard};
 use super::shown::shown_up_to;
 
 /// The maximum length of an error message, in characters. It may contain several paths.
@@ -30,23 +30,19 @@ pub fn print(text: fmt::Arguments<'_>) {
     let text = text.to_string();
     // Only styles must be removed.
     if text.contains(ESCAPE) {
-        print_to(stdout(), &[&text]);
+        print_to(stdout(), &text);
     } else {
-        print_to(Guard::new(io::stdout()), &[&text]);
+        print_to(Guard::new(io::stdout()), &text);
     }
 }
 
 /// Prints a machine-readable text to standard output, like [`print()`]. The text isn't guarded.
 pub fn print_unguarded(text: &str) {
-    print_to(io::stdout(), &[text]);
+    print_to(io::stdout(), text);
 }
 
-fn print_to(mut output: impl Write, parts: &[&str]) {
-    let written = parts.iter().try_for_each(|part| output.write_all(part.as_bytes()));
-    remember(written.and_then(|()| output.flush()));
-}
-
-fn remember(written: io::Result<()>) {
+fn print_to(mut output: impl Write, text: &str) {
+    let written = output.write_all(text.as_bytes()).and_then(|()| output.flush());
     if let Err(error) = written
         && error.kind() != io::ErrorKind::BrokenPipe
     {
@@ -60,18 +56,6 @@ fn remember(written: io::Result<()>) {
 /// Fails if a text could not be printed to standard output, for example because a disk is full.
 pub fn finish() -> io::Result<()> {
     UNPRINTED.lock().unwrap_or_else(PoisonError::into_inner).take().map_or(Ok(()), Err)
-}
-
-/// Prints guarded lines to standard output, like [`print()`].
-#[allow(clippy::disallowed_methods, reason = "the lines are guarded")]
-pub fn print_lines(parts: &[GuardedLines]) {
-    let parts: Vec<&str> = parts.iter().map(GuardedLines::text).collect();
-    // Only styles must be removed.
-    if parts.iter().any(|part| part.contains(ESCAPE)) {
-        print_to(anstream::stdout(), &parts);
-    } else {
-        print_to(io::stdout(), &parts);
-    }
 }
 
 /// Prints to standard error. A message that can't be printed is lost.
