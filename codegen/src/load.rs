@@ -20,7 +20,7 @@ mod located;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use uavspec_lint::{Ignore, Preset, Settings};
+use uavspec_lint::{Ignore, Settings};
 use uavspec_schema::diagnostic::{Diagnostic, Problem, has_errors};
 use uavspec_schema::failure::Failure;
 use uavspec_schema::msg::Dialect;
@@ -29,6 +29,7 @@ use uavspec_schema::translation::{self, Translations};
 use uavspec_schema::{Form, Schema, render};
 
 use self::built_in::BuiltIn;
+pub(crate) use self::config::DialectName;
 pub use self::config::{Config, Inputs, Plan, PlannedPackage};
 pub use self::dialect::detected;
 pub use self::discovery::{
@@ -39,7 +40,6 @@ pub use self::files::{
     Loaded, is_definition, literal_base, load, load_into, load_named, load_with_catalogues,
 };
 pub use self::folder::manifest_name;
-pub(crate) use self::lint::PresetName;
 
 /// Definitions that were read from a path.
 #[derive(Debug)]
@@ -175,7 +175,7 @@ pub fn lint_settings(plan: &Plan, loaded: &Loaded) -> Settings {
         span: loaded.config.unwrap_or_default().part(ignore.range.clone()),
     });
     Settings {
-        preset: plan.lint.preset.map_or_else(Preset::default, Preset::from),
+        preset: plan.lint.preset,
         levels: plan.lint.levels.clone(),
         ignores: ignores.collect(),
         conversions: loaded.conversions.clone(),

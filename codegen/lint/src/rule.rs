@@ -126,12 +126,13 @@ impl Sink<'_> {
 }
 
 /// A set of levels.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
 pub enum Preset {
-    /// Rules of PX4's documentation standard, and rules against mistakes that mislead readers or parsers.
+    /// Rules of PX4's documentation standard, and rules against ambiguous text.
     #[default]
     Px4,
-    /// All rules except `unit-unlisted`, which allows only units from PX4's list.
+    /// All rules except unit-unlisted, which allows only units from PX4's list.
     Strict,
 }
 

@@ -16,13 +16,16 @@ use std::fmt;
 use crate::span::Span;
 
 /// The severity of a finding. Diagnostics are errors or warnings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, clap::ValueEnum)]
 pub enum Level {
     /// Informational.
+    #[value(help = "All findings")]
     Note,
     /// The definition can still be read as intended.
+    #[value(help = "Warnings and errors")]
     Warning,
     /// No output is generated from the definitions.
+    #[value(help = "Errors only")]
     Error,
 }
 

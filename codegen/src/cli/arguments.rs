@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use uavspec_emit::Emitter;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::source::SourceId;
-use uavspec_schema::{Form, terminal};
+use uavspec_schema::terminal;
 
-use crate::load::{Config, Loaded, Plan};
+use crate::load::{Config, DialectName, Loaded, Plan};
 
 /// The definitions that a command reads.
 #[derive(Args, Debug)]
@@ -75,7 +75,7 @@ pub(super) struct PackageArgs {
     pub(super) package: String,
     /// Form of the package's definitions
     #[arg(long, required = false, requires = "package")]
-    pub(super) dialect: Dialect,
+    pub(super) dialect: DialectName,
     /// Files of the package, or folders to search
     #[arg(long, value_name = "PATH", num_args = 1.., required = false, requires = "package")]
     pub(super) input: Vec<PathBuf>,
@@ -84,26 +84,5 @@ pub(super) struct PackageArgs {
 impl PackageArgs {
     pub(super) fn plan(&self, out: &Path, emit: &[&Emitter]) -> Plan {
         Plan::from_arguments(&self.package, self.dialect.into(), &self.input, out, emit)
-    }
-}
-
-/// The form of definitions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(super) enum Dialect {
-    /// PX4 uORB messages
-    Px4,
-    /// ROS 2 interfaces
-    Ros2,
-    /// Pages with specification tables
-    Table,
-}
-
-impl From<Dialect> for Form {
-    fn from(dialect: Dialect) -> Self {
-        match dialect {
-            Dialect::Px4 => Self::Msg(uavspec_schema::msg::Dialect::Px4),
-            Dialect::Ros2 => Self::Msg(uavspec_schema::msg::Dialect::Ros2),
-            Dialect::Table => Self::Table,
-        }
     }
 }

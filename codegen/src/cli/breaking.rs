@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::thread;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use uavspec_dynamic::breaking::{Between, Category, RULES, Rule, breaking, rule};
 use uavspec_lint::report::{RuleInfo, Totals};
 use uavspec_schema::diagnostic::{Diagnostic, Level, has_errors};
@@ -54,7 +54,7 @@ pub struct BreakingArgs {
     against: String,
     /// Type of the versions to compare
     #[arg(long, default_value = "commits")]
-    between: BetweenName,
+    between: Between,
     #[command(flatten)]
     definitions: DefinitionsArgs,
     /// Report only this kind of change (repeatable)
@@ -79,23 +79,6 @@ pub struct BreakingArgs {
     report: ReportArgs,
     #[command(flatten)]
     baseline: BaselineArgs,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum BetweenName {
-    /// A changed message must raise its version by one
-    Commits,
-    /// A changed message may raise its version by more than one
-    Releases,
-}
-
-impl From<BetweenName> for Between {
-    fn from(name: BetweenName) -> Self {
-        match name {
-            BetweenName::Commits => Self::Commits,
-            BetweenName::Releases => Self::Releases,
-        }
-    }
 }
 
 pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
@@ -130,7 +113,7 @@ pub(super) fn run(args: &BreakingArgs) -> Result<Status, Failure> {
     let mut findings = if has_errors {
         errors(new_diagnostics).iter().map(Finding::from).collect()
     } else {
-        breaking(&new.sources, &old_schema, &new_schema, args.between.into())
+        breaking(&new.sources, &old_schema, &new_schema, args.between)
     };
     let subjects = Subjects::new(sources, new.packages.iter().chain(&old.packages));
     let selection = args.selection();

@@ -5,7 +5,7 @@ use std::fs;
 
 use clap::Args;
 use uavspec_lint::report::{RuleInfo, Totals};
-use uavspec_lint::{RULES, Settings, apply, lint, rule};
+use uavspec_lint::{Preset, RULES, Settings, apply, lint, rule};
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::failure::Failure;
 use uavspec_schema::finding::Finding;
@@ -16,10 +16,10 @@ use uavspec_schema::wording::plural;
 
 use super::arguments::{DefinitionsArgs, FilesArgs};
 use super::baseline::{self, BaselineArgs, Subjects};
-use super::report::{LevelName, ReportArgs, Results, Selection, rule_ids};
+use super::report::{ReportArgs, Results, Selection, rule_ids};
 use super::status::Status;
 use super::stopwatch::Stopwatch;
-use crate::load::{self, Loaded, Plan, PresetName};
+use crate::load::{self, Loaded, Plan};
 
 /// The maximum number of `--fix` passes. Several passes may be needed, because one fix may make another fix possible.
 const MAX_PASSES: usize = 10;
@@ -51,7 +51,7 @@ pub struct LintArgs {
     definitions: DefinitionsArgs,
     /// Set of rules [default: the preset in uavspec.toml, otherwise px4]
     #[arg(long)]
-    preset: Option<PresetName>,
+    preset: Option<Preset>,
     /// Check only this rule, even if it is off (repeatable)
     #[arg(
         long,
@@ -63,7 +63,7 @@ pub struct LintArgs {
     rule: Vec<String>,
     /// Report only findings at this level or above
     #[arg(long, conflicts_with = "write_baseline")]
-    level: Option<LevelName>,
+    level: Option<Level>,
     /// Apply all automatic fixes, and report the remaining findings
     #[arg(long)]
     fix: bool,
@@ -125,9 +125,8 @@ fn fix_summary(fixed: usize, fixable: usize) -> String {
 
 impl LintArgs {
     fn selection(&self, loaded: &Loaded) -> Result<Selection, Failure> {
-        let level = self.level.map(LevelName::level);
         let files = self.files.sources(loaded)?;
-        Ok(Selection { rules: self.rule.clone(), level, files, ..Selection::default() })
+        Ok(Selection { rules: self.rule.clone(), level: self.level, files, ..Selection::default() })
     }
 }
 
@@ -142,7 +141,7 @@ fn list_rules() {
 fn settings(plan: &Plan, loaded: &Loaded, args: &LintArgs) -> Settings {
     let mut settings = load::lint_settings(plan, loaded);
     if let Some(preset) = args.preset {
-        settings.preset = preset.into();
+        settings.preset = preset;
     }
     for rule in args.rule.iter().filter_map(|id| rule(id)) {
         if settings.level(rule).is_none() {

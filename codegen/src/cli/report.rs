@@ -5,8 +5,8 @@ mod target;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use clap::Args;
 use clap::builder::PossibleValuesParser;
-use clap::{Args, ValueEnum};
 use uavspec_lint::report::{Entry, Report, RuleInfo, Totals};
 use uavspec_schema::diagnostic::Level;
 use uavspec_schema::failure::Failure;
@@ -26,34 +26,13 @@ pub(super) struct ReportArgs {
     summary: bool,
     /// Fail if a finding is at this level or above
     #[arg(long, value_name = "LEVEL", default_value = "error")]
-    deny: LevelName,
+    deny: Level,
     /// Report format
     #[arg(long, default_value = "text")]
     format: FormatName,
     /// Also write a report to a file, such as sarif=lint.sarif (repeatable)
     #[arg(long, value_name = "FORMAT=PATH", value_delimiter = ',')]
     report: Vec<Target>,
-}
-
-/// A level of findings.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum LevelName {
-    /// All findings
-    Note,
-    /// Warnings and errors
-    Warning,
-    /// Errors only
-    Error,
-}
-
-impl LevelName {
-    pub(super) fn level(self) -> Level {
-        match self {
-            Self::Note => Level::Note,
-            Self::Warning => Level::Warning,
-            Self::Error => Level::Error,
-        }
-    }
 }
 
 /// Accepts the ids of rules. For other values, clap reports the known ids and a similar one.
@@ -182,6 +161,6 @@ impl ReportArgs {
 
     /// True if no finding is at the denied level or above.
     pub(super) fn is_success(&self, findings: &[Finding]) -> bool {
-        findings.iter().all(|finding| finding.level < self.deny.level())
+        findings.iter().all(|finding| finding.level < self.deny)
     }
 }

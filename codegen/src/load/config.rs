@@ -10,7 +10,7 @@ use uavspec_emit::{EMITTERS, Emitter, Others, Output, emitter};
 use uavspec_schema::failure::Failure;
 use uavspec_schema::path::normalise;
 use uavspec_schema::wording::similar;
-use uavspec_schema::{Form, terminal};
+use uavspec_schema::{Dialect, Form, terminal};
 
 use super::built_in::BuiltIn;
 use super::lint::{Lint, PlannedLint};
@@ -76,12 +76,26 @@ struct Package {
     releases: Option<Spanned<PathBuf>>,
 }
 
-#[derive(Clone, Copy, Debug, Deserialize)]
+/// The form of definitions.
+#[derive(Clone, Copy, Debug, Deserialize, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
-enum DialectName {
+pub(crate) enum DialectName {
+    /// PX4 uORB messages
     Px4,
+    /// ROS 2 interfaces
     Ros2,
+    /// Pages with specification tables
     Table,
+}
+
+impl From<DialectName> for Form {
+    fn from(dialect: DialectName) -> Self {
+        match dialect {
+            DialectName::Px4 => Self::Msg(Dialect::Px4),
+            DialectName::Ros2 => Self::Msg(Dialect::Ros2),
+            DialectName::Table => Self::Table,
+        }
+    }
 }
 
 /// The packages to read and the outputs to write.
@@ -254,11 +268,7 @@ impl Config {
             .map(|package| PlannedPackage {
                 name_range: Some(package.name.span()),
                 name: package.name.into_inner(),
-                form: match package.dialect {
-                    DialectName::Px4 => Form::Msg(uavspec_schema::msg::Dialect::Px4),
-                    DialectName::Ros2 => Form::Msg(uavspec_schema::msg::Dialect::Ros2),
-                    DialectName::Table => Form::Table,
-                },
+                form: package.dialect.into(),
                 inputs: Inputs::Patterns { folder: folder.clone(), patterns: package.include },
                 select: package.select.map(|names| {
                     names.into_iter().map(|name| (name.get_ref().clone(), name.span())).collect()

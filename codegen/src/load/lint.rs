@@ -17,7 +17,8 @@ use super::located::failure_at;
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Lint {
-    preset: Option<PresetName>,
+    #[serde(default)]
+    preset: Preset,
     #[serde(default)]
     levels: BTreeMap<Spanned<String>, LevelName>,
     #[serde(default, rename = "ignore")]
@@ -31,25 +32,6 @@ struct LintIgnore {
     rule: String,
     path: Option<String>,
     reason: String,
-}
-
-/// A preset of rule levels.
-#[derive(Clone, Copy, Debug, Deserialize, clap::ValueEnum)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum PresetName {
-    /// Rules of PX4's documentation standard, and rules against ambiguous text
-    Px4,
-    /// All rules except unit-unlisted, which allows only units from PX4's list
-    Strict,
-}
-
-impl From<PresetName> for Preset {
-    fn from(name: PresetName) -> Self {
-        match name {
-            PresetName::Px4 => Self::Px4,
-            PresetName::Strict => Self::Strict,
-        }
-    }
 }
 
 /// The level of a rule, or off.
@@ -76,7 +58,7 @@ impl LevelName {
 /// The configuration of `lint`.
 #[derive(Debug, Default)]
 pub(crate) struct PlannedLint {
-    pub(crate) preset: Option<PresetName>,
+    pub(crate) preset: Preset,
     pub(crate) levels: BTreeMap<String, Option<Level>>,
     pub(crate) ignores: Vec<PlannedIgnore>,
 }

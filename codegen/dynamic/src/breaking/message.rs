@@ -11,12 +11,12 @@ use super::order::{MAX_COMPARISONS, align, likeness};
 use super::signature::{SchemaSignatures, plain};
 
 /// The kind of versions compared (commits or releases), which determines how `MESSAGE_VERSION` may change.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Between {
-    /// Between commits, the version of a changed message must increase by exactly one.
+    /// A changed message must raise its version by one.
     #[default]
     Commits,
-    /// Between releases, the version may increase by more than one, because the message may have changed several times.
+    /// A changed message may raise its version by more than one.
     Releases,
 }
 
