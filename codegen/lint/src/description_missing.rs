@@ -10,16 +10,8 @@ pub(super) const RULE: Rule = Rule {
     why: "An operator who sees the code doesn't know what happened or what to do.",
     fix: "Describe the condition and the remedy.",
     levels: Levels::both(Level::Warning),
-    bad: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n| 64 | ROPE | |\n",
-    },
-    good: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n| 64 | ROPE | The rope is worn. |\n",
-    },
+    bad: winch![codes: "| 64 | ROPE | |"],
+    good: winch![codes: "| 64 | ROPE | The rope is worn. |"],
     measured: None,
     check: Check::ErrorCodes(check),
 };

@@ -11,9 +11,12 @@ const WARNING: Rule = Rule {
     levels: Levels::both(Level::Warning),
     bad: glider![],
     good: glider![],
-    measured: None,
+    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     check: Check::Reader(no_fix),
 };
+
+/// The defaults of rules that don't apply to PX4's definitions.
+const UNMEASURED: Rule = Rule { measured: None, ..WARNING };
 
 pub(super) const ANNOTATION_VALUE_TYPE: Rule = Rule {
     id: "annotation-value-type",
@@ -23,7 +26,6 @@ pub(super) const ANNOTATION_VALUE_TYPE: Rule = Rule {
     fix: "Use a value of the field's type, or change the type.",
     bad: glider!["uint8 crew  # [-] [@invalid NaN] People on board"],
     good: glider!["uint8 crew  # [-] [@invalid 255] People on board"],
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -44,7 +46,6 @@ pub(super) const ENUM_ON_NON_INTEGER: Rule = Rule {
         "",
         "uint8 gear  # [@enum GEAR] Landing gear"
     ],
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -65,7 +66,6 @@ pub(super) const ENUM_VALUE_OUT_OF_RANGE: Rule = Rule {
         "",
         "uint16 gear  # [@enum GEAR] Landing gear"
     ],
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -76,7 +76,6 @@ pub(super) const INVISIBLE_CHARACTER: Rule = Rule {
     fix: "Remove the character.",
     bad: glider!["float32 sink  # [m/s] Sink\u{200b} rate"],
     good: glider!["float32 sink  # [m/s] Sink rate"],
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -87,7 +86,6 @@ pub(super) const MALFORMED_ANNOTATION: Rule = Rule {
     fix: "Write the arguments that the annotation expects.",
     bad: glider!["float32 sink  # [m/s] [@range 0 to 10] Sink rate"],
     good: glider!["float32 sink  # [m/s] [@range 0, 10] Sink rate"],
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -105,7 +103,6 @@ pub(super) const MESSAGE_NAME_STYLE: Rule = Rule {
         path: "GliderState.msg",
         text: "# State of a glider\n\nuint64 timestamp  # [us] Time since system start\n",
     },
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -115,17 +112,9 @@ pub(super) const MISPLACED_ANNOTATION: Rule = Rule {
     why: "The annotation has no effect, so the value is not checked. Units and ranges apply only to numbers. \
         Patterns and formats apply only to strings. Lengths apply only to strings and lists.",
     fix: "Use an annotation that applies to this type.",
-    bad: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Rope\n\n| Field | Required | Type | Description |\n\
-               |-------|----------|------|-------------|\n| name | yes | string | [@range 1, 8] Its name |\n",
-    },
-    good: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Rope\n\n| Field | Required | Type | Description |\n\
-               |-------|----------|------|-------------|\n| name | yes | string | [@length 1, 8] Its name |\n",
-    },
-    ..WARNING
+    bad: winch![fields: "| name | yes | string | [@range 1, 8] Its name |"],
+    good: winch![fields: "| name | yes | string | [@length 1, 8] Its name |"],
+    ..UNMEASURED
 };
 
 pub(super) const MISSING_ABBREVIATION: Rule = Rule {
@@ -134,17 +123,9 @@ pub(super) const MISSING_ABBREVIATION: Rule = Rule {
     why: "User interfaces show the abbreviation if there is little space. Without an abbreviation, they show the \
         number.",
     fix: "Add an abbreviation, or `-` if the code should have none.",
-    bad: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n| 64 | | The rope is worn. |\n",
-    },
-    good: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n| 64 | ROPE | The rope is worn. |\n",
-    },
-    ..WARNING
+    bad: winch![codes: "| 64 | | The rope is worn. |"],
+    good: winch![codes: "| 64 | ROPE | The rope is worn. |"],
+    ..UNMEASURED
 };
 
 pub(super) const MISSING_ANSWER: Rule = Rule {
@@ -162,7 +143,7 @@ pub(super) const MISSING_ANSWER: Rule = Rule {
         text: "# Winch\n\n## ROPE-CUT\n\n### Request\n\nNo fields besides `type`.\n\nAnswer: ROPE-INF\n\n\
                ## ROPE-INF\n\n### Response\n\nNo fields besides `type`.\n",
     },
-    ..WARNING
+    ..UNMEASURED
 };
 
 pub(super) const NAME_STYLE: Rule = Rule {
@@ -173,7 +154,6 @@ pub(super) const NAME_STYLE: Rule = Rule {
     fix: "Rename the field or the constant.",
     bad: glider!["float32 sinkRate  # [m/s] Sink rate"],
     good: glider!["float32 sink_rate  # [m/s] Sink rate"],
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -187,12 +167,8 @@ pub(super) const NEAR_TYPE_TABLE: Rule = Rule {
         text: "# Winch\n\n## Rope\n\n| Field | Requried | Type |\n\
                |-------|----------|------|\n| name | yes | string |\n",
     },
-    good: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Rope\n\n| Field | Required | Type | Description |\n\
-               |-------|----------|------|-------------|\n| name | yes | string | Its name |\n",
-    },
-    ..WARNING
+    good: winch![fields: "| name | yes | string | Its name |"],
+    ..UNMEASURED
 };
 
 pub(super) const ONE_SIDED_ALTERNATIVE: Rule = Rule {
@@ -201,21 +177,15 @@ pub(super) const ONE_SIDED_ALTERNATIVE: Rule = Rule {
     why: "Only one of the two codes may be reported for an event. A developer who reads only the \
         alternative's description may report both codes.",
     fix: "Mention each code in the description of the other.",
-    bad: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               | 64 | ROPE | The rope is worn. Use this code only if it holds; otherwise use code 65. |\n\
-               | 65 | ROPE2 | The rope is torn. |\n",
-    },
-    good: Example {
-        path: "winch.md",
-        text: "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n\
-               |-----:|------|-------------|\n\
-               | 64 | ROPE | The rope is worn. Use this code only if it holds; otherwise use code 65. |\n\
-               | 65 | ROPE2 | The rope is torn. Use this code only if it doesn't hold; otherwise use code 64. |\n",
-    },
-    ..WARNING
+    bad: winch![codes:
+        "| 64 | ROPE | The rope is worn. Use this code only if it holds; otherwise use code 65. |",
+        "| 65 | ROPE2 | The rope is torn. |",
+    ],
+    good: winch![codes:
+        "| 64 | ROPE | The rope is worn. Use this code only if it holds; otherwise use code 65. |",
+        "| 65 | ROPE2 | The rope is torn. Use this code only if it doesn't hold; otherwise use code 64. |",
+    ],
+    ..UNMEASURED
 };
 
 pub(super) const TRANSLATION_FUZZY: Rule = Rule {
@@ -231,14 +201,12 @@ pub(super) const TRANSLATION_FUZZY: Rule = Rule {
                msgctxt \"demo/Glider.timestamp\"\nmsgid \"Time since system start\"\nmsgstr \"Час від запуску системи\"\n\n\
                msgctxt \"demo/Glider\"\nmsgid \"State of a glider\"\nmsgstr \"Стан планера\"\n",
     },
-    good: Example {
-        path: "uk.po",
-        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
-               msgctxt \"demo/Glider.sink\"\nmsgid \"Sink rate\"\nmsgstr \"Швидкість зниження\"\n\n\
-               msgctxt \"demo/Glider.timestamp\"\nmsgid \"Time since system start\"\nmsgstr \"Час від запуску системи\"\n\n\
-               msgctxt \"demo/Glider\"\nmsgid \"State of a glider\"\nmsgstr \"Стан планера\"\n",
-    },
-    ..WARNING
+    good: ukrainian![
+        "demo/Glider.sink", "Sink rate", "Швидкість зниження";
+        "demo/Glider.timestamp", "Time since system start", "Час від запуску системи";
+        "demo/Glider", "State of a glider", "Стан планера";
+    ],
+    ..UNMEASURED
 };
 
 pub(super) const TRANSLATION_MISSING: Rule = Rule {
@@ -246,20 +214,16 @@ pub(super) const TRANSLATION_MISSING: Rule = Rule {
     statement: "A missing translation in a partly translated message, service, action or list of error codes.",
     why: "The page mixes two languages. Items with no translations at all are shown in English and not reported.",
     fix: "Translate the remaining texts.",
-    bad: Example {
-        path: "uk.po",
-        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
-               msgctxt \"demo/Glider\"\nmsgid \"State of a glider\"\nmsgstr \"Стан планера\"\n\n\
-               msgctxt \"demo/Glider.timestamp\"\nmsgid \"Time since system start\"\nmsgstr \"\"\n",
-    },
-    good: Example {
-        path: "uk.po",
-        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
-               msgctxt \"demo/Glider\"\nmsgid \"State of a glider\"\nmsgstr \"Стан планера\"\n\n\
-               msgctxt \"demo/Glider.timestamp\"\nmsgid \"Time since system start\"\nmsgstr \"Час від запуску системи\"\n\n\
-               msgctxt \"demo/Glider.sink\"\nmsgid \"Sink rate\"\nmsgstr \"Швидкість зниження\"\n",
-    },
-    ..WARNING
+    bad: ukrainian![
+        "demo/Glider", "State of a glider", "Стан планера";
+        "demo/Glider.timestamp", "Time since system start", "";
+    ],
+    good: ukrainian![
+        "demo/Glider", "State of a glider", "Стан планера";
+        "demo/Glider.timestamp", "Time since system start", "Час від запуску системи";
+        "demo/Glider.sink", "Sink rate", "Швидкість зниження";
+    ],
+    ..UNMEASURED
 };
 
 pub(super) const TRANSLATION_STALE: Rule = Rule {
@@ -268,21 +232,17 @@ pub(super) const TRANSLATION_STALE: Rule = Rule {
     why: "The translation is not used, and the page shows the English text.",
     fix: "Run `translate`, which updates the text and keeps the old text for comparison. \
         Then update the translation.",
-    bad: Example {
-        path: "uk.po",
-        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
-               msgctxt \"demo/Glider\"\nmsgid \"State of a glider\"\nmsgstr \"Стан планера\"\n\n\
-               msgctxt \"demo/Glider.timestamp\"\nmsgid \"Time since start\"\nmsgstr \"Час від запуску\"\n\n\
-               msgctxt \"demo/Glider.sink\"\nmsgid \"Sink rate\"\nmsgstr \"Швидкість зниження\"\n",
-    },
-    good: Example {
-        path: "uk.po",
-        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
-               msgctxt \"demo/Glider\"\nmsgid \"State of a glider\"\nmsgstr \"Стан планера\"\n\n\
-               msgctxt \"demo/Glider.timestamp\"\nmsgid \"Time since system start\"\nmsgstr \"Час від запуску системи\"\n\n\
-               msgctxt \"demo/Glider.sink\"\nmsgid \"Sink rate\"\nmsgstr \"Швидкість зниження\"\n",
-    },
-    ..WARNING
+    bad: ukrainian![
+        "demo/Glider", "State of a glider", "Стан планера";
+        "demo/Glider.timestamp", "Time since start", "Час від запуску";
+        "demo/Glider.sink", "Sink rate", "Швидкість зниження";
+    ],
+    good: ukrainian![
+        "demo/Glider", "State of a glider", "Стан планера";
+        "demo/Glider.timestamp", "Time since system start", "Час від запуску системи";
+        "demo/Glider.sink", "Sink rate", "Швидкість зниження";
+    ],
+    ..UNMEASURED
 };
 
 pub(super) const UNKNOWN_ANNOTATION: Rule = Rule {
@@ -292,7 +252,6 @@ pub(super) const UNKNOWN_ANNOTATION: Rule = Rule {
     fix: "Use an existing annotation, or write plain text.",
     bad: glider!["float32 sink  # [m/s] [@limits 0, 10] Sink rate"],
     good: glider!["float32 sink  # [m/s] [@range 0, 10] Sink rate"],
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -303,7 +262,6 @@ pub(super) const UNKNOWN_CONSTANT: Rule = Rule {
     fix: "Use the name of a constant in the message, or a limit such as `UINT8_MAX`.",
     bad: glider!["uint8 crew  # [-] [@invalid CREW_UNKNOWN] People on board"],
     good: glider!["uint8 crew  # [-] [@invalid UINT8_MAX] People on board"],
-    measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
     ..WARNING
 };
 
@@ -334,17 +292,9 @@ pub(super) const UNKNOWN_TRANSLATION: Rule = Rule {
     why: "The translation is not used. The `msgctxt` is misspelt, or the item was removed.",
     fix: "Correct the `msgctxt`, or remove the entry. Valid forms are `px4/Wind`, `px4/Wind.speed`, \
         `px4/Wind::SPEED_LOW` and `flockwave/error-code/134`.",
-    bad: Example {
-        path: "uk.po",
-        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
-               msgctxt \"demo/Glider.sinking\"\nmsgid \"Sink rate\"\nmsgstr \"Швидкість зниження\"\n",
-    },
-    good: Example {
-        path: "uk.po",
-        text: "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n\n\
-               msgctxt \"demo/Glider.sink\"\nmsgid \"Sink rate\"\nmsgstr \"Швидкість зниження\"\n",
-    },
-    ..WARNING
+    bad: ukrainian!["demo/Glider.sinking", "Sink rate", "Швидкість зниження"],
+    good: ukrainian!["demo/Glider.sink", "Sink rate", "Швидкість зниження"],
+    ..UNMEASURED
 };
 
 pub(super) const UNKNOWN_UNIT: Rule = Rule {

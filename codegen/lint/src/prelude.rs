@@ -8,3 +8,41 @@ pub(super) use uavspec_schema::source::SourceMap;
 
 pub(super) use super::rule::{Check, Levels, Measured, Rule, Sink, no_fix};
 pub(super) use super::subject::Subject;
+
+/// An example page, from the rows of its only table.
+macro_rules! winch {
+    (codes: $($row:literal),* $(,)?) => {
+        Example {
+            path: "winch.md",
+            text: concat!(
+                "# Winch\n\n## Warnings (codes 64-127)\n\n| Code | Abbr | Description |\n|-----:|------|-------------|\n",
+                $($row, "\n"),*
+            ),
+        }
+    };
+    (fields: $($row:literal),* $(,)?) => {
+        Example {
+            path: "winch.md",
+            text: concat!(
+                "# Winch\n\n## Rope\n\n| Field | Required | Type | Description |\n\
+                 |-------|----------|------|-------------|\n",
+                $($row, "\n"),*
+            ),
+        }
+    };
+}
+pub(super) use winch;
+
+/// An example catalogue, from the contexts, texts and translations of its entries.
+macro_rules! ukrainian {
+    ($($context:literal, $text:literal, $translation:literal);* $(;)?) => {
+        Example {
+            path: "uk.po",
+            text: concat!(
+                "msgid \"\"\nmsgstr \"\"\n\"Content-Type: text/plain; charset=UTF-8\\n\"\n",
+                $("\nmsgctxt \"", $context, "\"\nmsgid \"", $text, "\"\nmsgstr \"", $translation, "\"\n"),*
+            ),
+        }
+    };
+}
+pub(super) use ukrainian;
