@@ -70,7 +70,7 @@ pub fn serve(connection: &Connection, history: &History<'_>) -> Result<(), Failu
     let failed =
         |error: lsp_server::ProtocolError| Failure::new(format!("the editor violated the protocol: {error}"));
     let (id, parameters) = connection.initialize_start().map_err(failed)?;
-    let server = match Server::new(connection, history, parameters) {
+    let server = match Server::new(connection, history, &parameters) {
         Ok(server) => server,
         Err(error) => {
             let code = lsp_server::ErrorCode::InvalidParams as i32;

@@ -5,96 +5,62 @@
 
 use lsp_types::{PositionEncodingKind, ResourceOperationKind, Uri, WorkspaceFolder};
 use serde::Deserialize;
+use serde_json::{Error, Map, Value};
 
-/// The parameters.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
+/// The parameters. A missing feature is empty or false.
 pub(super) struct Parameters {
-    pub(super) workspace_folders: Option<Vec<WorkspaceFolder>>,
-    /// The folder, if the editor doesn't send workspace folders.
-    pub(super) root_uri: Option<Uri>,
-    pub(super) capabilities: Capabilities,
+    pub(super) folders: Vec<Uri>,
+    pub(super) encodings: Vec<PositionEncodingKind>,
+    /// The operations on files that an edit may contain.
+    pub(super) operations: Vec<ResourceOperationKind>,
+    pub(super) has_snippets: bool,
+    /// True if the server can ask the editor to report changes of files.
+    pub(super) can_watch_files: bool,
 }
 
-/// The features of the editor.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Capabilities {
-    pub(super) general: Option<General>,
-    pub(super) workspace: Option<Workspace>,
-    pub(super) text_document: Option<TextDocument>,
+impl Parameters {
+    pub(super) fn read(parameters: &Value) -> Result<Self, Error> {
+        let capabilities = parameters.get("capabilities").unwrap_or(&Value::Null);
+        Map::<String, Value>::deserialize(capabilities)?;
+        let folders: Option<Vec<WorkspaceFolder>> = member(parameters, "/workspaceFolders")?;
+        // An editor without workspace folders may send one folder.
+        let root: Option<Uri> = member(parameters, "/rootUri")?;
+        let folders = folders.map(|folders| folders.into_iter().map(|folder| folder.uri).collect());
+        Ok(Self {
+            folders: folders.unwrap_or_else(|| Vec::from_iter(root)),
+            encodings: member(capabilities, "/general/positionEncodings")?,
+            operations: member(capabilities, "/workspace/workspaceEdit/resourceOperations")?,
+            has_snippets: member(capabilities, "/textDocument/completion/completionItem/snippetSupport")?,
+            can_watch_files: member(capabilities, "/workspace/didChangeWatchedFiles/dynamicRegistration")?,
+        })
+    }
 }
 
-/// Features of the protocol.
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct General {
-    pub(super) position_encodings: Option<Vec<PositionEncodingKind>>,
-}
-
-/// Features for folders.
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Workspace {
-    pub(super) workspace_edit: Option<WorkspaceEdit>,
-    pub(super) did_change_watched_files: Option<WatchedFiles>,
-}
-
-/// Features of edits.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct WorkspaceEdit {
-    pub(super) resource_operations: Option<Vec<ResourceOperationKind>>,
-}
-
-/// Features of watched files.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct WatchedFiles {
-    pub(super) dynamic_registration: Option<bool>,
-}
-
-/// Features for documents.
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct TextDocument {
-    pub(super) completion: Option<Completion>,
-}
-
-/// Features of completion.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Completion {
-    pub(super) completion_item: Option<CompletionItem>,
-}
-
-/// Features of completed items.
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct CompletionItem {
-    pub(super) snippet_support: Option<bool>,
+/// The value at a JSON pointer. The default, if the value is missing or null.
+fn member<'p, T: Default + Deserialize<'p>>(parameters: &'p Value, pointer: &str) -> Result<T, Error> {
+    let found: Option<T> = parameters.pointer(pointer).map_or(Ok(None), Option::deserialize)?;
+    Ok(found.unwrap_or_default())
 }
 
 #[cfg(test)]
 mod tests {
-    use serde_json::{Value, json};
+    use serde_json::json;
 
     use super::*;
 
-    fn read(parameters: Value) -> Result<Parameters, serde_json::Error> {
-        serde_json::from_value(parameters)
-    }
-
-    fn read_capabilities(capabilities: &Value) -> Result<Parameters, serde_json::Error> {
-        read(json!({ "processId": null, "capabilities": capabilities }))
+    fn read_capabilities(capabilities: &Value) -> Result<Parameters, Error> {
+        Parameters::read(&json!({ "processId": null, "capabilities": capabilities }))
     }
 
     #[test]
     fn all_members_but_the_capabilities_are_optional() {
-        let missing = read(json!({ "capabilities": {} })).expect("parameters");
-        assert!(missing.workspace_folders.is_none() && missing.root_uri.is_none());
-        let null = read(json!({ "capabilities": {}, "rootUri": null, "workspaceFolders": null }));
-        assert!(null.is_ok_and(|null| null.workspace_folders.is_none() && null.root_uri.is_none()));
+        for parameters in [
+            json!({ "capabilities": {} }),
+            json!({ "capabilities": {}, "rootUri": null, "workspaceFolders": null }),
+        ] {
+            let found = Parameters::read(&parameters).expect("parameters");
+            assert!(found.folders.is_empty(), "{parameters}");
+        }
         for capabilities in [
             json!({ "general": null, "workspace": null, "textDocument": null }),
             json!({ "workspace": { "workspaceEdit": null, "didChangeWatchedFiles": {} } }),
@@ -114,7 +80,7 @@ mod tests {
             json!({ "capabilities": {}, "workspaceFolders": {} }),
             json!({ "capabilities": {}, "workspaceFolders": [{ "uri": "file:///a" }] }),
         ] {
-            assert!(read(parameters.clone()).is_err(), "{parameters}");
+            assert!(Parameters::read(&parameters).is_err(), "{parameters}");
         }
         for capabilities in [
             json!(null),

@@ -62,28 +62,17 @@ impl<'c> Server<'c> {
     pub fn new(
         connection: &'c Connection,
         history: &'c History<'c>,
-        parameters: Value,
+        parameters: &Value,
     ) -> Result<Self, serde_json::Error> {
-        let parameters: Parameters = serde_json::from_value(parameters)?;
-        let general = parameters.capabilities.general.unwrap_or_default();
-        let encoding = Encoding::choose(&general.position_encodings.unwrap_or_default());
-        let folders = match parameters.workspace_folders {
-            Some(folders) => folders.into_iter().map(|folder| folder.uri).collect(),
-            None => Vec::from_iter(parameters.root_uri),
-        };
-        let folders: Vec<PathBuf> = folders.iter().filter_map(uri::to_path).collect();
-        let client = parameters.capabilities.workspace.unwrap_or_default();
-        let operations = client.workspace_edit.and_then(|edit| edit.resource_operations).unwrap_or_default();
-        let documents = parameters.capabilities.text_document.unwrap_or_default();
-        let items = documents.completion.and_then(|completion| completion.completion_item);
-        let watching = client.did_change_watched_files.and_then(|watching| watching.dynamic_registration);
+        let parameters = Parameters::read(parameters)?;
+        let folders: Vec<PathBuf> = parameters.folders.iter().filter_map(uri::to_path).collect();
         Ok(Self {
             connection,
             history,
-            workspace: Workspace::new(&folders, encoding),
-            can_rename_files: operations.contains(&ResourceOperationKind::Rename),
-            has_snippets: items.and_then(|items| items.snippet_support) == Some(true),
-            can_watch_files: watching == Some(true),
+            workspace: Workspace::new(&folders, Encoding::choose(&parameters.encodings)),
+            can_rename_files: parameters.operations.contains(&ResourceOperationKind::Rename),
+            has_snippets: parameters.has_snippets,
+            can_watch_files: parameters.can_watch_files,
             published: BTreeMap::new(),
         })
     }

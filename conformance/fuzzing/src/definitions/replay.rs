@@ -57,7 +57,7 @@ fn start(connection: &Connection) -> Server<'_> {
     let folder = json!([{ "uri": "file:///nowhere", "name": "nowhere" }]);
     let parameters =
         json!({ "processId": null, "rootUri": null, "capabilities": {}, "workspaceFolders": folder });
-    Server::new(connection, &|_, _| Vec::new(), parameters).expect("valid parameters")
+    Server::new(connection, &|_, _| Vec::new(), &parameters).expect("valid parameters")
 }
 
 fn open(server: &mut Server<'_>, uri: &str, text: &str) {
