@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use lsp_types::{self as lsp, Position, PositionEncodingKind};
+use uavspec_schema::render::floor_char_boundary;
 
 /// The code units in which columns are counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -136,7 +137,7 @@ impl<'t> Lines<'t> {
 
     /// The position of a byte offset.
     pub(super) fn position(&self, offset: usize) -> Position {
-        let offset = self.text.floor_char_boundary_at(offset);
+        let offset = floor_char_boundary(self.text, offset);
         let line = self.line_of(offset);
         let character = self.units(offset).saturating_sub(self.units(self.index.starts[line]));
         Position { line: u32::try_from(line).unwrap_or(u32::MAX), character }
@@ -176,19 +177,6 @@ impl<'t> Lines<'t> {
     pub(super) fn offsets(&self, range: lsp::Range) -> Range<usize> {
         let (start, end) = (self.offset(range.start), self.offset(range.end));
         start..end.max(start)
-    }
-}
-
-/// Character boundaries. The standard library has this function since Rust 1.91.
-trait CharBoundary {
-    /// The start of the character at a byte offset, or the end of the text.
-    fn floor_char_boundary_at(&self, offset: usize) -> usize;
-}
-
-impl CharBoundary for str {
-    fn floor_char_boundary_at(&self, offset: usize) -> usize {
-        let offset = offset.min(self.len());
-        (0..=offset).rev().find(|at| self.is_char_boundary(*at)).unwrap_or(0)
     }
 }
 

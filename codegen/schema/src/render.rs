@@ -115,11 +115,9 @@ fn shorten(text: &str) -> String {
     text
 }
 
-fn floor_char_boundary(text: &str, mut at: usize) -> usize {
-    while !text.is_char_boundary(at) {
-        at -= 1;
-    }
-    at
+/// The start of the character at a byte offset, or the end of the text. `str` has this function since Rust 1.91.
+pub fn floor_char_boundary(text: &str, at: usize) -> usize {
+    (0..=at.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0)
 }
 
 /// Quotes the lines that `span` touches, with a caret below. Only these lines are passed to the renderer, so the
