@@ -3,19 +3,14 @@
 use std::time::{SystemTime, UNIX_EPOCH};
 use std::{env, fmt};
 
+use chrono::{DateTime, Datelike, NaiveDate, NaiveTime};
 use serde::{Serialize, Serializer};
 
 /// The environment variable that sets the current time, in seconds since 1970. See reproducible-builds.org.
 const EPOCH_VARIABLE: &str = "SOURCE_DATE_EPOCH";
 
-/// The length of a day in seconds.
-const DAY: u64 = 86_400;
-
-/// The number of days after which the calendar repeats: 400 years with 97 leap years.
-const CYCLE: u64 = 146_097;
-
-/// The first second after the year 9999, which is the last year in TOML dates.
-const END: u64 = 253_402_300_800;
+/// The last year in TOML dates.
+const LAST_YEAR: u16 = 9999;
 
 /// A day of the Gregorian calendar, in UTC.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -52,38 +47,18 @@ impl Date {
 
     /// The day that contains a time in seconds since 1970. `None` after the year 9999.
     pub fn at(seconds: u64) -> Option<Self> {
-        if seconds >= END {
-            return None;
-        }
-        // Years that start in March have their leap day at the end. March of the year 0 is 719468 days before 1970.
-        let days = seconds / DAY + 719_468;
-        let in_cycle = days % CYCLE;
-        // Remove the leap days: one every 4 years, except every 100 years, and the leap day at the end of the cycle.
-        let year = (in_cycle - in_cycle / 1_460 + in_cycle / 36_524 - in_cycle / 146_096) / 365;
-        let in_year = in_cycle - (365 * year + year / 4 - year / 100);
-        // From March on, every five months have 153 days.
-        let month = (5 * in_year + 2) / 153;
-        let day = in_year - (153 * month + 2) / 5 + 1;
-        let (month, later) = if month < 10 { (month + 3, 0) } else { (month - 9, 1) };
-        let year = days / CYCLE * 400 + year + later;
+        let date = DateTime::from_timestamp(i64::try_from(seconds).ok()?, 0)?.date_naive();
         Some(Self {
-            year: u16::try_from(year).ok()?,
-            month: u8::try_from(month).ok()?,
-            day: u8::try_from(day).ok()?,
+            year: u16::try_from(date.year()).ok().filter(|year| *year <= LAST_YEAR)?,
+            month: u8::try_from(date.month()).ok()?,
+            day: u8::try_from(date.day()).ok()?,
         })
     }
-}
 
-impl Date {
     /// The first second of the day, since 1970. `None` before 1970, and if the calendar lacks the day.
     pub fn start(self) -> Option<u64> {
-        // The reverse of `at`.
-        let (year, month) = (u64::from(self.year), u64::from(self.month));
-        let (year, month) = if month > 2 { (year, month - 3) } else { (year.checked_sub(1)?, month + 9) };
-        let in_cycle = year % 400 * 365 + year % 400 / 4 - year % 400 / 100;
-        let days = year / 400 * CYCLE + in_cycle + (153 * month + 2) / 5 + u64::from(self.day);
-        let start = days.checked_sub(719_469)? * DAY;
-        (Self::at(start) == Some(self)).then_some(start)
+        let date = NaiveDate::from_ymd_opt(self.year.into(), self.month.into(), self.day.into())?;
+        u64::try_from(date.and_time(NaiveTime::MIN).and_utc().timestamp()).ok()
     }
 }
 
@@ -101,44 +76,26 @@ impl Serialize for Date {
 
 #[cfg(test)]
 mod tests {
-    use uavspec_test_definitions::extent;
-
     use super::*;
 
     #[test]
-    fn each_day_from_1970_to_9999_follows_the_previous_one() {
-        let mut expected = Date { year: 1970, month: 1, day: 1 };
-        let step = extent(1, 7);
-        for day in 0..END / DAY {
-            if day.is_multiple_of(step) {
-                assert_eq!(Date::at(day * DAY), Some(expected));
-                assert_eq!(Date::at(day * DAY + DAY - 1), Some(expected));
-                assert_eq!(expected.start(), Some(day * DAY));
-            }
-            expected = after(expected);
+    fn days_start_and_end_at_midnight() {
+        for (start, year, month, day) in [
+            (0, 1970, 1, 1),
+            (951_782_400, 2000, 2, 29),
+            (4_107_542_400, 2100, 3, 1),
+            (253_402_214_400, 9999, 12, 31),
+        ] {
+            let date = Date { year, month, day };
+            assert_eq!((Date::at(start), Date::at(start + 86_399)), (Some(date), Some(date)));
+            assert_eq!(date.start(), Some(start));
         }
-        assert_eq!(expected, Date { year: 10_000, month: 1, day: 1 });
-        assert_eq!(Date::at(END), None);
+        assert_eq!(Date::at(253_402_300_800), None);
         assert_eq!(Date::at(u64::MAX), None);
         for (year, month, day) in
             [(1969, 12, 31), (2026, 2, 29), (2026, 0, 1), (2026, 13, 1), (2026, 1, 0), (0, 1, 1)]
         {
             assert_eq!(Date { year, month, day }.start(), None, "{year}-{month}-{day}");
-        }
-    }
-
-    fn after(date: Date) -> Date {
-        let Date { year, month, day } = date;
-        let is_leap = year.is_multiple_of(4) && !year.is_multiple_of(100) || year.is_multiple_of(400);
-        let length = match month {
-            2 => 28 + u8::from(is_leap),
-            4 | 6 | 9 | 11 => 30,
-            _ => 31,
-        };
-        match (day == length, month == 12) {
-            (false, _) => Date { day: day + 1, ..date },
-            (true, false) => Date { month: month + 1, day: 1, ..date },
-            (true, true) => Date { year: year + 1, month: 1, day: 1 },
         }
     }
 
