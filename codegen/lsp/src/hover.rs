@@ -270,8 +270,14 @@ impl Describer<'_> {
         let mut text = Markup::new(&ty.name);
         text.paragraph(&ty.docs.text());
         match &ty.definition {
-            Definition::Object(object) => self.json_members(&mut text, &object.fields),
-            Definition::Tuple(members) => self.json_members(&mut text, members),
+            Definition::Object(_) | Definition::Tuple(_) => {
+                let row = |member: &JsonMember| {
+                    let optional = if member.is_required { "" } else { ", optional" };
+                    let ty = self.schema.expression_text(&member.typed.ty, &str::to_owned);
+                    (member.name.clone(), format!("{ty}{optional}"), member.description.clone())
+                };
+                text.table("fields", ty.definition.members().iter().map(row), MAX_MEMBERS);
+            }
             Definition::Named(typed) => {
                 let expression = self.schema.expression_text(&typed.ty, &str::to_owned);
                 text.fact("type", Some(expression));
@@ -280,15 +286,6 @@ impl Describer<'_> {
             Definition::Set(_) => {}
         }
         text
-    }
-
-    fn json_members(&self, text: &mut Markup, members: &[JsonMember]) {
-        let row = |member: &JsonMember| {
-            let optional = if member.is_required { "" } else { ", optional" };
-            let ty = self.schema.expression_text(&member.typed.ty, &str::to_owned);
-            (member.name.clone(), format!("{ty}{optional}"), member.description.clone())
-        };
-        text.table("fields", members.iter().map(row), MAX_MEMBERS);
     }
 
     fn add_history(&self, text: &mut Markup, message: &Message, item: Option<&str>) {

@@ -53,6 +53,23 @@ pub enum Definition {
     Named(Typed),
 }
 
+impl Definition {
+    /// The fields of an object, or the elements of a tuple.
+    pub fn members(&self) -> &[Member] {
+        match self {
+            Self::Object(object) => &object.fields,
+            Self::Tuple(elements) => elements,
+            Self::Set(_) | Self::Named(_) => &[],
+        }
+    }
+
+    /// The types of all parts, or the type of an alias.
+    pub fn typed(&self) -> impl Iterator<Item = &Typed> {
+        let named = if let Self::Named(typed) = self { Some(typed) } else { None };
+        self.members().iter().map(|member| &member.typed).chain(named)
+    }
+}
+
 /// JSON objects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Object {

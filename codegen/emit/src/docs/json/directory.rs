@@ -48,12 +48,11 @@ impl<'p, 's> Json<'p, 's> {
     pub(super) fn gather_users(&mut self) {
         let schema = self.site.schema;
         for id in &self.package.json_types {
-            match &schema.json_type(*id).definition {
-                Definition::Object(object) => self.add_users(Owner::Type(*id), &object.fields),
-                Definition::Tuple(elements) => self.add_users(Owner::Type(*id), elements),
-                Definition::Named(typed) => self.add_user((Owner::Type(*id), None), &typed.ty),
-                Definition::Set(_) => {}
+            let definition = &schema.json_type(*id).definition;
+            if let Definition::Named(typed) = definition {
+                self.add_user((Owner::Type(*id), None), &typed.ty);
             }
+            self.add_users(Owner::Type(*id), definition.members());
         }
         for id in &self.package.json_messages {
             for part in &schema.json_message(*id).parts {

@@ -48,8 +48,7 @@ impl Defaults {
 
     fn of_definition(&self, definition: &Definition) -> bool {
         match definition {
-            Definition::Object(object) => self.of_members(&object.fields),
-            Definition::Tuple(elements) => self.of_members(elements),
+            Definition::Object(_) | Definition::Tuple(_) => self.of_members(definition.members()),
             Definition::Named(typed) => self.of_expression(&typed.ty),
             Definition::Set(_) => false,
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use proc_macro2::Ident;
 use uavspec_schema::json_type::{Definition, Expression, Member, TYPE_FIELD};
-use uavspec_schema::{JsonTypeId, Package, graph, prose};
+use uavspec_schema::{JsonTypeId, Package, prose};
 
 use super::super::context::Context;
 use super::super::identifier::{self, Scope, ident};
@@ -16,16 +16,14 @@ pub(in crate::rust) const MODULE: &str = "json";
 /// Name of the module with the types.
 pub(super) const TYPES: &str = "types";
 
-/// Names of a package's types, the groups of mutually recursive types, and the types that implement `Default`.
+/// Names of a package's types, the types that they contain, and the types that implement `Default`.
 pub(super) struct Names {
     /// The id of the first type.
     first: u32,
     /// Names by type.
-    types: Vec<String>,
-    /// All names used in the module of the types.
-    pub(super) used: Vec<String>,
-    /// Group numbers by type. Types in the same group contain each other without a list or map in between.
-    groups: Vec<usize>,
+    pub(super) types: Vec<String>,
+    /// The types that each type contains without a list or map in between.
+    contained: Vec<BTreeSet<JsonTypeId>>,
     pub(super) defaults: Defaults,
 }
 
@@ -39,66 +37,43 @@ impl Names {
         let types: Vec<String> =
             found.map(|found| scope.unique_type(&identifier::type_name(&found.name))).collect();
         let first = package.json_types.first().map_or(0, |id| id.0);
-        let contains: Vec<BTreeSet<u32>> = package
+        let contained = package
             .json_types
             .iter()
             .map(|id| contained(&context.schema.json_type(*id).definition))
             .collect();
-        let used = types.clone();
         let defaults = Defaults::of(context.schema, package);
-        Self { first, types, used, groups: groups(&contains, first), defaults }
+        Self { first, types, contained, defaults }
     }
 
     pub(super) fn name(&self, id: JsonTypeId) -> &str {
         &self.types[(id.0 - self.first) as usize]
     }
 
-    /// True if two types contain each other, so that boxing is needed.
+    /// True if a type that contains another one is also within it, so that boxing is needed.
     pub(super) fn is_recursive(&self, outer: JsonTypeId, inner: JsonTypeId) -> bool {
-        let group = |id: JsonTypeId| self.groups[(id.0 - self.first) as usize];
-        group(outer) == group(inner)
+        let mut seen = BTreeSet::from([inner]);
+        let mut open = vec![inner];
+        while let Some(id) = open.pop().filter(|id| *id != outer) {
+            let contained = &self.contained[(id.0 - self.first) as usize];
+            open.extend(contained.iter().filter(|id| seen.insert(**id)));
+        }
+        seen.contains(&outer)
     }
 }
 
 /// The types that a type contains without a list or map in between.
-fn contained(definition: &Definition) -> BTreeSet<u32> {
-    fn collect(expression: &Expression, into: &mut BTreeSet<u32>) {
+fn contained(definition: &Definition) -> BTreeSet<JsonTypeId> {
+    fn collect(expression: &Expression, into: &mut BTreeSet<JsonTypeId>) {
         match expression {
-            Expression::Named(id) => drop(into.insert(id.0)),
+            Expression::Named(id) => drop(into.insert(*id)),
             Expression::Either(alternatives) => alternatives.iter().for_each(|inner| collect(inner, into)),
             _ => {}
         }
     }
     let mut found = BTreeSet::new();
-    match definition {
-        Definition::Object(object) => {
-            for field in &object.fields {
-                collect(&field.typed.ty, &mut found);
-            }
-        }
-        Definition::Tuple(elements) => {
-            for element in elements {
-                collect(&element.typed.ty, &mut found);
-            }
-        }
-        Definition::Named(typed) => collect(&typed.ty, &mut found),
-        Definition::Set(_) => {}
-    }
+    definition.typed().for_each(|typed| collect(&typed.ty, &mut found));
     found
-}
-
-/// Assigns a number to each group of types that contain each other directly or indirectly.
-fn groups(contains: &[BTreeSet<u32>], first: u32) -> Vec<usize> {
-    let index = |id: &u32| (*id - first) as usize;
-    let steps: Vec<Vec<usize>> =
-        contains.iter().map(|contained| contained.iter().map(index).collect()).collect();
-    let mut numbers = vec![0; contains.len()];
-    for (number, group) in graph::groups(&steps).into_iter().enumerate() {
-        for member in group {
-            numbers[member] = number;
-        }
-    }
-    numbers
 }
 
 /// The identifiers of the fields of a struct.

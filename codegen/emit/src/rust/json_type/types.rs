@@ -44,8 +44,8 @@ impl<'c> Definitions<'c> {
     /// Starts the module that contains the types.
     pub(super) fn new(context: &'c Context<'c>, names: &'c Names) -> Self {
         let mut scope = Scope::default();
-        names.used.iter().for_each(|name| drop(scope.unique_type(name)));
-        let written = names.used.clone();
+        names.types.iter().for_each(|name| drop(scope.unique_type(name)));
+        let written = names.types.clone();
         Self { context, names, scope, written, above: TokenStream::new(), current: None, inner: Vec::new() }
     }
 

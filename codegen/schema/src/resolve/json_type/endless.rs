@@ -1,7 +1,9 @@
 //! Detects infinitely nested types.
 
+use petgraph::algo::kosaraju_scc;
+use petgraph::graph::{DiGraph, NodeIndex};
+
 use crate::diagnostic::{Diagnostic, Problem};
-use crate::graph::groups;
 use crate::json_type::{Definition, Expression, JsonType, Member};
 
 /// The maximum number of reported cycles.
@@ -19,10 +21,8 @@ const MAX_PATH_END: usize = 8;
 /// Reports types without finite values, and names defined in terms of themselves. `first` is the id of the first type.
 pub(super) fn check(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
     let mut diagnostics = cycles(types, first, |definition| match definition {
-        Definition::Object(object) => needed_by_members(&object.fields),
-        Definition::Tuple(elements) => needed_by_members(elements),
-        Definition::Set(_) => Vec::new(),
         Definition::Named(found) => needed(&found.ty),
+        _ => needed_by_members(definition.members()),
     });
     if diagnostics.is_empty() {
         // A type `A` defined as `null or A` has finite values, but its definition is recursive.
@@ -62,14 +62,18 @@ fn check_depth(types: &[JsonType], first: u32) -> Vec<Diagnostic> {
 /// An upper bound of the number of types on any path from each type, without repetitions. All types that lie on cycles
 /// with each other count as if they were on one path.
 fn depths(steps: &[Vec<usize>]) -> Vec<usize> {
+    let mut graph = DiGraph::<(), ()>::new();
+    steps.iter().for_each(|_| _ = graph.add_node(()));
+    for (at, next) in steps.iter().enumerate() {
+        graph.extend_with_edges(next.iter().map(|next| (NodeIndex::new(at), NodeIndex::new(*next))));
+    }
     let mut depths = vec![0_usize; steps.len()];
-    for group in groups(steps) {
-        // The depths of this group are still 0, and those of all successors are known.
-        let below = group.iter().flat_map(|at| &steps[*at]).map(|next| depths[*next]).max();
-        let depth = group.len().saturating_add(below.unwrap_or(0));
-        for at in group {
-            depths[at] = depth;
-        }
+    // Each component follows its successors, so their depths are known, and those of this component are still 0.
+    for component in kosaraju_scc(&graph) {
+        let next = component.iter().flat_map(|at| &steps[at.index()]);
+        let below = next.map(|next| depths[*next]).max();
+        let depth = component.len().saturating_add(below.unwrap_or(0));
+        component.into_iter().for_each(|at| depths[at.index()] = depth);
     }
     depths
 }
@@ -82,25 +86,15 @@ fn steps(types: &[JsonType], first: u32, references: impl Fn(&Definition) -> Vec
 
 /// The types that a definition refers to.
 fn references(definition: &Definition) -> Vec<u32> {
-    let of_members = |members: &[Member]| -> Vec<u32> {
-        members.iter().flat_map(|member| references_in(&member.typed.ty)).collect()
-    };
-    match definition {
-        Definition::Object(object) => of_members(&object.fields),
-        Definition::Tuple(elements) => of_members(elements),
-        Definition::Set(_) => Vec::new(),
-        Definition::Named(found) => references_in(&found.ty),
+    let mut found = Vec::new();
+    for typed in definition.typed() {
+        typed.ty.walk(&mut |inner| {
+            if let Expression::Named(id) = inner {
+                found.push(id.0);
+            }
+        });
     }
-}
-
-/// The types that an expression refers to.
-fn references_in(expression: &Expression) -> Vec<u32> {
-    match expression {
-        Expression::Named(id) => vec![id.0],
-        Expression::Either(alternatives) => alternatives.iter().flat_map(references_in).collect(),
-        Expression::List(inner) | Expression::Map(inner) => references_in(inner),
-        _ => Vec::new(),
-    }
+    found
 }
 
 /// Reports types with too many alternatives, including the alternatives of referenced types. There are no cycles at
