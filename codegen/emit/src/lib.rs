@@ -32,6 +32,7 @@
 mod binding;
 pub mod docs;
 pub mod emitter;
+mod facts;
 mod file;
 pub mod identifier;
 pub mod inspect;

@@ -7,6 +7,7 @@ use uavspec_schema::json_type::{
 use super::declaration::{Declaration, ERROR_CODE, Kind, Property, Type};
 use super::declarer::Declarer;
 use super::text;
+use crate::facts::{PLAIN, with_facts};
 
 /// Declares a type defined on a page.
 pub(super) fn declare(declarer: &Declarer<'_>, name: &str, found: &JsonType) -> Declaration {
@@ -17,7 +18,7 @@ pub(super) fn declare(declarer: &Declarer<'_>, name: &str, found: &JsonType) -> 
         Definition::Object(object) => (record(declarer, found.package, object), documentation),
         Definition::Tuple(elements) => {
             let lines = elements.iter().map(|element| {
-                let text = text::with_facts(&element.description, &text::limits(&element.typed.limits));
+                let text = with_facts(&element.description, &PLAIN.limits(&element.typed.limits));
                 format!("- {}: {}", element.name, text.replace("\n\n", " "))
             });
             let lines: Vec<String> = lines.collect();
@@ -30,7 +31,7 @@ pub(super) fn declare(declarer: &Declarer<'_>, name: &str, found: &JsonType) -> 
             (Kind::Alias(ty), format!("{documentation}\n\n{}", lines.join("\n")))
         }
         Definition::Named(typed) => {
-            let text = text::with_facts(&documentation, &text::limits(&typed.limits));
+            let text = with_facts(&documentation, &PLAIN.limits(&typed.limits));
             (Kind::Alias(expression(declarer, found.package, &typed.ty)), text)
         }
     };
@@ -61,11 +62,11 @@ fn properties(declarer: &Declarer<'_>, package: usize, members: &[Member]) -> Ve
     let property = |member: &Member| {
         let ty = expression(declarer, package, &member.typed.ty);
         let mut facts: Vec<String> = text::values(&ty).into_iter().collect();
-        facts.extend(text::limits(&member.typed.limits));
+        facts.extend(PLAIN.limits(&member.typed.limits));
         Property {
             key: member.name.clone(),
             is_required: member.is_required,
-            text: text::with_facts(&member.description, &facts),
+            text: with_facts(&member.description, &facts),
             ty,
         }
     };

@@ -1,24 +1,9 @@
 //! Documentation of declarations as plain text.
 
-use uavspec_schema::json_type::Limits;
-use uavspec_schema::value::Value;
-use uavspec_schema::{Constant, Constraint, Docs, Field, Message, Package, Range, Schema, unit};
+use uavspec_schema::{Constant, Constraint, Docs, Field, Message, Package, Schema};
 
 use super::declaration::Type;
-
-/// Joins a description and a paragraph that lists facts.
-pub(super) fn with_facts(description: &str, facts: &[String]) -> String {
-    let facts = facts.join("; ");
-    let mut text = description.trim().to_owned();
-    let Some(first) = facts.chars().next() else { return text };
-    if !text.is_empty() {
-        text.push_str("\n\n");
-    }
-    text.extend(first.to_uppercase());
-    text.push_str(&facts[first.len_utf8()..]);
-    text.push('.');
-    text
-}
+use crate::facts::{PLAIN, with_facts};
 
 /// The documentation of a definition, or `default` if it has none.
 pub(super) fn documentation(docs: &Docs, default: impl FnOnce() -> String) -> String {
@@ -50,11 +35,7 @@ pub(super) fn message(message: &Message) -> String {
 pub(super) fn field(schema: &Schema, message: &Message, field: &Field, ty: &Type) -> String {
     let mut facts = vec![format!("type: {}", schema.type_text(message, field.ty))];
     facts.extend(values(ty));
-    let group = field.group.and_then(|group| message.groups.get(group));
-    facts.extend(group.map(|group| format!("group: {}", group.summary)));
-    facts.extend(unit(field.unit.as_deref()));
-    facts.extend(field.constraints.iter().filter_map(|found| found.fact(str::to_owned, str::to_owned)));
-    facts.extend(field.attributes().map(|(attribute, text)| attribute.to_text(text)));
+    facts.extend(PLAIN.field(message, field));
     let counted = field.counts.and_then(|array| message.fields.get(array));
     facts.extend(counted.map(|array| format!("number of used entries in {}", array.name)));
     let is_float = field.ty.element.is_float();
@@ -93,31 +74,11 @@ pub(super) fn constant(constant: &Constant) -> String {
         .map(|(index, found)| {
             let constraints = found.constraints.iter().filter(|found| !found.is_special());
             let constraints = constraints.filter_map(Constraint::valid_values);
-            let facts: Vec<String> = unit(found.unit.as_deref()).into_iter().chain(constraints).collect();
+            let facts: Vec<String> =
+                PLAIN.unit(found.unit.as_deref()).into_iter().chain(constraints).collect();
             let facts = if facts.is_empty() { String::new() } else { format!(" ({})", facts.join("; ")) };
             format!("- parameter {}: {}{facts}", index + 1, found.description)
         })
         .collect();
     [text, &lines.join("\n")].into_iter().filter(|text| !text.is_empty()).collect::<Vec<_>>().join("\n\n")
-}
-
-/// The annotations of a value defined on a page.
-pub(super) fn limits(limits: &Limits) -> Vec<String> {
-    let int = |value: u32| Value::Int(value.into());
-    let length = Range { low: limits.min.map(int), high: limits.max.map(int) };
-    let mut facts: Vec<String> = unit(limits.unit.as_deref()).into_iter().collect();
-    facts.extend(limits.range.as_ref().and_then(Range::to_text).map(|range| format!("range: {range}")));
-    facts.extend(length.to_text().map(|length| format!("length: {length}")));
-    facts.extend(limits.is_unique.then(|| "elements are unique".to_owned()));
-    facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {pattern}")));
-    facts.extend(limits.format.as_ref().map(|format| format!("format: {format}")));
-    facts
-}
-
-fn unit(symbol: Option<&str>) -> Option<String> {
-    let symbol = symbol.filter(|symbol| *symbol != unit::NONE)?;
-    Some(match unit::lookup(symbol) {
-        Some(unit) => format!("unit: {symbol} ({})", unit.name),
-        None => format!("unit: {symbol}"),
-    })
 }

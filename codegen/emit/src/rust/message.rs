@@ -7,15 +7,14 @@ use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use uavspec_runtime::{Number, Scalar};
 use uavspec_schema::value::Value;
-use uavspec_schema::{
-    Dialect, Element, Field, Message, MessageId, Restriction, Shape, UorbLayout, prose, unit,
-};
+use uavspec_schema::{Dialect, Element, Field, Message, MessageId, Restriction, Shape, UorbLayout, prose};
 
 use super::context::Context;
 use super::file::documentation;
 use super::identifier::{Scope, ident, snake_case, upper_case};
 use super::text::constant_text;
 use super::{enumeration, types};
+use crate::facts::{MARKDOWN, with_facts};
 
 /// The width at which a long literal is wrapped.
 const LINE_WIDTH: usize = 90;
@@ -315,34 +314,12 @@ impl Parts<'_> {
     }
 
     fn field_text(&self, field: &Field) -> String {
-        let mut text = if field.description.is_empty() {
+        let text = if field.description.is_empty() {
             format!("Field `{}`; the definition has no description.", field.name)
         } else {
             prose::block(&field.description)
         };
-        let facts = self.field_facts(field);
-        if !facts.is_empty() {
-            let facts = facts.join("; ");
-            let (first, rest) = facts.split_at(1);
-            let _ = write!(text, "\n\n{}{rest}.", first.to_uppercase());
-        }
-        text
-    }
-
-    fn field_facts(&self, field: &Field) -> Vec<String> {
-        let mut facts = Vec::new();
-        if let Some(group) = field.group {
-            facts.push(format!("group: {}", prose::inline(&self.message.groups[group].summary)));
-        }
-        match field.unit.as_deref() {
-            None | Some(unit::NONE) => {}
-            Some(symbol) => facts.push(match unit::lookup(symbol) {
-                Some(unit) => format!("unit: {} ({})", prose::inline(symbol), unit.name),
-                None => format!("unit: {}", prose::inline(symbol)),
-            }),
-        }
-        facts.extend(field.constraints.iter().filter_map(|found| found.fact(prose::code, prose::inline)));
-        facts.extend(field.attributes().map(|(attribute, text)| attribute.to_text(&prose::inline(text))));
+        let mut facts = MARKDOWN.field(self.message, field);
         if let Some(array) = field.counts {
             facts.push(format!("number of used entries in [`{0}`](Self::{0})", self.fields[array]));
         }
@@ -353,7 +330,7 @@ impl Parts<'_> {
             }
             _ => {}
         }
-        facts
+        with_facts(&text, &facts)
     }
 }
 

@@ -12,7 +12,7 @@ pub(super) fn constant_text(constant: &Constant) -> String {
         "ORB_QUEUE_LENGTH" => "Number of messages queued per topic before the oldest is dropped.".to_owned(),
         name => format!("Constant `{name}`; the definition has no description."),
     };
-    if constant.parameters.iter().any(|parameter| !is_unused(&parameter.description)) {
+    if constant.parameters.iter().any(|parameter| !parameter.is_unused()) {
         text += "\n\n| parameter | unit | meaning |\n|---|---|---|";
         for (index, parameter) in constant.parameters.iter().enumerate() {
             let unit = parameter
@@ -33,8 +33,4 @@ pub(super) fn constant_text(constant: &Constant) -> String {
         }
     }
     text
-}
-
-fn is_unused(description: &str) -> bool {
-    matches!(description, "" | "Unused" | "Empty")
 }

@@ -3,16 +3,17 @@
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 use uavspec_schema::json_type::{
-    Definition, Expression, JsonType, Limits, Member, Object, Set, SetValue, SetValues, Typed,
+    Definition, Expression, JsonType, Member, Object, Set, SetValue, SetValues, Typed,
 };
 use uavspec_schema::value::Value;
-use uavspec_schema::{JsonTypeId, Range, prose, unit};
+use uavspec_schema::{JsonTypeId, Range, prose};
 
 use super::super::context::Context;
 use super::super::file::documentation;
 use super::super::identifier::{self, Scope, ident, pascal_case};
 use super::super::types as literals;
 use super::names::{Names, field_names, text};
+use crate::facts::{MARKDOWN, with_facts};
 
 /// Name of the variant for unnamed values. The name `Other` could clash, because definitions use `other`.
 const UNNAMED: &str = "Unnamed";
@@ -175,9 +176,8 @@ impl<'c> Definitions<'c> {
         typed: &Typed,
     ) -> TokenStream {
         let inner = self.expression(&typed.ty, &format!("{name}Value"), false);
-        let mut text = text(docs, "Type", page_name);
-        push_facts(&typed.limits, &mut text);
-        let doc = documentation(&text);
+        let text = text(docs, "Type", page_name);
+        let doc = documentation(&with_facts(&text, &MARKDOWN.limits(&typed.limits)));
         let default = self.names.defaults.of_expression(&typed.ty).then(|| quote!(Default,));
         let copy = matches!(typed.ty, Expression::Integer | Expression::Number | Expression::Boolean);
         let copy = copy.then(|| quote!(Copy,));
@@ -446,43 +446,10 @@ fn float_range(range: &Range) -> TokenStream {
 }
 
 fn member_text(member: &Member) -> String {
-    let mut text = if member.description.is_empty() {
+    let text = if member.description.is_empty() {
         format!("Field `{}`; the definition has no description.", prose::code(&member.name).trim_matches('`'))
     } else {
         prose::block(&member.description)
     };
-    push_facts(&member.typed.limits, &mut text);
-    text
-}
-
-/// Appends the annotations as a sentence.
-fn push_facts(limits: &Limits, text: &mut String) {
-    let facts = facts(limits).join("; ");
-    let Some(first) = facts.chars().next() else { return };
-    text.push_str("\n\n");
-    text.extend(first.to_uppercase());
-    text.push_str(&facts[first.len_utf8()..]);
-    text.push('.');
-}
-
-/// The annotations as phrases.
-fn facts(limits: &Limits) -> Vec<String> {
-    let mut facts = Vec::new();
-    match limits.unit.as_deref() {
-        None | Some(unit::NONE) => {}
-        Some(symbol) => facts.push(match unit::lookup(symbol) {
-            Some(unit) => format!("unit: {} ({})", prose::inline(symbol), unit.name),
-            None => format!("unit: {}", prose::inline(symbol)),
-        }),
-    }
-    if let Some(range) = &limits.range {
-        facts.extend(range.to_text().map(|text| format!("range: {text}")));
-    }
-    let int = |value: u32| Value::Int(value.into());
-    let length = Range { low: limits.min.map(int), high: limits.max.map(int) };
-    facts.extend(length.to_text().map(|text| format!("length: {text}")));
-    facts.extend(limits.is_unique.then(|| "elements are unique".to_owned()));
-    facts.extend(limits.pattern.as_ref().map(|pattern| format!("pattern: {}", prose::code(pattern))));
-    facts.extend(limits.format.as_ref().map(|format| format!("format: {}", prose::inline(format))));
-    facts
+    with_facts(&text, &MARKDOWN.limits(&member.typed.limits))
 }
