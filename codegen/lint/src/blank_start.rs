@@ -15,7 +15,7 @@ pub(super) const RULE: Rule = Rule {
     bad: Example { path: "Glider.msg", text: "\nuint64 timestamp  # [us] Time since system start\n" },
     good: Example { path: "Glider.msg", text: "uint64 timestamp  # [us] Time since system start\n" },
     measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
@@ -24,7 +24,7 @@ fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let lines = &subject.part.lines;
     let empty = lines.iter().take_while(|line| line.is_blank()).count();
     let starts = lines.first().is_some_and(|line| line.span.start == source.start);
-    let Some(first) = lines.get(empty).filter(|_| subject.is_px4() && empty > 0 && starts) else { return };
+    let Some(first) = lines.get(empty).filter(|_| empty > 0 && starts) else { return };
     let place = Span { start: source.start, end: source.start };
     let finding = sink.report(place, "an empty line at the start of the file", "remove it");
     let is_comment = |line: &Line<'_>| line.item.is_none();

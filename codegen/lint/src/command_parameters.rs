@@ -23,14 +23,14 @@ pub(super) const RULE: Rule = Rule {
                uint16 VEHICLE_CMD_TOW = 900  # Tow a glider |[m] Height|[m/s] Speed|Unused|Unused|Unused|Unused|Unused|\n\nuint16 command  # [@enum VEHICLE_CMD] Command\n",
     },
     measured: Some(Measured { findings: 42, sample: 30, right: 28 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 /// The number of parameters of a `MAVLink` command.
 const COUNT: usize = 7;
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4_message() || subject.message.name != "VehicleCommand" {
+    if subject.message.name != "VehicleCommand" {
         return;
     }
     let names = constant_without_enum::names(subject.message);

@@ -11,13 +11,10 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["float32 sink  # [m/s] Sink rate,", "              # down is positive"],
     good: glider!["float32 sink  # [m/s] Sink rate, down is positive"],
     measured: Some(Measured { findings: 15, sample: 15, right: 15 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     let mut is_after_item = false;
     for line in &subject.part.lines {
         let comment =

@@ -24,13 +24,10 @@ pub(super) const RULE: Rule = Rule {
                uint64 timestamp  # [us] Time since system start\n",
     },
     measured: Some(Measured { findings: 16, sample: 16, right: 15 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     let lines = &subject.part.lines;
     let head = lines.iter().take_while(|line| line.item.is_none() && line.comment.is_some()).count();
     let mut lists = topics::lines(subject).map(|line| line.span).peekable();

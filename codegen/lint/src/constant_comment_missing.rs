@@ -19,13 +19,10 @@ pub(super) const RULE: Rule = Rule {
         "uint8 gear  # [@enum GEAR] Landing gear"
     ],
     measured: Some(Measured { findings: 430, sample: 30, right: 26 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     let names = constant_without_enum::names(subject.message);
     for constant in subject.message.constants.iter().filter(|constant| constant.description.is_empty()) {
         let name = constant.name.as_str();

@@ -26,7 +26,7 @@ pub(super) const RULE: Rule = Rule {
         "uint8 gear  # [@enum GEAR] Landing gear"
     ],
     measured: Some(Measured { findings: 728, sample: 30, right: 29 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 /// Constants with a special meaning in PX4.
@@ -37,9 +37,6 @@ const LIMIT_STARTS: [&str; 4] = ["MAX_", "MIN_", "NUM_", "LATEST_"];
 const LIMIT_ENDS: [&str; 6] = ["_MIN", "_MAX", "_LENGTH", "_SIZE", "_DIM", "_VERSION"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     let message = subject.message;
     let prefixes = prefixes(message);
     let names = names(message);

@@ -24,7 +24,7 @@ pub(super) const RULE: Rule = Rule {
         "float32[8] waypoints  # [m] Distance to each"
     ],
     measured: Some(Measured { findings: 9, sample: 9, right: 9 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 /// Prefixes, suffixes and complete names of fields that count the entries of an array.
@@ -33,9 +33,6 @@ const ENDS: [&str; 3] = ["_count", "_len", "_length"];
 const WHOLE: [&str; 4] = ["count", "num", "len", "length"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     let fields = &subject.message.fields;
     let mut arrays = fields.iter().filter(|field| is_list(field));
     let only = arrays.next().filter(|_| arrays.next().is_none());

@@ -25,7 +25,7 @@ pub(super) const RULE: Rule = Rule {
         "uint8 gear  # [@enum GEAR] Landing gear"
     ],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::All, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

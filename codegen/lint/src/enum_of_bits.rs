@@ -30,7 +30,7 @@ pub(super) const RULE: Rule = Rule {
         "uint8 lights  # [@flags LIGHT] Lights that are on"
     ],
     measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::All, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

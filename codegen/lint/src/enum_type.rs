@@ -28,7 +28,7 @@ pub(super) const RULE: Rule = Rule {
         "uint8 gear  # [@enum GEAR] Landing gear"
     ],
     measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::All, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

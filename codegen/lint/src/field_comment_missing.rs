@@ -11,13 +11,10 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["float32 sink"],
     good: glider!["float32 sink  # [m/s] Sink rate, down is positive"],
     measured: Some(Measured { findings: 464, sample: 30, right: 28 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     for field in subject.message.fields.iter().filter(|field| field.description.is_empty()) {
         sink.report(
             field.span,

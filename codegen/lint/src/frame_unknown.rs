@@ -19,7 +19,7 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["float32[3] wind  # [m/s] [@frame local] Wind"],
     good: glider!["float32[3] wind  # [m/s] [@frame NED] Wind"],
     measured: Some(Measured { findings: 2, sample: 2, right: 2 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::All, check),
 };
 
 /// World coordinate frames, in lower case.

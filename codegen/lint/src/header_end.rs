@@ -19,13 +19,10 @@ pub(super) const RULE: Rule = Rule {
     },
     good: glider![],
     measured: Some(Measured { findings: 32, sample: 30, right: 30 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4_message() {
-        return;
-    }
     let text =
         |line: &&'_ Line<'_>| line.comment.as_deref().is_some_and(|comment| !comment.text.trim().is_empty());
     let head = subject.part.lines.iter().take_while(|line| line.item.is_none() && line.comment.is_some());

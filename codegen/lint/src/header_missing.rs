@@ -12,11 +12,11 @@ pub(super) const RULE: Rule = Rule {
     bad: Example { path: "Glider.msg", text: "uint64 timestamp  # [us] Time since system start\n" },
     good: glider![],
     measured: Some(Measured { findings: 131, sample: 30, right: 30 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if subject.is_px4_message() && subject.message.docs.summary.is_empty() {
+    if subject.message.docs.summary.is_empty() {
         sink.report(
             subject.head(),
             format!("`{}` has no description", subject.message.name),

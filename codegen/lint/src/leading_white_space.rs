@@ -12,13 +12,10 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["  float32 sink  # [m/s] Sink rate"],
     good: glider!["float32 sink  # [m/s] Sink rate"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     for (_, text, place) in subject.declarations() {
         let width = text.len() - text.trim_start_matches([' ', '\t']).len();
         if width > 0 {

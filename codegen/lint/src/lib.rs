@@ -93,7 +93,7 @@ use uavspec_schema::source::{SourceId, SourceMap};
 use uavspec_schema::{Form, Package, Schema, translation};
 
 pub use self::fix::{apply, edited};
-pub use self::rule::{Check, Levels, Measured, Preset, Rule};
+pub use self::rule::{Check, Levels, Measured, Preset, Rule, Scope};
 use self::rule::{Converted, Sink};
 pub use self::settings::{Ignore, Settings};
 
@@ -272,8 +272,8 @@ impl Linter<'_> {
         });
         let of_messages = in_parts(&subjects, |subjects| {
             self.apply(|check, sink| {
-                if let Check::Message(check) = check {
-                    for subject in subjects {
+                if let Check::Message(scope, check) = check {
+                    for subject in subjects.iter().filter(|subject| subject.is_in(scope)) {
                         check(subject, sink);
                     }
                 }
@@ -289,7 +289,7 @@ impl Linter<'_> {
                 let converted = answers.iter().map(|answer| Converted { schema: self.schema, answer });
                 converted.for_each(|converted| check(&converted, sink));
             }
-            Check::Text(_) | Check::Message(_) | Check::Reader(_) | Check::Ignores => {}
+            Check::Text(_) | Check::Message(..) | Check::Reader(_) | Check::Ignores => {}
         });
         findings.extend(of_texts.into_iter().chain(of_messages).chain([of_packages]).flatten());
     }

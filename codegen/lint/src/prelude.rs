@@ -6,7 +6,7 @@ pub(super) use uavspec_schema::finding::Edit;
 pub(super) use uavspec_schema::glider;
 pub(super) use uavspec_schema::source::SourceMap;
 
-pub(super) use super::rule::{Check, Levels, Measured, Rule, Sink, no_fix};
+pub(super) use super::rule::{Check, Levels, Measured, Rule, Scope, Sink, no_fix};
 pub(super) use super::subject::Subject;
 
 /// An example page, from the rows of its only table.

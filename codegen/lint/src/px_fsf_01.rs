@@ -24,7 +24,7 @@ pub(super) const RULE: Rule = Rule {
                bool tow_rope_lost  # Tow rope lost\n",
     },
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 /// Words in flag names that describe a failure.
@@ -45,7 +45,7 @@ pub(super) const REQUIREMENT: &str = "mode_req_";
 
 /// True if the rules about flags apply to the message.
 pub(super) fn applies(subject: &Subject<'_>) -> bool {
-    subject.is_px4_message() && subject.message.name == "FailsafeFlags"
+    subject.message.name == "FailsafeFlags"
 }
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

@@ -25,7 +25,7 @@ pub(super) const RULE: Rule = Rule {
                bool tow_rope_lost  # Tow rope lost\n",
     },
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

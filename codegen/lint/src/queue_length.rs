@@ -11,7 +11,7 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["", "uint8 ORB_QUEUE_LENGTH = 12"],
     good: glider!["", "uint8 ORB_QUEUE_LENGTH = 16"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::All, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {

@@ -12,13 +12,10 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["float32   sink  # [m/s] Sink rate"],
     good: glider!["float32 sink  # [m/s] Sink rate"],
     measured: Some(Measured { findings: 191, sample: 30, right: 30 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     for (_, text, place) in subject.declarations() {
         let runs = runs(text);
         let (Some(first), Some(last)) = (runs.first(), runs.last()) else { continue };

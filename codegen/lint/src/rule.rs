@@ -80,14 +80,25 @@ pub enum Check {
     Reader(fn(&Diagnostic, &SourceMap) -> Vec<Edit>),
     /// Checks the text of each source.
     Text(fn(&SourceText<'_>, &mut Sink<'_>)),
-    /// Checks each message, including the parts of services and actions.
-    Message(fn(&Subject<'_>, &mut Sink<'_>)),
+    /// Checks each message of a scope, including the parts of services and actions.
+    Message(Scope, fn(&Subject<'_>, &mut Sink<'_>)),
     /// Checks the error codes of each package.
     ErrorCodes(fn(&Package, &SourceMap, &mut Sink<'_>)),
     /// Checks the conversions that share a file with hints.
     Conversion(fn(&Converted<'_>, &mut Sink<'_>)),
     /// Checks the ignore comments.
     Ignores,
+}
+
+/// The messages to which a rule applies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// The messages of all dialects.
+    All,
+    /// The messages in PX4's dialect, to which PX4's documentation standard applies.
+    Px4,
+    /// The messages in PX4's dialect, without parts of services.
+    Px4Messages,
 }
 
 /// Conversions that share a file with hints.

@@ -9,6 +9,8 @@ use uavspec_schema::resolve::PackageSource;
 use uavspec_schema::source::{SourceId, SourceMap, Span};
 use uavspec_schema::{Constant, Element, Field, Form, Message, MessageId, Schema};
 
+use super::rule::Scope;
+
 /// A message, or a part of a service or action, with its lines.
 #[derive(Debug)]
 pub struct Subject<'a> {
@@ -27,14 +29,14 @@ pub struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    /// True for a PX4 message; false for a ROS 2 message or a part of a service.
-    pub(crate) fn is_px4_message(&self) -> bool {
-        self.dialect == Dialect::Px4 && self.message.kind == Kind::Message
-    }
-
-    /// True if the definition is in PX4's dialect, so PX4's documentation standard applies.
-    pub(crate) fn is_px4(&self) -> bool {
-        self.dialect == Dialect::Px4
+    /// True if rules of this scope apply to the message.
+    pub(crate) fn is_in(&self, scope: Scope) -> bool {
+        let is_px4 = self.dialect == Dialect::Px4;
+        match scope {
+            Scope::All => true,
+            Scope::Px4 => is_px4,
+            Scope::Px4Messages => is_px4 && self.message.kind == Kind::Message,
+        }
     }
 
     /// The location for findings about the whole message: its first line.

@@ -13,13 +13,12 @@ pub(super) const RULE: Rule = Rule {
     bad: Example { path: "Glider.msg", text: "# State of a glider\n\nfloat32 sink  # [m/s] Sink rate\n" },
     good: glider!["float32 sink  # [m/s] Sink rate"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
     let has_topics = || topics::lines(subject).any(|line| topics::words(line).next().is_some());
-    if subject.is_px4_message()
-        && subject.message.fields.iter().all(|field| field.name != "timestamp")
+    if subject.message.fields.iter().all(|field| field.name != "timestamp")
         && (!subject.is_nested || has_topics())
     {
         let help =

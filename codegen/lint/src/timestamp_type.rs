@@ -17,15 +17,12 @@ pub(super) const RULE: Rule = Rule {
     },
     good: glider![],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 const EXPECTED: Type = Type { element: Element::Scalar(Scalar::UInt64), shape: Shape::Single };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4_message() {
-        return;
-    }
     for field in &subject.message.fields {
         if field.name == "timestamp" && field.ty != EXPECTED {
             let found = subject.schema.type_text(subject.message, field.ty);

@@ -15,7 +15,7 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["", "# TOPICS glyder tow_plane"],
     good: glider!["", "# TOPICS glider tow_plane"],
     measured: Some(Measured { findings: 10, sample: 10, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 /// The maximum edit distance between a mistyped topic and the default topic.
@@ -25,9 +25,6 @@ const MAX_DISTANCE: usize = 2;
 const MAX_LEN: usize = 100;
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4_message() {
-        return;
-    }
     let default = default_topic(&subject.message.name);
     let listed = || topics::lines(subject).flat_map(topics::words);
     if default.len() > MAX_LEN || listed().any(|(word, _)| word == default) {

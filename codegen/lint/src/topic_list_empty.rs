@@ -12,13 +12,10 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["", "# TOPICS"],
     good: glider!["", "# TOPICS glider tow_plane"],
     measured: Some(Measured { findings: 0, sample: 0, right: 0 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4_message() {
-        return;
-    }
     for line in topics::lines(subject).filter(|line| topics::words(line).next().is_none()) {
         sink.report(line.span, "empty list of topics", "list the topics, or remove the line");
     }

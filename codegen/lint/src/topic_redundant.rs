@@ -14,13 +14,10 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["", "# TOPICS glider"],
     good: glider![],
     measured: Some(Measured { findings: 4, sample: 4, right: 4 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4_message() {
-        return;
-    }
     let listed = || topics::lines(subject).flat_map(topics::words);
     let default = default_topic(&subject.message.name);
     // Another rule reports a topic that is listed twice.

@@ -15,13 +15,10 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["float32 sink  # [meters/second] Sink rate"],
     good: glider!["float32 sink  # [m/s] Sink rate"],
     measured: Some(Measured { findings: 16, sample: 16, right: 16 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     for annotation in subject.part.lines.iter().flat_map(annotations) {
         let Statement::Unit(symbol) = annotation.statement else { continue };
         let written = subject.sources.slice(annotation.span).trim_matches(['[', ']']).trim();

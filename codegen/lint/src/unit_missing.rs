@@ -19,7 +19,7 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["float32 bank      # Bank angle"],
     good: glider!["float32 bank      # [rad] Bank angle"],
     measured: Some(Measured { findings: 435, sample: 30, right: 27 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 /// Phrases stating that the unit is undefined, in which case `[-]` would be wrong.
@@ -27,9 +27,6 @@ const UNDEFINED: [&str; 4] =
     ["no unit is defined", "unit is not defined", "unit isn't defined", "unit is unknown"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     let groups = Groups::new(subject.message);
     for (field, _) in subject.fields() {
         let is_float = field.ty.element.is_float();

@@ -19,7 +19,7 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["uint16 altitude  # Above mean sea level"],
     good: glider!["uint16 altitude  # [m] Above mean sea level"],
     measured: Some(Measured { findings: 89, sample: 30, right: 27 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4, check),
 };
 
 /// Words in the names of fields without a unit: identifiers, counters, counts, flags and modes.
@@ -51,9 +51,6 @@ const NO_QUANTITIES: [&str; 6] = [
 const ENDS: [&str; 5] = ["sysid", "compid", "svid", "sessionid", "count"];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4() {
-        return;
-    }
     let groups = Groups::new(subject.message);
     for (field, _) in subject.fields() {
         let is_integer =

@@ -16,7 +16,7 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["float32 load      # [N] Force on the wings"],
     good: glider!["float32 load      # [m/s^2] Acceleration along the mast"],
     measured: Some(Measured { findings: 38, sample: 30, right: 3 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 /// The units in PX4's checker, `Tools/msg/generate_msg_docs.py`.
@@ -26,9 +26,6 @@ const LISTED: [&str; 27] = [
 ];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4_message() {
-        return;
-    }
     for annotation in subject.part.lines.iter().flat_map(annotations) {
         let Statement::Unit(symbol) = annotation.statement else { continue };
         // `unknown-unit` reports unknown units.

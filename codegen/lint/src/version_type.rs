@@ -15,15 +15,12 @@ pub(super) const RULE: Rule = Rule {
     bad: glider!["", "uint32 ORB_QUEUE_LENGTH = 8"],
     good: glider!["", "uint8 ORB_QUEUE_LENGTH = 8"],
     measured: Some(Measured { findings: 1, sample: 1, right: 1 }),
-    check: Check::Message(check),
+    check: Check::Message(Scope::Px4Messages, check),
 };
 
 const TYPES: [(&str, Scalar); 2] = [("MESSAGE_VERSION", Scalar::UInt32), ("ORB_QUEUE_LENGTH", Scalar::UInt8)];
 
 fn check(subject: &Subject<'_>, sink: &mut Sink<'_>) {
-    if !subject.is_px4_message() {
-        return;
-    }
     for constant in &subject.message.constants {
         let expected = TYPES.iter().find(|(name, _)| *name == constant.name);
         if let Some((name, scalar)) = expected.filter(|(_, scalar)| constant.ty != Element::Scalar(*scalar)) {
