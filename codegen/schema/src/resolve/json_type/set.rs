@@ -14,6 +14,9 @@ use crate::value::Value;
 /// The largest exponent of a power of 2 in a value.
 const MAX_SHIFT: i128 = 62;
 
+/// Characters that occur in numbers and expressions, but not in names that start with a digit.
+const OPERATORS: &str = "<>*^|&~(),_×−²³¹⁰⁴⁵⁶⁷⁸⁹⁻";
+
 /// The hint for numbers that are not integers of a set.
 const HINT: &str = "write an integer, such as `3`, `0x1f` or `1 << 4`; quote the value if it is a string";
 
@@ -97,36 +100,13 @@ fn shifted(base: &str, shift: &str) -> Result<Value, LiteralError> {
 fn is_numeric(text: &str) -> bool {
     let unsigned = text.trim_start_matches(['+', '-', '\u{2212}', '(', '~', ' ']);
     let is_based = ["0x", "0X", "0b", "0B", "0o", "0O"].iter().any(|base| unsigned.starts_with(base));
+    let is_operator = |c: char| OPERATORS.contains(c);
     let is_part =
         |c: char| c.is_ascii_hexdigit() || is_operator(c) || matches!(c, 'x' | 'X' | '.' | '-' | ' ' | '+');
     is_number(text)
         || unsigned.starts_with(|c: char| c.is_ascii_digit())
             && (is_based || text.len() > unsigned.len() || text.contains(is_operator))
             && text.chars().all(is_part)
-}
-
-/// True for characters that occur in numbers and expressions, but not in names that start with a digit.
-fn is_operator(character: char) -> bool {
-    matches!(
-        character,
-        '<' | '>'
-            | '*'
-            | '^'
-            | '|'
-            | '&'
-            | '~'
-            | '('
-            | ')'
-            | ','
-            | '_'
-            | '\u{d7}'
-            | '\u{2212}'
-            | '\u{b2}'
-            | '\u{b3}'
-            | '\u{b9}'
-            | '\u{2070}'
-            | '\u{2074}'..='\u{2079}' | '\u{207b}'
-    )
 }
 
 #[cfg(test)]
