@@ -311,7 +311,7 @@ impl Linter<'_> {
 fn selected(sources: &SourceMap, schema: &Schema, parsed: &[PackageSource<'_>]) -> BTreeSet<SourceId> {
     let mut selected = BTreeSet::new();
     for (package, source) in schema.packages.iter().zip(parsed) {
-        if source.select.is_some() {
+        if source.input.select.is_some() {
             let messages = package.messages.iter().map(|id| schema.message(*id).span);
             let spans = messages.chain(package.interfaces.iter().map(|interface| interface.span));
             selected.extend(spans.map(|span| sources.source_of(span)));

@@ -122,7 +122,7 @@ pub(super) fn subjects<'a>(
         })
         .collect();
     let subject = |(id, message): (u32, &'a Message)| {
-        let Form::Msg(dialect) = parsed[message.package].form else { return None };
+        let Form::Msg(dialect) = parsed[message.package].input.form else { return None };
         let (stem, kind, _, definition) = files.get(&(message.span, message.kind))?;
         let suffix = message.name.strip_prefix(stem)?;
         let part = kind.part_suffixes().iter().position(|known| *known == suffix)?;
@@ -140,7 +140,7 @@ pub(super) fn texts<'a>(sources: &'a SourceMap, parsed: &[PackageSource<'a>]) ->
         let files = package.files.iter().map(|(_, _, span, _)| *span);
         for span in files.chain(package.pages.iter().map(|page| page.span)) {
             let text = sources.text(sources.source_of(span));
-            texts.push(SourceText { text, span, form: package.form });
+            texts.push(SourceText { text, span, form: package.input.form });
         }
     }
     texts

@@ -41,6 +41,15 @@ impl PackageInput {
             sources,
         }
     }
+
+    /// The name of the ROS package, as used in type hashes.
+    pub(crate) fn ros_package(&self) -> &str {
+        match (&self.ros_package, self.form) {
+            (Some(name), _) => name,
+            (None, Form::Msg(dialect @ msg::Dialect::Px4)) if self.name == dialect.name() => PX4_ROS_PACKAGE,
+            (None, Form::Msg(_) | Form::Table) => &self.name,
+        }
+    }
 }
 
 /// The ROS 2 package of PX4's messages.
@@ -84,18 +93,18 @@ fn read_with(
 /// Parses all sources. The packages are sorted by name, as in the schema.
 pub fn parse_all<'s>(
     sources: &'s SourceMap,
-    packages: &[PackageInput],
+    packages: &'s [PackageInput],
 ) -> (Vec<PackageSource<'s>>, Vec<Diagnostic>) {
     let mut diagnostics = Vec::new();
     let mut parsed: Vec<PackageSource<'s>> =
         packages.iter().map(|package| parse(sources, package, &mut diagnostics)).collect();
-    parsed.sort_by(|left, right| left.name.cmp(&right.name));
+    parsed.sort_by(|left, right| left.input.name.cmp(&right.input.name));
     (parsed, diagnostics)
 }
 
 fn parse<'s>(
     sources: &'s SourceMap,
-    package: &PackageInput,
+    package: &'s PackageInput,
     diagnostics: &mut Vec<Diagnostic>,
 ) -> PackageSource<'s> {
     let mut files = Vec::new();
@@ -122,22 +131,5 @@ fn parse<'s>(
             }
         }
     }
-    PackageSource {
-        name: package.name.clone(),
-        form: package.form,
-        ros_package: package.ros_package.as_deref().unwrap_or(default_ros_package(package)).to_owned(),
-        origin: package.origin.clone(),
-        revision: package.revision.clone(),
-        select: package.select.clone(),
-        files,
-        pages,
-    }
-}
-
-/// The ROS package of a package that configures none.
-fn default_ros_package(package: &PackageInput) -> &str {
-    match package.form {
-        Form::Msg(dialect @ msg::Dialect::Px4) if package.name == dialect.name() => PX4_ROS_PACKAGE,
-        Form::Msg(_) | Form::Table => &package.name,
-    }
+    PackageSource { input: package, files, pages }
 }

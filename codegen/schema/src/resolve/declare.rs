@@ -13,8 +13,9 @@ impl<'s> Resolver<'s> {
     /// Assigns an id to each message, in the order of package, kind and name.
     pub(super) fn declare(&mut self, packages: &[PackageSource<'s>]) {
         for (package, source) in packages.iter().enumerate() {
-            self.package_by_name.insert(source.name.clone(), package);
-            self.selections.push(source.select.clone());
+            let input = source.input;
+            self.package_by_name.insert(input.name.clone(), package);
+            self.selections.push(input.select.clone());
             let mut files: Vec<usize> = (0..source.files.len()).collect();
             files.sort_by_key(|file| (source.files[*file].1, source.files[*file].0));
             let mut interfaces = Vec::new();
@@ -22,10 +23,10 @@ impl<'s> Resolver<'s> {
             let mut first: BTreeMap<(Kind, String), (&str, Span)> = BTreeMap::new();
             for file in files {
                 let (stem, kind, span, ref definition) = source.files[file];
-                self.check_message_name(stem, source.form, span);
+                self.check_message_name(stem, input.form, span);
                 if let Some((earlier, place)) = first.insert((kind, stem.to_lowercase()), (stem, span)) {
                     let problem =
-                        Problem::DuplicateMessage { name: stem.to_owned(), package: source.name.clone() };
+                        Problem::DuplicateMessage { name: stem.to_owned(), package: input.name.clone() };
                     let mut diagnostic = Diagnostic::new(problem, span.part(0..0))
                         .with_related(place.part(0..0), "first definition");
                     if earlier != stem {
@@ -52,12 +53,12 @@ impl<'s> Resolver<'s> {
                 }
             }
             self.schema.packages.push(Package {
-                origin: source.origin.clone(),
-                revision: source.revision.clone(),
-                is_dependency: source.select.as_ref().is_some_and(Vec::is_empty),
+                origin: input.origin.clone(),
+                revision: input.revision.clone(),
+                is_dependency: input.select.as_ref().is_some_and(Vec::is_empty),
                 messages,
                 interfaces,
-                ..Package::new(source.name.clone(), source.form, source.ros_package.clone())
+                ..Package::new(input.name.clone(), input.form, input.ros_package().to_owned())
             });
         }
     }

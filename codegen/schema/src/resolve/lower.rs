@@ -26,7 +26,7 @@ impl<'s> Resolver<'s> {
         for index in 0..self.schema.messages.len() {
             let origin = self.origins[index];
             let source = &packages[origin.package];
-            let Form::Msg(dialect) = source.form else { continue };
+            let Form::Msg(dialect) = source.input.form else { continue };
             let part = &source.files[origin.file].3.parts[origin.part];
             self.lower_part(index, part, dialect);
         }

@@ -10,7 +10,7 @@ use crate::{Form, JsonMessageId, JsonTypeId};
 impl<'s> Resolver<'s> {
     pub(super) fn tables(&mut self, packages: &[PackageSource<'s>]) {
         for (index, source) in packages.iter().enumerate() {
-            if source.form == Form::Table {
+            if source.input.form == Form::Table {
                 self.pages(index, source);
             }
         }
@@ -19,7 +19,8 @@ impl<'s> Resolver<'s> {
     fn pages(&mut self, index: usize, source: &PackageSource<'_>) {
         let (tables, mut diagnostics) = error_codes::resolve(&source.pages);
         let first = JsonTypeId(offset(self.schema.json_types.len()));
-        let mut found = json_type::resolve(&source.pages, (index, &source.name), first.0, !tables.is_empty());
+        let mut found =
+            json_type::resolve(&source.pages, (index, &source.input.name), first.0, !tables.is_empty());
         for (page, has_types) in source.pages.iter().zip(found.has_definitions) {
             let is_within = |span: Span| page.span.start <= span.start && span.end <= page.span.end;
             let has_codes = tables.iter().any(|table| is_within(table.span))
