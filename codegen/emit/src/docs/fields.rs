@@ -2,7 +2,7 @@
 
 use uavspec_schema::translation::MessageText;
 use uavspec_schema::value::Value;
-use uavspec_schema::{Element, Message, MessageId, Type};
+use uavspec_schema::{Element, Message, MessageId, Type, UorbLayout};
 
 use super::cell::{self, field_link, unit};
 use super::enums;
@@ -29,23 +29,14 @@ pub(super) fn write(page: &mut Page, scope: Scope<'_, '_>, id: MessageId, level:
         number_column(words.get(words::OFFSET)),
     ];
     let mut table = Table::new(&columns);
-    let facts = counters(message).into_iter().zip(offsets(scope, message));
-    for (index, (counter, offset)) in facts.enumerate() {
+    // Only messages with a memory layout have offsets.
+    let offsets = scope.site.layout(message).map(UorbLayout::offsets).unwrap_or_default();
+    for (index, counter) in counters(message).into_iter().enumerate() {
+        let offset = offsets.get(&index).map(ToString::to_string).unwrap_or_default();
         table.row(row(scope, id, index, counter, offset));
     }
     let groups: Vec<Option<usize>> = message.fields.iter().map(|field| field.group).collect();
     in_groups(page, scope, table, &groups, level);
-}
-
-/// The offset of each field in memory, if the message has a memory layout.
-fn offsets<'s>(scope: Scope<'_, 's>, message: &'s Message) -> Vec<String> {
-    let mut offsets = vec![String::new(); message.fields.len()];
-    for slot in scope.site.layout(message).into_iter().flat_map(|layout| &layout.slots) {
-        if let Some(field) = slot.field {
-            offsets[field] = slot.offset.to_string();
-        }
-    }
-    offsets
 }
 
 fn row(

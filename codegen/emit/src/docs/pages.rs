@@ -4,7 +4,7 @@ use uavspec_schema::source::SourceMap;
 use uavspec_schema::translation::{self, Translations};
 use uavspec_schema::{Interface, Package, Schema};
 
-use super::histories::Histories;
+use super::histories::histories;
 use super::options::Options;
 use super::rules::Rules;
 use super::site::Site;
@@ -19,29 +19,30 @@ pub fn emit(
     sources: &SourceMap,
     options: &Options,
 ) -> Vec<OutputFile> {
-    let histories = Histories::new(schema, &options.releases);
-    let site = Site::new(schema, translations, sources, &options.siblings, &histories);
+    let histories = histories(schema, &options.releases);
+    let site = |language| Site::new(schema, translations, sources, &options.siblings, &histories, language);
+    let english = site(None);
     let rules = options.rules.then(Rules::new);
     let mut files = vec![
         book::config(options),
         book::style(),
-        book::summary(&site, rules.as_ref(), &options.more_contents),
-        index::overview(&site, options),
+        book::summary(&english, rules.as_ref(), &options.more_contents),
+        index::overview(&english, options),
     ];
     files.extend(book::scripts());
-    for package in site.packages() {
-        files.push(index::package(&site, package));
+    for package in english.packages() {
+        files.push(index::package(&english, package));
         for id in &package.messages {
-            files.push(message::page(&site, *id));
-            files.extend(picture::file(&site, *id));
+            files.push(message::page(&english, *id));
+            files.extend(picture::file(&english, *id));
         }
-        files.extend(package.interfaces.iter().map(|interface| interface::page(&site, package, interface)));
-        files.extend(error_codes::pages(&site, package));
-        files.extend(json::Json::of(&site, package).pages());
+        files
+            .extend(package.interfaces.iter().map(|interface| interface::page(&english, package, interface)));
+        files.extend(error_codes::pages(&english, package));
+        files.extend(json::Json::of(&english, package).pages());
     }
     for language in &translations.languages {
-        let site =
-            Site::in_language(schema, translations, sources, &options.siblings, &histories, Some(language));
+        let site = site(Some(language));
         site.packages().for_each(|package| files.append(&mut translated(&site, package)));
     }
     files.extend(rules.iter().flat_map(Rules::pages));

@@ -86,19 +86,8 @@ pub(super) struct Localized<'t> {
 }
 
 impl<'s> Site<'s> {
-    /// Creates the English site.
-    pub(super) fn new(
-        schema: &'s Schema,
-        translations: &'s Translations,
-        sources: &'s SourceMap,
-        siblings: &'s Siblings,
-        histories: &'s Histories,
-    ) -> Self {
-        Self::in_language(schema, translations, sources, siblings, histories, None)
-    }
-
     /// Creates the site in `language`, or in English if `language` is `None`.
-    pub(super) fn in_language(
+    pub(super) fn new(
         schema: &'s Schema,
         translations: &'s Translations,
         sources: &'s SourceMap,
