@@ -5,6 +5,7 @@ pub use uavspec_runtime::descriptor::Shape;
 
 use super::annotation::Note;
 use crate::directive::Directive;
+use crate::model;
 use crate::source::Span;
 use crate::value::Value;
 
@@ -100,26 +101,14 @@ pub struct Field<'s> {
 /// A constant.
 #[derive(Debug)]
 pub struct Constant<'s> {
-    /// The type.
-    pub ty: ConstantType,
+    /// The type: a scalar or a string without a bound.
+    pub ty: model::Element,
     /// The name.
     pub name: Name<'s>,
     /// The value, checked against the type's range.
     pub value: Value,
     /// The location of the value.
     pub value_span: Span,
-}
-
-/// The type of a constant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ConstantType {
-    /// A number, a `bool`, a `byte` or a `char`.
-    Scalar(Scalar),
-    /// A `string`, or a `wstring` if `wide`.
-    String {
-        /// True for a `wstring`.
-        wide: bool,
-    },
 }
 
 /// The type of a field.

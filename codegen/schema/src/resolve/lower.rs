@@ -9,7 +9,7 @@ use super::resolver::{PendingEnum, Resolver, id};
 use crate::diagnostic::{Diagnostic, Problem};
 use crate::documentation::ItemDocs;
 use crate::msg::annotation::Note;
-use crate::msg::ast::{self, ConstantType, Item, Line, Part};
+use crate::msg::ast::{self, Item, Line, Part};
 use crate::msg::constraint::{self, Argument, ConstraintKind};
 use crate::msg::statement::{Prefix, Statement};
 use crate::name::is_identifier;
@@ -208,10 +208,7 @@ impl<'s> Resolver<'s> {
         let parameters = parameters.iter().map(|note| self.parameter(index, note)).collect();
         self.schema.messages[index].constants.push(Constant {
             name: constant.name.text.to_owned(),
-            ty: match constant.ty {
-                ConstantType::Scalar(scalar) => Element::Scalar(scalar),
-                ConstantType::String { wide } => Element::String { wide, bound: None },
-            },
+            ty: constant.ty,
             value: constant.value.clone(),
             description: docs.description,
             parameters,

@@ -6,7 +6,8 @@ use uavspec_runtime::Scalar;
 
 use super::{Invalid, LineParser, PX4_GENERATOR, ROSIDL};
 use crate::diagnostic::Problem;
-use crate::msg::ast::{Constant, ConstantType, Element, Field, Name, Shape, Type};
+use crate::model;
+use crate::msg::ast::{Constant, Element, Field, Name, Shape, Type};
 use crate::msg::kind::Dialect;
 use crate::msg::literal::{self, LiteralError};
 use crate::source::Span;
@@ -19,29 +20,27 @@ impl<'s> LineParser<'s, '_> {
     /// Reads the value of a constant.
     pub(super) fn constant(&mut self, ty: &Type<'s>, name: Name<'s>) -> Result<Constant<'s>, Invalid> {
         self.check_style(name, true);
-        let constant_type = match (ty.element, ty.shape) {
-            (Element::Scalar(scalar), Shape::Single) => ConstantType::Scalar(scalar),
-            (Element::String { wide, bound: None }, Shape::Single) => ConstantType::String { wide },
-            _ => {
-                let type_name = self.line[..(ty.span.end - self.span.start) as usize].trim_start().to_owned();
-                return Err(self.report(Problem::ConstantType { type_name }, ty.span));
-            }
-        };
         self.skip_spaces();
         let start = self.at;
-        let value = match constant_type {
-            ConstantType::Scalar(scalar) => {
+        let (ty, value) = match (ty.element, ty.shape) {
+            (Element::Scalar(scalar), Shape::Single) => {
                 let text = self.word(|c| c != '#').trim_end();
                 let span = self.span.part(start..start + text.len());
                 if text.is_empty() {
                     return Err(self.report(Problem::MissingValue { name: name.text.to_owned() }, name.span));
                 }
-                self.scalar(text, span, scalar)?
+                (model::Element::Scalar(scalar), self.scalar(text, span, scalar)?)
             }
-            ConstantType::String { .. } => Value::Text(self.string()?),
+            (Element::String { wide, bound: None }, Shape::Single) => {
+                (model::Element::String { wide, bound: None }, Value::Text(self.string()?))
+            }
+            _ => {
+                let type_name = self.line[..(ty.span.end - self.span.start) as usize].trim_start().to_owned();
+                return Err(self.report(Problem::ConstantType { type_name }, ty.span));
+            }
         };
         let end = start + self.line[start..self.at].trim_end().len();
-        Ok(Constant { ty: constant_type, name, value, value_span: self.span.part(start..end) })
+        Ok(Constant { ty, name, value, value_span: self.span.part(start..end) })
     }
 
     /// Reads a quoted string, or the text up to a comment.
