@@ -237,11 +237,8 @@ impl Description {
             write_description(&mut json, type_name, fields);
         }
         json.push_str("]}");
-        let mut hash = String::from("RIHS01_");
-        for byte in Sha256::digest(json.as_bytes()) {
-            let _ = write!(hash, "{byte:02x}");
-        }
-        hash
+        let hash: String = Sha256::digest(json.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
+        format!("RIHS01_{hash}")
     }
 }
 

@@ -1,6 +1,6 @@
 //! Text of definitions, escaped for Markdown and HTML.
 
-use std::fmt::Write as _;
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 
 use crate::characters::is_hidden;
 
@@ -54,18 +54,12 @@ pub fn xml(text: &str) -> String {
     escaped
 }
 
+/// The characters of paths that are encoded in URLs.
+const ENCODED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~').remove(b'/');
+
 /// Encodes a path or fragment for a URL.
 pub fn percent_encoded(text: &str) -> String {
-    let mut encoded = String::with_capacity(text.len());
-    for byte in text.bytes() {
-        if byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_' | b'.' | b'/') {
-            encoded.push(char::from(byte));
-        } else {
-            // Writing to a `String` can't fail.
-            let _ = write!(encoded, "%{byte:02X}");
-        }
-    }
-    encoded
+    utf8_percent_encode(text, ENCODED).to_string()
 }
 
 /// The first sentence of the text, truncated to `limit` characters.

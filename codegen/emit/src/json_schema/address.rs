@@ -1,8 +1,7 @@
 //! Locations of schemas: file path, absolute URL, and name in a bundle.
 
-use std::fmt::Write as _;
-
 use uavspec_schema::json_type::Direction;
+use uavspec_schema::prose::percent_encoded;
 use uavspec_schema::{JsonMessageId, JsonTypeId, Kind, MessageId, Package, Schema};
 
 /// Extension of all schema files.
@@ -69,7 +68,7 @@ impl<'s> Address<'s> {
 
     /// Absolute URL under `base`.
     pub(super) fn id(self, base: &str) -> String {
-        join(base, &encode(&self.path()))
+        join(base, &percent_encoded(&self.path()))
     }
 
     /// The URL of `other`, relative to this file. References therefore remain valid if all files are moved together.
@@ -79,10 +78,10 @@ impl<'s> Address<'s> {
             reference.push_str("../");
         }
         if self.package == other.package {
-            reference.push_str(&encode(&other.file()));
+            reference.push_str(&percent_encoded(&other.file()));
         } else {
             reference.push_str("../");
-            reference.push_str(&encode(&other.path()));
+            reference.push_str(&percent_encoded(&other.path()));
         }
         reference
     }
@@ -116,29 +115,15 @@ pub(super) fn bundle_path(package: &Package) -> String {
 
 /// Absolute URL of the bundle of `package`.
 pub(super) fn bundle_id(package: &Package, base: &str) -> String {
-    join(base, &encode(&bundle_path(package)))
+    join(base, &percent_encoded(&bundle_path(package)))
 }
 
 /// The URL of a definition inside its bundle.
 pub(super) fn within_bundle(definition: &str) -> String {
     let pointer = definition.replace('~', "~0").replace('/', "~1");
-    format!("#/$defs/{}", encode(&pointer))
+    format!("#/$defs/{}", percent_encoded(&pointer))
 }
 
 fn join(base: &str, path: &str) -> String {
     format!("{}/{path}", base.trim_end_matches('/'))
-}
-
-/// Percent-encodes reserved characters. Reserved characters occur only in package names, which users choose.
-fn encode(path: &str) -> String {
-    let mut encoded = String::with_capacity(path.len());
-    for byte in path.bytes() {
-        if byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'.' | b'_' | b'~' | b'/') {
-            encoded.push(char::from(byte));
-        } else {
-            // Writing to a string never fails.
-            let _ = write!(encoded, "%{byte:02X}");
-        }
-    }
-    encoded
 }

@@ -1,7 +1,6 @@
 //! Identifies findings across runs, so that CI systems recognize findings that moved to another line.
 
 use std::collections::HashMap;
-use std::fmt::Write as _;
 
 use sha2::{Digest as _, Sha256};
 
@@ -22,13 +21,8 @@ impl Fingerprints {
     pub(super) fn of(&mut self, entry: &Entry) -> String {
         let hash = hash(entry);
         let count = self.seen.entry(hash).and_modify(|count| *count += 1).or_insert(1);
-        let mut text = hash.iter().fold(String::new(), |mut text, byte| {
-            // Writing to a `String` can't fail.
-            let _ = write!(text, "{byte:02x}");
-            text
-        });
-        let _ = write!(text, ":{count}");
-        text
+        let hash: String = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+        format!("{hash}:{count}")
     }
 }
 
