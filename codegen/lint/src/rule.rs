@@ -152,9 +152,4 @@ impl Rule {
     pub fn purpose(&self) -> String {
         format!("{} {}", self.statement, self.why)
     }
-
-    /// True if the parser reports the findings of the rule.
-    pub fn is_parser_warning(&self) -> bool {
-        matches!(self.check, Check::Reader(_))
-    }
 }

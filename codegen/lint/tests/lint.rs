@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use support::{differs, extent, files_below, package, shared};
 use uavspec_dynamic::conversion::Request;
-use uavspec_lint::{Preset, RULES, Rule, Settings, apply, lint, rule};
+use uavspec_lint::{Check, Preset, RULES, Rule, Settings, apply, lint, rule};
 use uavspec_schema::diagnostic::{Level, Problem, ProblemKind};
 use uavspec_schema::example::{CONVERTED, Example, catalogues, hints, is_catalogue, is_hints, packages};
 use uavspec_schema::finding::Finding;
@@ -147,7 +147,7 @@ fn an_ignore_comment_applies_to_its_own_line_and_to_the_declaration_below() {
 #[test]
 fn each_parser_warning_is_a_rule_and_no_parser_error_is() {
     for ProblemKind { code, level, .. } in Problem::KINDS {
-        let is_rule = rule(code).map(Rule::is_parser_warning);
+        let is_rule = rule(code).map(|rule| matches!(rule.check, Check::Reader(_)));
         let expected = (*level != Level::Error).then_some(true);
         assert_eq!(is_rule, expected, "{code}");
     }

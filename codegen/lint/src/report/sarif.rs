@@ -13,7 +13,6 @@ use std::io::{self, BufRead};
 
 use serde::ser::{Error as _, Serialize, SerializeSeq as _, Serializer};
 use serde_json::{Map, Value, json};
-use uavspec_schema::diagnostic::Level;
 use uavspec_schema::json_text;
 use uavspec_schema::prose::{gist, percent_encoded};
 
@@ -125,14 +124,6 @@ pub(super) fn write(report: &Report, totals: Option<&Totals>) -> String {
     written.map_or_else(|_| String::new(), |()| String::from_utf8(text).unwrap_or_default())
 }
 
-fn level(level: Level) -> &'static str {
-    match level {
-        Level::Note => "note",
-        Level::Warning => "warning",
-        Level::Error => "error",
-    }
-}
-
 fn rule(rule: &RuleInfo) -> Value {
     let RuleInfo { id, purpose, url, .. } = rule;
     let purpose = if purpose.is_empty() { id } else { purpose };
@@ -141,7 +132,7 @@ fn rule(rule: &RuleInfo) -> Value {
         "shortDescription": { "text": message(&gist(purpose, MAX_TITLE)) },
         "fullDescription": { "text": message(purpose) },
         "help": { "text": message(purpose) },
-        "defaultConfiguration": { "level": level(rule.level) },
+        "defaultConfiguration": { "level": rule.level.name() },
     });
     if !url.is_empty() {
         members["help"] = json!({
@@ -162,7 +153,7 @@ fn result(entry: &Entry, fingerprint: &str) -> Value {
     };
     put("ruleId", json!(entry.rule));
     put("ruleIndex", Value::Null);
-    put("level", json!(level(entry.level)));
+    put("level", json!(entry.level.name()));
     put("message", json!({ "text": message(&text.collect::<Vec<_>>().join("\n")) }));
     let mut location = json!({ "physicalLocation": place(&entry.place) });
     if !entry.part.is_empty() {
