@@ -61,7 +61,8 @@ pub(super) fn files<'c>(
         "Conversions between packages, as implementations of `From` for references.\n\n\
          The documentation of each conversion lists what it loses.",
     );
-    let text = header("the definitions") + &layout_file(quote!(#doc #ALLOWED #(#declarations)*));
+    let allowed = allowed();
+    let text = header("the definitions") + &layout_file(quote!(#doc #allowed #(#declarations)*));
     files.push(OutputFile { path: format!("{MODULE}.rs"), text });
     files
 }
@@ -172,24 +173,18 @@ impl Way<'_> {
     }
 }
 
-/// Lints that computed values from hints may violate.
-const ALLOWED: Allowed = Allowed;
-
-struct Allowed;
-
-impl quote::ToTokens for Allowed {
-    fn to_tokens(&self, tokens: &mut TokenStream) {
-        tokens.extend(quote! {
-            // Computed values are generated as the hints state them.
-            #![allow(clippy::bool_comparison)]
-            #![allow(clippy::cast_possible_truncation)]
-            #![allow(clippy::cast_precision_loss)]
-            #![allow(clippy::cast_sign_loss)]
-            #![allow(clippy::eq_op)]
-            #![allow(clippy::float_cmp)]
-            #![allow(clippy::nonminimal_bool)]
-            #![allow(clippy::overly_complex_bool_expr)]
-            #![allow(clippy::too_many_lines)]
-        });
+/// Allows lints that computed values from hints may violate.
+fn allowed() -> TokenStream {
+    quote! {
+        // Computed values are generated as the hints state them.
+        #![allow(clippy::bool_comparison)]
+        #![allow(clippy::cast_possible_truncation)]
+        #![allow(clippy::cast_precision_loss)]
+        #![allow(clippy::cast_sign_loss)]
+        #![allow(clippy::eq_op)]
+        #![allow(clippy::float_cmp)]
+        #![allow(clippy::nonminimal_bool)]
+        #![allow(clippy::overly_complex_bool_expr)]
+        #![allow(clippy::too_many_lines)]
     }
 }
