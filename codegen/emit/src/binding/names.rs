@@ -9,90 +9,23 @@ use super::declaration::{ERROR_CODE, ERROR_CODE_INFO, SEVERITY};
 use crate::identifier::{Scope, pascal_case, snake_case, type_name};
 
 /// Python keywords.
-const PYTHON: [&str; 35] = [
-    "False", "None", "True", "and", "as", "assert", "async", "await", "break", "class", "continue", "def",
-    "del", "elif", "else", "except", "finally", "for", "from", "global", "if", "import", "in", "is",
-    "lambda", "nonlocal", "not", "or", "pass", "raise", "return", "try", "while", "with", "yield",
-];
+const PYTHON: &str = "False None True and as assert async await break class continue def del elif else \
+    except finally for from global if import in is lambda nonlocal not or pass raise return try while with \
+    yield";
 
 /// Reserved words of TypeScript and JavaScript that can't name modules, constants or elements.
-const TYPESCRIPT: [&str; 43] = [
-    "abstract",
-    "any",
-    "arguments",
-    "bigint",
-    "boolean",
-    "case",
-    "catch",
-    "const",
-    "debugger",
-    "default",
-    "delete",
-    "do",
-    "enum",
-    "eval",
-    "export",
-    "extends",
-    "false",
-    "function",
-    "implements",
-    "instanceof",
-    "interface",
-    "let",
-    "new",
-    "null",
-    "number",
-    "object",
-    "package",
-    "private",
-    "protected",
-    "public",
-    "static",
-    "string",
-    "super",
-    "switch",
-    "symbol",
-    "this",
-    "throw",
-    "true",
-    "typeof",
-    "undefined",
-    "unknown",
-    "var",
-    "void",
-];
+const TYPESCRIPT: &str = "abstract any arguments bigint boolean case catch const debugger default delete \
+    do enum eval export extends false function implements instanceof interface let new null number object \
+    package private protected public static string super switch symbol this throw true typeof undefined \
+    unknown var void";
 
 /// The names in Python's module `builtins`, one per line.
 const BUILTINS: &str = include_str!("builtins.txt");
 
 /// Names that are used by the generated code.
-const USED: [&str; 25] = [
-    "Any",
-    "Final",
-    "Infinity",
-    "IntFlag",
-    "Literal",
-    "NaN",
-    "NotRequired",
-    "OpenIntEnum",
-    "Optional",
-    "TypeAlias",
-    "TypedDict",
-    "Union",
-    "annotations",
-    "bool",
-    "classmethod",
-    "dict",
-    "float",
-    "int",
-    "isinstance",
-    "list",
-    "property",
-    "str",
-    "sys",
-    "tuple",
-    "type",
-];
+const USED: &str = "Any Final Infinity IntFlag Literal NaN NotRequired OpenIntEnum Optional TypeAlias \
+    TypedDict Union annotations bool classmethod dict float int isinstance list property str sys tuple \
+    type";
 
 /// Module names that packages can't use, because other modules use them.
 const MODULES: [&str; 4] = ["data", "index", "labels", "manifest"];
@@ -121,8 +54,8 @@ pub(crate) fn identifier(name: &str) -> String {
     if plain.is_empty() || plain.starts_with(|c: char| c.is_ascii_digit()) {
         return format!("_{plain}");
     }
-    let is_reserved = [&PYTHON[..], &TYPESCRIPT, &USED].iter().any(|words| words.contains(&plain.as_str()));
-    if is_reserved { plain + "_" } else { plain }
+    let mut reserved = [PYTHON, TYPESCRIPT, USED].into_iter().flat_map(|words| words.split(' '));
+    if reserved.any(|word| word == plain) { plain + "_" } else { plain }
 }
 
 /// Like [`identifier`], for modules and declarations. In Python, these names would hide builtins.
@@ -133,7 +66,7 @@ fn top_level(name: &str) -> String {
 
 /// True if `word` is a Python keyword.
 pub(crate) fn is_python_keyword(word: &str) -> bool {
-    PYTHON.contains(&word)
+    PYTHON.split(' ').any(|keyword| keyword == word)
 }
 
 impl Names {
